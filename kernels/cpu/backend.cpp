@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cpu/backend.h"
+
+#include <algorithm>
+#include <thread>
+
+#include <unistd.h>
+
+#include "hwy/targets.h"
+#include "kernels/cpu/block_matcher.h"
+#include "kernels/cpu/sgm_matcher.h"
+#include "kernels/cpu/step_kernels.h"
+#include "kernels/frame_stages.h"
+#include "kernels/step_matcher.h"
+
+namespace disparityd::cpu {
+
+namespace {
+
+// A volume that fits beside what else the machine does stays in the cache and is better not written past it.
+std::size_t last_level_cache_bytes() {
+    constexpr std::size_t usual = std::size_t{8} << 20;
+    const long found = sysconf(_SC_LEVEL3_CACHE_SIZE);
+    return found > 0 ? static_cast<std::size_t>(found) : usual;
+}
+
+// What sums of four paths in bytes allow.
+bool in_byte_sums(const MatchOptions& options) {
+    return options.sgm.paths == 8 && options.sgm.p2 <= max_byte_p2;
+}
+
+}  // namespace
+
+std::vector<InstructionSet> instruction_sets() {
+    std::vector<InstructionSet> found;
+    for (const std::int64_t target : {HWY_AVX3_DL, HWY_AVX3, HWY_AVX2, HWY_SSE4, HWY_NEON}) {
+        constexpr int any_disparities = 64;
+        if ((hwy::SupportedTargets() & target) != 0 && sgm_kernels(target, any_disparities).layout.lanes != 0) {
+            found.push_back({hwy::TargetName(target), target});
+        }
+    }
+    return found;
+}
+
+std::unique_ptr<Matcher> create(const MatcherConfig& config, const InstructionSet& instruction_set) {
+    const MatchOptions& options = checked(config).options;
+    const std::int64_t target = instruction_set.target;
+    if (options.method != Method::sgm) {
+        const int cores = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1U));
+        return std::make_unique<BlockMatcher>(config, steps(target), target, cores);
+    }
+    if (in_byte_sums(options)) {
+        return std::make_unique<SgmMatcher>(config, steps(target), target, last_level_cache_bytes());
+    }
+    return std::make_unique<StepMatcher>(config, steps(target), Spread::workers);
+}
+
+bool available() {
+    return !instruction_sets().empty();
+}
+
+std::unique_ptr<Matcher> create_best(const MatcherConfig& config) {
+    return create(config, instruction_sets().front());
+}
+
+}  // namespace disparityd::cpu

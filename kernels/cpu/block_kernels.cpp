@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cpu/block_kernels.h"
+
+#define HWY_TARGET_INCLUDE "kernels/cpu/block_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
+#if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/layouts-inl.h"
+#include "kernels/cpu/matching_cost-inl.h"
+#include "kernels/cpu/sad_rows-inl.h"
+#include "kernels/cpu/winner_row-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+template <class Tag, int registers>
+struct Block {
+    using Words = hn::Repartition<std::int16_t, Tag>;
+    using W = hn::Vec<Words>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int classes = 2 * registers;
+
+    static std::size_t scratch_bytes(const SgmGeometry& geometry) {
+        return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs a quarter of it
+    }
+
+    template <class Sums>
+    static void winner(const SgmGeometry& geometry, const PostOptions& options, const Sums& sums,
+                       const WinnerRow& out) {
+        Minima minima;
+        WinnerSearch<Words, classes, 1, Sums>(geometry, sums).run(minima, out.right_winner);
+        LeftResults(geometry, options).row(minima, geometry.width, out);
+    }
+
+    static void sad(const SgmGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
+                    Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
+        SadRows<Tag, registers> windows(geometry, left, right, scratch);
+        const std::int16_t* row_sums = windows.sums();
+        const auto sums = [=](int x, W* s) {
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                s[q] = hn::Load(Words(), row_sums + (static_cast<std::ptrdiff_t>(x) * classes + q) * (lanes / 2));
+            }
+        };
+        for (int y = rows.first; y < rows.last; ++y) {
+            y == rows.first ? windows.begin(y) : windows.move_to(y);
+            winner(geometry, options, sums, out.row(y));
+        }
+    }
+
+    static void census(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* left_planes,
+                       const std::uint8_t* right_planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
+        const hn::Repartition<std::uint16_t, Tag> words;
+        const auto sums = [=](int x, W* s) {
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(x) * registers + r) * lanes;
+                const auto costs = hn::BitCast(words, hn::Load(Tag(), scratch + at));
+                s[r] = hn::BitCast(Words(), hn::And(costs, hn::Set(words, std::uint16_t{0x00ff})));
+                s[r + registers] = hn::BitCast(Words(), hn::ShiftRight<8>(costs));
+            }
+        };
+        for (int y = rows.first; y < rows.last; ++y) {
+            const auto row = static_cast<std::size_t>(y);
+            MatchingCostRow<Tag, registers>(geometry, left_planes + row * geometry.census.left_row(),
+                                            right_planes + row * geometry.census.right_row(), scratch)
+                .run();
+            winner(geometry, options, sums, out.row(y));
+        }
+    }
+
+    static BlockKernels table() { return {scratch_bytes, sad, census}; }
+};
+
+inline BlockKernels block_kernels_of(int disparities) {
+    return with_layout(disparities,
+                       [](auto tag, auto registers) { return Block<decltype(tag), registers()>::table(); });
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+namespace disparityd::cpu {
+
+BlockKernels block_kernels(std::int64_t target, int disparities) {
+    switch (target) {
+#if HWY_TARGETS & HWY_AVX3_DL
+        case HWY_AVX3_DL: return N_AVX3_DL::block_kernels_of(disparities);
+#endif
+#if HWY_TARGETS & HWY_AVX3
+        case HWY_AVX3: return N_AVX3::block_kernels_of(disparities);
+#endif
+#if HWY_TARGETS & HWY_AVX2
+        case HWY_AVX2: return N_AVX2::block_kernels_of(disparities);
+#endif
+#if HWY_TARGETS & HWY_SSE4
+        case HWY_SSE4: return N_SSE4::block_kernels_of(disparities);
+#endif
+#if HWY_TARGETS & HWY_NEON
+        case HWY_NEON: return N_NEON::block_kernels_of(disparities);
+#endif
+        default: return {};
+    }
+}
+
+}  // namespace disparityd::cpu
+#endif

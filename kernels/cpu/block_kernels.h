@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/cpu/sgm_kernels.h"
+
+namespace disparityd::cpu {
+
+/// Winner-takes-all on costs of single windows, for one instruction set and number of candidates: pure functions on
+/// rows of an image. `geometry` has the layout of sgm_kernels().
+struct BlockKernels {
+    /// Bytes of memory that sad() and census() need for one band of rows, aligned to 64.
+    std::size_t (*scratch_bytes)(const SgmGeometry& geometry);
+
+    /// Steps 2, 6, 7 and 12 for rows [first, last).
+    void (*sad)(const SgmGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
+                Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
+
+    /// Steps 4, 6, 7 and 12 for rows [first, last) from census planes.
+    void (*census)(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* left_planes,
+                   const std::uint8_t* right_planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
+};
+
+BlockKernels block_kernels(std::int64_t target, int disparities);
+
+}  // namespace disparityd::cpu

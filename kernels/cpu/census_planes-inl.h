@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 3 of docs/algorithm.md into planes of bytes, the form in which costs are computed: for the same bits of many
+// pixels one load. The order of the bits is free, since only differing bits are counted.
+#if defined(DISPARITYD_CPU_CENSUS_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_CENSUS_PLANES_INL_H_
+#undef DISPARITYD_CPU_CENSUS_PLANES_INL_H_
+#else
+#define DISPARITYD_CPU_CENSUS_PLANES_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstring>
+
+#include "kernels/cpu/lanes-inl.h"
+#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+// Where the processor counts the bits of bytes, a plane holds 8 bits of a pixel; elsewhere bits are counted by table
+// lookup, 4 at a time.
+#if HWY_TARGET == HWY_AVX3_DL || HWY_ARCH_ARM
+constexpr int bits_per_plane = 8;
+#else
+constexpr int bits_per_plane = 4;
+#endif
+constexpr int census_bits = 62;
+constexpr int census_planes = (census_bits + bits_per_plane - 1) / bits_per_plane;
+constexpr int census_radius_x = 4;
+constexpr int census_radius_y = 3;
+
+/// Bytes that loops over whole vectors may read or write past the end of a row.
+constexpr int row_slack = 128;
+
+inline int rounded_up(int value, int unit) {
+    return (value + unit - 1) / unit * unit;
+}
+
+inline CensusLayout census_layout(int width, DisparityLayout layout) {
+    CensusLayout census;
+    census.planes = census_planes;
+    census.left_pitch = rounded_up(width, 64) + row_slack;
+    census.right_part = rounded_up((width + layout.candidates()) / layout.registers, 64) + row_slack;
+    census.right_pitch = census.right_part * layout.registers;
+    return census;
+}
+
+/// The seven rows around the row in work, with their borders replicated, as signed bytes (the order stays, and signed
+/// comparison is an instruction everywhere).
+class CensusWindow {
+public:
+    CensusWindow(Plane<const std::uint8_t> image, int first) : image_(image) {
+        for (int y = first - census_radius_y; y < first + census_radius_y; ++y) {
+            load(y);
+        }
+    }
+
+    /// To be called for y = first, first + 1, ..
+    void move_to(int y) { load(y + census_radius_y); }
+
+    const std::int8_t* row(int y) const { return &rows_[(y + rows) % rows][row_slack]; }
+
+private:
+    static constexpr int rows = 8;  // a ring, a power of two
+
+    void load(int y) {
+        const std::uint8_t* in = image_.row(std::clamp(y, 0, image_.height - 1));
+        std::int8_t* out = &rows_[(y + rows) % rows][row_slack];
+        for (int x = 0; x < image_.width; ++x) {
+            out[x] = static_cast<std::int8_t>(in[x] ^ 0x80);
+        }
+        std::fill_n(out - census_radius_x, census_radius_x, out[0]);
+        std::fill_n(out + image_.width, census_radius_x, out[image_.width - 1]);
+    }
+
+    Plane<const std::uint8_t> image_;
+    alignas(64) std::int8_t rows_[rows][max_side + 2 * row_slack] = {};
+};
+
+/// One row of all planes, natural order, `pitch` bytes from plane to plane; whole vectors are written.
+inline void census_row(const CensusWindow& window, int y, int width, std::uint8_t* planes, int pitch) {
+    const hn::ScalableTag<std::int8_t> tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    const std::int8_t* rows[2 * census_radius_y + 1];
+    for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
+        rows[dy + census_radius_y] = window.row(y + dy);
+    }
+    for (int x = 0; x < width; x += lanes) {
+        const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
+        auto bits = hn::Zero(tag);
+        std::uint8_t* out = planes + x;
+        int count = 0;
+        for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
+            for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
+                if (dy == census_radius_y && dx == 0) {
+                    continue;
+                }
+                const auto less = hn::Lt(hn::LoadU(tag, rows[dy] + x + dx), centre);
+                const auto bit = hn::Set(tag, static_cast<std::int8_t>(1 << count));
+                bits = hn::Or(bits, hn::IfThenElseZero(less, bit));
+                if (++count == bits_per_plane) {
+                    hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
+                    out += pitch;
+                    bits = hn::Zero(tag);
+                    count = 0;
+                }
+            }
+        }
+        hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
+    }
+}
+
+inline void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+    CensusWindow window(image, rows.first);
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
+        census_row(window, y, geometry.width, planes + static_cast<std::size_t>(y) * geometry.census.left_row(),
+                   geometry.census.left_pitch);
+    }
+}
+
+/// `from` backwards: to[0] = from[count - 1].
+inline void mirror(const std::uint8_t* from, int count, std::uint8_t* to) {
+    const hn::FixedTag<std::uint8_t, 16> block;
+    alignas(16) static constexpr std::uint8_t backwards[16] = {15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0};
+    const auto order = hn::Load(block, backwards);
+    int i = 0;
+    for (; i + 16 <= count; i += 16) {
+        hn::StoreU(hn::TableLookupBytes(hn::LoadU(block, from + count - 16 - i), order), block, to + i);
+    }
+    for (; i < count; ++i) {
+        to[i] = from[count - 1 - i];
+    }
+}
+
+/// from[registers * i + r] to to[r * part + i].
+template <int registers>
+void split(const std::uint8_t* from, int count, std::uint8_t* to, int part) {
+    int i = 0;
+    if constexpr (registers == 2 || registers == 4) {
+        const hn::ScalableTag<std::uint8_t> tag;
+        const int lanes = static_cast<int>(hn::Lanes(tag));
+        for (; registers * i < count; i += lanes) {
+            hn::Vec<decltype(tag)> v[registers];
+            if constexpr (registers == 2) {
+                hn::LoadInterleaved2(tag, from + 2 * i, v[0], v[1]);
+            } else {
+                hn::LoadInterleaved4(tag, from + 4 * i, v[0], v[1], v[2], v[3]);
+            }
+            for (int r = 0; r < registers; ++r) {
+                hn::StoreU(v[r], tag, to + r * part + i);
+            }
+        }
+    }
+    for (; registers * i < count; ++i) {
+        for (int r = 0; r < registers; ++r) {
+            to[r * part + i] = from[registers * i + r];
+        }
+    }
+}
+
+/// Entry i of a mirrored plane belongs to column width - 1 - d_min - i of the right image: candidate k of left column
+/// x is entry width - 1 - x + k. Entries of columns outside the image hold what happens to be there; costs of such
+/// candidates are replaced.
+template <int registers>
+void census_right(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+    const int width = geometry.width;
+    const CensusLayout& census = geometry.census;
+    const int entries = width + geometry.layout.candidates();
+    const int first_entry = std::clamp(-geometry.range.first, 0, entries);  // of the last column inside
+    const int last_column = std::min(width - 1, width - 1 - geometry.range.first);
+    const int columns = std::clamp(last_column + 1, 0, entries - first_entry);
+    constexpr int longest = max_side + max_disparities + row_slack * 4;
+    alignas(64) std::uint8_t natural[census_planes][max_side + row_slack];
+    alignas(64) std::uint8_t mirrored[longest] = {};
+    CensusWindow window(image, rows.first);
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
+        census_row(window, y, width, natural[0], max_side + row_slack);
+        for (int i = 0; i < census_planes; ++i) {
+            std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row() + i * census.right_pitch;
+            if (columns > 0) {
+                mirror(natural[i] + last_column + 1 - columns, columns, mirrored + first_entry);
+            }
+            split<registers>(mirrored, entries, out, census.right_part);
+        }
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

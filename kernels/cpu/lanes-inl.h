@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+// What Highway 1.0.3 has no operation for: moving bytes by one lane through a whole register, and the least byte of a
+// register in all its lanes. No include guard by name: Highway includes this file once for each instruction set.
+#if defined(DISPARITYD_CPU_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_LANES_INL_H_
+#undef DISPARITYD_CPU_LANES_INL_H_
+#else
+#define DISPARITYD_CPU_LANES_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hwy/highway.h"
+
+// For loops over registers and over rows: left to themselves, compilers keep some of them, and what they index is then
+// in memory instead of registers.
+#define DISPARITYD_UNROLL _Pragma("GCC unroll 16")
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Lane i gets lane i - 1 of `v`; lane 0 gets the last lane of `edge`.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V from_lane_below(Tag tag, V v, V edge) {
+    constexpr std::size_t lane_bytes = sizeof(hn::TFromD<Tag>);
+    constexpr std::size_t bytes = lane_bytes * hn::MaxLanes(Tag());
+    if constexpr (bytes == 16) {
+        return hn::CombineShiftRightBytes<16 - lane_bytes>(tag, v, edge);
+    } else if constexpr (bytes == 32) {
+        return hn::CombineShiftRightBytes<16 - lane_bytes>(tag, v, hn::ConcatLowerUpper(tag, v, edge));
+    } else {
+#if HWY_TARGET <= HWY_AVX3
+        return hn::CombineShiftRightBytes<16 - lane_bytes>(tag, v, V{_mm512_alignr_epi64(v.raw, edge.raw, 6)});
+#endif
+    }
+}
+
+/// Lane i gets lane i + 1 of `v`; the last lane gets lane 0 of `edge`.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V from_lane_above(Tag tag, V v, V edge) {
+    constexpr std::size_t lane_bytes = sizeof(hn::TFromD<Tag>);
+    constexpr std::size_t bytes = lane_bytes * hn::MaxLanes(Tag());
+    if constexpr (bytes == 16) {
+        return hn::CombineShiftRightBytes<lane_bytes>(tag, edge, v);
+    } else if constexpr (bytes == 32) {
+        return hn::CombineShiftRightBytes<lane_bytes>(tag, hn::ConcatLowerUpper(tag, edge, v), v);
+    } else {
+#if HWY_TARGET <= HWY_AVX3
+        return hn::CombineShiftRightBytes<lane_bytes>(tag, V{_mm512_alignr_epi64(edge.raw, v.raw, 2)}, v);
+#endif
+    }
+}
+
+/// For the neighbours of a path's lanes: like from_lane_below, with 255 beyond the end. With one or two registers per
+/// pixel the first lane may as well be its own neighbour (a neighbour costs a penalty more), which saves an operation.
+template <int registers, class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V path_from_below(Tag tag, V v, V none) {
+#if HWY_TARGET == HWY_AVX3_DL
+    if constexpr (hn::MaxLanes(Tag()) == 64) {
+        alignas(64) static constexpr std::uint8_t from[64] = {
+            0,  0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20,
+            21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42,
+            43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62};
+        const V moved{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
+        return registers <= 2 ? moved : hn::Or(moved, V{_mm512_maskz_mov_epi8(1, none.raw)});
+    }
+#endif
+    return from_lane_below(tag, v, none);
+}
+
+template <int registers, class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V path_from_above(Tag tag, V v, V none) {
+#if HWY_TARGET == HWY_AVX3_DL
+    if constexpr (hn::MaxLanes(Tag()) == 64) {
+        alignas(64) static constexpr std::uint8_t from[64] = {
+            1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22,
+            23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44,
+            45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 63};
+        const V moved{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
+        return registers <= 2 ? moved : hn::Or(moved, V{_mm512_maskz_mov_epi8(1ULL << 63, none.raw)});
+    }
+#endif
+    return from_lane_above(tag, v, none);
+}
+
+/// The least byte of 16, in all lanes of `tag`.
+template <class Tag, class Block>
+HWY_INLINE hn::Vec<Tag> broadcast_least_of_block(Tag tag, Block block) {
+    const hn::FixedTag<std::uint8_t, 16> block_tag;
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    const hn::Repartition<std::uint16_t, decltype(block_tag)> pairs;
+    const auto least_of_pair = hn::Min(block, hn::BitCast(block_tag, hn::ShiftRight<8>(hn::BitCast(pairs, block))));
+    const __m128i least = _mm_minpos_epu16(least_of_pair.raw);
+    if constexpr (hn::MaxLanes(Tag()) == 16) {
+        return hn::Vec<Tag>{_mm_shuffle_epi8(least, _mm_setzero_si128())};
+    }
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (hn::MaxLanes(Tag()) == 32) {
+        return hn::Vec<Tag>{_mm256_broadcastb_epi8(least)};
+    }
+#endif
+#if HWY_TARGET <= HWY_AVX3
+    if constexpr (hn::MaxLanes(Tag()) == 64) {
+        return hn::Vec<Tag>{_mm512_broadcastb_epi8(least)};
+    }
+#endif
+#elif HWY_ARCH_ARM_A64
+    (void)block_tag;
+    return hn::Set(tag, vminvq_u8(block.raw));
+#else
+    block = hn::Min(block, hn::ShiftRightBytes<8>(block_tag, block));
+    block = hn::Min(block, hn::ShiftRightBytes<4>(block_tag, block));
+    block = hn::Min(block, hn::ShiftRightBytes<2>(block_tag, block));
+    block = hn::Min(block, hn::ShiftRightBytes<1>(block_tag, block));
+    return hn::Set(tag, hn::GetLane(block));
+#endif
+}
+
+/// Min of the 128-bit blocks of `v`: one block.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE auto least_of_blocks(Tag tag, V v) {
+    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
+        (void)tag;
+        return v;
+    } else {
+        const hn::Half<Tag> half;
+        return least_of_blocks(half, hn::Min(hn::LowerHalf(half, v), hn::UpperHalf(half, v)));
+    }
+}
+
+/// The least byte of `v` in all lanes.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V broadcast_least(Tag tag, V v) {
+    return broadcast_least_of_block(tag, least_of_blocks(tag, v));
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 4 of docs/algorithm.md, one row: differing bits of the census planes, counted plane by plane for all candidates
+// of a few pixels at once (neighbouring pixels share most of what is loaded).
+#if defined(DISPARITYD_CPU_MATCHING_COST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_MATCHING_COST_INL_H_
+#undef DISPARITYD_CPU_MATCHING_COST_INL_H_
+#else
+#define DISPARITYD_CPU_MATCHING_COST_INL_H_
+#endif
+
+#include "kernels/cpu/census_planes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+constexpr std::uint8_t outside_cost = census_bits;
+
+/// How many of the bits of a plane's bytes are set.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V count_bits(Tag tag, V v) {
+    if constexpr (bits_per_plane == 8) {
+        (void)tag;
+        return hn::PopulationCount(v);
+    } else {
+        alignas(16) static constexpr std::uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+        return hn::TableLookupBytes(hn::LoadDup128(tag, counts), v);
+    }
+}
+
+template <class Tag, int registers>
+class MatchingCostRow {
+    using V = hn::Vec<Tag>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int candidates = registers * lanes;
+
+public:
+    MatchingCostRow(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
+                    std::uint8_t* costs)
+        : geometry_(geometry), left_(left), right_(right), costs_(costs) {}
+
+    void run() const {
+        constexpr int at_once = HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86 ? (registers <= 2   ? 4
+                                                                          : registers <= 4 ? 2
+                                                                                           : 1)
+                                : registers == 1                       ? 4
+                                : registers <= 4                       ? 2
+                                                                       : 1;
+        const int width = geometry_.width;
+        int x = 0;
+        for (; x + at_once <= width; x += at_once) {
+            pixels<at_once>(x);
+        }
+        for (; x < width; ++x) {
+            pixels<1>(x);
+        }
+        set_outside();
+        set_padding();
+    }
+
+private:
+    /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
+    /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
+    template <int count>
+    HWY_INLINE void pixels(int x) const {
+        constexpr int sources = registers + count - 1;
+        const int entry = geometry_.width - x - count;  // of pixel x + count - 1, register 0
+        std::ptrdiff_t source[sources];
+        DISPARITYD_UNROLL
+        for (int s = 0; s < sources; ++s) {
+            source[s] = (entry + s) % registers * geometry_.census.right_part + (entry + s) / registers;
+        }
+        V cost[count][registers];
+        DISPARITYD_UNROLL
+        for (int i = 0; i < count; ++i) {
+            std::fill_n(cost[i], registers, hn::Zero(tag_));
+        }
+        const std::uint8_t* left = left_ + x;
+        const std::uint8_t* right = right_;
+        for (int plane = 0; plane < census_planes; ++plane) {
+            V bits[sources];
+            DISPARITYD_UNROLL
+            for (int s = 0; s < sources; ++s) {
+                bits[s] = hn::LoadU(tag_, right + source[s]);
+            }
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count; ++i) {
+                const V word = hn::Set(tag_, left[i]);
+                DISPARITYD_UNROLL
+                for (int r = 0; r < registers; ++r) {
+                    const V differing = count_bits(tag_, hn::Xor(word, bits[count - 1 - i + r]));
+                    cost[i][r] = hn::Add(cost[i][r], differing);
+                }
+            }
+            left += geometry_.census.left_pitch;
+            right += geometry_.census.right_pitch;
+        }
+        DISPARITYD_UNROLL
+        for (int i = 0; i < count; ++i) {
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                hn::Store(cost[i][r], tag_, pixel(x + i) + r * lanes);
+            }
+        }
+    }
+
+    std::uint8_t* pixel(int x) const { return costs_ + static_cast<std::ptrdiff_t>(x) * candidates; }
+
+    /// Which candidate each lane of register r holds.
+    V candidate(int r) const {
+        alignas(64) std::uint8_t k[lanes];
+        for (int lane = 0; lane < lanes; ++lane) {
+            k[lane] = static_cast<std::uint8_t>(registers * lane + r);
+        }
+        return hn::Load(tag_, k);
+    }
+
+    /// Candidates outside the right image, near the left and right border.
+    void set_outside() const {
+        const int width = geometry_.width;
+        const DisparityRange range = geometry_.range;
+        V k[registers];
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            k[r] = candidate(r);
+        }
+        for (int x = 0; x < width; ++x) {
+            const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
+            const int last = std::clamp(x + 1 - range.first, first, range.count);
+            if (first == 0 && last == range.count) {
+                x = std::max(x, std::min(width, range.first + width) - 1);  // all inside up to there
+                continue;
+            }
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                const V cost = hn::Load(tag_, pixel(x) + r * lanes);
+                hn::Store(first == last ? hn::Set(tag_, outside_cost) : keep(cost, k[r], first, last), tag_,
+                          pixel(x) + r * lanes);
+            }
+        }
+    }
+
+    /// The cost where candidate k is one of first .. last - 1.
+    V keep(V cost, V k, int first, int last) const {
+        const V from_first = hn::Sub(k, hn::Set(tag_, static_cast<std::uint8_t>(first)));
+        const V limit = hn::Set(tag_, static_cast<std::uint8_t>(last - 1 - first));
+        return hn::IfThenElse(hn::Eq(hn::Max(from_first, limit), limit), cost, hn::Set(tag_, outside_cost));
+    }
+
+    /// Lanes past the last candidate.
+    void set_padding() const {
+        if (geometry_.range.count == candidates) {
+            return;
+        }
+        const V last = hn::Set(tag_, static_cast<std::uint8_t>(geometry_.range.count - 1));
+        V least[registers];
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const V k = candidate(r);
+            const auto inside = hn::Eq(hn::Max(k, last), last);
+            least[r] = hn::IfThenElse(inside, hn::Zero(tag_), hn::Set(tag_, padding_cost));
+        }
+        for (int x = 0; x < geometry_.width; ++x) {
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                std::uint8_t* at = pixel(x) + r * lanes;
+                hn::Store(hn::Max(least[r], hn::Load(tag_, at)), tag_, at);
+            }
+        }
+    }
+
+    const Tag tag_{};
+    const SgmGeometry& geometry_;
+    const std::uint8_t* left_;
+    const std::uint8_t* right_;
+    std::uint8_t* costs_;
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

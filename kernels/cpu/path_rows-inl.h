@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 5 of docs/algorithm.md, the four paths of one sweep: one along the row and three from the row before.
+//
+// A path arrives at a pixel as N(d) = min(L(d) - min L, P2) of the pixel it comes from; M(d) = min(N(d), N(d-1) + P1,
+// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d). The sum of four M fits a byte while P2 <= 63.
+#if defined(DISPARITYD_CPU_PATH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_PATH_ROWS_INL_H_
+#undef DISPARITYD_CPU_PATH_ROWS_INL_H_
+#else
+#define DISPARITYD_CPU_PATH_ROWS_INL_H_
+#endif
+
+#include <algorithm>
+#include <utility>
+
+#include "hwy/cache_control.h"
+#include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/least_of_pixels-inl.h"
+#include "kernels/cpu/sgm_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+/// Rows that are worked on together run this many pixels apart: a row needs the least costs of its upper right
+/// neighbour, and those come in blocks of 16, one block late.
+constexpr int row_lag = 33;
+constexpr int least_block = 16;
+
+template <class Tag, int registers, int rows_at_once, bool streaming>
+class PathRows {
+    using V = hn::Vec<Tag>;
+    static constexpr int candidates = registers * static_cast<int>(hn::MaxLanes(Tag()));
+
+public:
+    PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
+        : width_(geometry.width),
+          step_(pass.direction * candidates),
+          p1_(hn::Set(tag_, static_cast<std::uint8_t>(pass.p1))),
+          none_(hn::Set(tag_, std::uint8_t{255})),
+          before_(before) {}
+
+    void run(const SweepRow* rows, bool from_right) {
+        DISPARITYD_UNROLL
+        for (int j = 0; j < rows_at_once; ++j) {
+            begin(states_[j], rows[j], from_right);
+        }
+        const int end = width_ + row_lag * (rows_at_once - 1);
+        // Blocks in which all rows are inside the image, the block before too.
+        const int first_inside = rounded_up_to_block(least_block + row_lag * (rows_at_once - 1));
+        const int end_inside = width_ / least_block * least_block;
+        int t = 0;
+        for (; t < std::min(first_inside, end); t += least_block) {
+            block_at_border(t);
+        }
+        if (t < end_inside) {
+            blocks_inside(t, end_inside);
+            t = end_inside;
+        }
+        for (; t < end; t += least_block) {
+            block_at_border(t);
+        }
+        reduce_at_border(t - least_block);
+    }
+
+private:
+    // A row on its way. The path along the row is kept as L + offset with the offset and min(L + offset) beside it: the
+    // minimum, a long chain of dependent operations, is then needed late in the next pixel only.
+    struct State {
+        // Written out: GCC compiles an implicit one for the baseline, which cannot call what is of this instruction
+        // set.
+        State() {}
+
+        V along[registers];
+        V diagonal[registers];
+        V least;
+        V offset;
+        const std::uint8_t* costs;
+        std::uint8_t* sums;
+        std::uint8_t* costs_copy;
+        const std::uint8_t* prefetch[2];
+        const std::uint8_t* jumps[4];
+    };
+
+    void begin(State& state, const SweepRow& row, bool from_right) {
+        const std::ptrdiff_t first = from_right ? static_cast<std::ptrdiff_t>(width_ - 1) * candidates : 0;
+        state.costs = row.costs + first;
+        state.sums = row.sums + first;
+        state.costs_copy = row.costs_copy == nullptr ? nullptr : row.costs_copy + first;
+        for (int i = 0; i < 2; ++i) {
+            state.prefetch[i] = row.prefetch[i] == nullptr ? state.costs : row.prefetch[i] + first;
+        }
+        std::copy_n(row.jumps, 4, state.jumps);
+        state.least = hn::Zero(tag_);
+        state.offset = hn::Zero(tag_);
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            state.along[r] = hn::Zero(tag_);
+            state.diagonal[r] = hn::Zero(tag_);
+        }
+    }
+
+    // M from N, for one path.
+    HWY_INLINE void continue_path(const V* n, V* m) const {
+        const V below = path_from_below<registers>(tag_, n[registers - 1], none_);
+        const V above = path_from_above<registers>(tag_, n[0], none_);
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const V before = r == 0 ? below : n[r - 1];
+            const V after = r == registers - 1 ? above : n[r + 1];
+            m[r] = hn::Min(n[r], hn::SaturatedAdd(hn::Min(before, after), p1_));
+        }
+    }
+
+    // N of the pixel at `from` of the row before, for the pixel at `to`.
+    HWY_INLINE void load_before(const State& state, int path, int from, int to, V* n) const {
+        const V least = hn::Set(tag_, before_.least[path][from]);
+        const V jump = hn::Set(tag_, state.jumps[path][to]);
+        const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(from) * candidates;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            n[r] = hn::Min(hn::Sub(hn::Load(tag_, costs + r * lanes()), least), jump);
+        }
+    }
+
+    static constexpr int rounded_up_to_block(int p) { return (p + least_block - 1) / least_block * least_block; }
+    static constexpr int lanes() { return static_cast<int>(hn::MaxLanes(Tag())); }
+
+    HWY_INLINE void finish_path(int path, int p, const V* m, const V* cost, V* sum) const {
+        std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            sum[r] = hn::Add(sum[r], m[r]);
+            hn::Store(hn::Add(m[r], cost[r]), tag_, costs + r * lanes());
+        }
+    }
+
+    // One pixel in each of `count` rows, row j at position p[j]; step by step side by side, so that the processor has
+    // independent work while one row waits for its minimum.
+    template <int count>
+    HWY_INLINE void pixels(State* states, const int* p) {
+        V cost[count][registers];
+        V sum[count][registers];
+        V n[registers];
+        V m[registers];
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            along_row(states[j], p[j], cost[j], sum[j]);
+        }
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            load_before(states[j], 1, p[j], p[j], n);
+            continue_path(n, m);
+            finish_path(1, p[j], m, cost[j], sum[j]);
+        }
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            load_before(states[j], 2, p[j] + 1, p[j], n);
+            continue_path(n, m);
+            finish_path(2, p[j], m, cost[j], sum[j]);
+        }
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
+            continue_path(states[j].diagonal, m);
+            load_before(states[j], 0, p[j], p[j] + 1, states[j].diagonal);
+            finish_path(0, p[j], m, cost[j], sum[j]);
+            std::uint8_t* sums = states[j].sums + static_cast<std::ptrdiff_t>(p[j]) * step_;
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                if constexpr (streaming) {
+                    hn::Stream(sum[j][r], tag_, sums + r * lanes());
+                } else {
+                    hn::Store(sum[j][r], tag_, sums + r * lanes());
+                }
+            }
+        }
+    }
+
+    HWY_INLINE void along_row(State& state, int p, V* cost, V* sum) const {
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p) * step_;
+        V m[registers];
+        continue_path(state.along, m);
+        const V jump = hn::Add(state.least, hn::Set(tag_, state.jumps[3][p]));
+        V least = none_;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const std::ptrdiff_t offset = at + r * lanes();
+            cost[r] = hn::Load(tag_, state.costs + offset);
+            if constexpr (streaming) {
+                hn::Stream(cost[r], tag_, state.costs_copy + offset);
+            } else {
+                hwy::Prefetch(state.prefetch[0] + offset);
+                hwy::Prefetch(state.prefetch[1] + offset);
+            }
+            const V step = hn::Min(m[r], jump);
+            state.along[r] = hn::Add(step, hn::Sub(cost[r], state.offset));
+            sum[r] = hn::Sub(step, state.least);
+            least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
+        }
+        state.offset = hn::Sub(state.least, state.offset);
+        state.least = broadcast_least(tag_, least);
+    }
+
+    // min L of the 16 pixels from p on.
+    HWY_INLINE hn::Vec<hn::FixedTag<std::uint8_t, 16>> least_of(int path, int p) const {
+        const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
+        return least_of_pixels(tag_, [&](int i) {
+            V v = hn::Load(tag_, costs + i * candidates);
+            DISPARITYD_UNROLL
+            for (int r = 1; r < registers; ++r) {
+                v = hn::Min(v, hn::Load(tag_, costs + i * candidates + r * lanes()));
+            }
+            return v;
+        });
+    }
+
+    // The minima of a block are taken while the next one is worked on, spread among its pixels.
+    void blocks_inside(int first, int end) {
+        const hn::FixedTag<std::uint8_t, 16> block;
+        constexpr int reductions = 3 * rows_at_once;
+        constexpr int share = rows_at_once == 1 ? 4 : 2;  // pixels per reduction
+        // A copy that nobody else can see and that is not indexed at run time stays in registers.
+        PathRows local = *this;
+        for (int t = first; t < end; t += least_block) {
+            for (int i = 0; i < least_block / share; ++i) {
+                DISPARITYD_UNROLL
+                for (int k = 0; k < share; ++k) {
+                    int p[rows_at_once];
+                    DISPARITYD_UNROLL
+                    for (int j = 0; j < rows_at_once; ++j) {
+                        p[j] = t + i * share + k - row_lag * j;
+                    }
+                    local.template pixels<rows_at_once>(local.states_, p);
+                }
+                if (i < reductions) {
+                    const int p = t - least_block - row_lag * (i / 3);
+                    hn::StoreU(least_of(i % 3, p), block, before_.least[i % 3] + p);
+                }
+            }
+        }
+        std::copy_n(local.states_, rows_at_once, states_);
+    }
+
+    void block_at_border(int t) {
+        if (t > 0) {
+            reduce_at_border(t - least_block);
+        }
+        for (int i = 0; i < least_block; ++i) {
+            DISPARITYD_UNROLL
+            for (int j = 0; j < rows_at_once; ++j) {
+                const int p = t + i - row_lag * j;
+                if (p >= 0 && p < width_) {
+                    pixels<1>(&states_[j], &p);
+                }
+            }
+        }
+    }
+
+    void reduce_at_border(int t) const {
+        const hn::FixedTag<std::uint8_t, 16> block;
+        DISPARITYD_UNROLL
+        for (int j = 0; j < rows_at_once; ++j) {
+            const int p = t - row_lag * j;
+            const int first = std::max(p, 0);
+            const int last = std::min(p + least_block, width_);
+            for (int path = 0; path < 3 && first < last; ++path) {
+                alignas(16) std::uint8_t least[least_block];
+                hn::Store(least_of(path, p), block, least);
+                std::copy(least + (first - p), least + (last - p), before_.least[path] + first);
+            }
+        }
+    }
+
+    const Tag tag_{};
+    int width_;
+    std::ptrdiff_t step_;
+    V p1_;
+    V none_;
+    PathRow before_;
+    State states_[rows_at_once];
+};
+
+/// P2 of each position of a row, for SweepRow::jumps; see SgmKernels::jumps.
+inline void adaptive_jumps(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
+                           const std::uint8_t* row_before, std::uint8_t* const* jumps) {
+    const hn::ScalableTag<std::uint8_t> tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    const int width = geometry.width;
+    // Both rows in the order of the sweep; beyond their ends is no pixel, and no path that could make use of a penalty.
+    alignas(64) std::uint8_t here[max_side + 2 * row_slack];
+    alignas(64) std::uint8_t before[max_side + 2 * row_slack];
+    for (const auto& [from, to] : {std::pair{row, here}, {row_before, before}}) {
+        std::fill_n(to, row_slack, std::uint8_t{0});
+        std::fill_n(to + row_slack + width, row_slack, std::uint8_t{0});
+        if (pass.direction > 0) {
+            std::copy_n(from, width, to + row_slack);
+        } else {
+            mirror(from, width, to + row_slack);
+        }
+    }
+    const auto largest = hn::Set(tag, static_cast<std::uint8_t>(pass.p2));
+    const auto smallest = hn::Set(tag, static_cast<std::uint8_t>(pass.p1 + 1));
+    const std::uint8_t* middle = before + row_slack;
+    const std::uint8_t* sources[4] = {middle - 1, middle, middle + 1, here + row_slack - 1};
+    for (int path = 0; path < 4; ++path) {
+        for (int p = 0; p < width; p += lanes) {
+            const auto a = hn::LoadU(tag, here + row_slack + p);
+            const auto b = hn::LoadU(tag, sources[path] + p);
+            const auto difference = hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
+            hn::StoreU(hn::Max(smallest, hn::SaturatedSub(largest, difference)), tag, jumps[path] + p);
+        }
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 2 of docs/algorithm.md by running sums: a row of sums over the window's height for each column and candidate,
+// to which each image row adds its new row of differences and takes the oldest away; and along the row a sum over the
+// window's width, moved on in the same way. Sums are words in the classes of winner_row-inl.h.
+#if defined(DISPARITYD_CPU_SAD_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_SAD_ROWS_INL_H_
+#undef DISPARITYD_CPU_SAD_ROWS_INL_H_
+#else
+#define DISPARITYD_CPU_SAD_ROWS_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "kernels/cpu/census_planes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+constexpr int sad_radius_x = 4;
+constexpr int sad_radius_y = 3;
+constexpr std::int16_t sad_outside = (2 * sad_radius_x + 1) * (2 * sad_radius_y + 1) * 255;
+
+/// A row of the right image for absolute differences: mirrored as census_right() has it, split by register, its border
+/// replicated as far as candidates reach.
+template <int registers>
+class MirroredRow {
+public:
+    void set(const SgmGeometry& geometry, const std::uint8_t* row) {
+        const int width = geometry.width;
+        const int entries = width + geometry.layout.candidates();
+        const int first = std::clamp(-geometry.range.first, 0, entries);  // entries before it are right of the image
+        const int end = std::clamp(width - geometry.range.first, 0, entries);
+        std::fill_n(mirrored_, first, row[width - 1]);
+        if (end > first) {
+            mirror(row + width - geometry.range.first - end, end - first, mirrored_ + first);
+        }
+        std::fill_n(mirrored_ + end, entries - end, row[0]);
+        split<registers>(mirrored_, entries, parts_, part);
+    }
+
+    const std::uint8_t* entry(int i) const { return parts_ + i % registers * part + i / registers; }
+
+private:
+    static constexpr int longest = max_side + max_disparities;
+    static constexpr int part = (longest / registers + 63) / 64 * 64 + row_slack;
+
+    alignas(64) std::uint8_t mirrored_[longest + 4 * row_slack] = {};
+    alignas(64) std::uint8_t parts_[part * registers] = {};
+};
+
+template <class Tag, int registers>
+class SadRows {
+    using Words = hn::Repartition<std::int16_t, Tag>;
+    using V = hn::Vec<Tag>;
+    using W = hn::Vec<Words>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Words()));
+    static constexpr int classes = 2 * registers;
+    static constexpr int candidates = classes * lanes;
+
+public:
+    static std::size_t scratch_bytes(const SgmGeometry& geometry) {
+        return 2 * sizeof(std::int16_t) * static_cast<std::size_t>(geometry.width) * candidates;
+    }
+
+    SadRows(const SgmGeometry& geometry, Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+            std::uint8_t* scratch)
+        : geometry_(geometry),
+          left_(left),
+          right_(right),
+          columns_(reinterpret_cast<std::int16_t*>(scratch)),
+          sums_(columns_ + static_cast<std::ptrdiff_t>(geometry.width) * candidates) {}
+
+    void begin(int y) {
+        std::fill_n(columns_, static_cast<std::ptrdiff_t>(geometry_.width) * candidates, std::int16_t{0});
+        for (int dy = -sad_radius_y; dy <= sad_radius_y; ++dy) {
+            new_.set(geometry_, right_.row(inside(y + dy)));
+            add_row<false>(left_.row(inside(y + dy)), nullptr);
+        }
+        sum_windows();
+    }
+
+    /// From y - 1 to y.
+    void move_to(int y) {
+        const int added = inside(y + sad_radius_y);
+        const int taken = inside(y - 1 - sad_radius_y);
+        new_.set(geometry_, right_.row(added));
+        old_.set(geometry_, right_.row(taken));
+        add_row<true>(left_.row(added), left_.row(taken));
+        sum_windows();
+    }
+
+    /// The sums of the row, pixel after pixel.
+    const std::int16_t* sums() const { return sums_; }
+
+private:
+    int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
+    std::int16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
+
+    HWY_INLINE static V difference(V a, V b) { return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)); }
+
+    template <bool take_old>
+    void add_row(const std::uint8_t* added, const std::uint8_t* taken) {
+        const Tag bytes;
+        const Words words;
+        const hn::Repartition<std::uint16_t, Tag> unsigned_words;
+        const auto low = hn::Set(unsigned_words, std::uint16_t{0x00ff});
+        for (int x = 0; x < geometry_.width; ++x) {
+            const V here = hn::Set(bytes, added[x]);
+            const V there = hn::Set(bytes, take_old ? taken[x] : std::uint8_t{0});
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                const int entry = geometry_.width - 1 - x + r;
+                const auto more = hn::BitCast(unsigned_words, difference(here, hn::LoadU(bytes, new_.entry(entry))));
+                auto even = hn::And(more, low);
+                auto odd = hn::ShiftRight<8>(more);
+                if constexpr (take_old) {
+                    const auto less =
+                        hn::BitCast(unsigned_words, difference(there, hn::LoadU(bytes, old_.entry(entry))));
+                    even = hn::Sub(even, hn::And(less, low));
+                    odd = hn::Sub(odd, hn::ShiftRight<8>(less));
+                }
+                std::int16_t* even_sums = column(x) + r * lanes;
+                std::int16_t* odd_sums = column(x) + (r + registers) * lanes;
+                hn::Store(hn::Add(hn::Load(words, even_sums), hn::BitCast(words, even)), words, even_sums);
+                hn::Store(hn::Add(hn::Load(words, odd_sums), hn::BitCast(words, odd)), words, odd_sums);
+            }
+        }
+    }
+
+    void sum_windows() const {
+        const Words words;
+        const int last = geometry_.width - 1;
+        W sum[classes];
+        W index[classes];
+        for (int q = 0; q < classes; ++q) {
+            alignas(64) std::int16_t k[lanes];
+            for (int lane = 0; lane < lanes; ++lane) {
+                k[lane] = static_cast<std::int16_t>(classes * lane + q);
+            }
+            index[q] = hn::Load(words, k);
+            sum[q] = hn::Zero(words);
+            for (int dx = -sad_radius_x; dx <= sad_radius_x; ++dx) {
+                sum[q] = hn::Add(sum[q], hn::Load(words, column(std::clamp(dx, 0, last)) + q * lanes));
+            }
+        }
+        for (int x = 0; x <= last; ++x) {
+            const std::int16_t* next = column(std::min(x + 1 + sad_radius_x, last));
+            const std::int16_t* oldest = column(std::max(x - sad_radius_x, 0));
+            store(x, sum, index);
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                const W change = hn::Sub(hn::Load(words, next + q * lanes), hn::Load(words, oldest + q * lanes));
+                sum[q] = hn::Add(sum[q], change);
+            }
+        }
+    }
+
+    HWY_INLINE void store(int x, const W* sum, const W* index) const {
+        const Words words;
+        const DisparityRange range = geometry_.range;
+        const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
+        const int last = std::clamp(x + 1 - range.first, first, range.count);
+        std::int16_t* out = sums_ + static_cast<std::ptrdiff_t>(x) * candidates;
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            W s = sum[q];
+            if (first != 0 || last != range.count) {
+                const auto early = hn::Lt(index[q], hn::Set(words, static_cast<std::int16_t>(first)));
+                const auto late = hn::Lt(hn::Set(words, static_cast<std::int16_t>(last - 1)), index[q]);
+                s = hn::IfThenElse(hn::Or(early, late), hn::Set(words, sad_outside), s);
+            }
+            hn::Store(s, words, out + q * lanes);
+        }
+    }
+
+    const SgmGeometry& geometry_;
+    Plane<const std::uint8_t> left_;
+    Plane<const std::uint8_t> right_;
+    std::int16_t* columns_;
+    std::int16_t* sums_;
+    MirroredRow<registers> new_;
+    MirroredRow<registers> old_;
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

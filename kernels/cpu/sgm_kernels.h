@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/image.h"
+#include "kernels/options.h"
+
+namespace disparityd::cpu {
+
+/// How the candidates of a pixel lie in vector registers: candidate k = registers * lane + r is in lane `lane` of
+/// register r, so that the neighbours k - 1 and k + 1 of a whole register are two other registers, and only the first
+/// and the last register need a shift by one lane. `lanes * registers` is the number of candidates rounded up; what is
+/// too much costs `padding_cost`, which never wins and never influences its neighbours.
+struct DisparityLayout {
+    int lanes = 0;
+    int registers = 0;
+
+    int candidates() const { return lanes * registers; }
+    std::size_t bytes() const { return static_cast<std::size_t>(candidates()); }
+};
+
+/// Least cost that is out of reach of all others: 62 (largest cost) + 63 (largest P2), and a little.
+constexpr std::uint8_t padding_cost = 128;
+
+/// The largest P2 for which sums of four paths fit a byte (4 * 63 = 252).
+constexpr int max_byte_p2 = 63;
+
+/// Census words of one image as planes of bytes: plane i holds some bits of every pixel's word. `bits_per_plane` is 8,
+/// or 4 where the machine counts bits by table.
+struct CensusLayout {
+    int planes = 0;
+    int left_pitch = 0;   ///< bytes from plane to plane of a row, left image
+    int right_part = 0;   ///< right image: bytes of each of the `registers` parts of a plane
+    int right_pitch = 0;  ///< bytes from plane to plane
+
+    std::size_t left_row() const { return static_cast<std::size_t>(planes) * static_cast<std::size_t>(left_pitch); }
+    std::size_t right_row() const { return static_cast<std::size_t>(planes) * static_cast<std::size_t>(right_pitch); }
+};
+
+/// What stays the same for all rows of a frame.
+struct SgmGeometry {
+    int width = 0;
+    int height = 0;
+    DisparityRange range;
+    DisparityLayout layout;
+    CensusLayout census;
+
+    std::size_t row_bytes() const { return static_cast<std::size_t>(width) * layout.bytes(); }
+};
+
+/// Path costs L of the row before and the least of each pixel, of the three paths that come from it (from the pixel
+/// before, above and after), indexed by position along the sweep (the column, or counted from the right end in the
+/// upward sweep), with guard pixels on both sides.
+struct PathRow {
+    std::uint8_t* costs[3] = {};
+    std::uint8_t* least[3] = {};
+};
+
+constexpr int path_guard = 64;  ///< guard pixels on either side of a PathRow
+
+/// One row of a sweep, all arrays with the candidates of one pixel after the other.
+struct SweepRow {
+    const std::uint8_t* costs = nullptr;   ///< matching costs of the row
+    std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the four paths
+    std::uint8_t* costs_copy = nullptr;    ///< out, when streaming: costs again, past the caches
+    const std::uint8_t* jumps[4] = {};     ///< P2 by position, of PathRow's paths and of the one along the row
+    const std::uint8_t* prefetch[2] = {};  ///< rows that are needed soon; used when not null
+};
+
+enum class Store : std::uint8_t {
+    keep,    ///< plain stores
+    stream,  ///< past the caches, `costs_copy` too: follow with hwy::FlushStream before another thread reads
+};
+
+struct SweepPass {
+    int direction = 1;  ///< 1: downwards and to the right, -1: upwards and to the left
+    int p1 = 0;
+    int p2 = 0;
+    Store store = Store::keep;
+};
+
+/// Rows of results.
+struct WinnerRow {
+    std::int16_t* winner = nullptr;
+    std::int16_t* disparity = nullptr;
+    std::uint8_t* confidence = nullptr;
+    std::int16_t* right_winner = nullptr;
+};
+
+/// Where results go; all planes have the size of the image.
+struct WinnerPlanes {
+    Plane<std::int16_t> disparity;
+    Plane<std::uint8_t> confidence;
+    Plane<std::int16_t> winner;
+    Plane<std::int16_t> right_winner;
+
+    WinnerRow row(int y) const { return {winner.row(y), disparity.row(y), confidence.row(y), right_winner.row(y)}; }
+};
+
+/// The SGM kernels of one instruction set, for one number of candidates. All are pure functions on rows.
+struct SgmKernels {
+    DisparityLayout layout;
+    int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
+
+    /// Strides and sizes of census planes.
+    CensusLayout (*census_layout)(int width, DisparityLayout layout);
+    /// Census of rows [first, last) into planes of these rows (`planes` points to row 0).
+    void (*census_left)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
+    /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
+    void (*census_right)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
+    /// Matching costs of one row from the row's planes.
+    void (*matching_cost)(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
+                          std::uint8_t* costs);
+    /// Four paths over `count` rows, the first of them first in the direction of the sweep.
+    void (*aggregate)(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before, const SweepRow* rows,
+                      int count);
+    /// Adaptive P2 of one row of the left image: SweepRow::jumps (to be rounded up to whole vectors).
+    void (*jumps)(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
+                  const std::uint8_t* row_before, std::uint8_t* const* jumps);
+    /// Winners of one row: S = down + up + 8 C.
+    void (*winner)(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
+                   const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
+};
+
+/// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()).
+SgmKernels sgm_kernels(std::int64_t target, int disparities);
+
+}  // namespace disparityd::cpu

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/frame_scratch.h"
+
+#include <algorithm>
+
+#include "kernels/matcher.h"
+#include "kernels/steps.h"
+
+namespace disparityd {
+
+namespace {
+
+constexpr std::size_t alignment = 64;
+
+std::size_t align(std::size_t offset) {
+    return (offset + alignment - 1) / alignment * alignment;
+}
+
+std::size_t words_of_both(const MatcherConfig& config) {
+    const std::size_t pixels = static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height);
+    return config.options.method == Method::sad ? 0 : 2 * align(pixels * sizeof(std::uint64_t));
+}
+
+template <typename T>
+Plane<T> plane_at(std::span<std::byte> scratch, std::size_t offset, int width, int height) {
+    return {reinterpret_cast<T*>(scratch.data() + offset), width, height, width};
+}
+
+}  // namespace
+
+FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config)
+    : FrameScratch(steps, config, words_of_both(config)) {}
+
+FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config, std::size_t census_bytes)
+    : width_(config.width), height_(config.height) {
+    const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+    const PostOptions& post = config.options.post;
+    right_winner_ = align(pixels * sizeof(std::int16_t));
+    shared_ = right_winner_ + align(pixels * sizeof(std::int16_t));
+    right_census_ = shared_ + align(pixels * sizeof(std::uint64_t));
+    bytes_ = shared_ + std::max({census_bytes, post.median > 0 ? pixels * sizeof(std::int16_t) : 0,
+                                 post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
+                                 post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
+}
+
+Plane<std::int16_t> FrameScratch::left_winner(std::span<std::byte> scratch) const {
+    return plane_at<std::int16_t>(scratch, 0, width_, height_);
+}
+
+Plane<std::int16_t> FrameScratch::right_winner(std::span<std::byte> scratch) const {
+    return plane_at<std::int16_t>(scratch, right_winner_, width_, height_);
+}
+
+Plane<std::uint64_t> FrameScratch::left_census(std::span<std::byte> scratch) const {
+    return plane_at<std::uint64_t>(scratch, shared_, width_, height_);
+}
+
+Plane<std::uint64_t> FrameScratch::right_census(std::span<std::byte> scratch) const {
+    return plane_at<std::uint64_t>(scratch, right_census_, width_, height_);
+}
+
+Plane<std::int16_t> FrameScratch::unfiltered(std::span<std::byte> scratch) const {
+    return plane_at<std::int16_t>(scratch, shared_, width_, height_);
+}
+
+}  // namespace disparityd

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "kernels/image.h"
+
+namespace disparityd {
+
+struct KernelSteps;
+struct MatcherConfig;
+
+/// How a frame's scratch is divided: what travels with a frame from one stage to the next.
+class FrameScratch {
+public:
+    FrameScratch(const KernelSteps& steps, const MatcherConfig& config);
+    /// With room for a census of another form than two planes of words.
+    FrameScratch(const KernelSteps& steps, const MatcherConfig& config, std::size_t census_bytes);
+
+    std::size_t bytes() const { return bytes_; }
+
+    Plane<std::int16_t> left_winner(std::span<std::byte> scratch) const;
+    Plane<std::int16_t> right_winner(std::span<std::byte> scratch) const;
+
+    /// From census to match.
+    Plane<std::uint64_t> left_census(std::span<std::byte> scratch) const;
+    Plane<std::uint64_t> right_census(std::span<std::byte> scratch) const;
+
+    std::span<std::byte> census(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
+
+    /// During post-processing, one after the other, in the place of the census words.
+    Plane<std::int16_t> unfiltered(std::span<std::byte> scratch) const;
+    std::span<std::byte> work(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
+
+private:
+    int width_;
+    int height_;
+    std::size_t right_winner_;  // offsets
+    std::size_t shared_;
+    std::size_t right_census_;
+    std::size_t bytes_;
+};
+
+}  // namespace disparityd

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/frame_stages.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "kernels/over_rows.h"
+#include "kernels/steps.h"
+
+namespace disparityd {
+
+namespace {
+
+void check_fits(const FrameView& frame) {
+    const Rectifier& rectifier = *frame.rectifier;
+    const bool fits = rectifier.mapped || (rectifier.crop_x >= 0 && rectifier.crop_y >= 0 &&
+                                           rectifier.crop_x + frame.left.width <= frame.raw.eye_width &&
+                                           rectifier.crop_y + frame.left.height <= frame.raw.height);
+    if (!fits) {
+        throw std::invalid_argument("region of " + std::to_string(frame.left.width) + "x" +
+                                    std::to_string(frame.left.height) + " at (" + std::to_string(rectifier.crop_x) +
+                                    ", " + std::to_string(rectifier.crop_y) + ") does not lie inside the frame's " +
+                                    std::to_string(frame.raw.eye_width) + "x" + std::to_string(frame.raw.height));
+    }
+}
+
+}  // namespace
+
+const MatcherConfig& checked(const MatcherConfig& config) {
+    if (config.width < 1 || config.width > max_side || config.height < 1 || config.height > max_side) {
+        throw std::invalid_argument("image size " + std::to_string(config.width) + "x" + std::to_string(config.height) +
+                                    ": allowed is 1 to " + std::to_string(max_side) + " each");
+    }
+    const std::string found = problem(config.options);
+    if (!found.empty()) {
+        throw std::invalid_argument(found);
+    }
+    return config;
+}
+
+void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
+    check_fits(frame);
+    over_rows(config_.height, workers, [&](Rows rows) {
+        steps_.rectify(frame.raw, Eye::left, *frame.rectifier, frame.left, rows);
+        steps_.rectify(frame.raw, Eye::right, *frame.rectifier, frame.right, rows);
+        if (frame.left_colour) {
+            steps_.rectify_colour(frame.raw, *frame.rectifier, frame.left_colour, rows);
+        }
+    });
+}
+
+void FrameStages::post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
+    const int height = config_.height;
+    const MatchOptions& options = config_.options;
+    const PostOptions& post = options.post;
+    const std::int16_t invalid = invalid_disparity(options.range);
+    const Plane<std::int16_t> unfiltered = scratch.unfiltered(frame.scratch);
+    over_rows(height, workers, [&](Rows rows) {
+        if (post.left_right_check) {
+            steps_.left_right(scratch.left_winner(frame.scratch), scratch.right_winner(frame.scratch), options.range,
+                              frame.disparity, rows);
+        }
+        for (int y = rows.first; post.median > 0 && y < rows.last; ++y) {
+            std::copy_n(frame.disparity.row(y), frame.disparity.width, unfiltered.row(y));
+        }
+    });
+    if (post.median > 0) {
+        over_rows(height, workers,
+                  [&](Rows rows) { steps_.median(unfiltered, invalid, post.median, frame.disparity, rows); });
+    }
+    if (post.speckle_size > 0) {
+        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step,
+                       scratch.work(frame.scratch));
+    }
+    over_rows(height, workers,
+              [&](Rows rows) { steps_.mask_confidence(frame.disparity, invalid, frame.confidence, rows); });
+    if (post.interpolate) {
+        steps_.interpolate(frame.disparity, scratch.right_winner(frame.scratch), options.range,
+                           scratch.work(frame.scratch));
+    }
+    if (frame.depth) {
+        over_rows(height, workers,
+                  [&](Rows rows) { steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows); });
+    }
+}
+
+}  // namespace disparityd

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernels/frame_scratch.h"
+#include "kernels/matcher.h"
+#include "kernels/steps.h"
+
+namespace disparityd {
+
+/// The configuration itself; throws as Backend::create does when it cannot be matched with.
+const MatcherConfig& checked(const MatcherConfig& config);
+
+/// The first and the last stage, which are the same however a pair is matched.
+class FrameStages {
+public:
+    /// `steps` outlives this.
+    FrameStages(const KernelSteps& steps, const MatcherConfig& config) : steps_(steps), config_(config) {}
+
+    void rectify(const FrameView& frame, Parallel& workers) const;
+    void post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
+
+private:
+    const KernelSteps& steps_;
+    MatcherConfig config_;
+};
+
+}  // namespace disparityd

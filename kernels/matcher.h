@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "kernels/image.h"
+#include "kernels/options.h"
+#include "kernels/parallel.h"
+#include "kernels/raw_image.h"
+
+namespace disparityd {
+
+/// OpenCV's fixed-point rectification map of one eye (CV_16SC2): for rectified pixel (x, y), `xy` holds the whole
+/// source coordinates, interleaved (width of the plane = 2 * rectified width), `fraction` the 1/32 px rests as
+/// fy * 32 + fx.
+struct RectifyMap {
+    Plane<const std::int16_t> xy;
+    Plane<const std::uint16_t> fraction;
+};
+
+/// How a frame becomes a rectified pair. Without maps (`mapped` false) the source is rectified already and the
+/// rectified image is the region of it that starts at (crop_x, crop_y).
+struct Rectifier {
+    bool mapped = false;
+    RectifyMap left;
+    RectifyMap right;
+    int crop_x = 0;
+    int crop_y = 0;
+};
+
+/// Depth from disparity, step 12 of docs/algorithm.md, all in integers: Z[mm] = (k + d/2) / d with
+/// d = d16 + offset16. k = round(16 f B) (f in px, B in mm); k = 0: no metric calibration, every depth is 0 (unknown).
+struct DepthScale {
+    std::int64_t k = 0;
+    int offset16 = 0;
+};
+
+/// One frame on its way through a matcher. Every plane has the configured rectified size and belongs to the caller.
+struct FrameView {
+    RawImage raw;  ///< input of the first stage
+    const Rectifier* rectifier = nullptr;
+    DepthScale depth_scale;
+    Plane<std::uint8_t> left;  ///< rectified pair, written by the first stage
+    Plane<std::uint8_t> right;
+    Plane<std::uint8_t> left_colour;  ///< rectified left image as BGR (plane width = 3 * width); optional
+    Plane<std::int16_t> disparity;    ///< 1/16 px; rejected = invalid_disparity(range)
+    Plane<std::uint8_t> confidence;   ///< 1 .. 255; 0 = rejected or interpolated
+    Plane<std::uint16_t> depth;       ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
+    std::span<std::byte> scratch;     ///< Matcher::scratch_bytes(), aligned to 64
+};
+
+/// The value that marks a rejected pixel: (d_min - 1) * 16, as OpenCV has it.
+constexpr std::int16_t invalid_disparity(DisparityRange range) {
+    return static_cast<std::int16_t>((range.first - 1) * 16);
+}
+
+struct MatcherConfig {
+    int width = 0;  ///< rectified size, 1 .. 8192 each
+    int height = 0;
+    MatchOptions options;
+};
+
+/// What one pipeline stage of a matcher consists of. A stage whose parts cannot be timed apart (fused kernels) has one
+/// step with the joined names, such as "dsi+aggregate+wta".
+struct StageInfo {
+    std::string_view name;
+    std::span<const std::string_view> steps;
+};
+
+/// A configured matching chain: raw frame in, disparity, confidence and depth out. All memory is allocated by the
+/// back end's create(); nothing is allocated per frame.
+///
+/// Threads: the stages of one frame run in order; different stages may run at the same time on different frames (a
+/// pipeline), one stage is never entered by two threads at once. The first stage is always "rectify": a caller that
+/// has a rectified pair already fills `left` and `right` and starts with stage 1.
+class Matcher {
+public:
+    virtual ~Matcher() = default;
+
+    virtual const MatcherConfig& config() const = 0;
+
+    /// Bytes of scratch that each FrameView in flight must bring (data that travels from stage to stage).
+    virtual std::size_t scratch_bytes() const = 0;
+
+    virtual std::span<const StageInfo> stages() const = 0;
+
+    /// Runs one stage on one frame. step_times has one entry per step of the stage, each is set to the time it took.
+    virtual void run(int stage, const FrameView& frame, Parallel& workers,
+                     std::span<std::chrono::nanoseconds> step_times) = 0;
+};
+
+/// A row of the table of back ends.
+struct Backend {
+    std::string_view name;         ///< "reference", "cpu", later "cuda"
+    std::string_view description;  ///< one line for --help and status
+    bool (*available)();           ///< whether this machine can run it
+    /// Throws std::invalid_argument with problem()'s line for bad options, std::runtime_error when memory is missing.
+    std::unique_ptr<Matcher> (*create)(const MatcherConfig& config);
+};
+
+std::span<const Backend> backends();
+
+/// Throws std::invalid_argument naming the back ends there are when `name` is none of them or not available here.
+/// "auto" picks the fastest available.
+const Backend& backend(std::string_view name);
+
+/// Match one rectified pair (frame.left, frame.right filled) from start to end: stages 1 and on.
+void match(Matcher& matcher, const FrameView& frame, Parallel& workers);
+
+}  // namespace disparityd

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/options.h"
+
+#include <algorithm>
+#include <array>
+
+namespace disparityd {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> method_names = {"sad", "census", "sgm"};
+
+std::string out_of_range(std::string_view option, int found, std::string_view allowed) {
+    return std::string(option) + " = " + std::to_string(found) + ": allowed is " + std::string(allowed);
+}
+
+std::string outside(std::string_view option, int found, int least, int most) {
+    if (found >= least && found <= most) {
+        return {};
+    }
+    return out_of_range(option, found, std::to_string(least) + " to " + std::to_string(most));
+}
+
+std::string range_problem(const DisparityRange& range) {
+    if (range.count < 16 || range.count > 256 || range.count % 16 != 0) {
+        return out_of_range("disparities", range.count, "a multiple of 16, 16 to 256");
+    }
+    return outside("first disparity", range.first, -256, 256);
+}
+
+std::string sgm_problem(const SgmOptions& sgm) {
+    if (sgm.paths != 4 && sgm.paths != 8) {
+        return out_of_range("paths", sgm.paths, "4 or 8");
+    }
+    std::string p2 = outside("p2", sgm.p2, 2, 193);
+    if (!p2.empty()) {
+        return p2 + " (62 + p2 must fit a byte)";
+    }
+    const std::string p1 = outside("p1", sgm.p1, 1, sgm.p2 - 1);
+    return p1.empty() ? p1 : p1 + " (less than p2)";
+}
+
+std::string post_problem(const PostOptions& post) {
+    if (post.median != 0 && post.median != 3 && post.median != 5) {
+        return out_of_range("median", post.median, "0 (off), 3 or 5");
+    }
+    for (const std::string& found :
+         {outside("uniqueness", post.uniqueness, 0, 99), outside("speckle size", post.speckle_size, 0, 1 << 26),
+          outside("speckle step", post.speckle_step, 0, 256)}) {
+        if (!found.empty()) {
+            return found;
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+std::string_view name(Method method) {
+    return method_names[static_cast<std::size_t>(method)];
+}
+
+std::optional<Method> method_from_name(std::string_view text) {
+    const auto* const found = std::find(method_names.begin(), method_names.end(), text);
+    if (found == method_names.end()) {
+        return std::nullopt;
+    }
+    return static_cast<Method>(found - method_names.begin());
+}
+
+MatchOptions default_options(Method method, DisparityRange range) {
+    MatchOptions options;
+    options.method = method;
+    options.range = range;
+    switch (method) {
+        case Method::sad:
+            options.post.uniqueness = 8;
+            options.post.speckle_size = 50;
+            break;
+        case Method::census: options.post.speckle_size = 20; break;
+        case Method::sgm:
+            options.sgm = {.paths = 8, .p1 = 15, .p2 = 63, .adaptive_p2 = true};
+            options.post.uniqueness = 5;
+            options.post.speckle_size = 100;
+            break;
+    }
+    return options;
+}
+
+std::string problem(const MatchOptions& options) {
+    if (options.method != Method::sad && options.method != Method::census && options.method != Method::sgm) {
+        return "unknown matching method: allowed are sad, census and sgm";
+    }
+    for (const std::string& found :
+         {range_problem(options.range), sgm_problem(options.sgm), post_problem(options.post)}) {
+        if (!found.empty()) {
+            return found;
+        }
+    }
+    return {};
+}
+
+}  // namespace disparityd

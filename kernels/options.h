@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace disparityd {
+
+/// Matching methods of docs/algorithm.md: SAD (step 2), CENSUS (steps 3 and 4, winner-takes-all on the matching cost),
+/// SGM (census cost aggregated along paths, step 5).
+enum class Method : unsigned char { sad, census, sgm };
+
+std::string_view name(Method method);                      ///< "sad", "census", "sgm"
+std::optional<Method> method_from_name(std::string_view);  ///< the reverse; empty for any other text
+
+/// Candidates d = first .. first + count - 1, in whole pixels; left (x, y) is compared with right (x - d, y).
+struct DisparityRange {
+    int first = 0;   ///< d_min, -256 .. 256; negative for verged cameras
+    int count = 64;  ///< D, a multiple of 16, 16 .. 256
+};
+
+struct SgmOptions {
+    int paths = 8;             ///< 8, or 4 (horizontal and vertical only)
+    int p1 = 10;               ///< penalty of a step of one disparity, 1 .. p2 - 1
+    int p2 = 63;               ///< penalty of a larger step, p1 + 1 .. 193 (62 + p2 must fit a byte)
+    bool adaptive_p2 = false;  ///< P2' = max(P1 + 1, P2 - |I(p) - I(p - r)|)
+};
+
+/// What happens after winner-takes-all; steps 6 to 11 of docs/algorithm.md, each can be switched off.
+struct PostOptions {
+    bool subpixel = true;          ///< equiangular fit, step 6
+    bool local_extrema = true;     ///< step 7: reject ends with an equal neighbour and flat minima
+    int uniqueness = 0;            ///< step 7: percent, 0 .. 99; 0 switches the uniqueness test off
+    bool left_right_check = true;  ///< step 8
+    int median = 3;                ///< step 9: 0 (off), 3 or 5
+    int speckle_size = 0;          ///< step 10: regions of fewer pixels are rejected; 0 switches it off
+    int speckle_step = 1;          ///< step 10: neighbours differing by at most this many whole pixels belong together
+    bool interpolate = false;      ///< step 11
+};
+
+struct MatchOptions {
+    Method method = Method::sgm;
+    DisparityRange range;
+    SgmOptions sgm;
+    PostOptions post;
+};
+
+/// The tuned defaults of a method (docs/algorithm.md has the measurements), for the given range.
+MatchOptions default_options(Method method, DisparityRange range = {});
+
+/// One line that says which option is wrong, what was found and what is allowed; empty when all is well.
+std::string problem(const MatchOptions& options);
+
+}  // namespace disparityd

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+
+#include "kernels/reference/steps.h"
+
+namespace disparityd::reference {
+
+namespace {
+
+constexpr int radius_x = 4;
+constexpr int radius_y = 3;
+constexpr int window_width = 2 * radius_x + 1;
+constexpr int window_height = 2 * radius_y + 1;
+constexpr std::uint16_t outside = window_width * window_height * 255;
+
+// A row of the right image from its end to its start, so that the candidates of a pixel lie in ascending order;
+// the border is replicated as far as candidates reach.
+class MirroredRow {
+public:
+    void set(const std::uint8_t* row, int width, DisparityRange range) {
+        first_x_ = width - 1 - range.first;
+        const int last_x = -(range.first + range.count - 1);
+        for (int x = first_x_; x >= last_x; --x) {
+            pixels_[static_cast<std::size_t>(first_x_ - x)] = row[std::clamp(x, 0, width - 1)];
+        }
+    }
+
+    /// The candidates of left column x: the pixel at x - d for d = range.first and on.
+    const std::uint8_t* candidates(int x, DisparityRange range) const {
+        return &pixels_[static_cast<std::size_t>(first_x_ - (x - range.first))];
+    }
+
+private:
+    int first_x_ = 0;
+    std::array<std::uint8_t, max_side + max_disparities> pixels_;
+};
+
+using Sums = std::array<std::uint16_t, max_disparities>;
+
+}  // namespace
+
+void sad(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
+         Volume<std::uint16_t> costs, Rows rows) {
+    const int width = left.width;
+    const int disparities = range.count;
+    std::array<MirroredRow, window_height> mirrored;
+    std::array<const std::uint8_t*, window_height> left_rows{};
+    std::array<Sums, window_width> columns;  // a ring: column x is at x modulo the window's width
+
+    const auto sum_column = [&](int x, std::uint16_t* __restrict sums) {
+        std::fill_n(sums, disparities, std::uint16_t{0});
+        for (std::size_t i = 0; i < window_height; ++i) {
+            const std::uint8_t pixel = left_rows[i][x];
+            const std::uint8_t* __restrict candidates = mirrored[i].candidates(x, range);
+            for (int k = 0; k < disparities; ++k) {
+                const std::uint8_t candidate = candidates[k];
+                const auto larger = pixel > candidate ? pixel : candidate;
+                const auto smaller = pixel > candidate ? candidate : pixel;
+                sums[k] = static_cast<std::uint16_t>(sums[k] + static_cast<std::uint8_t>(larger - smaller));
+            }
+        }
+    };
+
+    for (int y = rows.first; y < rows.last; ++y) {
+        for (int i = 0; i < window_height; ++i) {
+            const int window_y = std::clamp(y + i - radius_y, 0, left.height - 1);
+            left_rows[static_cast<std::size_t>(i)] = left.row(window_y);
+            mirrored[static_cast<std::size_t>(i)].set(right.row(window_y), width, range);
+        }
+        for (int x = 0; x < std::min(radius_x, width); ++x) {
+            sum_column(x, columns[static_cast<std::size_t>(x)].data());
+        }
+        for (int x = 0; x < width; ++x) {
+            if (x + radius_x < width) {
+                const auto slot = static_cast<std::size_t>((x + radius_x) % window_width);
+                sum_column(x + radius_x, columns[slot].data());
+            }
+            std::uint16_t* __restrict cost = costs.pixel(x, y);
+            std::fill_n(cost, disparities, std::uint16_t{0});
+            for (int dx = -radius_x; dx <= radius_x; ++dx) {
+                const int window_x = std::clamp(x + dx, 0, width - 1);
+                const std::uint16_t* __restrict column =
+                    columns[static_cast<std::size_t>(window_x % window_width)].data();
+                for (int k = 0; k < disparities; ++k) {
+                    cost[k] = static_cast<std::uint16_t>(cost[k] + column[k]);
+                }
+            }
+            for (int k = 0; k < disparities; ++k) {
+                const int candidate = x - (range.first + k);
+                cost[k] = candidate >= 0 && candidate < width ? cost[k] : outside;
+            }
+        }
+    }
+}
+
+}  // namespace disparityd::reference

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+
+#include "kernels/reference/steps.h"
+
+namespace disparityd::reference {
+
+namespace {
+
+std::size_t pixel_count(int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+// Grows one region after the other, breadth first; every pixel enters the queue once.
+class Regions {
+public:
+    Regions(Plane<std::int16_t> disparity, std::int16_t invalid, int max_step, std::span<std::byte> scratch)
+        : disparity_(disparity),
+          invalid_(invalid),
+          max_step_(max_step),
+          queue_(reinterpret_cast<std::uint32_t*>(scratch.data())),
+          visited_(reinterpret_cast<std::uint8_t*>(queue_ + pixel_count(disparity.width, disparity.height))) {
+        std::fill_n(visited_, pixel_count(disparity.width, disparity.height), std::uint8_t{0});
+    }
+
+    /// Rejects the region that (x, y) belongs to if it was not visited yet and is smaller than min_size.
+    void visit(int x, int y, std::size_t min_size) {
+        const std::int16_t value = disparity_.at(x, y);
+        if (value == invalid_ || visited_[index(x, y)] != 0) {
+            return;
+        }
+        size_ = 0;
+        push(x, y);
+        for (std::size_t i = 0; i < size_; ++i) {
+            const int from_x = static_cast<int>(queue_[i] % static_cast<std::uint32_t>(disparity_.width));
+            const int from_y = static_cast<int>(queue_[i] / static_cast<std::uint32_t>(disparity_.width));
+            const std::int16_t from = disparity_.at(from_x, from_y);
+            join(from, from_x - 1, from_y);
+            join(from, from_x + 1, from_y);
+            join(from, from_x, from_y - 1);
+            join(from, from_x, from_y + 1);
+        }
+        for (std::size_t i = 0; size_ < min_size && i < size_; ++i) {
+            const auto width = static_cast<std::uint32_t>(disparity_.width);
+            disparity_.at(static_cast<int>(queue_[i] % width), static_cast<int>(queue_[i] / width)) = invalid_;
+        }
+    }
+
+private:
+    std::uint32_t index(int x, int y) const {
+        return static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(disparity_.width) +
+               static_cast<std::uint32_t>(x);
+    }
+
+    void push(int x, int y) {
+        visited_[index(x, y)] = 1;
+        queue_[size_++] = index(x, y);
+    }
+
+    void join(std::int16_t from, int x, int y) {
+        if (x < 0 || x >= disparity_.width || y < 0 || y >= disparity_.height || visited_[index(x, y)] != 0) {
+            return;
+        }
+        const std::int16_t value = disparity_.at(x, y);
+        if (value != invalid_ && std::abs(value - from) <= max_step_) {
+            push(x, y);
+        }
+    }
+
+    Plane<std::int16_t> disparity_;
+    std::int16_t invalid_;
+    int max_step_;
+    std::uint32_t* queue_;
+    std::uint8_t* visited_;
+    std::size_t size_ = 0;
+};
+
+}  // namespace
+
+std::size_t speckle_scratch(int width, int height) {
+    return pixel_count(width, height) * (sizeof(std::uint32_t) + sizeof(std::uint8_t));
+}
+
+void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
+             std::span<std::byte> scratch) {
+    Regions regions(disparity, invalid, max_step, scratch);
+    for (int y = 0; y < disparity.height; ++y) {
+        for (int x = 0; x < disparity.width; ++x) {
+            regions.visit(x, y, static_cast<std::size_t>(min_size));
+        }
+    }
+}
+
+}  // namespace disparityd::reference

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/step_matcher.h"
+
+#include <algorithm>
+#include <array>
+
+#include "kernels/over_rows.h"
+#include "kernels/step_clock.h"
+
+namespace disparityd {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
+constexpr std::array<std::string_view, 1> census_steps = {"census"};
+constexpr std::array<std::string_view, 1> post_steps = {"post-process"};
+constexpr std::array<std::string_view, 2> sad_match_steps = {"sad", "wta"};
+constexpr std::array<std::string_view, 2> census_match_steps = {"dsi", "wta"};
+constexpr std::array<std::string_view, 3> sgm_match_steps = {"dsi", "aggregate", "wta"};
+
+constexpr std::array<StageInfo, 3> sad_stages = {
+    {{"rectify", rectify_steps}, {"match", sad_match_steps}, {"post-process", post_steps}}};
+constexpr std::array<StageInfo, 4> census_stages = {{{"rectify", rectify_steps},
+                                                     {"census", census_steps},
+                                                     {"match", census_match_steps},
+                                                     {"post-process", post_steps}}};
+constexpr std::array<StageInfo, 4> sgm_stages = {
+    {{"rectify", rectify_steps}, {"census", census_steps}, {"match", sgm_match_steps}, {"post-process", post_steps}}};
+
+std::span<const StageInfo> stages_of(Method method) {
+    switch (method) {
+        case Method::sad: return sad_stages;
+        case Method::census: return census_stages;
+        case Method::sgm: break;
+    }
+    return sgm_stages;
+}
+
+std::size_t candidates(const MatcherConfig& config) {
+    return static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height) *
+           static_cast<std::size_t>(config.options.range.count);
+}
+
+template <typename T>
+Volume<T> volume(const LargeBuffer& buffer, const MatcherConfig& config) {
+    return {reinterpret_cast<T*>(buffer.data()), config.width, config.height, config.options.range.count};
+}
+
+}  // namespace
+
+StepMatcher::StepMatcher(const MatcherConfig& config, const KernelSteps& steps, Spread spread)
+    : config_(checked(config)),
+      steps_(steps),
+      spread_(spread),
+      scratch_(steps, config),
+      frame_stages_(steps, config),
+      stages_(stages_of(config.options.method)),
+      costs_(candidates(config) * (config.options.method == Method::sad ? sizeof(std::uint16_t) : 1)) {
+    if (config.options.method == Method::sgm) {
+        sums_ = LargeBuffer(candidates(config) * sizeof(std::uint16_t));
+        aggregate_scratch_ =
+            LargeBuffer(steps.aggregate_scratch(config.width, config.height, config.options.range.count));
+    }
+}
+
+void StepMatcher::run(int stage, const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) {
+    Serial serial;
+    Parallel& used = spread_ == Spread::workers ? workers : serial;
+    const std::string_view name = stages_[static_cast<std::size_t>(stage)].name;
+    if (name == "match") {
+        config_.options.method == Method::sad ? match_sad(frame, used, step_times) : match(frame, used, step_times);
+        return;
+    }
+    StepClock clock(step_times);
+    if (name == "rectify") {
+        frame_stages_.rectify(frame, used);
+    } else if (name == "census") {
+        census(frame, used);
+    } else {
+        frame_stages_.post_process(frame, scratch_, used);
+    }
+    clock.next();
+}
+
+void StepMatcher::census(const FrameView& frame, Parallel& workers) const {
+    over_rows(config_.height, workers, [&](Rows rows) {
+        steps_.census(frame.left, scratch_.left_census(frame.scratch), rows);
+        steps_.census(frame.right, scratch_.right_census(frame.scratch), rows);
+    });
+}
+
+void StepMatcher::match_sad(const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) const {
+    StepClock clock(step_times);
+    const auto costs = volume<std::uint16_t>(costs_, config_);
+    over_rows(config_.height, workers,
+              [&](Rows rows) { steps_.sad(frame.left, frame.right, config_.options.range, costs, rows); });
+    clock.next();
+    choose_winners<std::uint16_t>(costs, steps_.winner_u16, frame, workers);
+    clock.next();
+}
+
+void StepMatcher::match(const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) const {
+    StepClock clock(step_times);
+    const auto costs = volume<std::uint8_t>(costs_, config_);
+    over_rows(config_.height, workers, [&](Rows rows) {
+        steps_.matching_cost(scratch_.left_census(frame.scratch), scratch_.right_census(frame.scratch),
+                             config_.options.range, costs, rows);
+    });
+    clock.next();
+    if (config_.options.method == Method::sgm) {
+        const auto sums = volume<std::uint16_t>(sums_, config_);
+        steps_.aggregate(costs, frame.left, config_.options.sgm, sums,
+                         {aggregate_scratch_.data(), aggregate_scratch_.size()}, workers);
+        clock.next();
+        choose_winners<std::uint16_t>(sums, steps_.winner_u16, frame, workers);
+    } else {
+        choose_winners<std::uint8_t>(costs, steps_.winner_u8, frame, workers);
+    }
+    clock.next();
+}
+
+template <typename T>
+void StepMatcher::choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame,
+                                 Parallel& workers) const {
+    const MatchOptions& options = config_.options;
+    const Plane<std::int16_t> left = scratch_.left_winner(frame.scratch);
+    const Plane<std::int16_t> right = scratch_.right_winner(frame.scratch);
+    over_rows(config_.height, workers, [&](Rows block) {
+        // Row by row, so that the costs are still in the cache for the second and third look.
+        for (int y = block.first; y < block.last; ++y) {
+            const Rows row{y, y + 1};
+            winner.left(costs, options.range, options.post.subpixel, left, frame.disparity, row);
+            winner.right(costs, options.range, right, row);
+            winner.local_extrema(costs, options.range, options.post, left, frame.disparity, frame.confidence, row);
+        }
+    });
+}
+
+}  // namespace disparityd

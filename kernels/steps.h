@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "kernels/image.h"
+#include "kernels/matcher.h"
+#include "kernels/options.h"
+#include "kernels/parallel.h"
+#include "kernels/raw_image.h"
+
+namespace disparityd {
+
+/// The largest rectified image, per side. Kernels keep what they need of a row on the stack.
+constexpr int max_side = 8192;
+constexpr int max_disparities = 256;
+
+/// Winner-takes-all and what needs the costs besides it, for matching costs or summed costs of type T.
+template <typename T>
+struct WinnerSteps {
+    /// Step 6: the winner of each pixel of the left image in whole pixels, and its disparity in 1/16 px, refined when
+    /// `subpixel`.
+    void (*left)(Volume<const T> costs, DisparityRange range, bool subpixel, Plane<std::int16_t> winner,
+                 Plane<std::int16_t> disparity, Rows rows);
+    /// Step 6: the winner of each pixel of the right image, from the same costs; range.first - 1 where no candidate
+    /// lies inside the left image.
+    void (*right)(Volume<const T> costs, DisparityRange range, Plane<std::int16_t> winner, Rows rows);
+    /// Steps 7 and 12: rejects disparities of unclear winners, and writes the confidence of all (0 = rejected).
+    void (*local_extrema)(Volume<const T> costs, DisparityRange range, const PostOptions& options,
+                          Plane<const std::int16_t> winner, Plane<std::int16_t> disparity,
+                          Plane<std::uint8_t> confidence, Rows rows);
+};
+
+/// The steps of docs/algorithm.md as one back end computes them. Every table gives the same bytes as the reference's
+/// (tests/kernels compares them).
+///
+/// All are pure functions: no threads of their own, no allocation, no state. A function with `rows` computes these rows
+/// of its output and may be called for disjoint rows at the same time; planes and volumes of one call have one size,
+/// rows of input are read beyond `rows` where a window needs them.
+struct KernelSteps {
+    /// Step 1: luma of one eye, rectified.
+    void (*rectify)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
+    /// Step 1: the left eye in colour, rectified; `bgr` is 3 * width wide.
+    void (*rectify_colour)(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
+    /// Step 2.
+    void (*sad)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
+                Volume<std::uint16_t> costs, Rows rows);
+    /// Step 3.
+    void (*census)(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
+    /// Step 4.
+    void (*matching_cost)(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
+                          Volume<std::uint8_t> costs, Rows rows);
+
+    /// Step 5, the whole volume: spread over `workers` as the back end sees fit.
+    void (*aggregate)(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
+                      Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
+    std::size_t (*aggregate_scratch)(int width, int height, int disparities);  ///< bytes that aggregate() needs
+
+    /// Steps 6, 7 and 12 on the matching costs of census, and on costs of SAD and sums of SGM.
+    WinnerSteps<std::uint8_t> winner_u8;
+    WinnerSteps<std::uint16_t> winner_u16;
+
+    /// Step 8: rejects, in `disparity`, what the winners of both images do not agree on.
+    void (*left_right)(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner,
+                       DisparityRange range, Plane<std::int16_t> disparity, Rows rows);
+    /// Step 9: `size` is 3 or 5. `in` and `out` do not overlap.
+    void (*median)(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
+    /// Step 10, in place, the whole image. Differences up to max_step (1/16 px) hold a region together.
+    void (*speckle)(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
+                    std::span<std::byte> scratch);
+    std::size_t (*speckle_scratch)(int width, int height);
+    /// Step 12: no confidence where the disparity is rejected.
+    void (*mask_confidence)(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
+                            Rows rows);
+    /// Step 11, in place, the whole image.
+    void (*interpolate)(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
+                        std::span<std::byte> scratch);
+    std::size_t (*interpolate_scratch)(int width, int height);
+    /// Step 12.
+    void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
+                  Plane<std::uint16_t> depth, Rows rows);
+};
+
+}  // namespace disparityd
