@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "capture/calibration_formats.h"
+#include "capture/text_file.h"
+
+namespace disparityd::capture {
+
+namespace {
+
+using Entries = std::map<std::string, std::string, std::less<>>;
+
+Entries read_entries(const std::string& text, char separator) {
+    Entries entries;
+    for (const std::string_view line : split(text, '\n')) {
+        const auto at = line.find(separator);
+        if (at != std::string_view::npos) {
+            entries[std::string(trim(line.substr(0, at)))] = std::string(trim(line.substr(at + 1)));
+        }
+    }
+    return entries;
+}
+
+std::vector<double> numbers(const Entries& entries, const std::string& path, std::string_view key, std::size_t count) {
+    const auto found = entries.find(key);
+    if (found == entries.end()) {
+        throw std::invalid_argument("calibration " + path + ": has no entry " + std::string(key));
+    }
+    const auto values = parse_numbers(found->second, "[]; \t\r");
+    if (!values || values->size() != count) {
+        throw std::invalid_argument("calibration " + path + ": " + std::string(key) + ": found '" +
+                                    found->second.substr(0, 60) + "', expected " + std::to_string(count) +
+                                    (count == 1 ? " number" : " numbers"));
+    }
+    return *values;
+}
+
+StereoCalibration rectified_calibration(const std::string& path, int width, int height) {
+    StereoCalibration calibration;
+    calibration.width = width;
+    calibration.height = height;
+    calibration.rectified = true;
+    calibration.origin = path;
+    return calibration;
+}
+
+}  // namespace
+
+StereoCalibration read_middlebury_calibration(const std::string& path, const std::string& text, int width, int height) {
+    const Entries entries = read_entries(text, '=');
+    const auto size_entry = [&](const char* key, int found) {
+        const double expected = numbers(entries, path, key, 1)[0];
+        if (expected != found) {
+            throw std::invalid_argument("calibration " + path + ": " + key + " is " + number_text(expected) +
+                                        ", that of the frames is " + std::to_string(found) +
+                                        ": use the calibration of the same resolution");
+        }
+    };
+    size_entry("width", width);
+    size_entry("height", height);
+    StereoCalibration calibration = rectified_calibration(path, width, height);
+    for (const auto& [camera, key] : {std::pair(&calibration.left, "cam0"), std::pair(&calibration.right, "cam1")}) {
+        const auto matrix = numbers(entries, path, key, 9);
+        *camera = {matrix[0], matrix[4], matrix[2], matrix[5], {}};
+    }
+    calibration.translation = {-numbers(entries, path, "baseline", 1)[0], 0, 0};
+    return calibration;
+}
+
+StereoCalibration read_kitti_calibration(const std::string& path, const std::string& text, int first_camera, int width,
+                                         int height) {
+    const Entries entries = read_entries(text, ':');
+    const bool raw_layout = entries.contains("P_rect_00") || entries.contains("P_rect_02");
+    const auto key = [&](int camera) { return (raw_layout ? "P_rect_0" : "P") + std::to_string(camera); };
+    StereoCalibration calibration = rectified_calibration(path, width, height);
+    double shift[2] = {};
+    for (int i = 0; i < 2; ++i) {
+        const auto p = numbers(entries, path, key(first_camera + i), 12);
+        (i == 0 ? calibration.left : calibration.right) = {p[0], p[5], p[2], p[6], {}};
+        shift[i] = p[0] != 0 ? p[3] / p[0] : 0;
+    }
+    calibration.translation = {1000 * (shift[1] - shift[0]), 0, 0};
+    return calibration;
+}
+
+}  // namespace disparityd::capture

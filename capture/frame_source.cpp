@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/frame_source.h"
+
+#include <stdexcept>
+
+namespace disparityd::capture {
+
+std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {
+    for (const SourceKind& kind : source_kinds()) {
+        if (kind.accepts(options.uri)) {
+            return kind.open(options);
+        }
+    }
+    std::string kinds;
+    for (const SourceKind& kind : source_kinds()) {
+        kinds += "; " + std::string(kind.description);
+    }
+    throw std::invalid_argument("source '" + options.uri +
+                                "': no such file or folder, and no other source; allowed are" + kinds.substr(1));
+}
+
+}  // namespace disparityd::capture

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "capture/calibration.h"
+#include "kernels/raw_image.h"
+
+namespace disparityd::capture {
+
+/// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
+enum FrameFlag : std::uint32_t {
+    frame_flag_none = 0,
+    frame_flag_corrupt = 1U << 0,        ///< the driver marked the frame as damaged
+    frame_flag_discontinuity = 1U << 1,  ///< first frame after a gap, a restart or a loop
+};
+
+/// A frame on loan from its source: the pixels stay valid until give_back().
+struct RawFrame {
+    RawImage image;
+    std::uint64_t sequence = 0;        ///< counts captured frames; a gap means lost ones
+    std::int64_t monotonic_ns = 0;     ///< CLOCK_MONOTONIC at capture (as recorded, when replayed)
+    std::int64_t realtime_ns = 0;      ///< CLOCK_REALTIME at capture (as recorded, when replayed)
+    std::uint32_t flags = 0;           ///< FrameFlag bits
+    std::uint32_t dropped_before = 0;  ///< frames known to be lost between the previous one and this
+    int loan = -1;                     ///< the source's own number for the buffer
+};
+
+/// What a source delivers. Constant from open to close.
+struct SourceInfo {
+    std::string name;         ///< what the user called it, such as "scene:vga"
+    std::string description;  ///< one line for people
+    PixelFormat format = PixelFormat::grey8;
+    int eye_width = 0;
+    int height = 0;
+    double rate = 0;                           ///< nominal frames per second; 0 = unknown (image folders)
+    bool live = false;                         ///< frames come by the clock and are lost when nobody takes them
+    std::optional<std::uint64_t> frame_count;  ///< when known beforehand
+    /// Empty: unknown; the frames can only be used unrectified.
+    std::optional<StereoCalibration> calibration;
+};
+
+/// Where frames come from. One thread calls next(); give_back() and interrupt() may come from any thread.
+class FrameSource {
+public:
+    enum class Next {
+        frame,        ///< `frame` holds a loan
+        timeout,      ///< nothing until the deadline; try again
+        end,          ///< the last frame was delivered before; every later call says so too
+        interrupted,  ///< interrupt() was called; every later call says so too
+    };
+
+    virtual ~FrameSource() = default;
+
+    virtual const SourceInfo& info() const = 0;
+
+    /// Waits for the next frame until `deadline`. At most `loans` frames (see SourceOptions) may be out at a time;
+    /// with all of them out, next() waits for one to come back. Allocates nothing for scene: and for live cameras.
+    /// Throws std::runtime_error with one line for people when the input is damaged; the source has then ended.
+    virtual Next next(RawFrame& frame, std::chrono::steady_clock::time_point deadline) = 0;
+
+    /// Ends a loan.
+    virtual void give_back(const RawFrame& frame) noexcept = 0;
+
+    /// Makes a waiting next() return at once.
+    virtual void interrupt() noexcept = 0;
+};
+
+/// How frames are timed when they do not come from a camera.
+enum class Pace {
+    source,   ///< at the source's own rate, as a camera would
+    fastest,  ///< as soon as somebody asks: offline work
+};
+
+struct SourceOptions {
+    std::string uri;  ///< "scene:vga@15", a folder, a pattern with %d, a video file
+    int loans = 8;    ///< frames that may be out at the same time
+    Pace pace = Pace::source;
+    bool loop = false;             ///< start again after the last frame
+    std::string calibration_path;  ///< overrides what the source brings; empty = the source's own
+    /// Called while a source prepares itself (rendering ahead), with done/total; may be empty.
+    std::function<void(int done, int total)> progress;
+};
+
+/// A row of the table of sources.
+struct SourceKind {
+    std::string_view name;         ///< "scene", "folder", "recording"
+    std::string_view description;  ///< one line for people, with an example
+    bool (*accepts)(const std::string& uri);
+    std::unique_ptr<FrameSource> (*open)(const SourceOptions& options);
+};
+
+const std::vector<SourceKind>& source_kinds();
+
+/// Opens the first kind that accepts the URI. Throws std::invalid_argument (what, where, found, allowed) when the
+/// user must change something, std::runtime_error when the system refuses.
+std::unique_ptr<FrameSource> open_source(const SourceOptions& options);
+
+}  // namespace disparityd::capture

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/recording_format.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+namespace disparityd::capture::recording {
+namespace {
+
+constexpr std::array<std::uint8_t, 8> block_add_id{0, 0, 0, 0, 0, 0, 0, 1};
+constexpr std::array<std::uint8_t, 8> magic{'d', 'i', 's', 'p', 'f', 'r', 'm', '1'};
+
+constexpr std::array<std::pair<PixelFormat, std::string_view>, 3> pixel_format_names{{
+    {PixelFormat::grey8, "grey8"},
+    {PixelFormat::yuyv, "yuyv"},
+    {PixelFormat::bgr24, "bgr24"},
+}};
+
+void put_little_endian(std::uint8_t* to, std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) {
+        to[i] = static_cast<std::uint8_t>(value >> (8 * i));
+    }
+}
+
+std::uint64_t get_little_endian(const std::uint8_t* from, int bytes) {
+    std::uint64_t value = 0;
+    for (int i = 0; i < bytes; ++i) {
+        value |= std::uint64_t{from[i]} << (8 * i);
+    }
+    return value;
+}
+
+}  // namespace
+
+std::string frames_text(std::uint64_t frames) {
+    const std::string digits = std::to_string(frames);
+    return std::string(static_cast<std::size_t>(frames_digits) - digits.size(), '0') + digits;
+}
+
+double plausible_rate(double rate) {
+    return rate >= 1e-3 && rate <= 1e6 ? rate : 0;
+}
+
+void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> bytes) {
+    std::copy(block_add_id.begin(), block_add_id.end(), bytes.begin());
+    std::copy(magic.begin(), magic.end(), bytes.begin() + 8);
+    put_little_endian(&bytes[16], facts.sequence, 8);
+    put_little_endian(&bytes[24], static_cast<std::uint64_t>(facts.monotonic_ns), 8);
+    put_little_endian(&bytes[32], static_cast<std::uint64_t>(facts.realtime_ns), 8);
+    put_little_endian(&bytes[40], facts.flags, 4);
+    put_little_endian(&bytes[44], facts.dropped_before, 4);
+}
+
+std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes) {
+    // Later versions may add to the end.
+    if (bytes.size() < facts_size || !std::equal(magic.begin(), magic.end(), bytes.begin() + 8)) {
+        return std::nullopt;
+    }
+    FrameFacts facts;
+    facts.sequence = get_little_endian(&bytes[16], 8);
+    facts.monotonic_ns = static_cast<std::int64_t>(get_little_endian(&bytes[24], 8));
+    facts.realtime_ns = static_cast<std::int64_t>(get_little_endian(&bytes[32], 8));
+    facts.flags = static_cast<std::uint32_t>(get_little_endian(&bytes[40], 4));
+    facts.dropped_before = static_cast<std::uint32_t>(get_little_endian(&bytes[44], 4));
+    return facts;
+}
+
+std::string_view name(PixelFormat format) {
+    for (const auto& [known, text] : pixel_format_names) {
+        if (known == format) {
+            return text;
+        }
+    }
+    return "unknown";
+}
+
+std::optional<PixelFormat> pixel_format_from_name(std::string_view text) {
+    for (const auto& [format, known] : pixel_format_names) {
+        if (known == text) {
+            return format;
+        }
+    }
+    return std::nullopt;
+}
+
+std::string to_text(double number) {
+    std::array<char, 32> text{};
+    const auto result = std::to_chars(text.data(), text.data() + text.size(), number);
+    return {text.data(), result.ptr};
+}
+
+std::optional<double> number_from_text(std::string_view text) {
+    double number = 0;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
+    if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
+        return std::nullopt;
+    }
+    return number;
+}
+
+std::string calibration_identity(std::string_view calibration_text) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const char c : calibration_text) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+    }
+    std::array<char, 17> text{};
+    std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
+    return text.data();
+}
+
+}  // namespace disparityd::capture::recording

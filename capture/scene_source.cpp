@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/scene_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "capture/scene_camera.h"
+#include "capture/scene_options.h"
+#include "capture/scene_render.h"
+
+namespace disparityd::capture {
+
+namespace {
+
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+// A camera's driver keeps this many frames for somebody who is late.
+constexpr std::uint64_t driver_buffers = 4;
+
+// All frames, on as many threads as there are cores; the caller's thread draws too and reports.
+std::vector<std::uint8_t> render_all(const SceneOptions& scene, const SourceOptions& options) {
+    const SceneRenderer renderer(scene);
+    const std::size_t bytes = renderer.frame_bytes();
+    std::vector<std::uint8_t> frames(bytes * static_cast<std::size_t>(scene.loop));
+    std::atomic<int> next{0};
+    std::atomic<int> done{0};
+    const auto draw_one = [&] {
+        const int index = next.fetch_add(1);
+        if (index >= scene.loop) {
+            return false;
+        }
+        renderer.render(index, frames.data() + bytes * static_cast<std::size_t>(index));
+        done.fetch_add(1);
+        return true;
+    };
+    std::vector<std::thread> helpers;
+    const unsigned helper_count = std::max(1U, std::thread::hardware_concurrency()) - 1;
+    for (unsigned i = 0; i < helper_count; ++i) {
+        helpers.emplace_back([&] {
+            while (draw_one()) {
+            }
+        });
+    }
+    std::exception_ptr given_up;
+    try {
+        while (draw_one()) {
+            if (options.progress) {
+                options.progress(done.load(), scene.loop);
+            }
+        }
+    } catch (...) {
+        given_up = std::current_exception();
+        next.store(scene.loop);
+    }
+    for (std::thread& helper : helpers) {
+        helper.join();
+    }
+    if (given_up) {
+        std::rethrow_exception(given_up);
+    }
+    if (options.progress) {
+        options.progress(scene.loop, scene.loop);
+    }
+    return frames;
+}
+
+class SceneSource final : public FrameSource {
+public:
+    SceneSource(const SceneOptions& scene, const SourceOptions& options)
+        : scene_(scene),
+          paced_(options.pace == Pace::source),
+          loans_(std::max(1, options.loans)),
+          period_(static_cast<std::int64_t>(1e9 / scene.rate)),
+          frames_(render_all(scene, options)) {
+        info_.name = options.uri;
+        info_.description =
+            "rendered scene, " + std::to_string(scene.width) + "x" + std::to_string(scene.height) + " per eye";
+        info_.format = PixelFormat::yuyv;
+        info_.eye_width = scene.width;
+        info_.height = scene.height;
+        info_.rate = scene.rate;
+        info_.live = paced_;
+        info_.frame_count = scene.frames;
+        info_.calibration = options.calibration_path.empty()
+                                ? scene_calibration(scene.width, scene.height)
+                                : read_calibration(options.calibration_path, scene.width, scene.height);
+    }
+
+    const SourceInfo& info() const override { return info_; }
+
+    Next next(RawFrame& frame, steady_clock::time_point deadline) override {
+        std::unique_lock lock(mutex_);
+        if (!started_) {
+            started_ = true;
+            start_ = steady_clock::now();
+            start_realtime_ =
+                std::chrono::duration_cast<nanoseconds>(std::chrono::system_clock::now().time_since_epoch());
+        }
+        while (!interrupted_) {
+            if (scene_.frames && sequence_ >= *scene_.frames) {
+                return Next::end;
+            }
+            const auto due = paced_ ? start_ + time_of(sequence_) : steady_clock::time_point::min();
+            const auto now = steady_clock::now();
+            if (out_ < loans_ && due <= now) {
+                deliver(frame, now);
+                return Next::frame;
+            }
+            if (now >= deadline) {
+                return Next::timeout;
+            }
+            // With every frame out only give_back() helps; otherwise the next frame's time does.
+            changed_.wait_until(lock, out_ < loans_ ? std::min(due, deadline) : deadline);
+        }
+        return Next::interrupted;
+    }
+
+    void give_back(const RawFrame&) noexcept override {
+        const std::lock_guard lock(mutex_);
+        --out_;
+        changed_.notify_one();
+    }
+
+    void interrupt() noexcept override {
+        const std::lock_guard lock(mutex_);
+        interrupted_ = true;
+        changed_.notify_one();
+    }
+
+private:
+    nanoseconds time_of(std::uint64_t sequence) const {
+        return nanoseconds(static_cast<std::int64_t>(static_cast<double>(sequence) * 1e9 / scene_.rate));
+    }
+
+    void deliver(RawFrame& frame, steady_clock::time_point now) {
+        std::uint64_t lost = 0;
+        if (paced_) {
+            const auto behind = static_cast<std::uint64_t>((now - start_ - time_of(sequence_)) / period_);
+            lost = behind >= driver_buffers ? behind - (driver_buffers - 1) : 0;
+            if (scene_.frames) {
+                lost = std::min(lost, *scene_.frames - 1 - sequence_);
+            }
+        }
+        sequence_ += lost;
+        const std::size_t bytes = frames_.size() / static_cast<std::size_t>(scene_.loop);
+        const std::size_t index = sequence_ % static_cast<std::uint64_t>(scene_.loop);
+        frame = {};
+        frame.image = {frames_.data() + index * bytes, PixelFormat::yuyv, scene_.width, scene_.height,
+                       4 * static_cast<std::ptrdiff_t>(scene_.width)};
+        frame.sequence = sequence_;
+        frame.dropped_before = static_cast<std::uint32_t>(lost);
+        frame.loan = static_cast<int>(index);
+        const nanoseconds time = time_of(sequence_);
+        if (paced_) {
+            frame.monotonic_ns = (start_.time_since_epoch() + time).count();
+            frame.realtime_ns = (start_realtime_ + time).count();
+        } else {
+            constexpr std::int64_t first_of_2020 = 1'577'836'800'000'000'000;
+            frame.monotonic_ns = time.count();
+            frame.realtime_ns = first_of_2020 + time.count();
+        }
+        ++sequence_;
+        ++out_;
+    }
+
+    const SceneOptions scene_;
+    const bool paced_;
+    const int loans_;
+    const nanoseconds period_;
+    const std::vector<std::uint8_t> frames_;
+    SourceInfo info_;
+
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool interrupted_ = false;
+    bool started_ = false;
+    steady_clock::time_point start_;
+    nanoseconds start_realtime_{0};
+    std::uint64_t sequence_ = 0;
+    int out_ = 0;
+};
+
+}  // namespace
+
+bool is_scene(const std::string& uri) {
+    return uri.starts_with("scene:");
+}
+
+std::unique_ptr<FrameSource> open_scene(const SourceOptions& options) {
+    return std::make_unique<SceneSource>(parse_scene_uri(options.uri), options);
+}
+
+}  // namespace disparityd::capture
