@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/frame_slot.h"
+
+namespace disparityd::pipeline {
+
+namespace {
+
+template <typename T>
+Plane<T> allocate(AlignedBuffer& buffer, int width, int height) {
+    buffer = AlignedBuffer(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * sizeof(T));
+    return buffer.plane<T>(width, height);
+}
+
+}  // namespace
+
+FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t steps) : step_times(steps) {
+    const int width = matcher.config().width;
+    const int height = matcher.config().height;
+    view.left = allocate<std::uint8_t>(left_, width, height);
+    view.right = allocate<std::uint8_t>(right_, width, height);
+    view.disparity = allocate<std::int16_t>(disparity_, width, height);
+    view.confidence = allocate<std::uint8_t>(confidence_, width, height);
+    if (products.depth) {
+        view.depth = allocate<std::uint16_t>(depth_, width, height);
+    }
+    if (products.left_colour) {
+        view.left_colour = allocate<std::uint8_t>(left_colour_, 3 * width, height);
+    }
+    scratch_ = AlignedBuffer(matcher.scratch_bytes());
+    view.scratch = {scratch_.data(), scratch_.size()};
+}
+
+}  // namespace disparityd::pipeline
