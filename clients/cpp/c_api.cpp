@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <new>
+#include <stdexcept>
+
+#include "clients/cpp/disparity_client.h"
+#include "clients/cpp/disparity_client.hpp"
+
+struct disparity_shared_memory {
+    disparity::SharedMemoryReader reader;
+    std::vector<disparity::Product> wanted;
+};
+
+struct disparity_socket {
+    disparity::SocketClient client;
+    std::string status;
+};
+
+struct disparity_frame {
+    disparity::Frame frame;
+};
+
+namespace {
+
+static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
+                  sizeof(disparity_subscription) == 56,
+              "part of the binary interface");
+
+std::string& error_text() {
+    thread_local std::string text;
+    return text;
+}
+
+void note_error() noexcept {
+    try {
+        try {
+            throw;
+        } catch (const std::bad_alloc&) {
+            error_text() = "not enough memory";
+        } catch (const std::exception& error) {
+            error_text() = error.what();
+        } catch (...) {
+            error_text() = "unknown error";
+        }
+    } catch (...) {
+        // No memory for the text either: the caller still gets the result code.
+    }
+}
+
+/// No exception may leave a C function.
+template <class Result, class Call>
+Result guarded(Result failure, Call&& call) noexcept {
+    try {
+        return call();
+    } catch (...) {
+        note_error();
+        return failure;
+    }
+}
+
+template <class T>
+T& given(T* object, const char* what) {
+    if (object == nullptr) {
+        throw std::invalid_argument(std::string(what) + " is NULL");
+    }
+    return *object;
+}
+
+int code(disparity::ReadResult result) {
+    switch (result) {
+        case disparity::ReadResult::frame: return DISPARITY_FRAME;
+        case disparity::ReadResult::timeout: return DISPARITY_TIMEOUT;
+        case disparity::ReadResult::gone: break;
+    }
+    return DISPARITY_GONE;
+}
+
+int describe(const disparity::PlaneData* from, disparity_plane* plane) {
+    if (from == nullptr || plane == nullptr) {
+        return 0;
+    }
+    plane->product = static_cast<std::uint32_t>(from->product);
+    plane->width = from->width;
+    plane->height = from->height;
+    plane->bytes_per_pixel = from->bytes_per_pixel;
+    plane->data = from->bytes.data();
+    plane->bytes = from->bytes.size();
+    return 1;
+}
+
+}  // namespace
+
+const char* disparity_last_error(void) {
+    return error_text().c_str();
+}
+
+disparity_frame* disparity_frame_new(void) {
+    return guarded<disparity_frame*>(nullptr, [] { return new disparity_frame{}; });
+}
+
+void disparity_frame_free(disparity_frame* frame) {
+    delete frame;
+}
+
+void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info* info, size_t info_bytes) {
+    if (frame == nullptr || info == nullptr) {
+        return;
+    }
+    const disparity::Frame& from = frame->frame;
+    disparity_frame_info all{};
+    all.publish_index = from.publish_index;
+    all.sequence = from.sequence;
+    all.monotonic_ns = from.monotonic_ns;
+    all.realtime_ns = from.realtime_ns;
+    all.age_ns = from.age_ns;
+    all.dropped_before = from.dropped_before;
+    all.missed = from.missed;
+    all.calibration_id = from.calibration_id;
+    all.f = from.f;
+    all.cx = from.cx;
+    all.cy = from.cy;
+    all.baseline_mm = from.baseline_mm;
+    all.disparity_offset = from.disparity_offset;
+    all.d_min = from.d_min;
+    all.disparities = from.disparities;
+    all.invalid = from.invalid;
+    all.flags = from.flags;
+    all.width = from.width;
+    all.height = from.height;
+    all.region_x = from.region_x;
+    all.region_y = from.region_y;
+    all.plane_count = static_cast<std::uint32_t>(from.planes.size());
+    std::memcpy(info, &all, std::min(info_bytes, sizeof all));
+}
+
+int disparity_frame_get_plane(const disparity_frame* frame, uint32_t product, disparity_plane* plane) {
+    return frame == nullptr ? 0 : describe(frame->frame.plane(static_cast<disparity::Product>(product)), plane);
+}
+
+int disparity_frame_plane_at(const disparity_frame* frame, uint32_t index, disparity_plane* plane) {
+    return frame == nullptr || index >= frame->frame.planes.size() ? 0 : describe(&frame->frame.planes[index], plane);
+}
+
+disparity_shared_memory* disparity_shared_memory_open(const char* name) {
+    return guarded<disparity_shared_memory*>(nullptr, [name] {
+        return new disparity_shared_memory{disparity::SharedMemoryReader(name == nullptr ? "default" : name), {}};
+    });
+}
+
+void disparity_shared_memory_close(disparity_shared_memory* reader) {
+    delete reader;
+}
+
+int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms,
+                                 const uint32_t* products, size_t count) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        auto& [shared, wanted] = given(reader, "reader");
+        if (count != 0) {
+            given(products, "products");
+        }
+        wanted.clear();
+        for (size_t i = 0; i < count; ++i) {
+            wanted.push_back(static_cast<disparity::Product>(products[i]));
+        }
+        return code(shared.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms), wanted));
+    });
+}
+
+int64_t disparity_shared_memory_heartbeat_age_ns(const disparity_shared_memory* reader) {
+    return reader == nullptr ? std::numeric_limits<int64_t>::max() : reader->reader.heartbeat_age().count();
+}
+
+disparity_socket* disparity_socket_open(const char* address, const char* client_name, int timeout_ms) {
+    return guarded<disparity_socket*>(nullptr, [&] {
+        given(address, "address");
+        return new disparity_socket{
+            disparity::SocketClient(address, client_name == nullptr ? "disparity-client" : client_name,
+                                    std::chrono::milliseconds(timeout_ms)),
+            {}};
+    });
+}
+
+void disparity_socket_close(disparity_socket* client) {
+    delete client;
+}
+
+int disparity_socket_subscribe(disparity_socket* client, const disparity_subscription* subscription) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        const disparity_subscription& from = given(subscription, "subscription");
+        disparity::Subscription wanted;
+        wanted.products.clear();
+        if (from.product_count != 0) {
+            given(from.products, "products");
+        }
+        for (uint64_t i = 0; i < from.product_count; ++i) {
+            wanted.products.push_back(static_cast<disparity::Product>(from.products[i]));
+        }
+        wanted.max_rate = from.max_rate;
+        wanted.status_interval_s = from.status_interval_s;
+        wanted.compressed = from.compressed != 0;
+        wanted.region_x = from.region_x;
+        wanted.region_y = from.region_y;
+        wanted.region_width = from.region_width;
+        wanted.region_height = from.region_height;
+        given(client, "client").client.subscribe(wanted);
+        return 0;
+    });
+}
+
+int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        return code(
+            given(client, "client").client.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms)));
+    });
+}
+
+const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes) {
+    return guarded<const void*>(nullptr, [&]() -> const void* {
+        disparity_socket& from = given(client, "client");
+        from.status = from.client.status(std::chrono::milliseconds(timeout_ms));
+        given(bytes, "bytes") = from.status.size();
+        return from.status.data();
+    });
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "clients/cpp/transport.h"
+#include "proto/framing.h"
+
+namespace disparity {
+
+/// Whole messages over a transport. A message that arrives in pieces over several calls is put together; memory grows
+/// with what has arrived, not with what a message claims.
+class MessageStream {
+public:
+    using Outcome = Transport::Outcome;
+
+    MessageStream(const std::string& address, Deadline deadline) : transport_(address, deadline) {}
+
+    /// Waits for the next message. Throws std::invalid_argument when it breaks the protocol; the connection is then
+    /// closed.
+    Outcome receive(Deadline deadline);
+
+    /// The message that receive() was last `done` with, until the next call of it.
+    const disparityd::v1::Envelope& envelope() const { return envelope_; }
+    const std::vector<std::uint8_t>& payload() const { return payload_; }
+
+    /// Sends a message without payload. The connection is closed unless that was done.
+    Outcome send(const disparityd::v1::Envelope& envelope, Deadline deadline);
+
+private:
+    enum class Part { length, envelope, payload };
+
+    Outcome fill(std::vector<std::uint8_t>& buffer, std::uint64_t wanted, Deadline deadline);
+    void check_payload() const;
+
+    Transport transport_;
+    Part part_ = Part::length;
+    std::vector<std::uint8_t> head_;
+    std::uint64_t head_wanted_ = disparityd::proto::length_bytes;
+    std::vector<std::uint8_t> payload_;
+    std::uint64_t filled_ = 0;  ///< bytes of the part that have arrived
+    std::vector<std::uint8_t> out_;
+    disparityd::v1::Envelope envelope_;
+};
+
+}  // namespace disparity

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "clients/cpp/disparity_client.hpp"
+#include "clients/cpp/missed.h"
+#include "proto/shared_memory_reader.h"
+
+namespace disparity {
+namespace {
+
+namespace proto = disparityd::proto;
+
+void take_over(Frame& frame, const proto::ShmFrame& from, const proto::ShmView& view) {
+    frame.publish_index = from.publish_index;
+    frame.sequence = from.sequence;
+    frame.monotonic_ns = from.monotonic_ns;
+    frame.realtime_ns = from.realtime_ns;
+    frame.age_ns = from.age_ns;
+    frame.dropped_before = from.dropped_before;
+    frame.calibration_id = from.calibration_id;
+    frame.f = from.f;
+    frame.cx = from.cx;
+    frame.cy = from.cy;
+    frame.baseline_mm = from.baseline_mm;
+    frame.disparity_offset = from.disparity_offset;
+    frame.d_min = from.d_min;
+    frame.disparities = from.disparities;
+    frame.invalid = from.invalid;
+    frame.flags = from.flags;
+    frame.width = view.width;
+    frame.height = view.height;
+    frame.region_x = 0;
+    frame.region_y = 0;
+}
+
+/// Makes room for the wanted planes, in the buffers of the frame read before.
+class Planes {
+public:
+    Planes(Frame& frame, const proto::ShmView& view, const std::vector<Product>& wanted)
+        : frame_(frame), view_(view), wanted_(wanted) {}
+
+    std::uint8_t* room_for(const proto::ShmPlane& plane) {
+        if (&plane == view_.planes.data()) {
+            used_ = 0;
+        }
+        const auto product = static_cast<Product>(plane.product);
+        if (!wanted_.empty() && std::find(wanted_.begin(), wanted_.end(), product) == wanted_.end()) {
+            return nullptr;
+        }
+        if (used_ == frame_.planes.size()) {
+            frame_.planes.emplace_back();
+        }
+        PlaneData& out = frame_.planes[used_++];
+        out.product = product;
+        out.width = view_.width;
+        out.height = view_.height;
+        out.bytes_per_pixel = plane.bytes_per_pixel;
+        out.bytes.resize(plane.bytes);
+        return out.bytes.data();
+    }
+
+    void finish() { frame_.planes.resize(used_); }
+
+private:
+    Frame& frame_;
+    const proto::ShmView& view_;
+    const std::vector<Product>& wanted_;
+    std::size_t used_ = 0;
+};
+
+}  // namespace
+
+class SharedMemoryReader::Impl {
+public:
+    explicit Impl(const std::string& name) : reader_(name) {}
+
+    ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted) {
+        Planes planes(frame, reader_.view(), wanted);
+        proto::ShmFrame head{};
+        // Beyond a year nobody waits, and nanoseconds of it fit.
+        const auto limited = std::min<std::chrono::milliseconds>(timeout, std::chrono::hours(24 * 365));
+        const auto result = reader_.read(
+            head, [&planes](const proto::ShmPlane& plane) { return planes.room_for(plane); }, limited);
+        if (result == proto::ShmReader::Result::gone) {
+            return ReadResult::gone;
+        }
+        if (result == proto::ShmReader::Result::timeout) {
+            return ReadResult::timeout;
+        }
+        planes.finish();
+        take_over(frame, head, reader_.view());
+        frame.missed = missed_.seen(head.publish_index);
+        return ReadResult::frame;
+    }
+
+    std::chrono::nanoseconds heartbeat_age() const { return reader_.heartbeat_age(); }
+
+private:
+    proto::ShmReader reader_;
+    MissedCounter missed_;
+};
+
+SharedMemoryReader::SharedMemoryReader(const std::string& name) : impl_(std::make_unique<Impl>(name)) {}
+SharedMemoryReader::~SharedMemoryReader() = default;
+SharedMemoryReader::SharedMemoryReader(SharedMemoryReader&&) noexcept = default;
+SharedMemoryReader& SharedMemoryReader::operator=(SharedMemoryReader&&) noexcept = default;
+
+ReadResult SharedMemoryReader::read(Frame& frame, std::chrono::milliseconds timeout,
+                                    const std::vector<Product>& wanted) {
+    return impl_->read(frame, timeout, wanted);
+}
+
+std::chrono::nanoseconds SharedMemoryReader::heartbeat_age() const {
+    return impl_->heartbeat_age();
+}
+
+}  // namespace disparity

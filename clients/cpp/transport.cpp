@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "clients/cpp/transport.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+namespace disparity {
+namespace {
+
+/// Milliseconds for poll(), rounded up so that it does not spin before the deadline.
+int remaining(Deadline deadline) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
+    return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
+}
+
+/// False when the time is up. Errors of the socket count as ready: the next call on it reports them.
+bool wait_for(int fd, short events, Deadline deadline) {
+    while (true) {
+        pollfd entry{fd, events, 0};
+        const int result = ::poll(&entry, 1, remaining(deadline));
+        if (result > 0) {
+            return true;
+        }
+        if (result == 0 && std::chrono::steady_clock::now() >= deadline) {
+            return false;
+        }
+        if (result < 0 && errno != EINTR) {
+            return true;
+        }
+    }
+}
+
+/// A connected descriptor, or -1 and errno.
+int connect_one(int family, const sockaddr* address, socklen_t length, Deadline deadline) {
+    const int fd = ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (fd < 0) {
+        return -1;
+    }
+    int error = ::connect(fd, address, length) == 0 ? 0 : errno;
+    if (error == EINPROGRESS || error == EINTR) {
+        error = ETIMEDOUT;
+        if (wait_for(fd, POLLOUT, deadline)) {
+            socklen_t size = sizeof error;
+            if (::getsockopt(fd, SOL_SOCKET, SO_ERROR, &error, &size) != 0) {
+                error = errno;
+            }
+        }
+    }
+    if (error != 0) {
+        ::close(fd);
+        errno = error;
+        return -1;
+    }
+    return fd;
+}
+
+[[noreturn]] void no_connection(const std::string& address, const char* reason) {
+    throw std::runtime_error(address + ": cannot connect: " + reason + ": is disparityd running, with this address?");
+}
+
+int connect_unix(const std::string& address, const std::string& path, Deadline deadline) {
+    sockaddr_un name{};
+    if (path.empty() || path.size() >= sizeof name.sun_path) {
+        throw std::invalid_argument(address + ": a path of 1 to " + std::to_string(sizeof name.sun_path - 1) +
+                                    " characters is allowed after unix:");
+    }
+    name.sun_family = AF_UNIX;
+    std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
+    const int fd = connect_one(AF_UNIX, reinterpret_cast<const sockaddr*>(&name), sizeof name, deadline);
+    if (fd < 0) {
+        no_connection(address, std::strerror(errno));
+    }
+    return fd;
+}
+
+int connect_tcp(const std::string& address, const std::string& host_and_port, Deadline deadline) {
+    const std::size_t colon = host_and_port.rfind(':');
+    if (colon == std::string::npos || colon == 0 || colon + 1 == host_and_port.size()) {
+        throw std::invalid_argument(address + ": expected tcp:HOST:PORT");
+    }
+    std::string host = host_and_port.substr(0, colon);
+    if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+        host = host.substr(1, host.size() - 2);
+    }
+    addrinfo hints{};
+    hints.ai_family = AF_UNSPEC;
+    hints.ai_socktype = SOCK_STREAM;
+    addrinfo* found = nullptr;
+    const int result = ::getaddrinfo(host.c_str(), host_and_port.c_str() + colon + 1, &hints, &found);
+    if (result != 0) {
+        no_connection(address, ::gai_strerror(result));
+    }
+    const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
+    int error = 0;
+    for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
+        const int fd = connect_one(entry->ai_family, entry->ai_addr, entry->ai_addrlen, deadline);
+        if (fd >= 0) {
+            // Requests are small and waited for.
+            const int on = 1;
+            ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+            return fd;
+        }
+        error = errno;
+    }
+    no_connection(address, std::strerror(error));
+}
+
+}  // namespace
+
+Deadline after(std::chrono::milliseconds timeout) {
+    using std::chrono::milliseconds;
+    const milliseconds longest = std::chrono::hours(24 * 365);
+    return std::chrono::steady_clock::now() + std::clamp(timeout, milliseconds(0), longest);
+}
+
+Transport::Transport(const std::string& address, Deadline deadline) {
+    if (address.starts_with("unix:")) {
+        fd_ = connect_unix(address, address.substr(5), deadline);
+    } else if (address.starts_with("tcp:")) {
+        fd_ = connect_tcp(address, address.substr(4), deadline);
+    } else {
+        throw std::invalid_argument("address \"" + address + "\": expected tcp:HOST:PORT or unix:PATH");
+    }
+}
+
+Transport::~Transport() {
+    close();
+}
+
+void Transport::close() {
+    if (fd_ >= 0) {
+        ::close(fd_);
+        fd_ = -1;
+    }
+}
+
+Transport::Outcome Transport::send(std::span<const std::uint8_t> bytes, Deadline deadline) {
+    while (!bytes.empty()) {
+        const ssize_t sent = fd_ < 0 ? -1 : ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        if (sent >= 0) {
+            bytes = bytes.subspan(static_cast<std::size_t>(sent));
+        } else if (fd_ < 0 || (errno != EAGAIN && errno != EINTR)) {
+            return Outcome::closed;
+        } else if (!wait_for(fd_, POLLOUT, deadline)) {
+            return Outcome::timeout;
+        }
+    }
+    return Outcome::done;
+}
+
+Transport::Outcome Transport::receive(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline) {
+    received = 0;
+    while (fd_ >= 0) {
+        const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), 0);
+        if (got > 0) {
+            received = static_cast<std::size_t>(got);
+            return Outcome::done;
+        }
+        if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
+            return Outcome::closed;
+        }
+        if (!wait_for(fd_, POLLIN, deadline)) {
+            return Outcome::timeout;
+        }
+    }
+    return Outcome::closed;
+}
+
+}  // namespace disparity

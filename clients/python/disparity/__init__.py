@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Client of disparityd: depth frames over a socket or shared memory, as numpy arrays.
+
+    import disparity
+
+    with disparity.SocketClient("tcp:127.0.0.1:9876") as client:
+        client.subscribe([disparity.DISPARITY, disparity.DEPTH])
+        for frame in client:
+            print(frame.sequence, frame.age_ns / 1e6, "ms", frame.depth.shape)
+
+    with disparity.SharedMemoryReader("default") as reader:
+        frame = reader.read(timeout=1.0)
+"""
+from .errors import DisparityError, Gone
+from .frame import (
+    CONFIDENCE,
+    DEPTH,
+    DISCONTINUITY,
+    DISPARITY,
+    DROPPED_BEFORE,
+    INTERPOLATED,
+    LEFT,
+    LEFT_COLOUR,
+    UNRECTIFIED,
+    Frame,
+)
+from .shared_memory import SharedMemoryReader
+from .socket_client import SocketClient
+
+__all__ = [
+    "CONFIDENCE",
+    "DEPTH",
+    "DISCONTINUITY",
+    "DISPARITY",
+    "DROPPED_BEFORE",
+    "DisparityError",
+    "Frame",
+    "Gone",
+    "INTERPOLATED",
+    "LEFT",
+    "LEFT_COLOUR",
+    "SharedMemoryReader",
+    "SocketClient",
+    "UNRECTIFIED",
+]

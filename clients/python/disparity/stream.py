@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Whole messages over a socket: u32 length (little endian) | Envelope | payload."""
+import socket
+import struct
+import time
+
+from google.protobuf.message import DecodeError
+
+from . import disparity_pb2 as pb
+from .errors import DisparityError, Gone
+
+# The limits of docs/protocol.md.
+MAX_ENVELOPE_BYTES = 1 << 20
+MAX_PAYLOAD_BYTES = 512 << 20
+MAX_IMAGE_SIDE = 16384
+MAX_BYTES_PER_PIXEL = 8
+
+# Room made at a time for bytes that a message claims and that have not arrived.
+_GROWTH = 1 << 20
+
+
+def connect(address, timeout):
+    """A connected socket. ValueError for an address that is none, DisparityError when nobody answers."""
+    kind, _, rest = address.partition(":")
+    host, _, port = rest.rpartition(":")
+    if not (kind == "unix" and rest) and not (kind == "tcp" and host and port.isdigit()):
+        raise ValueError(f'address "{address}": expected tcp:HOST:PORT or unix:PATH')
+    try:
+        if kind == "tcp":
+            connection = socket.create_connection((host.strip("[]"), int(port)), timeout)
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            return connection
+        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            connection.settimeout(timeout)
+            connection.connect(rest)
+        except BaseException:
+            connection.close()
+            raise
+        return connection
+    except (OSError, OverflowError) as error:
+        raise DisparityError(f"{address}: cannot connect: {error}: is disparityd running, with this address?") from None
+
+
+def raw_bytes(plane):
+    """Bytes of a plane before compression; ValueError when a size is outside the limits."""
+    for name, value, most in (
+        ("width", plane.width, MAX_IMAGE_SIDE),
+        ("height", plane.height, MAX_IMAGE_SIDE),
+        ("bytes_per_pixel", plane.bytes_per_pixel, MAX_BYTES_PER_PIXEL),
+    ):
+        if not 1 <= value <= most:
+            raise ValueError(f"plane with {name} {value}, allowed 1..{most}")
+    return plane.width * plane.height * plane.bytes_per_pixel
+
+
+def check_payload(envelope):
+    """ValueError when the payload cannot be what the Envelope says."""
+    if envelope.payload_bytes > MAX_PAYLOAD_BYTES:
+        raise ValueError(f"payload of {envelope.payload_bytes} bytes announced, allowed {MAX_PAYLOAD_BYTES}")
+    if not envelope.HasField("frame"):
+        return
+    announced = raw_total = 0
+    for plane in envelope.frame.planes:
+        raw = raw_bytes(plane)
+        if plane.encoding not in (pb.RAW, pb.ZSTD):
+            raise ValueError(f"plane with unknown encoding {plane.encoding}")
+        # zstd adds at most 1/256 and a little to what it cannot compress.
+        most = raw if plane.encoding == pb.RAW else raw + raw // 256 + 1024
+        if plane.payload_bytes > most or (plane.encoding == pb.RAW and plane.payload_bytes != raw):
+            raise ValueError(f"plane of {plane.width} x {plane.height} pixels with {plane.payload_bytes} payload bytes")
+        announced += plane.payload_bytes
+        raw_total += raw
+    if announced != envelope.payload_bytes or raw_total > MAX_PAYLOAD_BYTES:
+        raise ValueError(f"planes of {announced} bytes in a payload of {envelope.payload_bytes}")
+
+
+class MessageStream:
+    """Messages over one connection. What has arrived of a message survives a timeout."""
+
+    def __init__(self, address, timeout):
+        self.address = address
+        self._socket = connect(address, timeout)
+        self._part = "length"
+        self._wanted = 4
+        self._buffer = bytearray(4)
+        self._filled = 0
+        self._envelope = None
+
+    def close(self):
+        self._socket.close()
+
+    def send(self, envelope, timeout):
+        body = envelope.SerializeToString()
+        try:
+            self._socket.settimeout(timeout)
+            self._socket.sendall(struct.pack("<I", len(body)) + body)
+        except OSError as error:
+            # Part of a message may have left: nothing sensible can follow it.
+            self._report_last_words()
+            self.close()
+            raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
+
+    def receive(self, deadline):
+        """(Envelope, payload as bytearray), or None when the time (of time.monotonic) is up. Raises Gone when the
+        connection has ended, DisparityError with the daemon's words or when the protocol is broken."""
+        while True:
+            if not self._fill(deadline):
+                return None
+            data, self._filled = self._buffer, 0
+            try:
+                message = self._take(data)
+            except (ValueError, DecodeError) as error:
+                self.close()
+                raise DisparityError(f"disparityd at {self.address}: broke the protocol: {error}") from None
+            if message is not None:
+                if message[0].HasField("error"):
+                    raise DisparityError(f"disparityd at {self.address}: {message[0].error.message}")
+                return message
+
+    def _take(self, data):
+        """One part has arrived; the message if it was the last."""
+        if self._part == "length":
+            (self._wanted,) = struct.unpack("<I", data)
+            if self._wanted > MAX_ENVELOPE_BYTES:
+                raise ValueError(
+                    f"message of {self._wanted} bytes announced, allowed {MAX_ENVELOPE_BYTES}: not the disparityd "
+                    "protocol, or another version of it"
+                )
+            self._part = "envelope"
+        elif self._part == "envelope":
+            self._envelope = pb.Envelope.FromString(bytes(data))
+            check_payload(self._envelope)
+            self._part, self._wanted = "payload", self._envelope.payload_bytes
+        else:
+            self._part, self._wanted = "length", 4
+            self._buffer = bytearray()
+            return self._envelope, data
+        self._buffer = bytearray()
+        return None
+
+    def _fill(self, deadline):
+        while self._filled < self._wanted:
+            if len(self._buffer) == self._filled:
+                room = min(self._wanted, self._filled + max(self._filled, _GROWTH))
+                self._buffer.extend(bytes(room - self._filled))
+            with memoryview(self._buffer) as view:
+                received = self._receive_into(view[self._filled : min(len(view), self._wanted)], deadline)
+            if received is None:
+                return False
+            self._filled += received
+        return True
+
+    def _receive_into(self, view, deadline):
+        """How many bytes came, or None at the deadline; what is there already is read even then."""
+        try:
+            self._socket.settimeout(max(0.0, deadline - time.monotonic()))
+            received = self._socket.recv_into(view)
+        except (BlockingIOError, TimeoutError, socket.timeout):
+            return None
+        except OSError as error:
+            raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
+        finally:
+            view.release()
+        if received == 0:
+            raise Gone(f"disparityd at {self.address}: the connection has ended")
+        return received
+
+    def _report_last_words(self):
+        """A daemon that refused something says why before it closes."""
+        try:
+            while self.receive(time.monotonic()) is not None:
+                pass
+        except Gone:
+            pass

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <climits>
+#include <cstdint>
+
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+namespace disparityd::proto {
+
+static_assert(sizeof(std::atomic<std::uint32_t>) == 4, "a futex word is 32 bits");
+
+/// CLOCK_MONOTONIC, the clock of every time in shared memory.
+inline std::int64_t monotonic_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+/// Sleeps while the word has the value, at most so long. Works across processes (no FUTEX_PRIVATE_FLAG) and on a
+/// read-only mapping. May return early for no reason.
+inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value, std::chrono::nanoseconds timeout) {
+    const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
+    timespec relative{};
+    relative.tv_sec = seconds.count();
+    relative.tv_nsec = (timeout - seconds).count();
+    syscall(SYS_futex, &word, FUTEX_WAIT, value, &relative, nullptr, 0);
+}
+
+/// Wakes everybody who waits on the word, in all processes.
+inline void futex_wake_all(std::atomic<std::uint32_t>& word) {
+    syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+}
+
+}  // namespace disparityd::proto

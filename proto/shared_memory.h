@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+/// The layout of the shared-memory object /disparityd.<name>. docs/protocol.md explains how to read it.
+///
+/// One writer (the daemon) and any number of readers, which map the object read-only. Fields that change after
+/// creation are atomics; everything is little endian; offsets are bytes from the start of the object.
+namespace disparityd::proto {
+
+inline constexpr std::uint64_t shm_magic = 0x3159545241505344ULL;  // "DSPARTY1"
+inline constexpr std::uint32_t shm_version = 1;
+inline constexpr std::uint32_t shm_max_planes = 8;
+
+/// Values equal those of Product in disparity.proto.
+struct ShmPlane {
+    std::uint32_t product;
+    std::uint32_t bytes_per_pixel;
+    std::uint64_t offset;  ///< from the start of a slot's payload
+    std::uint64_t bytes;   ///< dense: width * height * bytes_per_pixel
+};
+
+struct ShmHeader {
+    std::uint64_t magic;  ///< written last at creation
+    std::uint32_t version;
+    std::uint32_t header_bytes;
+    std::uint64_t total_bytes;
+    std::uint32_t slot_count;
+    std::uint32_t plane_count;
+    std::uint64_t slots_offset;    ///< of the first slot
+    std::uint64_t slot_stride;     ///< from one slot to the next: ShmSlot, padding, payload
+    std::uint64_t payload_offset;  ///< of the payload within a slot
+    std::uint32_t width;
+    std::uint32_t height;
+    ShmPlane planes[shm_max_planes];
+
+    /// Changes whenever the object is laid out anew (restart, reload): readers must map again. 0 = the daemon has
+    /// closed this object in good order.
+    alignas(64) std::atomic<std::uint32_t> generation;
+    /// Futex word: changes with every published frame, and when the object is closed.
+    std::atomic<std::uint32_t> published;
+    /// Published frames so far; the newest is in slot (published_total - 1) % slot_count.
+    std::atomic<std::uint64_t> published_total;
+    /// CLOCK_MONOTONIC in ns, renewed at least twice a second by a daemon that lives.
+    std::atomic<std::int64_t> heartbeat_ns;
+    std::atomic<std::uint32_t> writer_pid;
+};
+
+/// What design.md wants of every frame, at the head of each slot, under the same sequence lock as the payload.
+struct ShmFrame {
+    std::uint64_t publish_index;  ///< counts from 0
+    std::uint64_t sequence;
+    std::int64_t monotonic_ns;
+    std::int64_t realtime_ns;
+    std::int64_t age_ns;  ///< capture to publishing
+    std::uint64_t dropped_before;
+    std::uint64_t calibration_id;
+    double f;
+    double cx;
+    double cy;
+    double baseline_mm;
+    double disparity_offset;
+    std::int32_t d_min;
+    std::uint32_t disparities;
+    std::int32_t invalid;
+    std::uint32_t flags;  ///< FrameFlags of disparity.proto
+    std::uint32_t width;
+    std::uint32_t height;
+};
+
+struct ShmSlot {
+    /// Sequence lock: odd while the writer is inside; even and changed = another frame.
+    alignas(64) std::atomic<std::uint64_t> lock;
+    alignas(64) ShmFrame frame;  ///< copied word by word with relaxed atomics, never with plain loads
+};
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "shared memory needs lock-free 64-bit atomics");
+static_assert(sizeof(ShmFrame) % 8 == 0);
+
+// The offsets that docs/protocol.md gives to other languages.
+static_assert(offsetof(ShmHeader, planes) == 64 && sizeof(ShmPlane) == 24 && offsetof(ShmHeader, generation) == 256 &&
+              offsetof(ShmHeader, published) == 260 && offsetof(ShmHeader, published_total) == 264 &&
+              offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280);
+static_assert(offsetof(ShmSlot, frame) == 64 && sizeof(ShmFrame) == 120);
+
+}  // namespace disparityd::proto

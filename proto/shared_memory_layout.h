@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "proto/shared_memory.h"
+
+namespace disparityd::proto {
+
+/// What a program keeps for itself of an object's header after checking it: later writes to the header, by accident or
+/// malice, cannot lead it astray.
+struct ShmView {
+    std::uint64_t total_bytes = 0;
+    std::uint64_t slots_offset = 0;
+    std::uint64_t slot_stride = 0;
+    std::uint64_t payload_offset = 0;
+    std::uint32_t slot_count = 0;
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::uint32_t plane_count = 0;
+    std::array<ShmPlane, shm_max_planes> planes{};
+};
+
+/// The POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that is empty, longer than 64
+/// characters or has others than A-Z a-z 0-9 . _ -
+std::string shm_object_name(const std::string& name);
+
+/// Reads the constant fields. `object_bytes` is the true size of the object, all of it mapped. Empty string when the
+/// header can be trusted, otherwise what is wrong with it, without the object's name.
+std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, ShmView& view);
+
+/// Lays out slots and planes; view.planes[i].product and bytes_per_pixel, plane_count, width, height and slot_count are
+/// given. Throws std::invalid_argument when they are outside the limits of check_header.
+void lay_out(ShmView& view);
+
+inline const ShmSlot& slot_at(const ShmHeader& header, const ShmView& view, std::uint64_t index) {
+    const auto* base = reinterpret_cast<const std::uint8_t*>(&header);
+    return *reinterpret_cast<const ShmSlot*>(base + view.slots_offset + index * view.slot_stride);
+}
+
+inline const std::uint64_t* plane_words(const ShmSlot& slot, const ShmView& view, const ShmPlane& plane) {
+    const auto* base = reinterpret_cast<const std::uint8_t*>(&slot);
+    return reinterpret_cast<const std::uint64_t*>(base + view.payload_offset + plane.offset);
+}
+
+}  // namespace disparityd::proto
