@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the daemon looks after while it runs: its source, its threads, and what it says about them.
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "daemon/daemon.h"
+
+namespace disparityd {
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr std::chrono::milliseconds tick_interval{200};
+constexpr std::chrono::seconds status_interval{3};
+
+/// A thread that has not answered for so long is stuck, where no watchdog says otherwise.
+constexpr std::chrono::seconds default_stuck_limit{10};
+
+/// How much longer the service manager is asked to wait while a source prepares itself.
+constexpr std::chrono::seconds preparation_time{30};
+
+}  // namespace
+
+void Daemon::tick() {
+    recording_.check();
+    watch_source();
+    watch_threads();
+    const auto now = steady_clock::now();
+    if (now >= next_status_) {
+        next_status_ = now + status_interval;
+        if (building_ && !serving_) {
+            manager_.needs_time(preparation_time);
+        }
+        manager_.status(status_line());
+    }
+    // A watchdog may be shorter than the usual tick.
+    auto interval = std::chrono::duration_cast<std::chrono::microseconds>(tick_interval);
+    if (manager_.watchdog_limit().count() > 0) {
+        interval = std::min(interval, manager_.watchdog_limit() / 4);
+    }
+    tick_timer_.expires_after(interval);
+    tick_timer_.async_wait([this](const boost::system::error_code& error) {
+        if (!error) {
+            tick();
+        }
+    });
+}
+
+void Daemon::watch_source() {
+    const auto current = engine();
+    if (!current || end_seen_) {
+        return;
+    }
+    const Engine::Condition condition = current->condition();
+    if (condition.state != Engine::State::ended) {
+        return;
+    }
+    end_seen_ = true;
+    spdlog::log(condition.failed ? spdlog::level::err : spdlog::level::info, "{}", condition.detail);
+    recording_.set_source(std::nullopt, "");
+    if (options_.exit_at_end) {
+        ended_well_ = !condition.failed;
+        begin_stop();
+    }
+}
+
+/// The watchdog is fed only while every thread answers.
+void Daemon::watch_threads() {
+    const auto watchdog = manager_.watchdog_limit();
+    const auto limit = watchdog.count() > 0 ? std::chrono::duration_cast<std::chrono::milliseconds>(watchdog)
+                                            : std::chrono::milliseconds(default_stuck_limit);
+    const auto current = engine();
+    std::string stuck = current ? current->stuck_stage(limit) : std::string();
+    if (stuck.empty() && serving_ && server_.silence() > limit) {
+        stuck = "socket server";
+    }
+    if (!stuck.empty()) {
+        if (!stuck_logged_) {
+            spdlog::error("stage \"{}\" has not answered for {} ms{}", stuck, limit.count(),
+                          watchdog.count() > 0 ? ": the watchdog is no longer fed" : "");
+        }
+        stuck_logged_ = true;
+        return;
+    }
+    stuck_logged_ = false;
+    const auto now = steady_clock::now();
+    if (watchdog.count() > 0 && now >= next_alive_) {
+        next_alive_ = now + watchdog / 2;
+        manager_.alive();
+    }
+}
+
+std::string Daemon::status_line() const {
+    const v1::Status now = status();
+    std::string line = now.state();
+    if (now.state() == "running") {
+        line += fmt::format(", {:.1f} frames/s", now.rate());
+    }
+    line += ", " + now.source();
+    return now.detail().empty() ? line : line + ": " + now.detail();
+}
+
+v1::Status Daemon::status() const {
+    v1::Status status;
+    status.set_server_version(DISPARITYD_VERSION);
+    status.set_uptime_s(std::chrono::duration<double>(steady_clock::now() - started_).count());
+    if (const auto current = engine()) {
+        current->fill(status);
+    } else {
+        status.set_state("waiting");
+        status.set_detail("the source is being prepared");
+        status.set_source(options_.config_path.empty() ? "" : options_.config_path);
+    }
+    if (stopping_.load(std::memory_order_relaxed)) {
+        status.set_state("stopping");
+    }
+    *status.mutable_record() = recording_.status();
+    const std::lock_guard lock(mutex_);
+    for (const std::string& notice : notices_) {
+        status.add_notices(notice);
+    }
+    return status;
+}
+
+}  // namespace disparityd

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/engine.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace disparityd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Longer without a frame, and the state says so.
+constexpr std::chrono::seconds silence_limit{2};
+
+/// Frames that a source lends beyond those in the pipeline's slots: one in the hand of the capture stage, one that it
+/// compares with.
+constexpr int spare_loans = 2;
+
+std::unique_ptr<capture::FrameSource> open_source(const Config& config, std::function<void(int, int)> progress) {
+    capture::SourceOptions options;
+    options.uri = config.source.uri;
+    options.loans = config.pipeline.slots + spare_loans;
+    options.pace = config.source.pace;
+    options.loop = config.source.loop;
+    options.calibration_path = config.source.calibration;
+    options.progress = std::move(progress);
+    return capture::open_source(options);
+}
+
+MatcherConfig matcher_config(const Config& config, const capture::Rectification& rectification) {
+    return {rectification.width, rectification.height, config.match.options};
+}
+
+std::uint32_t to_u32(int value) {
+    return static_cast<std::uint32_t>(value);
+}
+
+StreamLayout make_layout(const Config& config, const capture::Rectification& rectification) {
+    StreamLayout layout;
+    proto::ShmFrame& geometry = layout.geometry;
+    geometry.calibration_id = rectification.calibration_id;
+    geometry.f = rectification.f;
+    geometry.cx = rectification.cx;
+    geometry.cy = rectification.cy;
+    geometry.baseline_mm = rectification.baseline_mm;
+    geometry.disparity_offset = rectification.disparity_offset;
+    geometry.d_min = config.match.options.range.first;
+    geometry.disparities = to_u32(config.match.options.range.count);
+    geometry.invalid = invalid_disparity(config.match.options.range);
+    geometry.width = to_u32(rectification.width);
+    geometry.height = to_u32(rectification.height);
+    layout.products = {v1::DISPARITY, v1::CONFIDENCE};
+    if (config.match.depth) {
+        layout.products.push_back(v1::DEPTH);
+    }
+    layout.products.push_back(v1::LEFT);
+    if (config.rectify.colour) {
+        layout.products.push_back(v1::LEFT_COLOUR);
+    }
+    return layout;
+}
+
+pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
+    const bool newest_wins =
+        config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
+    return {newest_wins ? pipeline::Policy::live : pipeline::Policy::replay, config.pipeline.slots, config.match.depth,
+            config.rectify.colour};
+}
+
+template <typename T>
+Plane<const std::uint8_t> as_bytes(const Plane<T>& plane) {
+    constexpr int size = sizeof(T);
+    return {reinterpret_cast<const std::uint8_t*>(plane.data), plane.width * size, plane.height, plane.stride * size};
+}
+
+Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product) {
+    switch (product) {
+        case v1::DISPARITY: return as_bytes(view.disparity);
+        case v1::CONFIDENCE: return as_bytes(view.confidence);
+        case v1::DEPTH: return as_bytes(view.depth);
+        case v1::LEFT: return as_bytes(view.left);
+        case v1::LEFT_COLOUR: return as_bytes(view.left_colour);
+        default: return {};
+    }
+}
+
+}  // namespace
+
+Engine::Engine(const Config& config, std::function<void(int, int)> progress)
+    : config_(config),
+      source_(open_source(config, std::move(progress))),
+      rectification_(capture::make_rectification(source_->info().calibration, source_->info().eye_width,
+                                                 source_->info().height, config.rectify.geometry)),
+      backend_(backend(config.match.backend).name),
+      workers_(config.pipeline.workers),
+      layout_(make_layout(config, rectification_)) {
+    matcher_ = backend(config.match.backend).create(matcher_config(config, rectification_));
+}
+
+Engine::~Engine() {
+    stop();
+}
+
+void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index) {
+    sink_ = std::move(sink);
+    next_index_ = first_index;
+    note_activity();
+    pipeline_ = std::make_unique<pipeline::Pipeline>(
+        pipeline_config(config_, source().live), *source_, *matcher_, workers_, rectification_,
+        [this](const pipeline::FrameSlot& slot) { publish(slot); },
+        [this, raw = std::move(raw)](const capture::RawFrame& frame) {
+            note_activity();
+            raw(frame);
+        });
+    pipeline_->start();
+}
+
+void Engine::stop() {
+    if (pipeline_) {
+        pipeline_->stop();
+    }
+}
+
+void Engine::note_activity() {
+    last_activity_ns_.store(steady_clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+}
+
+void Engine::publish(const pipeline::FrameSlot& slot) {
+    note_activity();
+    PublishedFrame frame;
+    frame.published = steady_clock::now();
+    // A camera stamps its frames with our clock; a recording's times are those of another day.
+    frame.captured =
+        source().live ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns)) : slot.captured;
+    frame.info = layout_.geometry;
+    frame.info.publish_index = next_index_++;
+    frame.info.sequence = slot.raw.sequence;
+    frame.info.monotonic_ns = slot.raw.monotonic_ns;
+    frame.info.realtime_ns = slot.raw.realtime_ns;
+    frame.info.age_ns = (frame.published - frame.captured).count();
+    frame.info.dropped_before = slot.dropped_before;
+    std::uint32_t flags = v1::FLAG_NONE;
+    flags |= rectification_.unrectified ? static_cast<std::uint32_t>(v1::UNRECTIFIED) : 0U;
+    flags |= config_.match.options.post.interpolate ? static_cast<std::uint32_t>(v1::INTERPOLATED) : 0U;
+    flags |= slot.dropped_before > 0 ? static_cast<std::uint32_t>(v1::DROPPED_BEFORE) : 0U;
+    if (first_frame_ || (slot.raw.flags & capture::frame_flag_discontinuity) != 0) {
+        flags |= static_cast<std::uint32_t>(v1::DISCONTINUITY);
+    }
+    first_frame_ = false;
+    frame.info.flags = flags;
+    for (std::size_t i = 0; i < layout_.products.size(); ++i) {
+        frame.planes[i] = product_plane(slot.view, layout_.products[i]);
+    }
+    sink_(frame);
+}
+
+const char* name(Engine::State state) {
+    switch (state) {
+        case Engine::State::waiting: return "waiting";
+        case Engine::State::running: return "running";
+        case Engine::State::ended: return "ended";
+    }
+    return "";
+}
+
+Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) const {
+    if (!status.error.empty()) {
+        return {State::ended, "the source failed: " + status.error, true};
+    }
+    if (status.ended) {
+        return {State::ended,
+                fmt::format("the source has ended after {} frames; reload to play it again", status.published), false};
+    }
+    const auto silence = steady_clock::now().time_since_epoch() -
+                         std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
+    const bool in_flight = status.captured > status.published + status.dropped + status.skipped_corrupt;
+    if (!in_flight && silence > silence_limit) {
+        return {State::waiting,
+                fmt::format("no frame from the source for {:.0f} s", std::chrono::duration<double>(silence).count()),
+                false};
+    }
+    return {State::running, {}, false};
+}
+
+Engine::Condition Engine::condition() const {
+    return pipeline_ ? condition_of(pipeline_->status()) : Condition{State::waiting, "not started", false};
+}
+
+void Engine::fill(v1::Status& status) const {
+    status.set_source(source().name);
+    status.set_method(std::string(disparityd::name(config_.match.options.method)));
+    status.set_backend(backend_);
+    status.set_workers(to_u32(workers()));
+    *status.mutable_geometry() = to_message(layout_.geometry);
+    if (!pipeline_) {
+        return;
+    }
+    const pipeline::PipelineStatus now = pipeline_->status();
+    const Condition condition = condition_of(now);
+    status.set_state(disparityd::name(condition.state));
+    status.set_detail(condition.detail);
+    status.set_rate(now.rate);
+    status.set_captured(now.captured);
+    status.set_published(now.published);
+    status.set_dropped(now.dropped);
+    status.set_lost_before(now.lost_before);
+    status.set_corrupt(now.skipped_corrupt);
+    for (const auto& step : now.steps) {
+        v1::StepTime& time = *status.add_steps();
+        time.set_name(step.name);
+        time.set_count(step.time.count);
+        time.set_mean_us(step.time.mean);
+        time.set_p50_us(step.time.p50);
+        time.set_p90_us(step.time.p90);
+        time.set_p99_us(step.time.p99);
+        time.set_max_us(step.time.max);
+    }
+}
+
+std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {
+    return pipeline_ ? pipeline_->stuck_stage(limit) : std::string();
+}
+
+}  // namespace disparityd

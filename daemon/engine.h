@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "capture/frame_source.h"
+#include "capture/rectification.h"
+#include "daemon/config.h"
+#include "daemon/published_frame.h"
+#include "kernels/matcher.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/worker_pool.h"
+
+namespace disparityd {
+
+/// The chain from source to finished frame, built from a configuration as a whole and replaced as a whole. Made,
+/// started and stopped by one thread at a time; the rest from any.
+class Engine {
+public:
+    /// Opens and allocates everything. `progress` hears how far the source is with preparing itself and may throw to
+    /// give up. Throws std::invalid_argument when the user must change something, std::runtime_error when the system
+    /// refuses.
+    Engine(const Config& config, std::function<void(int done, int total)> progress);
+    ~Engine();
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+
+    /// Sinks get frames in the publish thread, `raw` in the capture thread; see Pipeline.
+    using Sink = std::function<void(const PublishedFrame&)>;
+
+    /// Frames are numbered from `first_index` on.
+    void start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index);
+    void stop();
+
+    /// Number of the next frame; after stop().
+    std::uint64_t next_index() const { return next_index_; }
+
+    const capture::SourceInfo& source() const { return source_->info(); }
+    const StreamLayout& layout() const { return layout_; }
+    int workers() const { return workers_.workers(); }
+
+    enum class State { waiting, running, ended };
+    struct Condition {
+        State state = State::waiting;
+        std::string detail;   ///< one line for people
+        bool failed = false;  ///< ended because of damaged input
+    };
+    Condition condition() const;
+
+    /// State, source, method, counters and step times; the rest of the message is left alone.
+    void fill(v1::Status& status) const;
+
+    std::string stuck_stage(std::chrono::milliseconds limit) const;
+
+private:
+    Condition condition_of(const pipeline::PipelineStatus& status) const;
+    void publish(const pipeline::FrameSlot& slot);
+    void note_activity();
+
+    Config config_;
+    std::unique_ptr<capture::FrameSource> source_;
+    capture::Rectification rectification_;
+    std::unique_ptr<Matcher> matcher_;
+    std::string backend_;
+    pipeline::WorkerPool workers_;
+    StreamLayout layout_;
+    Sink sink_;
+    std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
+    bool first_frame_ = true;
+    std::atomic<std::int64_t> last_activity_ns_{0};
+    std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
+};
+
+/// "waiting", "running", "ended"
+const char* name(Engine::State state);
+
+}  // namespace disparityd

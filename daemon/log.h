@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <string>
+
+#include <spdlog/spdlog.h>
+
+#include "daemon/config.h"
+
+namespace disparityd {
+
+/// Sets up spdlog's default logger: lines on standard error, for people, or with the priority prefix (<6>) by which the
+/// journal sorts. LogTarget::automatic is the journal when $JOURNAL_STREAM is set. Called once, before other threads
+/// log.
+void set_up_log(const Config::Log& config);
+
+/// What a reload may change while others log.
+void set_log_level(LogLevel level);
+
+/// Keeps what clients can provoke from flooding the log: `burst` lines, then one more every `interval`. Any thread.
+class LogLimiter {
+public:
+    explicit LogLimiter(int burst = 20, std::chrono::milliseconds interval = std::chrono::seconds(1))
+        : burst_(burst), interval_(interval) {}
+
+    /// Whether a line may be written now. `left_out` gets how many were not since the last that was.
+    bool allows(std::uint64_t& left_out);
+
+    /// Writes the line at the given level, or counts it.
+    void write(spdlog::level::level_enum level, const std::string& line);
+
+private:
+    const int burst_;
+    const std::chrono::nanoseconds interval_;
+    std::mutex mutex_;
+    int tokens_ = burst_;
+    std::uint64_t left_out_ = 0;
+    std::chrono::steady_clock::time_point refilled_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace disparityd

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include "daemon/command_line.h"
+#include "daemon/daemon.h"
+#include "daemon/log.h"
+
+namespace {
+
+int run(int argc, char** argv) {
+    const auto line = disparityd::read_command_line(argc, argv);
+    if (!line) {
+        return 0;
+    }
+    const disparityd::Config config = disparityd::load_config(line->daemon.config_path, line->daemon.overrides);
+    if (line->check) {
+        std::printf("disparityd: the configuration is valid\n");
+        return 0;
+    }
+    disparityd::set_up_log(config.log);
+    disparityd::Daemon daemon(line->daemon, config);
+    return daemon.run() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const std::invalid_argument& error) {
+        std::fprintf(stderr, "disparityd: error: %s\n", error.what());
+        return 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "disparityd: error: %s\n", error.what());
+        return 1;
+    }
+}

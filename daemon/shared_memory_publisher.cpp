@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/shared_memory_publisher.h"
+
+#include <array>
+#include <chrono>
+#include <span>
+
+#include <spdlog/spdlog.h>
+
+namespace disparityd {
+namespace {
+
+/// The contract says twice a second at least; four times leaves room for a busy machine.
+constexpr std::chrono::milliseconds heartbeat_interval{250};
+
+proto::ShmLayout to_shm(const StreamLayout& layout) {
+    proto::ShmLayout shm;
+    shm.width = layout.geometry.width;
+    shm.height = layout.geometry.height;
+    for (const v1::Product product : layout.products) {
+        shm.planes.push_back({static_cast<std::uint32_t>(product), product_bytes(product)});
+    }
+    return shm;
+}
+
+}  // namespace
+
+SharedMemoryPublisher::SharedMemoryPublisher(const std::string& name, const StreamLayout& layout, std::uint32_t slots)
+    : layout_(layout), writer_(name, to_shm(layout), slots) {
+    if (!writer_.note().empty()) {
+        spdlog::warn("{}", writer_.note());
+    }
+    thread_ = std::thread([this] { wake_readers(); });
+}
+
+SharedMemoryPublisher::~SharedMemoryPublisher() {
+    {
+        const std::lock_guard lock(mutex_);
+        stopping_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+}
+
+void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
+    std::array<proto::PlaneSource, product_count> planes;
+    for (std::size_t i = 0; i < layout_.products.size(); ++i) {
+        const auto& plane = frame.planes[i];
+        planes[i] = {static_cast<std::uint32_t>(layout_.products[i]), plane.data, static_cast<std::size_t>(plane.width),
+                     static_cast<std::size_t>(plane.stride)};
+    }
+    writer_.publish(frame.info, std::span(planes).first(layout_.products.size()));
+    {
+        const std::lock_guard lock(mutex_);
+        new_frame_ = true;
+    }
+    changed_.notify_one();
+}
+
+void SharedMemoryPublisher::relayout(const StreamLayout& layout) {
+    const bool same = layout.products == layout_.products && layout.geometry.width == layout_.geometry.width &&
+                      layout.geometry.height == layout_.geometry.height;
+    if (!same) {
+        writer_.relayout(to_shm(layout));
+    }
+    layout_ = layout;
+}
+
+void SharedMemoryPublisher::wake_readers() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+        changed_.wait_for(lock, heartbeat_interval, [this] { return new_frame_ || stopping_; });
+        const bool wake = new_frame_;
+        new_frame_ = false;
+        lock.unlock();
+        if (wake) {
+            writer_.wake();
+        }
+        writer_.heartbeat();
+        lock.lock();
+    }
+}
+
+}  // namespace disparityd

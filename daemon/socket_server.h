@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include "daemon/client_session.h"
+#include "daemon/frame_pool.h"
+#include "daemon/frame_ring.h"
+#include "daemon/listener.h"
+
+namespace disparityd {
+
+/// Where and how to serve; the addresses are resolved.
+struct SocketServerConfig {
+    std::string tcp;        ///< empty = off
+    std::string unix_path;  ///< empty = off
+    std::size_t max_clients = 64;
+    std::size_t client_queue = 4;
+};
+
+/// What the server asks of the daemon; called in the server's thread, must not block.
+struct SocketServices {
+    std::function<v1::Status()> status;  ///< without the clients, which the server adds
+    /// May answer from any thread, later.
+    std::function<void(std::string path, SessionHost::RecordAnswer answer)> start_recording;
+    std::function<void(SessionHost::RecordAnswer answer)> stop_recording;
+};
+
+/// Serves frames and status over TCP and a Unix socket, in one thread of its own. Whoever publishes never waits for it:
+/// a frame is copied into a bounded pool (only the planes that somebody wants), everything else happens here.
+class SocketServer final : private SessionHost {
+public:
+    /// Binds; throws as make_tcp_listener() and make_unix_listener(). Nobody can connect before start().
+    SocketServer(const SocketServerConfig& config, SocketServices services);
+    ~SocketServer() override;
+    SocketServer(const SocketServer&) = delete;
+    SocketServer& operator=(const SocketServer&) = delete;
+
+    /// Begins to serve. Throws when an address has been taken since it was bound.
+    void start();
+
+    /// Closes all connections and joins the thread. Safe to call twice.
+    void stop();
+
+    /// Other addresses and limits; clients stay connected. Throws as the constructor; nothing has changed then. By the
+    /// thread that calls start() and stop(). A longer client_queue counts from the next set_layout() on.
+    void reconfigure(const SocketServerConfig& config);
+
+    /// What the frames from now on look like. Same thread as reconfigure(), while nobody publishes; also before
+    /// start().
+    void set_layout(const StreamLayout& layout);
+
+    /// Hands over a frame of that layout. One thread at a time; allocates nothing while no client wants frames.
+    void publish(const PublishedFrame& frame);
+
+    /// The addresses that are served, ports as bound. Same thread as reconfigure().
+    std::vector<std::string> addresses() const;
+
+    /// How long the server's thread has not answered; it is asked again by every call. One thread.
+    std::chrono::nanoseconds silence();
+
+    /// Frames that were copied for nobody because all copies were in use. Any thread.
+    std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+private:
+    using Listeners = std::vector<std::shared_ptr<Listener>>;
+
+    const StreamLayout& layout() const override { return layout_; }
+    FrameRing& frames() override { return ring_; }
+    ClientLog& log() override { return log_; }
+    v1::Status status() override;
+    void start_recording(const std::string& path, RecordAnswer answer) override;
+    void stop_recording(RecordAnswer answer) override;
+    void subscription_changed() override;
+    void closed(std::uint64_t id) override;
+
+    Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
+    void accepted(ClientSession::Socket socket, std::string address);
+    void frame_arrived(FrameHandle frame);
+    std::vector<std::shared_ptr<ClientSession>> sessions() const;
+    RecordAnswer in_server_thread(RecordAnswer answer);
+
+    boost::asio::io_context io_{1};
+    boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+    SocketServices services_;
+    std::thread thread_;
+
+    // The configuring thread's.
+    SocketServerConfig config_;
+    Listeners listeners_;
+    std::chrono::steady_clock::time_point asked_;
+
+    // The publisher's, changed by the configuring thread while nobody publishes.
+    std::unique_ptr<FramePool> pool_;
+
+    // Between threads.
+    std::atomic<std::uint32_t> wanted_{0};
+    std::atomic<std::uint64_t> lost_{0};
+    std::atomic<bool> answered_{true};
+
+    // The server thread's.
+    StreamLayout layout_;
+    FrameRing ring_;
+    ClientLog log_;
+    std::size_t max_clients_;
+    std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;
+    std::map<std::uint64_t, std::shared_ptr<ClientSession>> refused_;
+    std::uint64_t next_id_ = 1;
+};
+
+}  // namespace disparityd
