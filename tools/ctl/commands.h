@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "tools/ctl/program.h"
+
+/// The sub-commands of disparityctl. Each adds itself and its options to the program, and sets `action` when it is the
+/// one that the user has chosen.
+namespace disparityd::tools {
+
+void add_status(CLI::App& program, Action& action);
+void add_watch(CLI::App& program, Action& action);
+void add_snapshot(CLI::App& program, Action& action);
+void add_record(CLI::App& program, Action& action);
+void add_process(CLI::App& program, Action& action);
+void add_sources(CLI::App& program, Action& action);
+
+}  // namespace disparityd::tools

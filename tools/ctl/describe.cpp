@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/describe.h"
+
+#include <cstdio>
+
+namespace disparityd::tools {
+namespace {
+
+Json to_json(const v1::Geometry& geometry) {
+    return {{"width", geometry.width()},
+            {"height", geometry.height()},
+            {"f", geometry.f()},
+            {"cx", geometry.cx()},
+            {"cy", geometry.cy()},
+            {"baseline_mm", geometry.baseline_mm()},
+            {"disparity_offset", geometry.disparity_offset()},
+            {"d_min", geometry.d_min()},
+            {"disparities", geometry.disparities()},
+            {"invalid", geometry.invalid()},
+            {"calibration_id", hexadecimal(geometry.calibration_id())}};
+}
+
+Json to_json(const v1::StepTime& step) {
+    return {{"name", step.name()},     {"count", step.count()},   {"mean_us", step.mean_us()},
+            {"p50_us", step.p50_us()}, {"p90_us", step.p90_us()}, {"p99_us", step.p99_us()},
+            {"max_us", step.max_us()}};
+}
+
+Json to_json(const v1::ClientStatus& client) {
+    return {{"name", client.name()},
+            {"address", client.address()},
+            {"frames_sent", client.frames_sent()},
+            {"frames_skipped", client.frames_skipped()},
+            {"bytes_sent", client.bytes_sent()}};
+}
+
+Json to_json(const capture::CameraModel& camera) {
+    return {
+        {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
+}
+
+template <typename List>
+Json list(const List& items) {
+    Json array = Json::array();
+    for (const auto& item : items) {
+        array.push_back(to_json(item));
+    }
+    return array;
+}
+
+}  // namespace
+
+Json to_json(const v1::Status& status) {
+    Json json{{"server_version", status.server_version()},
+              {"state", status.state()},
+              {"detail", status.detail()},
+              {"source", status.source()},
+              {"method", status.method()},
+              {"backend", status.backend()},
+              {"workers", status.workers()},
+              {"geometry", to_json(status.geometry())},
+              {"frames_per_second", status.rate()},
+              {"captured", status.captured()},
+              {"published", status.published()},
+              {"dropped", status.dropped()},
+              {"lost_before", status.lost_before()},
+              {"corrupt", status.corrupt()},
+              {"uptime_s", status.uptime_s()},
+              {"steps", list(status.steps())},
+              {"clients", list(status.clients())},
+              {"record", to_json(status.record())}};
+    json["notices"] = Json::array();
+    for (const std::string& notice : status.notices()) {
+        json["notices"].push_back(notice);
+    }
+    return json;
+}
+
+Json to_json(const v1::RecordStatus& status) {
+    return {{"active", status.active()}, {"path", status.path()},   {"frames", status.frames()},
+            {"lost", status.lost()},     {"bytes", status.bytes()}, {"seconds", status.seconds()},
+            {"error", status.error()}};
+}
+
+Json to_json(const capture::SourceInfo& source) {
+    Json json{{"name", source.name},           {"description", source.description},
+              {"format", name(source.format)}, {"eye_width", source.eye_width},
+              {"height", source.height},       {"frames_per_second", nullptr},
+              {"live", source.live},           {"frames", nullptr},
+              {"calibration", nullptr}};
+    if (source.rate > 0) {
+        json["frames_per_second"] = source.rate;
+    }
+    if (source.frame_count) {
+        json["frames"] = *source.frame_count;
+    }
+    if (source.calibration) {
+        json["calibration"] = to_json(*source.calibration);
+    }
+    return json;
+}
+
+Json to_json(const capture::StereoCalibration& calibration) {
+    return {{"origin", calibration.origin},      {"width", calibration.width},
+            {"height", calibration.height},      {"rectified", calibration.rectified},
+            {"left", to_json(calibration.left)}, {"right", to_json(calibration.right)},
+            {"rotation", calibration.rotation},  {"translation_mm", calibration.translation}};
+}
+
+Json to_json(const capture::Rectification& rectification) {
+    return {{"width", rectification.width},
+            {"height", rectification.height},
+            {"f", rectification.f},
+            {"cx", rectification.cx},
+            {"cy", rectification.cy},
+            {"baseline_mm", rectification.baseline_mm},
+            {"disparity_offset", rectification.disparity_offset},
+            {"unrectified", rectification.unrectified},
+            {"calibration_id", hexadecimal(rectification.calibration_id)}};
+}
+
+Json to_json(const MatchOptions& options) {
+    Json json{{"method", disparityd::name(options.method)},
+              {"d_min", options.range.first},
+              {"disparities", options.range.count}};
+    if (options.method == Method::sgm) {
+        json["paths"] = options.sgm.paths;
+        json["p1"] = options.sgm.p1;
+        json["p2"] = options.sgm.p2;
+        json["adaptive_p2"] = options.sgm.adaptive_p2;
+    }
+    json.update({{"subpixel", options.post.subpixel},
+                 {"local_extrema", options.post.local_extrema},
+                 {"uniqueness", options.post.uniqueness},
+                 {"left_right_check", options.post.left_right_check},
+                 {"median", options.post.median},
+                 {"speckle_size", options.post.speckle_size},
+                 {"speckle_step", options.post.speckle_step},
+                 {"interpolate", options.post.interpolate}});
+    return json;
+}
+
+std::string hexadecimal(std::uint64_t id) {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(id));
+    return text;
+}
+
+const char* name(PixelFormat format) {
+    switch (format) {
+        case PixelFormat::grey8: return "grey8";
+        case PixelFormat::yuyv: return "yuyv";
+        case PixelFormat::bgr24: return "bgr24";
+    }
+    return "unknown";
+}
+
+std::string to_text(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace disparityd::tools

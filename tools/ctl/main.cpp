@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+
+#include "tools/ctl/commands.h"
+
+int main(int argc, char** argv) {
+    using namespace disparityd::tools;
+    CLI::App program("Looks at and commands disparityd, and matches recorded frames without it.", "disparityctl");
+    program.require_subcommand(0, 1);
+    program.footer(
+        "Exit status: 0 done; 1 the system, the daemon or damaged input stopped it; 2 arguments, input or calibration\n"
+        "must be changed; 130 stopped by Ctrl-C before the work was done. Every sub-command has its own --help.");
+    Action action;
+    add_status(program, action);
+    add_watch(program, action);
+    add_snapshot(program, action);
+    add_record(program, action);
+    add_process(program, action);
+    add_sources(program, action);
+    return run_program(program, argc, argv, [&action] {
+        if (!action) {
+            throw std::invalid_argument(
+                "found no sub-command, allowed: status, watch, snapshot, record, process, sources; see disparityctl "
+                "--help");
+        }
+        return action();
+    });
+}

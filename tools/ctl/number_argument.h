@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <initializer_list>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace disparityd::tools {
+
+/// An option that takes a whole number from `least` to `most`; the refusal says what was found and what is allowed.
+CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,
+                         const std::string& description);
+
+/// An option that takes one word of a list.
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        std::initializer_list<const char*> allowed, const std::string& description);
+
+/// A pair of flags, --name and --no-name.
+CLI::Option* add_switch(CLI::App& app, const std::string& name, std::optional<bool>& value,
+                        const std::string& description);
+
+}  // namespace disparityd::tools

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/program.h"
+
+#include <exception>
+#include <iostream>
+#include <new>
+#include <stdexcept>
+
+#include <unistd.h>
+
+namespace disparityd::tools {
+namespace {
+
+std::string program = "disparityctl";
+
+void print(const char* kind, const std::string& text) {
+    // A progress bar leaves the cursor behind its text.
+    std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "") << program << ": " << kind << ": " << text << std::endl;
+}
+
+std::string help_of(const CLI::App& app) {
+    const auto chosen = app.get_subcommands();
+    return app.get_name() + (chosen.empty() ? "" : ' ' + chosen.front()->get_name()) + " --help";
+}
+
+}  // namespace
+
+void print_error(const std::string& text) {
+    print("error", text);
+}
+void print_note(const std::string& text) {
+    print("note", text);
+}
+
+int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
+    program = app.get_name();
+    try {
+        app.parse(argc, argv);
+        const int code = action();
+        std::cout.flush();
+        if (!std::cout) {
+            throw std::runtime_error("standard output cannot be written");
+        }
+        return code;
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
+    } catch (const CLI::ParseError& error) {
+        print_error(std::string(error.what()) + "; see " + help_of(app));
+        return exit_user;
+    } catch (const std::invalid_argument& error) {
+        print_error(error.what());
+        return exit_user;
+    } catch (const std::bad_alloc&) {
+        print_error("there is not enough memory");
+        return exit_failed;
+    } catch (const std::exception& error) {
+        print_error(error.what());
+        return exit_failed;
+    }
+}
+
+}  // namespace disparityd::tools

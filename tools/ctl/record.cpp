@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <stdexcept>
+#include <thread>
+
+#include "capture/recorder.h"
+#include "capture/recording_writer.h"
+#include "tools/ctl/commands.h"
+#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/describe.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/ctl/progress.h"
+#include "tools/ctl/source_arguments.h"
+#include "tools/ctl/status_message.h"
+#include "tools/ctl/table.h"
+
+namespace disparityd::tools {
+namespace {
+
+using std::chrono::steady_clock;
+
+struct RecordArguments {
+    DaemonAddress daemon;
+    std::string file;
+    std::string source;
+    std::string calibration;
+    std::optional<int> seconds;
+    std::optional<int> frames;
+    bool force = false;
+    bool json = false;
+};
+
+/// The end of a recording as the user asked for it.
+class Limit {
+public:
+    explicit Limit(const RecordArguments& arguments) : arguments_(arguments) {}
+
+    bool reached(std::uint64_t frames) const {
+        return interrupted() || (arguments_.frames && frames >= static_cast<std::uint64_t>(*arguments_.frames)) ||
+               (arguments_.seconds && steady_clock::now() >= start_ + std::chrono::seconds(*arguments_.seconds));
+    }
+
+private:
+    const RecordArguments& arguments_;
+    steady_clock::time_point start_ = steady_clock::now();
+};
+
+std::optional<std::uint64_t> expected_frames(const RecordArguments& arguments, double rate,
+                                             const std::optional<std::uint64_t>& available) {
+    std::optional<std::uint64_t> least = available;
+    const auto at_most = [&least](std::uint64_t frames) { least = std::min(least.value_or(frames), frames); };
+    if (arguments.frames) {
+        at_most(static_cast<std::uint64_t>(*arguments.frames));
+    }
+    if (arguments.seconds && rate > 0) {
+        at_most(static_cast<std::uint64_t>(rate * *arguments.seconds));
+    }
+    return least;
+}
+
+std::string lost_and_size(std::uint64_t lost, std::uint64_t bytes) {
+    return std::to_string(lost) + " lost, " + fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
+}
+
+/// The last word: what was recorded, and the exit code that follows from it.
+int report(const v1::RecordStatus& done, bool json) {
+    if (json) {
+        std::cout << to_text(to_json(done), 2) << '\n';
+    } else {
+        std::cout << done.path() << ": " << done.frames() << " frames in " << fixed(done.seconds(), 1) << " s, "
+                  << lost_and_size(done.lost(), done.bytes()) << '\n';
+    }
+    if (!done.error().empty()) {
+        print_error(done.error() + "; " + std::to_string(done.frames()) + " frames were recorded in " + done.path());
+        return exit_failed;
+    }
+    if (done.frames() == 0) {
+        print_error(done.path() + ": no frame was recorded");
+        return interrupted() ? exit_interrupted : exit_failed;
+    }
+    return exit_done;
+}
+
+int record_with_daemon(const RecordArguments& arguments) {
+    if (!arguments.calibration.empty() || arguments.force) {
+        throw std::invalid_argument(
+            "record: --calibration and --force go with --source; without it the daemon records with its own "
+            "configuration");
+    }
+    disparity::SocketClient client = connect(arguments.daemon);
+    catch_interrupts();
+    const double rate = daemon_status(client).rate();
+    v1::RecordStatus now = start_daemon_recording(client, arguments.file);
+    {
+        Progress bar("frames", expected_frames(arguments, rate, {}));
+        const Limit limit(arguments);
+        while (now.active() && !limit.reached(now.frames())) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            now = daemon_status(client).record();
+            bar.show(now.frames(), lost_and_size(now.lost(), now.bytes()));
+        }
+    }
+    // A recording that has ended by itself (disk full, source gone) has its reason in the status already.
+    return report(now.active() ? stop_daemon_recording(client) : now, arguments.json);
+}
+
+v1::RecordStatus to_message(const capture::Recorder::Status& status, const std::string& path) {
+    v1::RecordStatus message;
+    message.set_path(path);
+    message.set_frames(status.frames);
+    message.set_lost(status.lost);
+    message.set_bytes(status.bytes);
+    message.set_seconds(status.seconds);
+    message.set_error(status.error);
+    return message;
+}
+
+/// The interface of capture::Recorder for sources that wait: writes in the caller's thread and loses nothing.
+class PatientRecorder {
+public:
+    PatientRecorder(const std::string& path, const capture::SourceInfo& info, bool overwrite)
+        : writer_(path, info, overwrite) {}
+
+    bool offer(const capture::RawFrame& frame) {
+        writer_.write(frame);
+        return true;
+    }
+    capture::Recorder::Status status() const {
+        const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
+        return {writer_.frames(), 0, writer_.bytes(), elapsed.count(), {}};
+    }
+    capture::Recorder::Status finish() {
+        writer_.close();
+        return status();
+    }
+
+private:
+    capture::RecordingWriter writer_;
+    steady_clock::time_point start_ = steady_clock::now();
+};
+
+template <typename AnyRecorder>
+int record_frames(const RecordArguments& arguments, capture::FrameSource& source, AnyRecorder& recorder) {
+    catch_interrupts();
+    std::string fault;
+    {
+        Progress bar("frames", expected_frames(arguments, source.info().rate, source.info().frame_count));
+        const Limit limit(arguments);
+        capture::RawFrame frame;
+        try {
+            for (std::uint64_t taken = 0; !limit.reached(taken);) {
+                const auto got = source.next(frame, steady_clock::now() + std::chrono::milliseconds(100));
+                if (got == capture::FrameSource::Next::frame) {
+                    recorder.offer(frame);
+                    source.give_back(frame);
+                    ++taken;
+                } else if (got != capture::FrameSource::Next::timeout) {
+                    break;
+                }
+                const capture::Recorder::Status now = recorder.status();
+                if (!now.error.empty()) {
+                    break;
+                }
+                bar.show(now.frames, lost_and_size(now.lost, now.bytes));
+            }
+        } catch (const std::exception& error) {
+            fault = error.what();
+        }
+    }
+    capture::Recorder::Status done = recorder.finish();
+    if (done.error.empty()) {
+        done.error = fault;
+    }
+    return report(to_message(done, arguments.file), arguments.json);
+}
+
+int record_source(const RecordArguments& arguments) {
+    capture::SourceOptions options;
+    options.uri = arguments.source;
+    options.calibration_path = arguments.calibration;
+    const auto source = open_with_progress(options);
+    if (source->info().live) {
+        capture::Recorder recorder(arguments.file, source->info(), 16, arguments.force);
+        return record_frames(arguments, *source, recorder);
+    }
+    PatientRecorder recorder(arguments.file, source->info(), arguments.force);
+    return record_frames(arguments, *source, recorder);
+}
+
+}  // namespace
+
+void add_record(CLI::App& program, Action& action) {
+    CLI::App& command =
+        *program.add_subcommand("record", "Record raw frames, losslessly, with exact times and calibration.");
+    const auto arguments = std::make_shared<RecordArguments>();
+    command.add_option("OUT", arguments->file, "the recording to make, such as out.mkv")->required();
+    add_integer(command, "--seconds", arguments->seconds, 1, 1'000'000, "stop after this time");
+    add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000,
+                "stop after this many frames (with a daemon: a few more may come)");
+    command
+        .add_option("--source", arguments->source, "open this source here, without a daemon; see disparityctl sources")
+        ->type_name("URI");
+    command.add_option("--calibration", arguments->calibration, "with --source: calibration instead of its own")
+        ->type_name("FILE");
+    command.add_flag("--force", arguments->force, "with --source: replace OUT when it exists");
+    command.add_flag("--json", arguments->json, "one JSON object at the end");
+    arguments->daemon.add_to(command);
+    command.footer(
+        "A running daemon is asked to record the frames that it captures; OUT is then on the daemon's machine, seen "
+        "from\n"
+        "its folder for recordings. Without a limit, Ctrl-C stops it; the file is valid. Exit status 0 when at least "
+        "one\n"
+        "frame was recorded and nothing failed; 130 when Ctrl-C came before the first frame.\n"
+        "Examples: disparityctl record walk.mkv --seconds 60\n"
+        "          disparityctl record scene.mkv --source scene:vga@15 --frames 30");
+    command.callback([arguments, &action] {
+        action = [arguments] {
+            return arguments->source.empty() ? record_with_daemon(*arguments) : record_source(*arguments);
+        };
+    });
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <bit>
+#include <cstring>
+#include <iostream>
+#include <stdexcept>
+
+#include "tools/ctl/commands.h"
+#include "tools/ctl/frame_reader.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/images/disparity_file.h"
+#include "tools/images/image_file.h"
+#include "tools/images/picture.h"
+
+namespace disparityd::tools {
+namespace {
+
+using disparity::Product;
+
+static_assert(std::endian::native == std::endian::little, "planes arrive in little endian and are used as they are");
+
+struct SnapshotArguments {
+    DaemonAddress daemon;
+    std::string picture;
+    std::string disparity;
+    std::string depth;
+    std::optional<int> timeout_s;
+};
+
+const disparity::PlaneData& plane_of(const disparity::Frame& frame, Product product, const char* name) {
+    const disparity::PlaneData* plane = frame.plane(product);
+    if (plane == nullptr) {
+        throw std::runtime_error(std::string("the daemon does not serve ") + name +
+                                 "; its configuration decides: see disparityd.example.toml");
+    }
+    return *plane;
+}
+
+/// The bytes as numbers, in memory that is aligned for them.
+template <typename T>
+std::vector<T> numbers(const disparity::PlaneData& plane) {
+    std::vector<T> values(plane.bytes.size() / sizeof(T));
+    std::memcpy(values.data(), plane.bytes.data(), values.size() * sizeof(T));
+    return values;
+}
+
+template <typename T>
+Plane<const T> view(const std::vector<T>& values, const disparity::PlaneData& plane) {
+    const int width = static_cast<int>(plane.width);
+    return {values.data(), width, static_cast<int>(plane.height), width};
+}
+
+cv::Mat left_picture(const disparity::Frame& frame) {
+    if (const disparity::PlaneData* colour = frame.plane(Product::left_colour)) {
+        const int row = static_cast<int>(colour->width) * 3;
+        return images::colour_view({colour->bytes.data(), row, static_cast<int>(colour->height), row});
+    }
+    const disparity::PlaneData& left = plane_of(frame, Product::left, "the left image");
+    const int row = static_cast<int>(left.width);
+    return images::grey_view({left.bytes.data(), row, static_cast<int>(left.height), row});
+}
+
+bool is_pfm(const std::string& path) {
+    return path.size() > 4 && path.compare(path.size() - 4, 4, ".pfm") == 0;
+}
+
+void write_disparity(const std::string& path, const images::DisparityMap& map) {
+    if (is_pfm(path)) {
+        images::write_disparity_pfm(path, map);
+        return;
+    }
+    if (!images::fits_png(map.range)) {
+        throw std::invalid_argument(path +
+                                    ": a 16-bit PNG holds disparities from 0 to 255.99 px, the daemon searches " +
+                                    std::to_string(map.range.first) + " to " +
+                                    std::to_string(map.range.first + map.range.count - 1) + "; name it .pfm");
+    }
+    images::write_disparity_png(path, map);
+}
+
+disparity::Frame next_frame(const SnapshotArguments& arguments) {
+    std::vector<Product> products{Product::disparity, Product::left};
+    if (!arguments.depth.empty()) {
+        products.push_back(Product::depth);
+    }
+    const auto frames = open_frames(arguments.daemon, products);
+    const int timeout_s = arguments.timeout_s.value_or(10);
+    disparity::Frame frame;
+    switch (frames->read(frame, std::chrono::seconds(timeout_s))) {
+        case disparity::ReadResult::frame: break;
+        case disparity::ReadResult::timeout:
+            throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
+                                     " s; disparityctl status says why");
+        case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+    }
+    return frame;
+}
+
+int snapshot(const SnapshotArguments& arguments) {
+    if (arguments.picture.empty() && arguments.disparity.empty() && arguments.depth.empty()) {
+        throw std::invalid_argument("snapshot: nothing to write; give at least one of -o, --disparity, --depth");
+    }
+    const disparity::Frame frame = next_frame(arguments);
+    const disparity::PlaneData& plane = plane_of(frame, Product::disparity, "disparity");
+    const auto d16 = numbers<std::int16_t>(plane);
+    const images::DisparityMap map{view(d16, plane), {frame.d_min, static_cast<int>(frame.disparities)}};
+    if (!arguments.picture.empty()) {
+        const images::Metric metric{frame.f, frame.baseline_mm, frame.disparity_offset};
+        images::write_png(arguments.picture, images::picture(left_picture(frame), map, images::fitted(map), metric));
+        std::cout << arguments.picture << '\n';
+    }
+    if (!arguments.disparity.empty()) {
+        write_disparity(arguments.disparity, map);
+        std::cout << arguments.disparity << '\n';
+    }
+    if (!arguments.depth.empty()) {
+        const disparity::PlaneData& depth = plane_of(frame, Product::depth, "depth");
+        const auto mm = numbers<std::uint16_t>(depth);
+        images::write_depth_png(arguments.depth, view(mm, depth));
+        std::cout << arguments.depth << '\n';
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_snapshot(CLI::App& program, Action& action) {
+    CLI::App& command = *program.add_subcommand("snapshot", "Write the newest frame of a daemon as pictures.");
+    const auto arguments = std::make_shared<SnapshotArguments>();
+    command
+        .add_option("-o,--output", arguments->picture, "left image beside coloured disparity beside its scale (PNG)")
+        ->type_name("FILE");
+    command
+        .add_option("--disparity", arguments->disparity,
+                    "disparity as a 16-bit PNG (disparity x 256, 0 = rejected), or as PFM when FILE ends in .pfm")
+        ->type_name("FILE");
+    command.add_option("--depth", arguments->depth, "depth in mm as a 16-bit PNG (0 = unknown, 65535 = farther)")
+        ->type_name("FILE");
+    add_integer(command, "--timeout", arguments->timeout_s, 1, 3600, "seconds to wait for a frame; default 10");
+    arguments->daemon.add_to(command);
+    command.footer("Example: disparityctl snapshot -o now.png --disparity now.pfm");
+    command.callback([arguments, &action] { action = [arguments] { return snapshot(*arguments); }; });
+}
+
+}  // namespace disparityd::tools

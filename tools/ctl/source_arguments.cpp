@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/source_arguments.h"
+
+#include <utility>
+
+#include "tools/ctl/describe.h"
+#include "tools/ctl/progress.h"
+#include "tools/ctl/table.h"
+
+namespace disparityd::tools {
+
+std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions options) {
+    std::unique_ptr<Progress> bar;
+    int bar_total = 0;
+    options.progress = [&](int done, int total) {
+        if (!bar || total != bar_total) {
+            bar = std::make_unique<Progress>("preparing", static_cast<std::uint64_t>(total < 0 ? 0 : total));
+            bar_total = total;
+        }
+        bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
+    };
+    return capture::open_source(options);
+}
+
+std::string summary(const capture::SourceInfo& source) {
+    std::string text =
+        std::to_string(source.eye_width) + " x " + std::to_string(source.height) + " per eye, " + name(source.format);
+    if (source.rate > 0) {
+        text += ", " + fixed(source.rate, source.rate == static_cast<int>(source.rate) ? 0 : 2) + " frames/s";
+    }
+    if (source.frame_count) {
+        text += ", " + std::to_string(*source.frame_count) + " frames";
+    }
+    text += source.live ? ", live" : "";
+    if (!source.calibration) {
+        return text + ", no calibration";
+    }
+    return text + ", calibration from " + source.calibration->origin +
+           (source.calibration->rectified ? " (rectified already)" : "");
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <iostream>
+#include <stdexcept>
+
+#include "tools/ctl/commands.h"
+#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/describe.h"
+#include "tools/ctl/status_message.h"
+#include "tools/ctl/table.h"
+
+namespace disparityd::tools {
+namespace {
+
+struct StatusArguments {
+    DaemonAddress daemon;
+    bool json = false;
+};
+
+void print_row(const char* what, const std::string& value) {
+    if (!value.empty()) {
+        std::cout << what << std::string(12 - std::string(what).size(), ' ') << value << '\n';
+    }
+}
+
+std::string geometry_text(const v1::Geometry& geometry) {
+    std::string text = std::to_string(geometry.width()) + " x " + std::to_string(geometry.height()) + " px";
+    if (geometry.f() > 0) {
+        text += ", f " + fixed(geometry.f(), 1) + " px";
+    }
+    if (geometry.baseline_mm() > 0) {
+        text += ", baseline " + fixed(geometry.baseline_mm(), 2) + " mm";
+    }
+    const int last = geometry.d_min() + static_cast<int>(geometry.disparities()) - 1;
+    return text + ", disparities " + std::to_string(geometry.d_min()) + " .. " + std::to_string(last);
+}
+
+std::string record_text(const v1::RecordStatus& record) {
+    if (record.path().empty()) {
+        return {};
+    }
+    return record.path() + ": " + (record.active() ? "running, " : "finished, ") + std::to_string(record.frames()) +
+           " frames, " + std::to_string(record.lost()) + " lost, " +
+           fixed(static_cast<double>(record.bytes()) / 1e6, 1) + " MB" +
+           (record.error().empty() ? "" : ", error: " + record.error());
+}
+
+void print(const v1::Status& status) {
+    print_row("state", status.state() + (status.detail().empty() ? "" : ": " + status.detail()));
+    print_row("version", status.server_version());
+    print_row("uptime", fixed(status.uptime_s(), 0) + " s");
+    print_row("source", status.source());
+    print_row("matching",
+              status.method() + " on " + status.backend() + ", " + std::to_string(status.workers()) + " workers");
+    print_row("geometry", geometry_text(status.geometry()));
+    print_row("rate", fixed(status.rate(), 1) + " frames/s");
+    print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
+                            " published, " + std::to_string(status.dropped()) + " dropped, " +
+                            std::to_string(status.lost_before()) + " lost by the source, " +
+                            std::to_string(status.corrupt()) + " damaged");
+    print_row("recording", record_text(status.record()));
+    for (const std::string& notice : status.notices()) {
+        print_row("notice", notice);
+    }
+    if (status.steps_size() > 0) {
+        Table steps({"step, ms", "count", "mean", "p50", "p90", "p99", "max"});
+        for (const v1::StepTime& step : status.steps()) {
+            steps.add({step.name(), std::to_string(step.count()), fixed(step.mean_us() / 1e3, 2),
+                       fixed(step.p50_us() / 1e3, 2), fixed(step.p90_us() / 1e3, 2), fixed(step.p99_us() / 1e3, 2),
+                       fixed(step.max_us() / 1e3, 2)});
+        }
+        std::cout << '\n';
+        steps.print(std::cout);
+    }
+    if (status.clients_size() > 0) {
+        Table clients({"client", "address", "sent", "skipped", "MB"});
+        for (const v1::ClientStatus& client : status.clients()) {
+            clients.add({client.name(), client.address(), std::to_string(client.frames_sent()),
+                         std::to_string(client.frames_skipped()),
+                         fixed(static_cast<double>(client.bytes_sent()) / 1e6, 1)});
+        }
+        std::cout << '\n';
+        clients.print(std::cout);
+    }
+}
+
+int show_status(const StatusArguments& arguments) {
+    disparity::SocketClient client = connect(arguments.daemon);
+    const v1::Status status = daemon_status(client);
+    if (arguments.json) {
+        std::cout << to_text(to_json(status), 2) << '\n';
+    } else {
+        print(status);
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_status(CLI::App& program, Action& action) {
+    CLI::App& command =
+        *program.add_subcommand("status", "Show what a running daemon does: state, rates, times, clients.");
+    const auto arguments = std::make_shared<StatusArguments>();
+    arguments->daemon.add_to(command);
+    command.add_flag("--json", arguments->json, "one JSON object");
+    command.footer(
+        "Exit status 1 when no daemon answers.\n"
+        "Example: disparityctl status --json | jq .frames_per_second");
+    command.callback([arguments, &action] { action = [arguments] { return show_status(*arguments); }; });
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/status_message.h"
+
+#include <stdexcept>
+
+namespace disparityd::tools {
+namespace {
+
+constexpr std::chrono::seconds patience{5};
+/// Closing a recording writes what is waiting first.
+constexpr std::chrono::seconds patience_for_files{60};
+
+template <typename Message>
+Message parsed(const std::string& bytes) {
+    Message message;
+    if (!message.ParseFromString(bytes)) {
+        throw std::runtime_error("the daemon's answer is damaged or of another version");
+    }
+    return message;
+}
+
+}  // namespace
+
+v1::Status daemon_status(disparity::SocketClient& client) {
+    return parsed<v1::Status>(client.status(patience));
+}
+
+v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path) {
+    return parsed<v1::RecordStatus>(client.start_recording(path, patience));
+}
+
+v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client) {
+    return parsed<v1::RecordStatus>(client.stop_recording(patience_for_files));
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/ctl/commands.h"
+#include "tools/ctl/frame_reader.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/latency_window.h"
+#include "tools/ctl/number_argument.h"
+
+namespace disparityd::tools {
+namespace {
+
+using std::chrono::steady_clock;
+
+struct WatchArguments {
+    DaemonAddress daemon;
+    std::optional<int> lines;
+    bool json = false;
+};
+
+void print_line(const LatencyWindow::Summary& seen, double seconds, double since_start, bool json) {
+    const double rate = static_cast<double>(seen.frames) / seconds;
+    if (json) {
+        nlohmann::ordered_json line{{"seconds", since_start},    {"frames", seen.frames},
+                                    {"frames_per_second", rate}, {"latency_p50_ms", nullptr},
+                                    {"latency_p99_ms", nullptr}, {"dropped", seen.dropped},
+                                    {"missed", seen.missed}};
+        if (seen.frames > 0) {
+            line["latency_p50_ms"] = seen.p50_ms;
+            line["latency_p99_ms"] = seen.p99_ms;
+        }
+        std::cout << line.dump() << std::endl;
+        return;
+    }
+    char text[160];
+    if (seen.frames > 0) {
+        std::snprintf(text, sizeof text, "%6.0f s %9.1f %13.1f %10.1f %9llu %8llu", since_start, rate, seen.p50_ms,
+                      seen.p99_ms, static_cast<unsigned long long>(seen.dropped),
+                      static_cast<unsigned long long>(seen.missed));
+    } else {
+        std::snprintf(text, sizeof text, "%6.0f s %9.1f %13s %10s %9s %8s  no frame: see disparityctl status",
+                      since_start, 0.0, "-", "-", "-", "-");
+    }
+    std::cout << text << std::endl;
+}
+
+int watch(const WatchArguments& arguments) {
+    const auto frames = open_frames(arguments.daemon, {disparity::Product::disparity});
+    catch_interrupts();
+    if (!arguments.json) {
+        std::cout << "    time  frames/s  latency: p50    p99 ms   dropped   missed   (" << frames->where() << ")"
+                  << std::endl;
+    }
+    disparity::Frame frame;
+    LatencyWindow window;
+    const auto start = steady_clock::now();
+    auto last = start;
+    for (int lines = 0; (!arguments.lines || lines < *arguments.lines) && !interrupted();) {
+        // Short enough for Ctrl-C to be felt as immediate.
+        constexpr std::chrono::milliseconds patience{100};
+        const auto next = last + std::chrono::seconds(1);
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - steady_clock::now());
+        switch (frames->read(frame, std::clamp(left, std::chrono::milliseconds(0), patience))) {
+            case disparity::ReadResult::frame: window.add(frame, age_ns(frame, frames->local())); break;
+            case disparity::ReadResult::timeout: break;
+            case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+        }
+        const auto now = steady_clock::now();
+        if (now >= next) {
+            print_line(window.take(), std::chrono::duration<double>(now - last).count(),
+                       std::chrono::duration<double>(now - start).count(), arguments.json);
+            last = now;
+            ++lines;
+        }
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_watch(CLI::App& program, Action& action) {
+    CLI::App& command = *program.add_subcommand("watch", "Show frame rate, latency and losses, one line per second.");
+    const auto arguments = std::make_shared<WatchArguments>();
+    arguments->daemon.add_to(command);
+    add_integer(command, "--count,--seconds", arguments->lines, 1, 1'000'000'000,
+                "stop after this many lines; default: Ctrl-C stops");
+    command.add_flag("--json", arguments->json, "one JSON object per line");
+    command.footer(
+        "Frames come over shared memory, or over the socket when --socket is given. Latency is the age of a frame "
+        "when\n"
+        "it arrives here, capture to copy; for a daemon elsewhere its age when sent. dropped: lost before the daemon\n"
+        "published; missed: published, but not seen here. Ctrl-C ends it, exit status 0.\n"
+        "Example: disparityctl watch --count 10");
+    command.callback([arguments, &action] { action = [arguments] { return watch(*arguments); }; });
+}
+
+}  // namespace disparityd::tools

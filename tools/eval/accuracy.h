@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tools/images/disparity_map.h"
+
+namespace disparityd::eval {
+
+/// Percent of judged pixels. A pixel is judged where the truth is known; it is bad when it is rejected or when
+/// |disparity - truth| is more than the limit. NaN where no pixel is judged.
+struct Accuracy {
+    double bad1_nonocc = 0;  ///< limit 1 px, pixels that both cameras see
+    double bad1_all = 0;     ///< limit 1 px, all pixels with truth
+    double bad2_nonocc = 0;
+    double bad2_all = 0;
+    double density = 0;  ///< pixels with truth that have a disparity
+};
+
+/// `non_occluded` has one value per pixel, 0 = occluded; empty: not known, the non-occluded figures are NaN.
+/// Throws std::invalid_argument when the sizes differ.
+Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& truth,
+                 const std::vector<std::uint8_t>& non_occluded);
+
+}  // namespace disparityd::eval

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <utility>
+
+#include "pipeline/worker_pool.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/match_arguments.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/ctl/program.h"
+#include "tools/ctl/progress.h"
+#include "tools/eval/error_picture.h"
+#include "tools/eval/opencv_matcher.h"
+#include "tools/eval/our_matcher.h"
+#include "tools/eval/paper.h"
+#include "tools/eval/report.h"
+#include "tools/eval/scene.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::eval {
+namespace {
+
+struct EvalArguments {
+    std::vector<std::string> data;
+    std::vector<std::string> methods;
+    std::vector<std::string> backends;
+    tools::MatchArguments match;
+    std::string pictures;
+    double scale = 0;
+    std::optional<int> repeat;
+    std::optional<int> workers;
+    bool opencv = false;
+    bool paper = false;
+    bool json = false;
+    bool markdown = false;
+};
+
+std::vector<Method> methods_of(const EvalArguments& arguments) {
+    std::vector<Method> methods;
+    for (const std::string& text : arguments.methods) {
+        if (text == "all") {
+            methods.insert(methods.end(), {Method::sad, Method::census, Method::sgm});
+        } else {
+            methods.push_back(tools::parse_method(text));
+        }
+    }
+    return methods;
+}
+
+std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
+    std::vector<const Backend*> chosen;
+    for (const std::string& text : arguments.backends) {
+        if (text == "all") {
+            for (const Backend& row : backends()) {
+                if (row.available()) {
+                    chosen.push_back(&row);
+                }
+            }
+        } else {
+            chosen.push_back(&backend(text));
+        }
+    }
+    return chosen;
+}
+
+/// The scenes to judge and the number of candidates for each; 0 = as the scene needs.
+std::vector<std::pair<capture::DatasetScene, int>> scenes_of(const EvalArguments& arguments) {
+    std::vector<std::pair<capture::DatasetScene, int>> chosen;
+    const std::vector<capture::DatasetScene> found = find_scenes(arguments.data);
+    if (!arguments.paper) {
+        for (const capture::DatasetScene& files : found) {
+            chosen.emplace_back(files, 0);
+        }
+        return chosen;
+    }
+    for (const PaperScene& wanted : paper_scenes()) {
+        const auto files = std::find_if(found.begin(), found.end(), [&](const capture::DatasetScene& candidate) {
+            const PaperScene* scene = paper_scene(candidate.name);
+            return scene != nullptr && scene->name == wanted.name;
+        });
+        if (files == found.end()) {
+            throw std::invalid_argument("--paper: there is no folder for the scene " + wanted.name +
+                                        " in DATA, allowed: folders that hold cones, tsukuba, teddy and sawtooth");
+        }
+        chosen.emplace_back(*files, wanted.disparities);
+    }
+    return chosen;
+}
+
+/// The tuned settings of a method; the paper has whole pixels and judges every pixel.
+MatchOptions options_for(const EvalArguments& arguments, Method method, int disparities) {
+    MatchOptions options = arguments.match.options(method, disparities);
+    if (arguments.paper) {
+        options.post.subpixel = arguments.match.subpixel().value_or(false);
+        options.post.interpolate = arguments.match.interpolate().value_or(true);
+    }
+    return options;
+}
+
+class Evaluation {
+public:
+    explicit Evaluation(const EvalArguments& arguments)
+        : arguments_(arguments),
+          methods_(methods_of(arguments)),
+          backends_(backends_of(arguments)),
+          workers_(arguments.workers.value_or(0)),
+          repeat_(arguments.repeat.value_or(1)) {}
+
+    std::vector<Row> run() {
+        const auto scenes = scenes_of(arguments_);
+        tools::Progress progress("scenes", scenes.size());
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            progress.show(i, scenes[i].first.name);
+            judge(read_scene(scenes[i].first, arguments_.scale), scenes[i].second);
+        }
+        return std::move(rows_);
+    }
+
+private:
+    void judge(const Scene& scene, int disparities) {
+        const int needed = disparities == 0 ? scene.disparities : disparities;
+        for (const Method method : methods_) {
+            const MatchOptions options = options_for(arguments_, method, needed);
+            for (const Backend* backend : backends_) {
+                const pipeline::WorkerPool::Seat seat(workers_);
+                add(scene, std::string(name(method)), std::string(backend->name),
+                    run_ours(*backend, options, scene.left, scene.right, workers_, repeat_));
+            }
+        }
+        if (arguments_.opencv) {
+            const DisparityRange range{arguments_.match.d_min(), arguments_.match.disparities().value_or(needed)};
+            for (const OpencvMethod method : opencv_methods()) {
+                add(scene, name(method), "opencv",
+                    run_opencv(method, range, scene.left, scene.right, workers_.workers(), repeat_));
+            }
+        }
+    }
+
+    void add(const Scene& scene, const std::string& method, const std::string& backend, const MatcherResult& result) {
+        const Accuracy accuracy = measure(images::to_float(result.map()), scene.truth, scene.non_occluded);
+        rows_.push_back({scene.name, method, backend, result.range.count, accuracy, result.ms});
+        if (!arguments_.pictures.empty()) {
+            std::string file = scene.name + '_' + method + '_' + backend + ".png";
+            std::replace_if(
+                file.begin(), file.end(), [](char c) { return c == ' ' || c == '/'; }, '-');
+            images::write_png(arguments_.pictures + '/' + file, error_picture(scene, result));
+        }
+    }
+
+    const EvalArguments& arguments_;
+    std::vector<Method> methods_;
+    std::vector<const Backend*> backends_;
+    pipeline::WorkerPool workers_;
+    int repeat_;
+    std::vector<Row> rows_;
+};
+
+int evaluate(EvalArguments arguments) {
+    if (arguments.methods.empty()) {
+        arguments.methods = {arguments.paper ? "all" : "sgm"};
+    }
+    if (arguments.backends.empty()) {
+        arguments.backends = {"auto"};
+    }
+    if (!arguments.pictures.empty()) {
+        std::error_code error;
+        std::filesystem::create_directories(arguments.pictures, error);
+        if (error) {
+            throw std::runtime_error(arguments.pictures + ": " + error.message());
+        }
+    }
+    const std::vector<Row> rows = Evaluation(arguments).run();
+    if (arguments.json) {
+        print_json(rows, std::cout);
+    } else if (arguments.paper) {
+        print_paper_table(rows, arguments.markdown, std::cout);
+    } else {
+        print_table(rows, arguments.markdown, std::cout);
+    }
+    return tools::exit_done;
+}
+
+void add_arguments(CLI::App& program, EvalArguments& arguments) {
+    program.add_option("DATA", arguments.data, "scene folders with ground truth, or folders of such folders")
+        ->required();
+    program.add_option("--method", arguments.methods, "sgm, census, sad or all; may be repeated; default sgm")
+        ->allow_extra_args(false)
+        ->type_name("METHOD");
+    program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("NAME");
+    program.add_flag("--opencv", arguments.opencv, "OpenCV's StereoBM and StereoSGBM (HH and 3WAY) beside them");
+    program.add_flag(
+        "--paper", arguments.paper,
+        "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
+        "disparities, all methods, whole pixels, rejected pixels filled");
+    program
+        .add_option(
+            "--scale", arguments.scale,
+            "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name")
+        ->check(CLI::Range(0.001, 65535.0))
+        ->type_name("X");
+    tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
+                       "runs per scene, their median time counts; default 1");
+    tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
+    program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
+    program.add_flag("--json", arguments.json, "a list of objects");
+    program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
+    arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
+}
+
+}  // namespace
+}  // namespace disparityd::eval
+
+int main(int argc, char** argv) {
+    using namespace disparityd;
+    CLI::App program("Measures disparity against ground truth: bad pixels, density, time.", "disparity-eval");
+    program.footer(
+        "bad-x: share of the pixels with known truth whose disparity is more than x px from it, rejected pixels "
+        "included;\n"
+        "nonocc: only those that both cameras see. density: share of the pixels with known truth that have a "
+        "disparity.\n"
+        "ms: matching and post-processing of a rectified pair. Scenes: Middlebury (left.png, right.png, disp_left.png "
+        "or\n"
+        ".pfm) and KITTI folders.\n"
+        "Exit status: 0 done; 1 the system refused; 2 arguments or data must be changed.\n"
+        "Example: disparity-eval --method all --opencv --repeat 5 data/middlebury2003");
+    eval::EvalArguments arguments;
+    eval::add_arguments(program, arguments);
+    return tools::run_program(program, argc, argv, [&arguments] { return eval::evaluate(arguments); });
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "tools/eval/matcher_result.h"
+
+namespace disparityd::eval {
+
+/// OpenCV's matchers, to compare with. Parameters are those of OpenCV's own sample (stereo_match): StereoBM block 9,
+/// cap 31, texture 10, uniqueness 15; StereoSGBM block 3, cap 63, P1 = 8 x 9, P2 = 32 x 9, uniqueness 10; both speckle
+/// window 100, range 32, disp12MaxDiff 1.
+enum class OpencvMethod { bm, sgbm_hh, sgbm_3way };
+
+const std::vector<OpencvMethod>& opencv_methods();
+std::string name(OpencvMethod method);
+
+/// Matches a rectified pair `repeat` times on `threads` threads.
+MatcherResult run_opencv(OpencvMethod method, DisparityRange range, const cv::Mat& left, const cv::Mat& right,
+                         int threads, int repeat);
+
+}  // namespace disparityd::eval

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/eval/paper.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <ostream>
+
+#include "tools/ctl/table.h"
+
+namespace disparityd::eval {
+namespace {
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return text;
+}
+
+}  // namespace
+
+double PaperScene::bad(Method method) const {
+    switch (method) {
+        case Method::sad: return sad;
+        case Method::census: return census;
+        case Method::sgm: return sgm;
+    }
+    return 0;
+}
+
+const std::vector<PaperScene>& paper_scenes() {
+    static const std::vector<PaperScene> scenes{{"Cones", 128, 18.3, 20.1, 6.9},
+                                                {"Tsukuba", 32, 14.0, 12.2, 5.7},
+                                                {"Teddy", 128, 16.6, 18.2, 7.1},
+                                                {"Sawtooth", 32, 19.2, 20.1, 7.0}};
+    return scenes;
+}
+
+const PaperScene* paper_scene(const std::string& name) {
+    const std::string folder = lower(std::filesystem::path(name).filename().string());
+    const auto& scenes = paper_scenes();
+    const auto found = std::find_if(scenes.begin(), scenes.end(),
+                                    [&](const PaperScene& scene) { return lower(scene.name) == folder; });
+    return found == scenes.end() ? nullptr : &*found;
+}
+
+void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
+    tools::Table table({"scene (D)", "method", "backend", "paper %", "ours %", "ours - paper", "density %", "ms"});
+    int better = 0, judged = 0;
+    for (const Row& row : rows) {
+        const auto method = method_from_name(row.method);
+        const PaperScene* scene = paper_scene(row.scene);
+        if (!method || scene == nullptr) {
+            continue;
+        }
+        const double paper = scene->bad(*method);
+        const double ours = row.accuracy.bad1_nonocc;
+        ++judged;
+        better += ours <= paper ? 1 : 0;
+        const std::string difference = tools::fixed(ours - paper, 2);
+        table.add({scene->name + " (" + std::to_string(row.disparities) + ")", row.method, row.backend,
+                   tools::fixed(paper, 1), tools::fixed(ours, 2), difference[0] == '-' ? difference : '+' + difference,
+                   tools::fixed(row.accuracy.density, 1), tools::fixed(row.ms, 1)});
+    }
+    markdown ? table.print_markdown(to) : table.print(to);
+    to << '\n' << better << " of " << judged << " cells at most the paper's figure\n";
+}
+
+}  // namespace disparityd::eval

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "capture/dataset.h"
+#include "tools/images/disparity_map.h"
+
+namespace disparityd::eval {
+
+/// A rectified pair with ground truth, in memory.
+struct Scene {
+    std::string name;
+    cv::Mat left;  ///< grey or BGR, 8 bit
+    cv::Mat right;
+    images::FloatMap truth;                  ///< disparity of the left image in px, +infinity where unknown
+    std::vector<std::uint8_t> non_occluded;  ///< one per pixel, 1 = both cameras see it; empty = not known
+    int disparities = 0;                     ///< candidates that cover the truth, a multiple of 16 up to 256
+};
+
+/// The scenes with ground truth in each folder and below. Throws std::invalid_argument for a folder without one.
+std::vector<capture::DatasetScene> find_scenes(const std::vector<std::string>& folders);
+
+/// Reads pictures and truth; `scale` other than 0 is the stored value per pixel of disparity. Throws
+/// std::invalid_argument with one line when the scene does not hold together.
+Scene read_scene(const capture::DatasetScene& files, double scale);
+
+/// The smallest multiple of 16, 16 .. 256, of candidates 0, 1, ... that reach every known disparity and the bound
+/// `ndisp` (0 = none is given).
+int covering_disparities(const images::FloatMap& truth, int ndisp);
+
+}  // namespace disparityd::eval

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash
+# Sourced by tools/test, which sets results (folder for outcomes) and jobs: the steps it is made of. A step that fails is
+# noted and the next one runs, so that one look at the end shows everything.
+
+step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
+
+# note passed|failed|skipped WHAT: the outcome of a step that is no ctest run.
+note() {
+    printf '%s\t%s\n' "$1" "$2" >>"${results:?}/steps.tsv"
+    [[ $1 != failed ]] || echo "FAILED: $2" >&2
+}
+
+# check WHAT COMMAND...: a step that passes when the command does.
+check() {
+    local what=$1
+    shift
+    step "$what"
+    if "$@"; then note passed "$what"; else note failed "$what"; fi
+}
+
+# project_sources PATTERN...: files of the project that match, without build outputs.
+project_sources() {
+    git ls-files --cached --others --exclude-standard -- "$@" 2>/dev/null || {
+        local names=() pattern
+        for pattern in "$@"; do names+=(-o -name "${pattern##*/}"); done
+        find . -path ./build -prune -o -type f \( "${names[@]:1}" \) -print
+    }
+}
+
+# Programs of GCC 12's sanitizers need addresses where they expect them; newer kernels randomise more than that.
+fixed_addresses() {
+    case $1 in
+        asan-ubsan | tsan) if setarch -R true 2>/dev/null; then echo setarch -R; fi ;;
+    esac
+}
+
+# build PRESET [CMAKE OPTION...]: notes only a failure; a build that works shows in its tests.
+build() {
+    local preset=$1 run
+    shift
+    read -ra run < <(fixed_addresses "$preset"; echo)
+    step "build $preset"
+    if ! cmake --preset "$preset" "$@" || ! "${run[@]}" cmake --build --preset "$preset" --parallel "${jobs:?}"; then
+        note failed "build $preset"
+        return 1
+    fi
+}
+
+# suite TEST-PRESET [CMAKE OPTION...]: builds and runs the tests of a preset; "quick" is release without the slow ones.
+suite() {
+    local tests=$1 preset=${1/quick/release} run
+    shift
+    build "$preset" "$@" || return 1
+    read -ra run < <(fixed_addresses "$preset"; echo)
+    step "test $tests"
+    "${run[@]}" ctest --preset "$tests" --parallel "${jobs:?}" --output-junit "$results/$tests.xml"
+    [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
+}
+
+check_format() {
+    project_sources '*.h' '*.hpp' '*.c' '*.cpp' | xargs clang-format --dry-run --Werror
+}
+
+check_style() {
+    if clang-format --version | grep -q 'version 14\.'; then
+        check "formatting (clang-format)" check_format
+    else
+        note skipped "formatting: clang-format 14 is the one that counts, here is $(clang-format --version)"
+    fi
+    check "shell scripts (shellcheck)" shellcheck -x tools/demo tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
+}
+
+tidy_sources() {
+    project_sources '*.cpp' '*.c' | grep -v -e '^tests/' -e '^\./tests/' |
+        xargs --max-args=1 --max-procs="$jobs" clang-tidy -p build/clang --quiet --warnings-as-errors='*'
+}
+
+check_tidy() { check "clang-tidy" tidy_sources; }
