@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/daemon/abuse_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+// The whole image, so that those who do not read fill the system's buffers.
+TEST_F(AbuseTest, GoodClientsMissNothingForAMinute) {
+    run(config_text("scene:vga@15", 0, 0), std::chrono::seconds(60));
+}
+
+}  // namespace
+}  // namespace disparityd::test

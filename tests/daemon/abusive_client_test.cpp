@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What broken and hostile clients do to the server: each ends with an Error of its own, and nobody else notices.
+#include <array>
+#include <random>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <sys/socket.h>
+
+#include "proto/framing.h"
+#include "tests/daemon/server_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+using AbusiveClientTest = ServerTest;
+
+void send_length(WireClient& client, std::uint32_t length) {
+    std::array<std::uint8_t, 4> bytes{};
+    for (unsigned i = 0; i < 4; ++i) {
+        bytes[i] = static_cast<std::uint8_t>(length >> (8 * i));
+    }
+    ASSERT_TRUE(client.send_bytes(bytes));
+}
+
+TEST_F(AbusiveClientTest, FourGigabytesAreRefusedBeforeTheyCome) {
+    start();
+    for (const bool greeted : {false, true}) {
+        WireClient client = greeted ? connect(tcp_) : WireClient(tcp_);
+        send_length(client, 0xffffffff);
+        EXPECT_THAT(client.receive_error(), HasSubstr("4294967295 bytes announced, allowed 1048576"));
+        EXPECT_TRUE(client.is_closed());
+    }
+}
+
+TEST_F(AbusiveClientTest, RandomBytesEndOnlyTheirConnection) {
+    start();
+    WireClient good = connect(unix_);
+    subscribe(good, subscription({v1::DISPARITY}));
+    std::mt19937 random(7);
+    for (int round = 0; round < 30; ++round) {
+        WireClient client(round % 2 == 0 ? tcp_ : unix_);
+        std::vector<std::uint8_t> bytes(random() % 5000 + 8);
+        for (auto& byte : bytes) {
+            byte = static_cast<std::uint8_t>(random());
+        }
+        client.send_bytes(bytes);
+        ::shutdown(client.descriptor(), SHUT_WR);
+        EXPECT_TRUE(client.is_closed());
+        server_->publish(feed_.next());
+        const auto frame = good.receive_frame();
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->envelope.frame().skipped_for_client(), 0U);
+    }
+}
+
+TEST_F(AbusiveClientTest, GarbageOfTheRightLengthIsRefused) {
+    start();
+    WireClient client = connect(tcp_);
+    send_length(client, 10);
+    ASSERT_TRUE(client.send_bytes(std::vector<std::uint8_t>(10, 0xff)));
+    EXPECT_THAT(client.receive_error(), HasSubstr("10 bytes is no disparityd.v1.Envelope"));
+    EXPECT_TRUE(client.is_closed());
+}
+
+TEST_F(AbusiveClientTest, BrokenProtocolIsNamed) {
+    start();
+    v1::Envelope request;
+    request.mutable_status_request();
+    {
+        WireClient client(tcp_);
+        client.send(request);
+        EXPECT_THAT(client.receive_error(), HasSubstr("first message must be Hello"));
+        EXPECT_TRUE(client.is_closed());
+    }
+    {
+        WireClient client(tcp_);
+        v1::Envelope hello;
+        hello.mutable_hello()->set_protocol_version(99);
+        client.send(hello);
+        EXPECT_THAT(client.receive_error(), HasSubstr("protocol version 99"));
+        EXPECT_TRUE(client.is_closed());
+    }
+    {
+        WireClient client = connect(tcp_);
+        v1::Envelope hello;
+        hello.mutable_hello()->set_protocol_version(1);
+        client.send(hello);
+        EXPECT_THAT(client.receive_error(), HasSubstr("Hello came twice"));
+    }
+    {
+        WireClient client = connect(tcp_);
+        request.set_payload_bytes(5);
+        client.send(request);
+        EXPECT_THAT(client.receive_error(), HasSubstr("payload of 5 bytes"));
+    }
+    {
+        WireClient client = connect(tcp_);
+        v1::Envelope frame;
+        frame.mutable_frame();
+        client.send(frame);
+        EXPECT_THAT(client.receive_error(), HasSubstr("not for clients"));
+        EXPECT_TRUE(client.is_closed());
+    }
+}
+
+TEST_F(AbusiveClientTest, SilentConnectionIsClosed) {
+    start();
+    WireClient client(tcp_);
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_THAT(client.receive_error(), HasSubstr("no Hello within 5 s"));
+    EXPECT_TRUE(client.is_closed());
+    EXPECT_GE(std::chrono::steady_clock::now() - begin, 4900ms);
+}
+
+TEST_F(AbusiveClientTest, TooManyClientsAreToldSo) {
+    start(2);
+    WireClient first = connect(tcp_);
+    WireClient second = connect(unix_);
+    {
+        WireClient third(tcp_);
+        EXPECT_THAT(third.receive_error(), HasSubstr("[socket] max_clients = 2"));
+        EXPECT_TRUE(third.is_closed());
+    }
+    EXPECT_EQ(status(first).clients_size(), 2);
+    ::shutdown(second.descriptor(), SHUT_RDWR);
+    while (status(first).clients_size() != 1) {
+        std::this_thread::yield();
+    }
+    connect(tcp_);
+}
+
+TEST_F(AbusiveClientTest, OneThatStopsReadingIsSkippedAndOthersAreNot) {
+    feed_ = FrameFeed(640, 480, {v1::DISPARITY, v1::CONFIDENCE});
+    start();
+    WireClient lazy = connect(tcp_, "lazy");
+    subscribe(lazy, subscription({v1::DISPARITY, v1::CONFIDENCE}));
+    WireClient good = connect(tcp_, "good");
+    subscribe(good, subscription({v1::CONFIDENCE}));
+    for (std::uint64_t i = 0; i < 60; ++i) {
+        server_->publish(feed_.next());
+        const auto frame = good.receive_frame();
+        ASSERT_TRUE(frame);
+        ASSERT_EQ(frame->envelope.frame().publish_index(), i);
+        ASSERT_EQ(frame->envelope.frame().skipped_for_client(), 0U);
+    }
+    // It stays connected and learns how much it missed.
+    std::uint64_t seen = 0;
+    std::uint64_t missed = 0;
+    std::uint64_t last = 0;
+    while (const auto frame = lazy.receive_frame(last == 59 ? 0ms : 5000ms)) {
+        ++seen;
+        missed += frame->envelope.frame().skipped_for_client();
+        last = frame->envelope.frame().publish_index();
+        const auto dense = FrameFeed::expected(last, v1::DISPARITY, 0, 0, 640, 480);
+        ASSERT_TRUE(std::equal(dense.begin(), dense.end(), frame->payload.begin()));
+    }
+    EXPECT_EQ(last, 59U);
+    EXPECT_EQ(seen + missed, 60U);
+    EXPECT_GT(missed, 0U);
+}
+
+TEST_F(AbusiveClientTest, RequestsWithoutReadingAreHeldBack) {
+    start();
+    WireClient flood = connect(tcp_, "flood");
+    v1::Envelope request;
+    request.mutable_status_request();
+    std::vector<std::uint8_t> bytes;
+    proto::encode(request, bytes);
+    // Until the server reads no more: it keeps a few answers for the client, not one for each request.
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    bool held_back = false;
+    while (!held_back && std::chrono::steady_clock::now() < end) {
+        held_back = ::send(flood.descriptor(), bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) < 0;
+    }
+    EXPECT_TRUE(held_back);
+    WireClient good = connect(tcp_, "good");
+    EXPECT_EQ(status(good).clients_size(), 2);
+}
+
+TEST_F(AbusiveClientTest, FiftyComeAndGoWhileOneMissesNothing) {
+    start(64, 8);
+    WireClient good = connect(unix_, "good");
+    subscribe(good, subscription({v1::DISPARITY}));
+    std::vector<WireClient> crowd;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+        if (i < 50) {
+            crowd.push_back(connect(i % 2 == 0 ? tcp_ : unix_));
+            ASSERT_TRUE(crowd.back().send(subscription({v1::DISPARITY, v1::LEFT})));
+        } else {
+            crowd.pop_back();
+        }
+        server_->publish(feed_.next());
+        const auto frame = good.receive_frame();
+        ASSERT_TRUE(frame);
+        ASSERT_EQ(frame->envelope.frame().publish_index(), i);
+        ASSERT_EQ(frame->payload, FrameFeed::expected(i, v1::DISPARITY, 0, 0, 64, 48));
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test

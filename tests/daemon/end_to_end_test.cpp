@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The real daemon, from outside: what it serves, how it reloads, how it stops.
+#include <csignal>
+#include <filesystem>
+#include <map>
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "clients/cpp/disparity_client.hpp"
+#include "tests/daemon/daemon_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+using EndToEndTest = DaemonTest;
+
+TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
+    const auto daemon =
+        start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"), {"--set", "rectify.colour=true"});
+    disparity::SharedMemoryReader memory(shared_memory_name());
+    disparity::Subscription all;
+    all.products = {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth,
+                    disparity::Product::left, disparity::Product::left_colour};
+    disparity::SocketClient tcp(daemon->address("tcp:"));
+    tcp.subscribe(all);
+    all.compressed = true;
+    disparity::SocketClient local(daemon->address("unix:"));
+    local.subscribe(all);
+
+    std::map<std::uint64_t, disparity::Frame> by_memory;
+    std::map<std::uint64_t, disparity::Frame> by_tcp;
+    std::map<std::uint64_t, disparity::Frame> by_unix;
+    for (int i = 0; i < 15; ++i) {
+        disparity::Frame frame;
+        ASSERT_EQ(memory.read(frame, 10s), disparity::ReadResult::frame);
+        by_memory[frame.publish_index] = frame;
+        ASSERT_EQ(tcp.read(frame, 10s), disparity::ReadResult::frame);
+        by_tcp[frame.publish_index] = frame;
+        ASSERT_EQ(local.read(frame, 10s), disparity::ReadResult::frame);
+        by_unix[frame.publish_index] = frame;
+    }
+    int compared = 0;
+    for (const auto& [index, first] : by_memory) {
+        if (!by_tcp.contains(index) || !by_unix.contains(index)) {
+            continue;
+        }
+        ++compared;
+        for (const disparity::Frame* other : {&by_tcp[index], &by_unix[index]}) {
+            EXPECT_EQ(first.sequence, other->sequence);
+            EXPECT_EQ(first.monotonic_ns, other->monotonic_ns);
+            EXPECT_EQ(first.realtime_ns, other->realtime_ns);
+            EXPECT_EQ(first.dropped_before, other->dropped_before);
+            EXPECT_EQ(first.calibration_id, other->calibration_id);
+            EXPECT_EQ(first.f, other->f);
+            EXPECT_EQ(first.cx, other->cx);
+            EXPECT_EQ(first.cy, other->cy);
+            EXPECT_EQ(first.baseline_mm, other->baseline_mm);
+            EXPECT_EQ(first.disparity_offset, other->disparity_offset);
+            EXPECT_EQ(first.d_min, other->d_min);
+            EXPECT_EQ(first.disparities, other->disparities);
+            EXPECT_EQ(first.invalid, other->invalid);
+            EXPECT_EQ(first.flags, other->flags);
+            EXPECT_EQ(first.width, other->width);
+            EXPECT_GT(other->age_ns, 0);
+            EXPECT_LT(other->age_ns, 10'000'000'000);
+            for (const disparity::Product product : all.products) {
+                const disparity::PlaneData* mine = first.plane(product);
+                const disparity::PlaneData* theirs = other->plane(product);
+                ASSERT_TRUE(mine != nullptr && theirs != nullptr);
+                EXPECT_EQ(mine->bytes, theirs->bytes) << "product " << static_cast<int>(product);
+            }
+        }
+        EXPECT_EQ(first.width, 160U);
+        EXPECT_EQ(first.height, 88U);
+        EXPECT_GT(first.f, 0);
+        EXPECT_GT(first.baseline_mm, 0);
+        EXPECT_EQ(first.invalid, -16);
+    }
+    EXPECT_GE(compared, 5);
+}
+
+TEST_F(EndToEndTest, StatusTellsHowItGoes) {
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY}, "curious");
+    for (int i = 0; i < 5; ++i) {
+        ASSERT_TRUE(client.receive_frame());
+    }
+    const v1::Status now = status(client);
+    EXPECT_EQ(now.state(), "running") << now.detail();
+    EXPECT_EQ(now.source(), scene);
+    EXPECT_EQ(now.method(), "census");
+    EXPECT_FALSE(now.backend().empty());
+    EXPECT_EQ(now.workers(), 1U);
+    EXPECT_GE(now.published(), 5U);
+    EXPECT_GE(now.captured(), now.published());
+    EXPECT_GT(now.rate(), 0);
+    EXPECT_GT(now.uptime_s(), 0);
+    ASSERT_GE(now.steps_size(), 3);
+    EXPECT_EQ(now.steps(now.steps_size() - 1).name(), "total");
+    EXPECT_GT(now.steps(now.steps_size() - 1).p50_us(), 0);
+    ASSERT_EQ(now.clients_size(), 1);
+    EXPECT_EQ(now.clients(0).name(), "curious");
+    EXPECT_GE(now.clients(0).frames_sent(), 5U);
+    EXPECT_FALSE(now.record().active());
+}
+
+TEST_F(EndToEndTest, StopsCleanly) {
+    for (const int signal : {SIGTERM, SIGINT}) {
+        const auto daemon = start_ready(config_text());
+        WireClient client = subscriber(daemon->address("unix:"), {v1::DISPARITY});
+        ASSERT_TRUE(client.receive_frame());
+        const std::string object = "/dev/shm/disparityd." + shared_memory_name();
+        EXPECT_TRUE(std::filesystem::exists(object));
+        struct stat mode {};
+        ASSERT_EQ(stat(object.c_str(), &mode), 0);
+        EXPECT_EQ(mode.st_mode & 0777, 0640U);
+        daemon->send_signal(signal);
+        EXPECT_EQ(daemon->wait_for_exit(2s), 0) << daemon->log();
+        EXPECT_TRUE(client.is_closed());
+        EXPECT_FALSE(std::filesystem::exists(object));
+        EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/d.sock"));
+    }
+}
+
+TEST_F(EndToEndTest, ReloadBringsAnotherGeometryToConnectedClients) {
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
+    disparity::SharedMemoryReader memory(shared_memory_name());
+    disparity::Frame frame;
+    ASSERT_EQ(memory.read(frame, 10s), disparity::ReadResult::frame);
+    EXPECT_EQ(frame.width, 160U);
+    const auto before = client.receive_frame();
+    ASSERT_TRUE(before);
+    folder_.write("d.toml", config_text(scene, 96, 64));
+    daemon->send_signal(SIGHUP);
+    auto message = client.receive_frame(30s);
+    std::uint64_t index = before->envelope.frame().publish_index();
+    while (message && message->envelope.frame().geometry().width() == 160) {
+        EXPECT_EQ(message->envelope.frame().publish_index(), ++index);
+        message = client.receive_frame(30s);
+    }
+    ASSERT_TRUE(message) << daemon->log();
+    EXPECT_EQ(message->envelope.frame().publish_index(), ++index);
+    EXPECT_EQ(message->envelope.frame().geometry().width(), 96U);
+    EXPECT_EQ(message->payload.size(), 96U * 64 * 2);
+    EXPECT_NE(message->envelope.frame().flags() & v1::DISCONTINUITY, 0U);
+    do {
+        ASSERT_EQ(memory.read(frame, 10s), disparity::ReadResult::frame);
+    } while (frame.width == 160);
+    EXPECT_EQ(frame.width, 96U);
+}
+
+TEST_F(EndToEndTest, BadReloadChangesNothing) {
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
+    ASSERT_TRUE(client.receive_frame());
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {config_text() + "[match]\nd = 1\n", "not TOML"},
+        {config_text(scene, 160, 88, "[log]\nlevel = \"loud\"\n"), "[log] level"},
+        {config_text("/nowhere/recording.mkv"), "/nowhere/recording.mkv"},
+    };
+    for (const auto& [text, expected] : cases) {
+        folder_.write("d.toml", text);
+        daemon->send_signal(SIGHUP);
+        ASSERT_TRUE(daemon->wait_for_log(expected)) << daemon->log();
+        ASSERT_TRUE(client.receive_frame());
+    }
+    EXPECT_THAT(daemon->log(), HasSubstr("nothing is changed"));
+    const v1::Status now = status(client);
+    EXPECT_EQ(now.state(), "running");
+    EXPECT_THAT(now.notices(), Contains(HasSubstr("refused at the last reload")));
+    EXPECT_EQ(now.geometry().width(), 160U);
+}
+
+TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
+    std::string recording;
+    {
+        const auto daemon = start_ready(config_text());
+        WireClient client(daemon->address("unix:"));
+        client.hello();
+        v1::Envelope request;
+        request.mutable_record_start()->set_path("short.mkv");
+        ASSERT_TRUE(client.send(request));
+        const auto started = client.receive();
+        ASSERT_TRUE(started && started->envelope.has_record_status()) << daemon->log();
+        recording = started->envelope.record_status().path();
+        EXPECT_TRUE(started->envelope.record_status().active());
+        while (status(client).record().frames() < 5) {
+        }
+        // Ended by the daemon's own end, the file must be whole.
+        daemon->send_signal(SIGTERM);
+        EXPECT_EQ(daemon->wait_for_exit(5s), 0) << daemon->log();
+    }
+    const std::string replay = config_text(recording, 160, 88);
+    {
+        const auto daemon = start_ready(replay, {"--set", "source.pace=fastest"});
+        WireClient client(daemon->address("tcp:"));
+        client.hello();
+        v1::Status now = status(client);
+        while (now.state() != "ended") {
+            now = status(client);
+        }
+        EXPECT_THAT(now.detail(), HasSubstr("has ended after"));
+        EXPECT_GE(now.published(), 5U);
+        EXPECT_EQ(now.dropped(), 0U);
+        disparity::SharedMemoryReader memory(shared_memory_name());
+        disparity::Frame frame;
+        EXPECT_EQ(memory.read(frame, 5s), disparity::ReadResult::frame);
+        EXPECT_EQ(frame.publish_index + 1, now.published());
+        daemon->send_signal(SIGHUP);
+        ASSERT_EQ(memory.read(frame, 20s), disparity::ReadResult::frame) << daemon->log();
+        EXPECT_GE(frame.publish_index, now.published());
+        while (status(client).state() == "running" || status(client).uptime_s() < 0) {
+        }
+    }
+    const std::vector<std::string> to_the_end{"--exit-at-end", "--set", "source.pace=fastest"};
+    const auto whole = start(replay, to_the_end);
+    EXPECT_EQ(whole->wait_for_exit(30s), 0) << whole->log();
+    std::filesystem::resize_file(recording, std::filesystem::file_size(recording) / 2);
+    const auto truncated = start(replay, to_the_end);
+    EXPECT_EQ(truncated->wait_for_exit(30s), 1) << truncated->log();
+    EXPECT_THAT(truncated->log(), HasSubstr("the source failed: "));
+    EXPECT_THAT(truncated->log(), HasSubstr(recording));
+}
+
+TEST_F(EndToEndTest, StopsWhileTheSourceIsBeingPrepared) {
+    // Far more frames than this test may take; the one at hand is finished first, which is slow under a sanitizer.
+    const auto daemon = start(config_text("scene:vga@15?loop=150"));
+    ASSERT_TRUE(daemon->wait_for_log("preparing scene:vga"));
+    EXPECT_FALSE(daemon->wait_until_ready(300ms)) << "too fast for this test";
+    daemon->send_signal(SIGTERM);
+    const bool emulated = !std::string(DISPARITYD_EMULATOR).empty();
+    EXPECT_EQ(daemon->wait_for_exit(emulated ? 60s : 5s), 0) << daemon->log();
+}
+
+TEST_F(EndToEndTest, RecordingsStayInsideTheirFolder) {
+    const auto daemon = start_ready(config_text());
+    WireClient client(daemon->address("tcp:"));
+    client.hello();
+    folder_.write("there.mkv", "x");
+    for (const std::string path : {"../escape.mkv", "/tmp/escape.mkv", "", ".", "there.mkv", "no/such/folder.mkv"}) {
+        v1::Envelope request;
+        request.mutable_record_start()->set_path(path);
+        ASSERT_TRUE(client.send(request));
+        EXPECT_FALSE(client.receive_error().empty()) << path;
+    }
+    EXPECT_FALSE(std::filesystem::exists("/tmp/escape.mkv"));
+    v1::Envelope request;
+    request.mutable_record_stop();
+    ASSERT_TRUE(client.send(request));
+    EXPECT_THAT(client.receive_error(), HasSubstr("nothing is being recorded"));
+    request.mutable_record_start()->set_path("a.mkv");
+    ASSERT_TRUE(client.send(request));
+    ASSERT_TRUE(client.receive()->envelope.has_record_status());
+    ASSERT_TRUE(client.send(request));
+    EXPECT_THAT(client.receive_error(), HasSubstr("is running"));
+    while (status(client).record().frames() < 3) {
+    }
+    request.mutable_record_stop();
+    ASSERT_TRUE(client.send(request));
+    const auto done = client.receive();
+    ASSERT_TRUE(done && done->envelope.has_record_status());
+    EXPECT_FALSE(done->envelope.record_status().active());
+    EXPECT_GE(done->envelope.record_status().frames(), 3U);
+    EXPECT_EQ(done->envelope.record_status().lost(), 0U);
+    EXPECT_EQ(done->envelope.record_status().error(), "");
+    EXPECT_EQ(std::filesystem::file_size(folder_.path() + "/a.mkv"), done->envelope.record_status().bytes());
+}
+
+}  // namespace
+}  // namespace disparityd::test

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the real daemon refuses at start, each with one clear line and the right exit status; and what it copes with.
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "tests/daemon/daemon_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+using namespace std::chrono_literals;
+
+class RefusalTest : public DaemonTest {
+protected:
+    /// Starts it and expects it to end with that status and one line on standard error that holds all parts.
+    void expect_refusal(const std::string& config, const std::vector<std::string>& arguments, int status,
+                        const std::vector<std::string>& parts) {
+        const auto daemon = start(config, arguments);
+        EXPECT_EQ(daemon->wait_for_exit(60s), status) << daemon->log();
+        const std::string log = daemon->log();
+        const auto line = log.find("disparityd: error: ");
+        ASSERT_NE(line, std::string::npos) << log;
+        const std::string message = log.substr(line);
+        EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1) << message;
+        for (const std::string& part : parts) {
+            EXPECT_THAT(message, HasSubstr(part));
+        }
+    }
+};
+
+TEST_F(RefusalTest, UnknownKey) {
+    expect_refusal(config_text() + "speed = 3\n", {}, 2, {folder_.path() + "/d.toml:", "unknown key [record] speed"});
+}
+
+TEST_F(RefusalTest, BadDisparities) {
+    for (const std::string value : {"-64", "100000", "0", "63"}) {
+        expect_refusal(config_text(), {"--set", "match.disparities=" + value}, 2,
+                       {"--set match.disparities=" + value, "[match] disparities", "found " + value, "multiple of 16"});
+    }
+}
+
+TEST_F(RefusalTest, UnknownBackend) {
+    expect_refusal(config_text(), {"--set", "match.backend=abacus"}, 2, {"abacus"});
+}
+
+TEST_F(RefusalTest, MissingSource) {
+    expect_refusal(config_text(), {"--source", "/nowhere/at/all.mkv"}, 2, {"/nowhere/at/all.mkv"});
+}
+
+TEST_F(RefusalTest, CalibrationThatIsAWebPage) {
+    const std::string page = folder_.write("SN1234.conf", "<!DOCTYPE html>\n<html><body>Not found</body></html>\n");
+    expect_refusal(config_text(), {"--set", "source.calibration=" + page}, 2, {page});
+}
+
+TEST_F(RefusalTest, RegionOutsideTheImage) {
+    expect_refusal(config_text(), {"--set", "rectify.region=[100, 0, 100, 50]"}, 2, {"100"});
+}
+
+TEST_F(RefusalTest, CommandLine) {
+    expect_refusal(config_text(), {"--sauce", "x"}, 2, {"command line", "--sauce", "--help"});
+    expect_refusal(config_text(), {"--set", "disparities=32"}, 2, {"--set disparities=32", "section.key=value"});
+}
+
+TEST_F(RefusalTest, MissingConfigurationFile) {
+    DaemonProcess daemon(folder_, {"--config", "/nowhere.toml"});
+    EXPECT_EQ(daemon.wait_for_exit(), 2);
+    EXPECT_THAT(daemon.log(), StartsWith("disparityd: error: /nowhere.toml: no configuration file: No such file"));
+}
+
+TEST_F(RefusalTest, OpenAddressWithoutTheWordInsecure) {
+    expect_refusal(config_text(), {"--set", "socket.tcp=0.0.0.0:0"}, 2, {"[socket] tcp", "0.0.0.0:0", "insecure"});
+    const auto daemon = start_ready(config_text(), {"--set", "socket.tcp=0.0.0.0:0", "--set", "socket.insecure=true"});
+    EXPECT_THAT(daemon->address("tcp:"), StartsWith("tcp:0.0.0.0:"));
+}
+
+TEST_F(RefusalTest, PortInUse) {
+    const auto first = start_ready(config_text());
+    const std::string address = first->address("tcp:").substr(4);
+    expect_refusal(config_text(), {"--set", "socket.tcp=" + address, "--set", "socket.unix=", "--name", "other"}, 1,
+                   {address, "in use", "[socket] tcp"});
+    expect_refusal(config_text(), {"--name", "other"}, 1, {folder_.path() + "/d.sock", "in use", "[socket] unix"});
+}
+
+TEST_F(RefusalTest, SharedMemoryOfALivingDaemon) {
+    const auto first = start_ready(config_text());
+    expect_refusal(config_text(), {"--set", "socket.unix="}, 1, {"disparityd." + shared_memory_name()});
+    WireClient client = subscriber(first->address("tcp:"), {v1::LEFT});
+    EXPECT_TRUE(client.receive_frame());
+}
+
+TEST_F(RefusalTest, LeftOversOfAKilledDaemonAreReplaced) {
+    {
+        const auto killed = start_ready(config_text());
+        killed->send_signal(SIGKILL);
+        EXPECT_EQ(killed->wait_for_exit(), 128 + SIGKILL);
+    }
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("unix:"), {v1::LEFT});
+    EXPECT_TRUE(client.receive_frame());
+    EXPECT_THAT(daemon->log(), HasSubstr("left over"));
+    EXPECT_THAT(daemon->log(), HasSubstr("disparityd." + shared_memory_name()));
+}
+
+TEST_F(RefusalTest, CheckOnlyChecks) {
+    const auto good = start(config_text(), {"--check"});
+    EXPECT_EQ(good->wait_for_exit(), 0);
+    EXPECT_EQ(good->output(), "disparityd: the configuration is valid\n");
+    expect_refusal(config_text() + "x = 1\n", {"--check"}, 2, {"[record] x"});
+}
+
+TEST_F(RefusalTest, HelpAndVersion) {
+    DaemonProcess help(folder_, {"--help"});
+    EXPECT_EQ(help.wait_for_exit(), 0);
+    for (const char* part : {"--config", "--set", "--check", "Examples:", "SIGHUP", "Exit status"}) {
+        EXPECT_THAT(help.output(), HasSubstr(part));
+    }
+    DaemonProcess version(folder_, {"--version"});
+    EXPECT_EQ(version.wait_for_exit(), 0);
+    EXPECT_THAT(version.output(), StartsWith("disparityd "));
+}
+
+}  // namespace
+}  // namespace disparityd::test

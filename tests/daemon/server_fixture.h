@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "daemon/socket_server.h"
+#include "tests/daemon/frame_feed.h"
+#include "tests/daemon/wire_client.h"
+
+namespace disparityd::test {
+
+/// A server at a port and a path of its own, fed by hand.
+class ServerTest : public ::testing::Test {
+protected:
+    void start(std::size_t max_clients = 64, std::size_t client_queue = 4) {
+        config_.tcp = "127.0.0.1:0";
+        config_.unix_path = "/tmp/disparityd-test-" + std::to_string(getpid()) + ".sock";
+        config_.max_clients = max_clients;
+        config_.client_queue = client_queue;
+        SocketServices services;
+        services.status = [] {
+            v1::Status status;
+            status.set_state("running");
+            return status;
+        };
+        services.start_recording = [](const std::string& path, const SessionHost::RecordAnswer& answer) {
+            v1::RecordStatus status;
+            status.set_active(true);
+            status.set_path(path);
+            answer(status, path.empty() ? "record: no path" : "");
+        };
+        services.stop_recording = [](const SessionHost::RecordAnswer& answer) { answer({}, ""); };
+        server_ = std::make_unique<SocketServer>(config_, services);
+        server_->set_layout(feed_.layout());
+        server_->start();
+        tcp_ = server_->addresses().at(0);
+        unix_ = server_->addresses().at(1);
+    }
+
+    WireClient connect(const std::string& address, const std::string& name = "test") {
+        WireClient client(address);
+        const auto welcome = client.hello(name);
+        EXPECT_TRUE(welcome && welcome->has_welcome());
+        return client;
+    }
+
+    /// Subscribes and waits until the server has taken it in.
+    void subscribe(WireClient& client, const v1::Envelope& subscription) {
+        ASSERT_TRUE(client.send(subscription));
+        status(client);
+    }
+
+    v1::Status status(WireClient& client) {
+        v1::Envelope request;
+        request.mutable_status_request();
+        EXPECT_TRUE(client.send(request));
+        while (const auto answer = client.receive()) {
+            if (answer->envelope.has_status()) {
+                return answer->envelope.status();
+            }
+        }
+        ADD_FAILURE() << "no status";
+        return {};
+    }
+
+    SocketServerConfig config_;
+    FrameFeed feed_{64, 48, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT, v1::LEFT_COLOUR}};
+    std::unique_ptr<SocketServer> server_;
+    std::string tcp_;
+    std::string unix_;
+};
+
+}  // namespace disparityd::test

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""check_house.py must find what it is there to find."""
+import pathlib
+import tempfile
+import unittest
+
+import check_house
+
+SPDX_LINE = "// SPDX-License-Identifier: Apache-2.0\n"
+
+
+class CheckHouse(unittest.TestCase):
+    def found_in(self, files):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            for name, text in files.items():
+                path = root / name
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text, encoding="utf-8")
+            return check_house.violations(root)
+
+    def test_accepts_good_files(self):
+        self.assertEqual(self.found_in({
+            "kernels/a.h": SPDX_LINE + "#include <vector>\n",
+            "pipeline/b.cpp": SPDX_LINE + '#include "kernels/a.h"\n#include "capture/frame_source.h"\n',
+            "docs/c.md": "no licence line needed\n",
+        }), [])
+
+    def test_finds_missing_licence_line(self):
+        self.assertEqual(len(self.found_in({"daemon/main.cpp": "int main() {}\n"})), 1)
+
+    def test_finds_long_file(self):
+        self.assertEqual(len(self.found_in({"daemon/long.cpp": SPDX_LINE + "\n" * check_house.MAX_LINES})), 1)
+
+    def test_finds_includes_against_the_arrows(self):
+        for name, header in [("kernels/a.cpp", "pipeline/pipeline.h"), ("kernels/a.cpp", "opencv2/core.hpp"),
+                             ("proto/a.cpp", "kernels/image.h"), ("clients/cpp/a.cpp", "kernels/image.h"),
+                             ("pipeline/a.cpp", "daemon/config.h"), ("pipeline/a.cpp", "capture/recorder.h"),
+                             ("tools/ctl/a.cpp", "daemon/config.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
+            with self.subTest(name=name, header=header):
+                self.assertEqual(len(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'})), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kernels/large_buffer.h"
+#include "tests/kernels/support.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+// Noise so that every window is unlike every other.
+struct Pair {
+    Pair(Random& random, int width, int height, int d)
+        : left(noise(random, width, height)), right(shifted(random, left, d)) {}
+    Image<std::uint8_t> left, right;
+};
+
+class EveryMethod : public testing::TestWithParam<Method> {};
+
+TEST_P(EveryMethod, AShiftedImageGivesTheShiftEverywhereItCan) {
+    Random random(20);
+    Serial serial;
+    for (const auto& [first, d] : {std::pair{0, 5}, {0, 0}, {0, 31}, {-12, -9}, {-12, 4}, {-40, -20}, {7, 13}}) {
+        MatchOptions options = default_options(GetParam(), {first, 32});
+        options.post.subpixel = false;
+        options.post.interpolate = false;
+        const auto matcher = backend("cpu").create({70, 30, options});
+        const Pair pair(random, 70, 30, d);
+        Frame frame(*matcher, pair.left, pair.right);
+        match(*matcher, frame.view, serial);
+        int possible = 0;
+        int missed = 0;
+        for (int y = 0; y < 30; ++y) {
+            for (int x = 0; x < 70; ++x) {
+                // The windows of both pixels lie inside what both images show.
+                const bool can = x - d >= 4 && x - d < 66 && x >= 4 && x < 66 && y >= 3 && y < 27;
+                if (can) {
+                    ++possible;
+                    missed += frame.disparity.at(x, y) == 16 * d && frame.confidence.at(x, y) > 0 ? 0 : 1;
+                }
+                if (x - d < 0 || x - d >= 70) {
+                    ASSERT_NE(frame.disparity.at(x, y), 16 * d) << "the match lies outside the right image";
+                }
+            }
+        }
+        // Census words of single pixels that are brighter or darker than all around them are alike.
+        EXPECT_LE(missed, GetParam() == Method::census ? possible / 20 : 0) << "of " << possible << ", first " << first;
+    }
+}
+
+TEST_P(EveryMethod, ConfidenceAndDepthFollowTheDisparity) {
+    Random random(21);
+    Serial serial;
+    for (const bool interpolate : {false, true}) {
+        MatchOptions options = default_options(GetParam(), {-3, 16});
+        options.post.interpolate = interpolate;
+        const auto matcher = backend("cpu").create({60, 25, options});
+        const Pair pair(random, 60, 25, 4);
+        Frame frame(*matcher, pair.left, pair.right);
+        match(*matcher, frame.view, serial);
+        int interpolated = 0;
+        for (int y = 0; y < 25; ++y) {
+            for (int x = 0; x < 60; ++x) {
+                const bool rejected = frame.disparity.at(x, y) == invalid_disparity(options.range);
+                const int d = frame.disparity.at(x, y) + 3;
+                EXPECT_EQ(frame.depth.at(x, y), rejected ? 0 : d <= 0 ? 65535 : std::min((1600000 + d / 2) / d, 65535));
+                if (rejected) {
+                    EXPECT_EQ(frame.confidence.at(x, y), 0);
+                }
+                interpolated += !rejected && frame.confidence.at(x, y) == 0 ? 1 : 0;
+            }
+        }
+        EXPECT_EQ(interpolated > 0, interpolate);
+    }
+}
+
+TEST_P(EveryMethod, NothingIsMeasuredOnConstantImagesWhereAllCandidatesAreEqual) {
+    Serial serial;
+    for (const int grey : {0, 128, 255}) {
+        const auto matcher = backend("cpu").create({60, 20, default_options(GetParam(), {0, 16})});
+        const Image<std::uint8_t> image(60, 20, static_cast<std::uint8_t>(grey));
+        Frame frame(*matcher, image, image);
+        match(*matcher, frame.view, serial);
+        for (int y = 0; y < 20; ++y) {
+            for (int x = 0; x < 60; ++x) {
+                if (GetParam() == Method::sgm) {
+                    // The first column has a single candidate inside the right image; paths carry it along.
+                    EXPECT_EQ(frame.disparity.at(x, y), 0);
+                } else if (x >= 16) {
+                    EXPECT_EQ(frame.disparity.at(x, y), -16);
+                    EXPECT_EQ(frame.confidence.at(x, y), 0);
+                    EXPECT_EQ(frame.depth.at(x, y), 0);
+                }
+            }
+        }
+    }
+}
+
+TEST_P(EveryMethod, OptionalPlanesMayBeMissing) {
+    Random random(22);
+    Serial serial;
+    const auto matcher = backend("cpu").create({30, 20, default_options(GetParam(), {0, 16})});
+    const Pair pair(random, 30, 20, 2);
+    Frame with(*matcher, pair.left, pair.right);
+    Frame without(*matcher, pair.left, pair.right);
+    without.view.depth = {};
+    match(*matcher, with.view, serial);
+    match(*matcher, without.view, serial);
+    EXPECT_EQ(with.disparity.pixels(), without.disparity.pixels());
+    EXPECT_EQ(without.depth.pixels(), std::vector<std::uint16_t>(600, 4321));
+}
+
+TEST_P(EveryMethod, StagesStartWithRectifyAndTimeEveryStep) {
+    Random random(23);
+    Serial serial;
+    const auto matcher = backend("cpu").create({24, 10, default_options(GetParam(), {0, 16})});
+    EXPECT_EQ(matcher->stages().front().name, "rectify");
+    EXPECT_EQ(matcher->stages().back().name, "post-process");
+    Image<std::uint8_t> bytes = noise(random, 2 * 2 * 30, 12);
+    const Rectifier rectifier{false, {}, {}, 6, 2};
+    Frame frame(*matcher, Image<std::uint8_t>(24, 10), Image<std::uint8_t>(24, 10));
+    Image<std::uint8_t> colour(3 * 24, 10, 1);
+    frame.view.raw = {bytes.plane().data, PixelFormat::yuyv, 30, 12, bytes.width()};
+    frame.view.rectifier = &rectifier;
+    frame.view.left_colour = colour.plane();
+    for (std::size_t i = 0; i < matcher->stages().size(); ++i) {
+        std::vector<std::chrono::nanoseconds> times(matcher->stages()[i].steps.size(), std::chrono::nanoseconds(-1));
+        ASSERT_FALSE(times.empty());
+        matcher->run(static_cast<int>(i), frame.view, serial, times);
+        for (const auto time : times) {
+            EXPECT_GE(time.count(), 0);
+        }
+    }
+    for (int y = 0; y < 10; ++y) {
+        for (int x = 0; x < 24; ++x) {
+            ASSERT_EQ(frame.left.at(x, y), bytes.at(2 * (x + 6), y + 2));
+            ASSERT_EQ(frame.right.at(x, y), bytes.at(2 * (x + 36), y + 2));
+        }
+    }
+    Image<std::uint8_t> expected(3 * 24, 10);
+    reference::rectify_colour(frame.view.raw, rectifier, expected.plane(), expected.rows());
+    EXPECT_EQ(colour.pixels(), expected.pixels());
+}
+
+TEST_P(EveryMethod, ARegionOutsideTheFrameIsRefused) {
+    Serial serial;
+    const auto matcher = backend("cpu").create({24, 10, default_options(GetParam(), {0, 16})});
+    Image<std::uint8_t> bytes(60, 12);
+    Frame frame(*matcher, Image<std::uint8_t>(24, 10), Image<std::uint8_t>(24, 10));
+    frame.view.raw = {bytes.plane().data, PixelFormat::grey8, 30, 12, 60};
+    std::chrono::nanoseconds time{};
+    for (const auto& [x, y] : {std::pair{7, 0}, {0, 3}, {-1, 0}, {0, -1}}) {
+        const Rectifier rectifier{false, {}, {}, x, y};
+        frame.view.rectifier = &rectifier;
+        EXPECT_THROW(matcher->run(0, frame.view, serial, {&time, 1}), std::invalid_argument);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::Values(Method::sad, Method::census, Method::sgm),
+                         [](const auto& instance) { return std::string(name(instance.param)); });
+
+MatchOptions any_options(Random& random) {
+    MatchOptions options;
+    options.method = static_cast<Method>(pick(random, 0, 2));
+    options.range = {pick(random, -40, 40), 16 * pick(random, 1, 4)};
+    options.sgm.paths = pick(random, 0, 1) == 0 ? 4 : 8;
+    options.sgm.p2 = pick(random, 2, 193);
+    options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
+    options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
+    options.post.subpixel = pick(random, 0, 1) == 1;
+    options.post.local_extrema = pick(random, 0, 1) == 1;
+    options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 30);
+    options.post.left_right_check = pick(random, 0, 3) > 0;
+    options.post.median = std::array{0, 3, 5}[static_cast<std::size_t>(pick(random, 0, 2))];
+    options.post.speckle_size = pick(random, 0, 1) * pick(random, 0, 40);
+    options.post.speckle_step = pick(random, 0, 2);
+    options.post.interpolate = pick(random, 0, 1) == 1;
+    return options;
+}
+
+void expect_equal_to_reference(Random& random, int width, int height, const MatchOptions& options,
+                               std::initializer_list<int> worker_counts) {
+    ASSERT_EQ(problem(options), "");
+    const Pair pair(random, width, height, pick(random, -5, 20));
+    Serial serial;
+    const auto reference = backend("reference").create({width, height, options});
+    Frame expected(*reference, pair.left, pair.right);
+    match(*reference, expected.view, serial);
+    const auto matcher = backend("cpu").create({width, height, options});
+    for (const int count : worker_counts) {
+        ShuffledWorkers workers(count, static_cast<unsigned>(random()));
+        Frame frame(*matcher, pair.left, pair.right);
+        match(*matcher, frame.view, workers);
+        ASSERT_EQ(frame.disparity.pixels(), expected.disparity.pixels())
+            << width << "x" << height << " " << name(options.method) << ", " << count << " workers";
+        ASSERT_EQ(frame.confidence.pixels(), expected.confidence.pixels());
+        ASSERT_EQ(frame.depth.pixels(), expected.depth.pixels());
+    }
+}
+
+TEST(CpuBackend, EqualsTheReferenceForAnyOptionsAndWorkers) {
+    Random random(24);
+    for (int round = 0; round < 40; ++round) {
+        const int width = pick(random, 1, 70);
+        const int height = pick(random, 1, 40);
+        expect_equal_to_reference(random, width, height, any_options(random), {1, 2, 3, 7});
+    }
+}
+
+TEST(CpuBackend, EqualsTheReferenceOnHostileSizes) {
+    Random random(25);
+    for (const auto& [width, height] :
+         {std::pair{1, 1}, {1, 40}, {40, 1}, {2, 2}, {15, 9}, {33, 3}, {3, 33}, {63, 5}, {64, 4}}) {
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            for (const DisparityRange range : {DisparityRange{0, 16}, {0, 256}, {-256, 256}, {256, 16}, {-256, 16}}) {
+                MatchOptions options = any_options(random);
+                options.method = method;
+                options.range = range;
+                expect_equal_to_reference(random, width, height, options, {pick(random, 2, 5)});
+            }
+        }
+    }
+}
+
+TEST(CpuBackend, NothingIsLeftFromTheFrameBefore) {
+    Random random(26);
+    Serial serial;
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        MatchOptions options = default_options(method, {0, 16});
+        options.post.speckle_size = 20;
+        options.post.interpolate = true;
+        const auto matcher = backend("cpu").create({33, 21, options});
+        const Pair one(random, 33, 21, 3);
+        const Pair other(random, 33, 21, 9);
+        Frame first(*matcher, one.left, one.right);
+        match(*matcher, first.view, serial);
+        Frame second(*matcher, other.left, other.right);
+        match(*matcher, second.view, serial);
+        Frame again(*matcher, one.left, one.right);
+        match(*matcher, again.view, serial);
+        EXPECT_EQ(first.disparity.pixels(), again.disparity.pixels());
+        EXPECT_EQ(first.confidence.pixels(), again.confidence.pixels());
+        EXPECT_NE(first.disparity.pixels(), second.disparity.pixels());
+    }
+}
+
+// Stages of different frames overlap in a pipeline: match of the next frame runs before post-process of this one.
+TEST(CpuBackend, WhatTravelsWithAFrameIsItsOwn) {
+    Random random(27);
+    Serial serial;
+    MatchOptions options = default_options(Method::sgm, {0, 16});
+    options.post.interpolate = true;
+    const auto matcher = backend("cpu").create({33, 21, options});
+    const Pair one(random, 33, 21, 3);
+    const Pair other(random, 33, 21, 9);
+    Frame alone(*matcher, one.left, one.right);
+    match(*matcher, alone.view, serial);
+
+    Frame first(*matcher, one.left, one.right);
+    Frame second(*matcher, other.left, other.right);
+    std::array<std::chrono::nanoseconds, 8> times{};
+    const auto run = [&](int stage, Frame& frame) {
+        const std::size_t steps = matcher->stages()[static_cast<std::size_t>(stage)].steps.size();
+        matcher->run(stage, frame.view, serial, std::span(times).first(steps));
+    };
+    run(1, first);
+    run(1, second);
+    run(2, first);
+    run(2, second);
+    run(3, second);
+    run(3, first);
+    EXPECT_EQ(first.disparity.pixels(), alone.disparity.pixels());
+    EXPECT_EQ(first.confidence.pixels(), alone.confidence.pixels());
+}
+
+TEST(LargeBuffer, SaysHowMuchMemoryIsMissing) {
+    try {
+        const LargeBuffer buffer(std::size_t{1} << 60);
+        FAIL() << "no machine has an exbibyte";
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("1152921504607 MB"));
+    }
+}
+
+TEST(LargeBuffer, IsZeroedAndMoves) {
+    LargeBuffer buffer(100000);
+    EXPECT_EQ(std::count(buffer.data(), buffer.data() + buffer.size(), std::byte{0}), 100000);
+    std::byte* const memory = buffer.data();
+    LargeBuffer other = std::move(buffer);
+    EXPECT_EQ(other.data(), memory);
+    EXPECT_EQ(other.size(), 100000U);
+    LargeBuffer third;
+    EXPECT_EQ(third.data(), nullptr);
+    third = std::move(other);
+    EXPECT_EQ(third.data(), memory);
+}
+
+TEST(Backends, TheLargestImageDoesNotWrapSizes) {
+    // 48 GiB for SGM: either the system lends the addresses, or it says how much was wanted.
+    try {
+        const auto matcher = backend("cpu").create({8192, 8192, default_options(Method::sgm, {0, 256})});
+        EXPECT_GE(matcher->scratch_bytes(), std::size_t{8192} * 8192 * 16);
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), testing::AnyOf(HasSubstr("17180 MB"), HasSubstr("34360 MB")));
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "kernels/matcher.h"
+
+namespace disparityd {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(Options, MethodsHaveNames) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        EXPECT_EQ(method_from_name(name(method)), method);
+    }
+    EXPECT_EQ(name(Method::census), "census");
+    EXPECT_FALSE(method_from_name("SGM"));
+    EXPECT_FALSE(method_from_name(""));
+}
+
+TEST(Options, DefaultsAreFine) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        const MatchOptions options = default_options(method, {-16, 96});
+        EXPECT_EQ(problem(options), "");
+        EXPECT_EQ(options.method, method);
+        EXPECT_EQ(options.range.first, -16);
+        EXPECT_EQ(options.range.count, 96);
+    }
+}
+
+struct Bad {
+    std::string_view what;
+    void (*spoil)(MatchOptions&);
+    std::string_view found;
+    std::string_view allowed;
+};
+
+TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
+    const Bad table[] = {
+        {"disparities", [](MatchOptions& o) { o.range.count = 60; }, "60", "multiple of 16"},
+        {"disparities", [](MatchOptions& o) { o.range.count = 0; }, "0", "16 to 256"},
+        {"disparities", [](MatchOptions& o) { o.range.count = 272; }, "272", "16 to 256"},
+        {"disparities", [](MatchOptions& o) { o.range.count = -16; }, "-16", "16 to 256"},
+        {"first disparity", [](MatchOptions& o) { o.range.first = -257; }, "-257", "-256 to 256"},
+        {"first disparity", [](MatchOptions& o) { o.range.first = 1000000; }, "1000000", "-256 to 256"},
+        {"paths", [](MatchOptions& o) { o.sgm.paths = 5; }, "5", "4 or 8"},
+        {"p1", [](MatchOptions& o) { o.sgm.p1 = 0; }, "0", "1 to 62"},
+        {"p1", [](MatchOptions& o) { o.sgm.p1 = 63; }, "63", "1 to 62"},
+        {"p2", [](MatchOptions& o) { o.sgm.p2 = 194; }, "194", "2 to 193"},
+        {"p2", [](MatchOptions& o) { o.sgm.p2 = 1; }, "1", "2 to 193"},
+        {"uniqueness", [](MatchOptions& o) { o.post.uniqueness = 100; }, "100", "0 to 99"},
+        {"uniqueness", [](MatchOptions& o) { o.post.uniqueness = -1; }, "-1", "0 to 99"},
+        {"median", [](MatchOptions& o) { o.post.median = 4; }, "4", "0 (off), 3 or 5"},
+        {"speckle size", [](MatchOptions& o) { o.post.speckle_size = -1; }, "-1", "0 to"},
+        {"speckle step", [](MatchOptions& o) { o.post.speckle_step = 257; }, "257", "0 to 256"},
+        {"method", [](MatchOptions& o) { o.method = static_cast<Method>(9); }, "", "sad, census and sgm"},
+    };
+    for (const Bad& bad : table) {
+        MatchOptions options = default_options(Method::sgm);
+        options.sgm.p1 = 10;
+        options.sgm.p2 = 63;
+        bad.spoil(options);
+        EXPECT_THAT(problem(options), AllOf(HasSubstr(bad.what), HasSubstr(bad.found), HasSubstr(bad.allowed)));
+        EXPECT_THROW(backend("auto").create({8, 8, options}), std::invalid_argument);
+    }
+}
+
+TEST(Backends, AreFoundByName) {
+    EXPECT_EQ(backend("reference").name, "reference");
+    EXPECT_EQ(backend("cpu").name, "cpu");
+    EXPECT_EQ(backend("auto").name, "cpu");
+    for (const Backend& row : backends()) {
+        EXPECT_FALSE(row.description.empty());
+    }
+    try {
+        backend("gpu");
+        FAIL() << "there is no such back end";
+    } catch (const std::invalid_argument& error) {
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("gpu"), HasSubstr("auto"), HasSubstr("cpu"), HasSubstr("reference")));
+    }
+}
+
+TEST(Backends, RefuseImpossibleSizes) {
+    for (const auto& [width, height] : {std::pair{0, 8}, {8, 0}, {-1, 8}, {8193, 8}, {8, 8193}}) {
+        EXPECT_THROW(backend("cpu").create({width, height, default_options(Method::sad)}), std::invalid_argument);
+    }
+}
+
+}  // namespace
+}  // namespace disparityd

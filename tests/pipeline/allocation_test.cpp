@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From capture to shared memory nothing is allocated per frame: the allocator is interposed and counts.
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "capture/frame_source.h"
+#include "capture/rectification.h"
+#include "kernels/matcher.h"
+#include "pipeline/pipeline.h"
+#include "proto/shared_memory_writer.h"
+
+namespace {
+
+std::atomic<bool> counting{false};
+std::atomic<std::uint64_t> allocations{0};
+
+void count() {
+    if (counting.load(std::memory_order_relaxed)) {
+        allocations.fetch_add(1, std::memory_order_relaxed);
+    }
+}
+
+}  // namespace
+
+// The C library's own names for what these replace; operator new ends in malloc too.
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+    count();
+    return __libc_malloc(size);
+}
+void* calloc(std::size_t number, std::size_t size) {
+    count();
+    return __libc_calloc(number, size);
+}
+void* realloc(void* old, std::size_t size) {
+    count();
+    return __libc_realloc(old, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) {
+    count();
+    return __libc_memalign(alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+    count();
+    return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+    count();
+    *memory = __libc_memalign(alignment, size);
+    return *memory != nullptr ? 0 : ENOMEM;
+}
+}
+
+namespace disparityd::pipeline {
+namespace {
+
+TEST(Allocation, TheCounterCounts) {
+    counting = true;
+    auto* volatile number = new int(7);
+    counting = false;
+    delete number;
+    EXPECT_GE(allocations.exchange(0), 1U);
+}
+
+// The chain of the daemon without its sockets: scene, rectification, matching, shared memory.
+class Chain {
+public:
+    explicit Chain(Method method) {
+        capture::SourceOptions options;
+        options.uri = "scene:vga@200?width=160&height=96&loop=4";
+        options.loans = slots + 2;
+        source_ = capture::open_source(options);
+        const capture::SourceInfo& info = source_->info();
+        rectification_ = capture::make_rectification(info.calibration, info.eye_width, info.height, {});
+        matcher_ = backend("cpu").create({rectification_.width, rectification_.height, match_options(method)});
+        const auto width = static_cast<std::uint32_t>(rectification_.width);
+        const auto height = static_cast<std::uint32_t>(rectification_.height);
+        memory_ = std::make_unique<proto::SharedMemoryWriter>(
+            "allocation-test-" + std::to_string(getpid()),
+            proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}}});
+        pipeline_ = std::make_unique<Pipeline>(
+            PipelineConfig{.policy = Policy::live, .slots = slots, .depth = true, .left_colour = true}, *source_,
+            *matcher_, workers_, rectification_, [this](const FrameSlot& slot) { publish(slot); });
+        pipeline_->start();
+    }
+
+    void wait_for(std::uint64_t frames) const {
+        while (pipeline_->status().published < frames) {
+            std::this_thread::yield();
+        }
+    }
+
+    /// Waits without asking for a status, which has names in it and allocates.
+    void wait_for_quietly(std::uint64_t frames) const {
+        while (published_.load() < frames) {
+            std::this_thread::yield();
+        }
+    }
+
+    std::uint64_t published() const { return published_.load(); }
+
+private:
+    static constexpr int slots = 4;
+
+    static MatchOptions match_options(Method method) {
+        MatchOptions options = default_options(method, {0, 32});
+        options.post.speckle_size = 40;
+        options.post.interpolate = true;
+        return options;
+    }
+
+    template <typename T>
+    static proto::PlaneSource source_of(std::uint32_t product, Plane<T> plane) {
+        return {product, plane.data, static_cast<std::size_t>(plane.width) * sizeof(T),
+                static_cast<std::size_t>(plane.stride) * sizeof(T)};
+    }
+
+    void publish(const FrameSlot& slot) {
+        proto::ShmFrame frame{};
+        frame.sequence = slot.raw.sequence;
+        frame.width = static_cast<std::uint32_t>(rectification_.width);
+        frame.height = static_cast<std::uint32_t>(rectification_.height);
+        const FrameView& view = slot.view;
+        const std::array<proto::PlaneSource, 5> planes{source_of(1, view.disparity), source_of(2, view.confidence),
+                                                       source_of(3, view.depth), source_of(4, view.left),
+                                                       source_of(5, view.left_colour)};
+        memory_->publish(frame, planes);
+        memory_->wake();
+        memory_->heartbeat();
+        published_.fetch_add(1);
+    }
+
+    std::unique_ptr<capture::FrameSource> source_;
+    capture::Rectification rectification_;
+    std::unique_ptr<Matcher> matcher_;
+    std::unique_ptr<proto::SharedMemoryWriter> memory_;
+    WorkerPool workers_{2};
+    std::atomic<std::uint64_t> published_{0};
+    std::unique_ptr<Pipeline> pipeline_;  // last: its threads use the rest
+};
+
+class NoAllocation : public testing::TestWithParam<Method> {};
+
+TEST_P(NoAllocation, FromCaptureToSharedMemory) {
+    const Chain chain(GetParam());
+    chain.wait_for(20);  // queues and thread-local places of the libraries are made with the first frames
+    const std::uint64_t before = chain.published();
+    counting = true;
+    chain.wait_for_quietly(before + 60);
+    counting = false;
+    EXPECT_EQ(allocations.exchange(0), 0U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, NoAllocation, testing::Values(Method::sad, Method::census, Method::sgm),
+                         [](const auto& method) { return std::string(name(method.param)); });
+
+}  // namespace
+}  // namespace disparityd::pipeline

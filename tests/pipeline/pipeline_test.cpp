@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/pipeline.h"
+
+#include <semaphore>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/pipeline/fakes.h"
+
+namespace disparityd::pipeline {
+namespace {
+
+using namespace std::chrono_literals;
+
+// What the sink saw of a frame.
+struct Seen {
+    std::uint64_t sequence;
+    std::uint64_t dropped_before;
+    int disparity;
+};
+
+struct Sink {
+    std::vector<Seen> frames;
+    Pipeline::Sink function() {
+        return [this](const FrameSlot& slot) {
+            frames.push_back({slot.raw.sequence, slot.dropped_before, slot.view.disparity.at(0, 0)});
+        };
+    }
+};
+
+constexpr auto forever = 60s;
+
+TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
+    fakes::Source source(200);
+    fakes::Matcher matcher;
+    WorkerPool workers(2);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 3}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    ASSERT_EQ(sink.frames.size(), 200U);
+    for (std::size_t i = 0; i < sink.frames.size(); ++i) {
+        EXPECT_EQ(sink.frames[i].sequence, i);
+        EXPECT_EQ(sink.frames[i].disparity, static_cast<int>(i % 256));
+        EXPECT_EQ(sink.frames[i].dropped_before, 0U);
+    }
+    const PipelineStatus status = pipeline.status();
+    EXPECT_EQ(status.captured, 200U);
+    EXPECT_EQ(status.published, 200U);
+    EXPECT_EQ(status.dropped, 0U);
+    EXPECT_TRUE(status.ended);
+    EXPECT_EQ(status.error, "");
+    ASSERT_EQ(status.steps.size(), 6U);
+    EXPECT_EQ(status.steps[0].name, "capture");
+    EXPECT_EQ(status.steps[2].name, "dsi");
+    EXPECT_EQ(status.steps[2].time.count, 200U);
+    EXPECT_EQ(status.steps[5].name, "total");
+    pipeline.stop();
+    EXPECT_EQ(source.out(), 0U);
+    EXPECT_EQ(source.wrong_returns(), 0);
+}
+
+// With the matcher held, live frames pile up; the newest must win and every loss be counted.
+TEST(Pipeline, LiveDropsTheOldestAndCounts) {
+    std::counting_semaphore<> gate(0);
+    std::binary_semaphore entered(0);
+    std::atomic<bool> first{true};
+    fakes::Source source;
+    fakes::Matcher matcher([&](int stage, const FrameView&) {
+        if (stage == 0) {
+            if (first.exchange(false)) {
+                entered.release();
+            }
+            gate.acquire();
+        }
+    });
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::live, .slots = 4}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    source.push(0);
+    entered.acquire();
+    for (std::uint64_t sequence = 1; sequence <= 20; ++sequence) {
+        source.push(sequence, sequence == 7 ? 3 : 0);
+    }
+    while (pipeline.status().captured < 21) {
+        std::this_thread::yield();
+    }
+    source.end();
+    gate.release(100);
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    ASSERT_EQ(sink.frames.size(), 2U);
+    EXPECT_EQ(sink.frames[0].sequence, 0U);
+    EXPECT_EQ(sink.frames[1].sequence, 20U);
+    EXPECT_EQ(sink.frames[1].dropped_before, 19U + 3U);
+    const PipelineStatus status = pipeline.status();
+    EXPECT_EQ(status.dropped, 19U);
+    EXPECT_EQ(status.lost_before, 3U);
+    EXPECT_EQ(status.published, 2U);
+    EXPECT_EQ(source.out(), 0U);
+    EXPECT_EQ(source.wrong_returns(), 0);
+}
+
+TEST(Pipeline, LiveAccountsForEveryFrameUnderLoad) {
+    fakes::Source source;
+    fakes::Matcher matcher([](int, const FrameView&) { std::this_thread::yield(); });
+    WorkerPool workers(2);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::live, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    for (std::uint64_t sequence = 0; sequence < 2000; ++sequence) {
+        while (source.in_use() > 50) {
+            std::this_thread::yield();
+        }
+        source.push(sequence);
+    }
+    source.end();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    std::uint64_t accounted = 0;
+    for (const Seen& seen : sink.frames) {
+        accounted += 1 + seen.dropped_before;
+        EXPECT_EQ(accounted, seen.sequence + 1);
+        EXPECT_EQ(seen.disparity, static_cast<int>(seen.sequence % 256));
+    }
+    EXPECT_EQ(accounted, 2000U) << "the last frame is never dropped";
+    EXPECT_EQ(pipeline.status().dropped + pipeline.status().published, 2000U);
+    EXPECT_EQ(source.out(), 0U);
+}
+
+TEST(Pipeline, CorruptFramesAreCountedNotShown) {
+    fakes::Source source;
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    source.push(0);
+    source.push(1, 0, capture::frame_flag_corrupt);
+    source.push(2);
+    source.end();
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    ASSERT_EQ(sink.frames.size(), 2U);
+    EXPECT_EQ(sink.frames[1].sequence, 2U);
+    EXPECT_EQ(sink.frames[1].dropped_before, 1U);
+    EXPECT_EQ(pipeline.status().skipped_corrupt, 1U);
+    EXPECT_EQ(source.out(), 0U);
+}
+
+TEST(Pipeline, ASourceThatFailsLosesNothingThatCameBefore) {
+    fakes::Source source;
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    for (std::uint64_t sequence = 0; sequence < 3; ++sequence) {
+        source.push(sequence);
+    }
+    source.fail();
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    EXPECT_EQ(sink.frames.size(), 3U);
+    EXPECT_EQ(pipeline.status().error, "fake.mkv: truncated after 3 frames");
+}
+
+TEST(Pipeline, ASinkThatFailsEndsThePipeline) {
+    fakes::Source source(100);
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    int frames = 0;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification,
+                      [&](const FrameSlot&) {
+                          if (++frames == 5) {
+                              throw std::runtime_error("out/000004.png: no space left on device");
+                          }
+                      });
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    EXPECT_EQ(frames, 5);
+    EXPECT_EQ(pipeline.status().published, 4U);
+    EXPECT_EQ(pipeline.status().error, "out/000004.png: no space left on device");
+    EXPECT_EQ(source.out(), 0U);
+}
+
+TEST(Pipeline, AStageThatFailsEndsThePipeline) {
+    fakes::Source source(100);
+    fakes::Matcher matcher([](int stage, const FrameView& frame) {
+        if (stage == 1 && frame.left.at(0, 0) == 9) {
+            throw std::runtime_error("device lost");
+        }
+    });
+    WorkerPool workers(2);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 3}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    EXPECT_EQ(pipeline.status().error, "device lost");
+    EXPECT_LE(sink.frames.size(), 9U);
+    EXPECT_EQ(source.out(), 0U);
+}
+
+TEST(Pipeline, StopsWhileWaitingForFrames) {
+    fakes::Source source;
+    fakes::Matcher matcher;
+    WorkerPool workers(2);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::live, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    source.push(1);
+    pipeline.stop();
+    pipeline.stop();
+    EXPECT_TRUE(pipeline.status().ended);
+    EXPECT_EQ(source.out(), 0U);
+}
+
+TEST(Pipeline, TellsWhichStageIsStuck) {
+    std::binary_semaphore entered(0);
+    std::binary_semaphore leave(0);
+    fakes::Source source;
+    fakes::Matcher matcher([&](int stage, const FrameView&) {
+        if (stage == 1) {
+            entered.release();
+            leave.acquire();
+        }
+    });
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    pipeline.start();
+    source.push(0);
+    entered.acquire();
+    const auto deadline = std::chrono::steady_clock::now() + forever;
+    while (pipeline.stuck_stage(1500ms).empty() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::yield();
+    }
+    EXPECT_EQ(pipeline.stuck_stage(1500ms), "match");
+    leave.release();
+    source.end();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    EXPECT_EQ(pipeline.stuck_stage(0ms), "");
+}
+
+TEST(Pipeline, RawTapSeesEveryFrame) {
+    fakes::Source source(20);
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    std::vector<std::uint64_t> tapped;
+    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function(),
+                      [&](const capture::RawFrame& frame) { tapped.push_back(frame.sequence); });
+    pipeline.start();
+    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    EXPECT_EQ(tapped.size(), 20U);
+}
+
+TEST(Pipeline, RefusesTooFewSlots) {
+    fakes::Source source;
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const capture::Rectification rectification = fakes::rectification();
+    EXPECT_THROW(Pipeline({.slots = 1}, source, matcher, workers, rectification, [](const FrameSlot&) {}),
+                 std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace disparityd::pipeline

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Compiled as C. Prints one frame as the C library gives it, in the form that same_frame_test.cpp compares.
+ *   disparity_c_check ADDRESS NAME-OF-SHARED-MEMORY
+ */
+#include <disparity_client.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static uint64_t fnv1a(const void* data, uint64_t bytes) {
+    const uint8_t* at = data;
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    uint64_t i;
+    for (i = 0; i < bytes; ++i) {
+        hash = (hash ^ at[i]) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+static void print_frame(const char* way, const disparity_frame* frame) {
+    disparity_frame_info f;
+    disparity_plane plane;
+    uint32_t i;
+    disparity_frame_get_info(frame, &f, sizeof f);
+    printf("%s %" PRIu64 " %" PRIu64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRIu64 " %" PRIu64
+           " %.17g %.17g %.17g %.17g %.17g %d %u %d %u %u %u %u %u\n",
+           way, f.publish_index, f.sequence, f.monotonic_ns, f.realtime_ns, f.age_ns, f.dropped_before,
+           f.calibration_id, f.f, f.cx, f.cy, f.baseline_mm, f.disparity_offset, f.d_min, f.disparities, f.invalid,
+           f.flags, f.width, f.height, f.region_x, f.region_y);
+    for (i = 0; disparity_frame_plane_at(frame, i, &plane); ++i) {
+        printf("%s plane %u %u %u %u %016" PRIx64 "\n", way, plane.product, plane.width, plane.height,
+               plane.bytes_per_pixel, fnv1a(plane.data, plane.bytes));
+    }
+}
+
+static int fail(const char* what) {
+    fprintf(stderr, "disparity_c_check: %s: %s\n", what, disparity_last_error());
+    return 1;
+}
+
+/* Mistakes of the caller are answered, not punished. */
+static int check_errors(void) {
+    disparity_plane plane;
+    disparity_frame_info info;
+    size_t bytes = 0;
+    if (disparity_shared_memory_open("not/a/name") != NULL || strstr(disparity_last_error(), "not/a/name") == NULL) {
+        return fail("a bad name is accepted, or not named");
+    }
+    if (disparity_socket_open("nonsense", NULL, 100) != NULL || strstr(disparity_last_error(), "nonsense") == NULL) {
+        return fail("a bad address is accepted, or not named");
+    }
+    if (disparity_shared_memory_read(NULL, NULL, 0, NULL, 0) != DISPARITY_ERROR ||
+        disparity_socket_read(NULL, NULL, 0) != DISPARITY_ERROR || disparity_socket_subscribe(NULL, NULL) == 0 ||
+        disparity_socket_status(NULL, 0, &bytes) != NULL || disparity_frame_plane_at(NULL, 0, &plane) != 0) {
+        return fail("NULL is accepted");
+    }
+    disparity_frame_get_info(NULL, &info, sizeof info);
+    disparity_frame_free(NULL);
+    disparity_socket_close(NULL);
+    disparity_shared_memory_close(NULL);
+    return 0;
+}
+
+int main(int argc, char** argv) {
+    const uint32_t products[] = {DISPARITY_PRODUCT_DISPARITY, DISPARITY_PRODUCT_CONFIDENCE,
+                                 DISPARITY_PRODUCT_LEFT_COLOUR};
+    disparity_subscription subscription;
+    disparity_plane plane;
+    disparity_frame* frame = disparity_frame_new();
+    disparity_socket* client;
+    disparity_shared_memory* reader;
+    if (argc != 3 || frame == NULL || check_errors() != 0) {
+        return 1;
+    }
+    client = disparity_socket_open(argv[1], "c-check", 20000);
+    memset(&subscription, 0, sizeof subscription);
+    subscription.products = products;
+    subscription.product_count = 3;
+    if (client == NULL || disparity_socket_subscribe(client, &subscription) != 0 ||
+        disparity_socket_read(client, frame, 20000) != DISPARITY_FRAME) {
+        return fail("socket");
+    }
+    print_frame("socket", frame);
+    disparity_socket_close(client);
+
+    reader = disparity_shared_memory_open(argv[2]);
+    if (reader == NULL || disparity_shared_memory_read(reader, frame, 20000, NULL, 0) != DISPARITY_FRAME) {
+        return fail("shared memory");
+    }
+    print_frame("shm", frame);
+    if (disparity_shared_memory_read(reader, frame, 0, NULL, 0) != DISPARITY_TIMEOUT ||
+        disparity_shared_memory_heartbeat_age_ns(reader) < 0) {
+        return fail("second read");
+    }
+    disparity_shared_memory_close(reader);
+
+    /* Only what is asked for. */
+    reader = disparity_shared_memory_open(argv[2]);
+    if (reader == NULL || disparity_shared_memory_read(reader, frame, 20000, products + 1, 1) != DISPARITY_FRAME ||
+        disparity_frame_get_plane(frame, DISPARITY_PRODUCT_DISPARITY, &plane) != 0 ||
+        disparity_frame_get_plane(frame, DISPARITY_PRODUCT_CONFIDENCE, &plane) != 1) {
+        return fail("selection of products");
+    }
+    disparity_shared_memory_close(reader);
+    disparity_frame_free(frame);
+    return 0;
+}

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "proto/shared_memory_reader.h"
+
+/// Copies all planes of a frame.
+struct Collected {
+    using Reader = disparityd::proto::ShmReader;
+
+    disparityd::proto::ShmFrame frame{};
+    std::map<std::uint32_t, std::vector<std::uint8_t>> planes;
+    std::uint64_t copies = 0;  ///< of the first plane: more than frames when the writer overtook some
+
+    Reader::Result read(Reader& reader, std::chrono::nanoseconds timeout) {
+        return reader.read(
+            frame,
+            [&](const disparityd::proto::ShmPlane& plane) {
+                copies += &plane == reader.view().planes.data() ? 1U : 0U;
+                std::vector<std::uint8_t>& bytes = planes[plane.product];
+                bytes.resize(plane.bytes);
+                return bytes.data();
+            },
+            timeout);
+    }
+};

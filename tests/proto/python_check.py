@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Prints one frame as the Python client gives it, in the form that same_frame_test.cpp compares.
+
+python_check.py ADDRESS NAME-OF-SHARED-MEMORY. Exit status 77: a Python module is missing, said on stderr.
+"""
+import os
+import sys
+
+try:
+    import google.protobuf  # noqa: F401
+    import numpy as np
+except ImportError as error:
+    print(f"skipped: {error}", file=sys.stderr)
+    sys.exit(77)
+
+import disparity
+
+
+def fnv1a(data):
+    value = 0xCBF29CE484222325
+    for byte in data:
+        value = ((value ^ byte) * 0x100000001B3) & 0xFFFFFFFFFFFFFFFF
+    return value
+
+
+def print_frame(way, f):
+    print(
+        way, f.publish_index, f.sequence, f.monotonic_ns, f.realtime_ns, f.age_ns, f.dropped_before, f.calibration_id,
+        *("%.17g" % value for value in (f.f, f.cx, f.cy, f.baseline_mm, f.disparity_offset)),
+        f.d_min, f.disparities, f.invalid, f.flags, f.width, f.height, f.region_x, f.region_y,
+    )
+    for product, plane in f.planes.items():
+        pixel = plane.itemsize * (plane.shape[2] if plane.ndim == 3 else 1)
+        print(way, "plane", product, plane.shape[1], plane.shape[0], pixel, f"{fnv1a(plane.tobytes()):016x}")
+
+
+def check_arrays(frame):
+    """What is made from the planes, on a frame whose numbers are known."""
+    assert frame.disparity.dtype == np.int16 and frame.left_colour.shape == (frame.height, frame.width, 3)
+    frame.planes[disparity.DISPARITY] = raw = np.array([[160, frame.invalid], [8, 16]], np.int16)
+    assert np.array_equal(np.isnan(frame.disparity_px), raw == frame.invalid)
+    assert frame.disparity_px[0, 0] == 10.0
+    frame.f, frame.baseline_mm, frame.cx, frame.cy, frame.disparity_offset = 500.0, 120.0, 0.5, 0.5, 2.0
+    points = frame.points()
+    assert np.isnan(points[0, 1]).all()
+    assert abs(points[0, 0, 2] - 0.5 * 120 / 12) < 1e-5
+    assert abs(points[0, 0, 0] - points[0, 0, 2] * -0.5 / 500) < 1e-6
+    frame.planes[disparity.DEPTH] = np.array([[0, 65535, 1500]], np.uint16)
+    assert np.isnan(frame.depth_m[0, 0]) and np.isinf(frame.depth_m[0, 1]) and frame.depth_m[0, 2] == 1.5
+
+
+def check_refusals():
+    for address in ("", "http:x", "tcp:", "tcp:host", "tcp:host:x", "unix:"):
+        try:
+            disparity.SocketClient(address)
+        except ValueError:
+            continue
+        raise AssertionError(f"{address!r} was accepted")
+    try:
+        disparity.SocketClient("unix:/nonexistent/socket")
+    except disparity.DisparityError as error:
+        assert "unix:/nonexistent/socket: cannot connect" in str(error), error
+    else:
+        raise AssertionError("connected to nothing")
+
+
+def check_limits():
+    """What a bad server may claim is refused before memory is made for it."""
+    from disparity import disparity_pb2 as pb
+    from disparity import stream
+
+    def plane(**changes):
+        good = {"product": 2, "width": 4, "height": 3, "bytes_per_pixel": 1, "payload_bytes": 12}
+        return pb.PlaneInfo(**{**good, **changes})
+
+    stream.check_payload(pb.Envelope(payload_bytes=12, frame=pb.Frame(planes=[plane()])))
+    for payload, bad in (
+        (1 << 40, plane(payload_bytes=1 << 40)),
+        (13, plane()),
+        (12, plane(payload_bytes=2**64 - 1)),
+        (12, plane(width=1 << 30)),
+        (12, plane(height=0)),
+        (12, plane(height=2)),
+        (12, plane(bytes_per_pixel=9)),
+        (12, plane(encoding=7)),
+        (5000, plane(encoding=pb.ZSTD, payload_bytes=5000)),
+    ):
+        try:
+            stream.check_payload(pb.Envelope(payload_bytes=payload, frame=pb.Frame(planes=[bad])))
+        except ValueError:
+            continue
+        raise AssertionError(f"accepted: payload {payload}, {bad}")
+
+
+def check_compressed(address, products, raw):
+    """The same planes come out when they travel compressed."""
+    try:
+        import zstandard  # noqa: F401
+    except ImportError as error:
+        print(f"compressed frames not checked: {error}", file=sys.stderr)
+        return
+    with disparity.SocketClient(address) as client:
+        client.subscribe(products, compressed=True)
+        frame = client.read(timeout=20)
+    assert sorted(frame.planes) == sorted(raw)
+    assert all(np.array_equal(frame.planes[product], raw[product]) for product in raw)
+
+
+def main():
+    address, name = sys.argv[1:]
+    check_refusals()
+    check_limits()
+    products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
+    with disparity.SocketClient(address) as client:
+        client.subscribe(products)
+        frame = client.read(timeout=20)
+        print_frame("socket", frame)
+        raw = dict(frame.planes)
+        check_arrays(frame)
+        try:
+            client.read(timeout=20)
+        except disparity.DisparityError as error:
+            assert "the fake daemon has said everything" in str(error), error
+        else:
+            raise AssertionError("no error")
+        try:
+            client.read(timeout=20)
+        except disparity.Gone:
+            pass
+        else:
+            raise AssertionError("not gone")
+    check_compressed(address, products, raw)
+    # An instrumented library cannot be loaded into a program that is not.
+    if "DISPARITY_SKIP_LIBRARY" not in os.environ:
+        with disparity.SharedMemoryReader(name) as reader:
+            print_frame("shm", reader.read(timeout=20))
+            assert reader.read(timeout=0) is None
+
+
+if __name__ == "__main__":
+    main()

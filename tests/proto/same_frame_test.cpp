@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// One frame, published over shared memory and over sockets, read by C++, C and Python: the same bytes and numbers.
+#include <cinttypes>
+#include <cstdio>
+
+#include <disparity_client.hpp>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <zstd.h>
+
+#include "tests/proto/fake_daemon.h"
+#include "tests/proto/pattern.h"
+
+namespace proto = disparityd::proto;
+namespace v1 = disparityd::v1;
+using namespace std::chrono_literals;
+
+namespace {
+
+constexpr std::uint64_t sequence = 123456789;
+
+std::uint64_t fnv1a(const std::vector<std::uint8_t>& bytes) {
+    std::uint64_t hash = 0xcbf29ce484222325ULL;
+    for (const std::uint8_t byte : bytes) {
+        hash = (hash ^ byte) * 0x100000001b3ULL;
+    }
+    return hash;
+}
+
+std::string describe(const char* way, const disparity::Frame& f) {
+    char line[700];
+    std::snprintf(line, sizeof line,
+                  "%s %" PRIu64 " %" PRIu64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRIu64 " %" PRIu64
+                  " %.17g %.17g %.17g %.17g %.17g %d %u %d %u %u %u %u %u\n",
+                  way, f.publish_index, f.sequence, f.monotonic_ns, f.realtime_ns, f.age_ns, f.dropped_before,
+                  f.calibration_id, f.f, f.cx, f.cy, f.baseline_mm, f.disparity_offset, f.d_min, f.disparities,
+                  f.invalid, f.flags, f.width, f.height, f.region_x, f.region_y);
+    std::string text = line;
+    for (const disparity::PlaneData& plane : f.planes) {
+        std::snprintf(line, sizeof line, "%s plane %u %u %u %u %016" PRIx64 "\n", way,
+                      static_cast<unsigned>(plane.product), plane.width, plane.height, plane.bytes_per_pixel,
+                      fnv1a(plane.bytes));
+        text += line;
+    }
+    return text;
+}
+
+class SameFrame : public testing::Test {
+protected:
+    proto::ShmLayout layout_ = pattern::layout();
+    std::string name_ = pattern::unique_name("same", ::getpid());
+    proto::SharedMemoryWriter writer_{name_, layout_};
+    FakeDaemon daemon_{[this](ServerEnd& end) { serve(end); }};
+
+    SameFrame() {
+        pattern::Source source(layout_);
+        writer_.publish(pattern::head(sequence, layout_), source.make(sequence));
+        heart_ = std::jthread([this](const std::stop_token& stop) {
+            while (!stop.stop_requested()) {
+                writer_.heartbeat();
+                std::this_thread::sleep_for(100ms);
+            }
+        });
+    }
+
+    void serve(ServerEnd& end) {
+        end.greet();
+        v1::Envelope subscribe;
+        end.receive(subscribe);
+        EXPECT_EQ(subscribe.subscribe().products_size(), 3);
+        const proto::ShmFrame head = pattern::head(sequence, layout_);
+        v1::Envelope envelope;
+        v1::Frame& frame = *envelope.mutable_frame();
+        frame.set_publish_index(head.publish_index);
+        frame.set_sequence(head.sequence);
+        frame.set_monotonic_ns(head.monotonic_ns);
+        frame.set_realtime_ns(head.realtime_ns);
+        frame.set_age_ns(head.age_ns);
+        frame.set_dropped_before(head.dropped_before);
+        frame.set_flags(head.flags);
+        v1::Geometry& geometry = *frame.mutable_geometry();
+        geometry.set_width(head.width);
+        geometry.set_height(head.height);
+        geometry.set_f(head.f);
+        geometry.set_cx(head.cx);
+        geometry.set_cy(head.cy);
+        geometry.set_baseline_mm(head.baseline_mm);
+        geometry.set_disparity_offset(head.disparity_offset);
+        geometry.set_d_min(head.d_min);
+        geometry.set_disparities(head.disparities);
+        geometry.set_invalid(head.invalid);
+        geometry.set_calibration_id(head.calibration_id);
+        std::vector<std::uint8_t> payload;
+        pattern::Source source(layout_);
+        for (const proto::PlaneSource& from : source.make(sequence)) {
+            v1::PlaneInfo& plane = *frame.add_planes();
+            plane.set_product(static_cast<v1::Product>(from.product));
+            plane.set_width(layout_.width);
+            plane.set_height(layout_.height);
+            plane.set_bytes_per_pixel(static_cast<std::uint32_t>(from.row_bytes / layout_.width));
+            plane.set_payload_bytes(from.row_bytes * layout_.height);
+            std::vector<std::uint8_t> bytes;
+            for (std::size_t y = 0; y < layout_.height; ++y) {
+                const auto* row = static_cast<const std::uint8_t*>(from.data) + y * from.stride;
+                bytes.insert(bytes.end(), row, row + from.row_bytes);
+            }
+            if (subscribe.subscribe().encoding() == v1::ZSTD) {
+                std::vector<std::uint8_t> packed(ZSTD_compressBound(bytes.size()));
+                packed.resize(ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), 1));
+                plane.set_encoding(v1::ZSTD);
+                plane.set_payload_bytes(packed.size());
+                bytes = packed;
+            }
+            payload.insert(payload.end(), bytes.begin(), bytes.end());
+        }
+        envelope.set_payload_bytes(payload.size());
+        end.send(envelope, payload);
+        v1::Envelope error;
+        error.mutable_error()->set_message("the fake daemon has said everything");
+        end.send(error);
+    }
+
+    /// As the C++ client sees it, over both ways.
+    std::string wanted(const std::string& address, bool with_shared_memory = true) {
+        disparity::Frame frame;
+        disparity::SocketClient client(address);
+        disparity::Subscription subscription;
+        subscription.products = {disparity::Product::disparity, disparity::Product::confidence,
+                                 disparity::Product::left_colour};
+        client.subscribe(subscription);
+        EXPECT_EQ(client.read(frame, 20s), disparity::ReadResult::frame);
+        std::string text = describe("socket", frame);
+        if (with_shared_memory) {
+            disparity::SharedMemoryReader reader(name_);
+            EXPECT_EQ(reader.read(frame, 20s), disparity::ReadResult::frame);
+            text += describe("shm", frame);
+        }
+        return text;
+    }
+
+    /// Exit status and what a command prints.
+    static std::pair<int, std::string> run(const std::string& command) {
+        FILE* pipe = ::popen(command.c_str(), "r");
+        EXPECT_NE(pipe, nullptr);
+        std::string text;
+        char buffer[4096];
+        for (std::size_t got = 0; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
+            text.append(buffer, got);
+        }
+        const int status = ::pclose(pipe);
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
+    }
+
+private:
+    std::jthread heart_;
+};
+
+TEST_F(SameFrame, CppReadsTheSameOverBothWays) {
+    std::string text = wanted(daemon_.tcp_address());
+    const std::size_t half = text.find("shm ");
+    ASSERT_NE(half, std::string::npos);
+    std::string first = text.substr(0, half);
+    std::string second = text.substr(half);
+    for (std::size_t at = 0; (at = first.find("socket ", at)) != std::string::npos;) {
+        first.replace(at, 6, "shm");
+    }
+    EXPECT_EQ(first, second);
+
+    disparity::Frame frame;
+    disparity::SharedMemoryReader reader(name_);
+    ASSERT_EQ(reader.read(frame, 20s), disparity::ReadResult::frame);
+    ASSERT_EQ(frame.planes.size(), 3U);
+    for (const disparity::PlaneData& plane : frame.planes) {
+        EXPECT_EQ(pattern::check_plane(sequence, static_cast<std::uint32_t>(plane.product), plane.bytes), "");
+    }
+}
+
+TEST_F(SameFrame, CReadsTheSame) {
+    for (const std::string& address : {daemon_.unix_address(), daemon_.tcp_address()}) {
+        const auto [status, text] = run(C_CHECK " " + address + " " + name_);
+        EXPECT_EQ(status, 0);
+        EXPECT_EQ(text, wanted(address));
+    }
+}
+
+TEST_F(SameFrame, PythonReadsTheSame) {
+    const std::string python = PYTHON_CHECK;
+    if (python.empty()) {
+        GTEST_SKIP() << "no Python for this machine's programs";
+    }
+    for (const std::string& address : {daemon_.unix_address(), daemon_.tcp_address()}) {
+        const auto [status, text] = run(python + " " + address + " " + name_);
+        if (status == 77) {
+            GTEST_SKIP() << "numpy or protobuf is not installed for Python";
+        }
+        EXPECT_EQ(status, 0);
+        EXPECT_EQ(text, wanted(address, python.find("DISPARITY_SKIP_LIBRARY") == std::string::npos));
+    }
+}
+
+}  // namespace

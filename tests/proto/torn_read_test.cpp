@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <chrono>
+#include <cstdio>
+#include <exception>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/proto/collect.h"
+#include "tests/proto/pattern.h"
+
+namespace proto = disparityd::proto;
+using Result = proto::ShmReader::Result;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+namespace {
+
+/// Neighbours in time always differ; only a reader that sleeps through an exact multiple could miss a mixture.
+constexpr std::uint64_t prepared = 31;
+
+/// What a reader process reports through its pipe.
+struct Report {
+    std::uint64_t frames = 0;
+    std::uint64_t copies = 0;
+    std::uint64_t bad = 0;
+};
+
+bool whole(const Collected& got, const proto::ShmLayout& layout) {
+    const proto::ShmFrame wanted = pattern::head(got.frame.sequence, layout);
+    if (std::memcmp(&got.frame, &wanted, sizeof wanted) != 0) {
+        return false;
+    }
+    for (const auto& [product, bytes] : got.planes) {
+        if (!pattern::check_plane(got.frame.sequence, product, bytes).empty()) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Reads as fast as it can until the writer closes.
+[[noreturn]] void hammer(const std::string& name, const proto::ShmLayout& layout, int out) {
+    Report report;
+    try {
+        proto::ShmReader reader(name);
+        Collected got;
+        Result result = Result::timeout;
+        while (result != Result::gone) {
+            result = got.read(reader, 1s);
+            if (result == Result::frame) {
+                ++report.frames;
+                report.bad += whole(got, layout) ? 0U : 1U;
+            }
+        }
+        report.copies = got.copies;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "reader: %s\n", error.what());
+        ++report.bad;
+    }
+    const bool sent = ::write(out, &report, sizeof report) == static_cast<ssize_t>(sizeof report);
+    ::_exit(sent ? 0 : 1);
+}
+
+struct Child {
+    pid_t pid = -1;
+    int in = -1;
+};
+
+Child start(const std::string& name, const proto::ShmLayout& layout) {
+    int ends[2] = {-1, -1};
+    EXPECT_EQ(::pipe(ends), 0);
+    const pid_t pid = ::fork();
+    if (pid == 0) {
+        ::close(ends[0]);
+        hammer(name, layout, ends[1]);
+    }
+    ::close(ends[1]);
+    return {pid, ends[0]};
+}
+
+TEST(TornRead, NoMixtureOfFramesIsEverSeen) {
+    const std::string name = pattern::unique_name("torn", ::getpid());
+    const proto::ShmLayout layout = pattern::layout(193, 65);
+    // Frames are made beforehand and published in turn, so that the writer is nearly always inside a slot.
+    std::vector<pattern::Source> sources(prepared, pattern::Source(layout));
+    std::vector<const std::vector<proto::PlaneSource>*> frames;
+    for (std::uint64_t sequence = 0; sequence < prepared; ++sequence) {
+        frames.push_back(&sources[sequence].make(sequence));
+    }
+    // Two slots: the writer comes round to a slot as soon as it can, and readers are overtaken all the time.
+    proto::SharedMemoryWriter writer(name, layout, 2);
+    Child readers[3];
+    for (Child& reader : readers) {
+        reader = start(name, layout);
+    }
+    Child victim = start(name, layout);
+
+    std::uint64_t published = 0;
+    std::uint64_t kills = 0;
+    const auto begin = Clock::now();
+    auto kill_at = begin + 40ms;
+    while (Clock::now() - begin < 2500ms) {
+        const std::uint64_t sequence = published++ % prepared;
+        writer.publish(pattern::head(sequence, layout), *frames[sequence]);
+        writer.heartbeat();
+        writer.wake();
+        if (Clock::now() >= kill_at) {
+            ::kill(victim.pid, SIGKILL);
+            ::waitpid(victim.pid, nullptr, 0);
+            ::close(victim.in);
+            ++kills;
+            victim = start(name, layout);
+            kill_at = Clock::now() + 40ms;
+        }
+    }
+    writer.close();
+    ::kill(victim.pid, SIGKILL);
+    ::waitpid(victim.pid, nullptr, 0);
+    ::close(victim.in);
+
+    Report sum;
+    for (const Child& reader : readers) {
+        Report report;
+        ASSERT_EQ(::read(reader.in, &report, sizeof report), static_cast<ssize_t>(sizeof report));
+        ::close(reader.in);
+        int status = 0;
+        ASSERT_EQ(::waitpid(reader.pid, &status, 0), reader.pid);
+        EXPECT_EQ(status, 0);
+        EXPECT_EQ(report.bad, 0U);
+        EXPECT_GT(report.frames, 10U);
+        sum.frames += report.frames;
+        sum.copies += report.copies;
+    }
+    EXPECT_GT(published, 100U);
+    EXPECT_GT(kills, 5U);
+    std::printf("%llu frames written, %llu read whole, %llu copies overtaken and repeated, %llu readers killed\n",
+                static_cast<unsigned long long>(published), static_cast<unsigned long long>(sum.frames),
+                static_cast<unsigned long long>(sum.copies - sum.frames), static_cast<unsigned long long>(kills));
+}
+
+}  // namespace

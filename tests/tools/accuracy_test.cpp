@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/eval/accuracy.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/eval/our_matcher.h"
+#include "tools/eval/paper.h"
+#include "tools/eval/report.h"
+#include "tools/eval/scene.h"
+
+namespace disparityd::eval {
+namespace {
+
+constexpr float none = std::numeric_limits<float>::infinity();
+
+TEST(AccuracyTest, HandMadeMap) {
+    // Errors:                0      1      1.25   2      2.25   rejected  no truth  exact, occluded  3, occluded
+    const images::FloatMap truth{9, 1, {10, 10, 10, 10, 10, 10, none, 20, 20}};
+    const images::FloatMap found{9, 1, {10, 11, 8.75F, 12, 12.25F, none, 5, 20, 23}};
+    const Accuracy accuracy = measure(found, truth, {1, 1, 1, 1, 1, 1, 1, 0, 0});
+    EXPECT_DOUBLE_EQ(accuracy.bad1_nonocc, 100.0 * 4 / 6) << "1.25, 2, 2.25 and the rejected one; exactly 1 is good";
+    EXPECT_DOUBLE_EQ(accuracy.bad2_nonocc, 100.0 * 2 / 6);
+    EXPECT_DOUBLE_EQ(accuracy.bad1_all, 100.0 * 5 / 8);
+    EXPECT_DOUBLE_EQ(accuracy.bad2_all, 100.0 * 3 / 8);
+    EXPECT_DOUBLE_EQ(accuracy.density, 100.0 * 7 / 8);
+}
+
+TEST(AccuracyTest, FractionsCountAsTheyAre) {
+    const images::FloatMap truth{2, 1, {10.25F, 10.25F}};
+    const Accuracy accuracy = measure({2, 1, {11.25F, 11.3125F}}, truth, {1, 1});
+    EXPECT_DOUBLE_EQ(accuracy.bad1_nonocc, 50);
+}
+
+TEST(AccuracyTest, WithoutAMaskNonOccludedIsUnknown) {
+    const Accuracy accuracy = measure({1, 1, {3}}, {1, 1, {3}}, {});
+    EXPECT_TRUE(std::isnan(accuracy.bad1_nonocc));
+    EXPECT_DOUBLE_EQ(accuracy.bad1_all, 0);
+}
+
+TEST(AccuracyTest, NothingToJudge) {
+    const Accuracy accuracy = measure({1, 1, {3}}, {1, 1, {none}}, {1});
+    EXPECT_TRUE(std::isnan(accuracy.bad1_all));
+    EXPECT_TRUE(std::isnan(accuracy.density));
+}
+
+TEST(AccuracyTest, SizesMustAgree) {
+    EXPECT_THROW(measure({2, 1, {3, 3}}, {1, 2, {3, 3}}, {}), std::invalid_argument);
+    EXPECT_THROW(measure({2, 1, {3, 3}}, {2, 1, {3, 3}}, {1}), std::invalid_argument);
+}
+
+TEST(CoveringDisparitiesTest, NextMultipleOf16ThatReachesTheTruth) {
+    EXPECT_EQ(covering_disparities({1, 1, {none}}, 0), 16);
+    EXPECT_EQ(covering_disparities({1, 1, {15}}, 0), 16);
+    EXPECT_EQ(covering_disparities({1, 1, {15.01F}}, 0), 32) << "15.01 lies between candidates 15 and 16";
+    EXPECT_EQ(covering_disparities({1, 1, {3}}, 70), 80);
+    EXPECT_EQ(covering_disparities({1, 1, {900}}, 0), 256);
+}
+
+TEST(MedianTest, MiddleOfTheTimes) {
+    EXPECT_DOUBLE_EQ(median({5, 1, 9}), 5);
+    EXPECT_DOUBLE_EQ(median({4, 1, 9, 2}), 3);
+}
+
+TEST(ReportTest, JsonIsAListWithTheAgreedKeys) {
+    std::ostringstream text;
+    print_json({{"cones", "sgm", "cpu", 128, {4.5, 12.25, 3, 10, 99.5}, 17.25},
+                {"other", "StereoBM", "opencv", 64, measure({1, 1, {3}}, {1, 1, {3}}, {}), 1}},
+               text);
+    const auto list = nlohmann::json::parse(text.str());
+    ASSERT_EQ(list.size(), 2U);
+    EXPECT_EQ(list[0],
+              nlohmann::json::parse(R"({"scene": "cones", "method": "sgm", "backend": "cpu", "disparities": 128,
+        "bad1_nonocc": 4.5, "bad1_all": 12.25, "bad2_nonocc": 3.0, "bad2_all": 10.0, "density": 99.5, "ms": 17.25})"));
+    EXPECT_TRUE(list[1]["bad1_nonocc"].is_null());
+    EXPECT_EQ(list[1]["bad1_all"], 0);
+}
+
+TEST(PaperTest, CellsAreCountedAgainstThePaper) {
+    std::ostringstream text;
+    print_paper_table(
+        {{"cones", "sgm", "cpu", 128, {6.9, 0, 0, 0, 100}, 1}, {"teddy", "sad", "cpu", 128, {16.7, 0, 0, 0, 100}, 1}},
+        false, text);
+    EXPECT_THAT(text.str(), testing::HasSubstr("1 of 2 cells at most the paper's figure"));
+    EXPECT_THAT(text.str(), testing::HasSubstr("+0.10"));
+    EXPECT_EQ(paper_scene("middlebury2001/tsukuba")->disparities, 32);
+    EXPECT_EQ(paper_scene("art"), nullptr);
+}
+
+}  // namespace
+}  // namespace disparityd::eval

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+#include <unistd.h>
+
+#include "capture/frame_source.h"
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+#include "tools/images/disparity_file.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// A daemon on a small scene, with a socket and shared memory of its own.
+class DaemonTest : public FolderTest {
+protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        // Short, because socket paths are; unique, because tests run side by side.
+        socket_ = "/tmp/dctl-test-" + std::to_string(getpid()) + ".sock";
+        name_ = "dctl-test-" + std::to_string(getpid());
+        std::filesystem::create_directory(path("recordings"));
+        daemon_ = std::make_unique<Program>(
+            DISPARITYD,
+            std::vector<std::string>{"--source", "scene:vga@30?width=128&height=96&loop=8", "--name", name_, "--set",
+                                     "socket.unix=" + socket_, "--set", "socket.tcp=", "--set", "match.disparities=16",
+                                     "--set", "record.directory=" + path("recordings")});
+        const bool up = eventually([this] { return !daemon_->running() || ctl("status", {}).exit_code == 0; });
+        ASSERT_TRUE(up && daemon_->running()) << daemon_->wait().err;
+        ASSERT_TRUE(eventually([this] { return status()["published"] > 0; }));
+    }
+
+    void TearDown() override {
+        if (daemon_ && daemon_->running()) {
+            daemon_->send(SIGTERM);
+            daemon_->wait();
+        }
+        FolderTest::TearDown();
+    }
+
+    std::vector<std::string> arguments(const std::string& command, std::vector<std::string> more) const {
+        more.insert(more.begin(), {command, "--name", name_});
+        if (command != "watch" && command != "snapshot") {
+            more.insert(more.end(), {"--socket", "unix:" + socket_});
+        }
+        return more;
+    }
+
+    Outcome ctl(const std::string& command, const std::vector<std::string>& more) const {
+        return run(DISPARITYCTL, arguments(command, more));
+    }
+
+    nlohmann::json status() const { return nlohmann::json::parse(ctl("status", {"--json"}).out); }
+
+    std::string socket_;
+    std::string name_;
+    std::unique_ptr<Program> daemon_;
+};
+
+TEST_F(DaemonTest, StatusTellsWhatRuns) {
+    const nlohmann::json now = status();
+    EXPECT_EQ(now["state"], "running");
+    EXPECT_EQ(now["method"], "sgm");
+    EXPECT_EQ(now["geometry"]["width"], 128);
+    EXPECT_EQ(now["geometry"]["disparities"], 16);
+    EXPECT_FALSE(now["steps"].empty());
+    EXPECT_THAT(ctl("status", {}).out, HasSubstr("128 x 96"));
+}
+
+TEST_F(DaemonTest, WatchCountsFramesOverBothWays) {
+    for (const bool by_socket : {false, true}) {
+        std::vector<std::string> more{"--count", "2", "--json"};
+        if (by_socket) {
+            more.insert(more.end(), {"--socket", "unix:" + socket_});
+        }
+        const Outcome outcome = ctl("watch", more);
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        std::istringstream lines(outcome.out);
+        int count = 0;
+        std::uint64_t frames = 0;
+        for (std::string line; std::getline(lines, line); ++count) {
+            const auto seen = nlohmann::json::parse(line);
+            frames += seen["frames"].get<std::uint64_t>();
+            if (seen["frames"] > 0) {
+                EXPECT_GT(seen["latency_p50_ms"], 0);
+                EXPECT_LE(seen["latency_p50_ms"], seen["latency_p99_ms"]);
+            }
+        }
+        EXPECT_EQ(count, 2);
+        EXPECT_GT(frames, 0U);
+    }
+}
+
+TEST_F(DaemonTest, CtrlCEndsWatchInGoodOrder) {
+    Program watch(DISPARITYCTL, arguments("watch", {}));
+    ASSERT_TRUE(eventually([&] { return !watch.running() || watch.said("shared memory"); }));
+    watch.send(SIGINT);
+    const Outcome outcome = watch.wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_FALSE(outcome.out.empty());
+}
+
+TEST_F(DaemonTest, WatchSaysThatTheDaemonHasStopped) {
+    Program watch(DISPARITYCTL, arguments("watch", {}));
+    ASSERT_TRUE(eventually([&] { return watch.said("shared memory"); }));
+    daemon_->send(SIGTERM);
+    EXPECT_EQ(daemon_->wait().exit_code, 0);
+    const Outcome outcome = watch.wait();
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("the daemon has stopped"));
+}
+
+TEST_F(DaemonTest, SnapshotWritesPictures) {
+    const Outcome outcome =
+        ctl("snapshot", {"-o", path("now.png"), "--disparity", path("d.png"), "--depth", path("z.png")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const cv::Mat picture = images::read_image(path("now.png"));
+    EXPECT_EQ(picture.rows, 96);
+    EXPECT_GT(picture.cols, 2 * 128);
+    EXPECT_EQ(images::read_disparity_png(path("d.png")).width, 128);
+    EXPECT_EQ(images::read_image(path("z.png")).type(), CV_16UC1);
+    EXPECT_EQ(ctl("snapshot", {"--disparity", path("d.pfm"), "--socket", "unix:" + socket_}).exit_code, 0);
+    EXPECT_EQ(images::read_disparity_pfm(path("d.pfm")).height, 96);
+    EXPECT_EQ(ctl("snapshot", {}).exit_code, 2) << "nothing to write";
+}
+
+TEST_F(DaemonTest, RecordAsksTheDaemon) {
+    const Outcome outcome = ctl("record", {"walk.mkv", "--frames", "5", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_GE(summary["frames"], 5);
+    EXPECT_EQ(summary["path"], path("recordings/walk.mkv"));
+    capture::SourceOptions options;
+    options.uri = path("recordings/walk.mkv");
+    const auto recording = capture::open_source(options);
+    EXPECT_EQ(recording->info().frame_count, summary["frames"].get<std::uint64_t>());
+    EXPECT_TRUE(recording->info().calibration.has_value());
+
+    const Outcome outside = ctl("record", {"/nowhere/walk.mkv", "--frames", "5"});
+    EXPECT_EQ(outside.exit_code, 1);
+    EXPECT_THAT(outside.err, HasSubstr("/nowhere/walk.mkv"));
+}
+
+TEST_F(DaemonTest, CtrlCStopsARecordingInGoodOrder) {
+    Program record(DISPARITYCTL, arguments("record", {"stop.mkv", "--json"}));
+    ASSERT_TRUE(eventually([&] { return !record.running() || status()["record"]["frames"] > 3; }));
+    record.send(SIGINT);
+    const Outcome outcome = record.wait();
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(status()["record"]["active"], false);
+    capture::SourceOptions options;
+    options.uri = path("recordings/stop.mkv");
+    EXPECT_EQ(capture::open_source(options)->info().frame_count,
+              nlohmann::json::parse(outcome.out)["frames"].get<std::uint64_t>());
+}
+
+}  // namespace
+}  // namespace disparityd::test

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int shift = 6;
+
+/// A Middlebury scene whose left half of the truth is right and whose right half is 8 px off, its outer columns
+/// unknown.
+void make_scene(const std::string& folder) {
+    std::filesystem::create_directories(folder);
+    const Pair pair = shifted_pair(160, 80, shift, 5);
+    images::write_png(folder + "/left.png", pair.left);
+    images::write_png(folder + "/right.png", pair.right);
+    cv::Mat truth(80, 160, CV_8UC1, cv::Scalar(0));
+    truth(cv::Rect(32, 8, 48, 64)).setTo(cv::Scalar(shift * 4));
+    truth(cv::Rect(80, 8, 48, 64)).setTo(cv::Scalar((shift + 8) * 4));
+    images::write_png(folder + "/disp_left.png", truth);
+    cv::Mat mask(80, 160, CV_8UC1, cv::Scalar(0));
+    mask(cv::Rect(32, 8, 48, 64)).setTo(cv::Scalar(255));
+    mask(cv::Rect(80, 8, 48, 64)).setTo(cv::Scalar(128));
+    images::write_png(folder + "/mask_nonocc.png", mask);
+}
+
+using EvalTest = FolderTest;
+
+TEST_F(EvalTest, EveryMatcherIsMeasured) {
+    make_scene(path("cones"));
+    const Outcome outcome = run(DISPARITY_EVAL, {"--method", "all", "--backend", "all", "--opencv", "--json", "-o",
+                                                 path("errors"), "--disparities", "16", path("cones")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto rows = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(rows.size(), 3U * 2 + 3);
+    for (const auto& row : rows) {
+        EXPECT_EQ(row["disparities"], 16);
+        EXPECT_GT(row["ms"], 0);
+        // Half of the truth is made to be wrong; that half is marked as occluded.
+        EXPECT_LT(row["bad1_nonocc"], 15) << row;
+        EXPECT_NEAR(row["bad1_all"].get<double>(), 50, 10) << row;
+        EXPECT_NEAR(row["bad2_all"].get<double>(), 50, 10) << row;
+        EXPECT_GT(row["density"], 85) << row;
+    }
+    EXPECT_EQ(files_in(path("errors")).size(), rows.size());
+    EXPECT_EQ(images::read_image(path("errors/cones_sgm_cpu.png")).rows, 80);
+}
+
+TEST_F(EvalTest, DisparitiesCoverTheTruthByDefault) {
+    make_scene(path("data/cones"));
+    write_text(path("data/cones/calib.txt"), "doffs=0\nndisp=40\n");
+    const Outcome outcome = run(DISPARITY_EVAL, {"--json", path("data")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(outcome.out)[0]["disparities"], 48);
+    EXPECT_THAT(run(DISPARITY_EVAL, {path("data")}).out, HasSubstr("bad-1.0 nonocc %"));
+}
+
+TEST_F(EvalTest, BadDataIsRefused) {
+    std::filesystem::create_directory(path("empty"));
+    for (const std::string& data : {path("empty"), path("missing")}) {
+        const Outcome outcome = run(DISPARITY_EVAL, {data});
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr(data));
+    }
+    make_scene(path("cones"));
+    EXPECT_EQ(run(DISPARITY_EVAL, {"--paper", path("cones")}).exit_code, 2) << "three scenes are missing";
+    images::write_png(path("cones/right.png"), cv::Mat(80, 150, CV_8UC1, cv::Scalar(3)));
+    const Outcome unequal = run(DISPARITY_EVAL, {path("cones")});
+    EXPECT_EQ(unequal.exit_code, 2);
+    EXPECT_THAT(unequal.err, HasSubstr("150"));
+}
+
+TEST(PaperTableTest, EveryCellIsReached) {
+    const char* given = std::getenv("DISPARITYD_DATA");
+    const std::string data = given != nullptr ? given : DISPARITYD_DATA_DEFAULT;
+    if (!std::filesystem::exists(data + "/middlebury2003")) {
+        GTEST_SKIP() << "no evaluation data: set DISPARITYD_DATA";
+    }
+    const Outcome outcome = run(DISPARITY_EVAL, {"--paper", data});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("12 of 12 cells"));
+}
+
+}  // namespace
+}  // namespace disparityd::test

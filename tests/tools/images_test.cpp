@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
+
+#include "tools/images/colour_map.h"
+#include "tools/images/disparity_file.h"
+#include "tools/images/image_file.h"
+#include "tools/images/picture.h"
+
+namespace disparityd::images {
+namespace {
+
+constexpr float rejected = std::numeric_limits<float>::infinity();
+
+class ImagesTest : public testing::Test {
+protected:
+    void SetUp() override {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = std::filesystem::path(testing::TempDir()) / (std::string("images_test.") + test->name());
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+    std::filesystem::path folder_;
+};
+
+struct Sample {
+    DisparityRange range;
+    int width;
+    int height;
+    std::vector<std::int16_t> d16;
+
+    DisparityMap map() const { return {{d16.data(), width, height, width}, range}; }
+};
+
+/// Every third pixel rejected, the others anywhere in the range.
+Sample random_sample(DisparityRange range, int width, int height) {
+    Sample sample{range, width, height, {}};
+    std::mt19937 random(7);
+    std::uniform_int_distribution<int> any(range.first * 16, (range.first + range.count - 1) * 16);
+    for (int i = 0; i < width * height; ++i) {
+        sample.d16.push_back(i % 3 == 0 ? invalid_disparity(range) : static_cast<std::int16_t>(any(random)));
+    }
+    return sample;
+}
+
+TEST_F(ImagesTest, PngHoldsDisparityTimes256) {
+    const Sample sample{{0, 256}, 5, 1, {-16, 0, 1, 24, 255 * 16}};
+    write_disparity_png(path("d.png"), sample.map());
+    const cv::Mat stored = read_image(path("d.png"));
+    ASSERT_EQ(stored.type(), CV_16UC1);
+    EXPECT_THAT(std::vector<int>(stored.begin<std::uint16_t>(), stored.end<std::uint16_t>()),
+                testing::ElementsAre(0, 1, 16, 384, 65280));
+}
+
+TEST_F(ImagesTest, PngClampsWhatItCannotHold) {
+    const Sample sample{{-16, 512}, 3, 1, {-17 * 16, -5, 300 * 16}};
+    EXPECT_FALSE(fits_png(sample.range));
+    write_disparity_png(path("d.png"), sample.map());
+    EXPECT_THAT(read_disparity_png(path("d.png")).values, testing::ElementsAre(rejected, 1 / 256.0F, 65535 / 256.0F));
+}
+
+TEST_F(ImagesTest, RangeThatFitsPng) {
+    EXPECT_TRUE(fits_png({0, 256}));
+    EXPECT_FALSE(fits_png({1, 256}));
+    EXPECT_TRUE(fits_png({191, 64}));
+    EXPECT_FALSE(fits_png({-1, 16}));
+}
+
+TEST_F(ImagesTest, PngRoundTrip) {
+    const Sample sample = random_sample({1, 128}, 37, 11);
+    write_disparity_png(path("d.png"), sample.map());
+    const FloatMap back = read_disparity_png(path("d.png"));
+    EXPECT_EQ(back.width, 37);
+    EXPECT_EQ(back.height, 11);
+    EXPECT_EQ(back.values, to_float(sample.map()).values);
+}
+
+TEST_F(ImagesTest, PfmRoundTripOfNegativeDisparities) {
+    const Sample sample = random_sample({-100, 256}, 37, 11);
+    write_disparity_pfm(path("d.pfm"), sample.map());
+    const FloatMap back = read_disparity_pfm(path("d.pfm"));
+    EXPECT_EQ(back.width, 37);
+    EXPECT_EQ(back.height, 11);
+    EXPECT_EQ(back.values, to_float(sample.map()).values);
+}
+
+TEST_F(ImagesTest, PfmIsLittleEndianAndBottomUp) {
+    const Sample sample{{0, 16}, 1, 2, {32, -16}};
+    write_disparity_pfm(path("d.pfm"), sample.map());
+    std::ifstream file(path("d.pfm"), std::ios::binary);
+    const std::string bytes(std::istreambuf_iterator<char>(file), {});
+    const std::string expected("Pf\n1 2\n-1.0\n\x00\x00\x80\x7f\x00\x00\x00\x40", 20);
+    EXPECT_EQ(bytes, expected);
+}
+
+TEST_F(ImagesTest, BigEndianPfmIsRead) {
+    std::ofstream(path("b.pfm"), std::ios::binary) << std::string("Pf\n1 1\n1.0\n\x40\x00\x00\x00", 15);
+    EXPECT_THAT(read_disparity_pfm(path("b.pfm")).values, testing::ElementsAre(2.0F));
+}
+
+TEST_F(ImagesTest, BadFilesAreRefusedByName) {
+    std::ofstream(path("short.pfm"), std::ios::binary) << "Pf\n4 4\n-1.0\nabc";
+    std::ofstream(path("text.pfm")) << "<html>";
+    write_png(path("colour.png"), cv::Mat(2, 2, CV_8UC3, cv::Scalar::all(3)));
+    for (const char* name : {"short.pfm", "text.pfm", "missing.pfm"}) {
+        EXPECT_THROW(
+            {
+                try {
+                    read_disparity_pfm(path(name));
+                } catch (const std::invalid_argument& error) {
+                    EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr(name), testing::HasSubstr("allowed")));
+                    throw;
+                }
+            },
+            std::invalid_argument);
+    }
+    EXPECT_THROW(read_disparity_png(path("colour.png")), std::invalid_argument);
+    EXPECT_THROW(read_disparity_png(path("text.pfm")), std::invalid_argument);
+}
+
+TEST_F(ImagesTest, UnwritableFileIsARuntimeError) {
+    const Sample sample = random_sample({0, 16}, 4, 4);
+    try {
+        write_disparity_png(path("no/such/folder.png"), sample.map());
+        FAIL() << "was written";
+    } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("No such file"));
+    }
+}
+
+TEST_F(ImagesTest, DepthRoundTrip) {
+    const std::vector<std::uint16_t> depth{0, 1, 1000, 65534, 65535, 7};
+    write_depth_png(path("z.png"), {depth.data(), 3, 2, 3});
+    const cv::Mat stored = read_image(path("z.png"));
+    ASSERT_EQ(stored.type(), CV_16UC1);
+    EXPECT_EQ(std::vector<std::uint16_t>(stored.begin<std::uint16_t>(), stored.end<std::uint16_t>()), depth);
+}
+
+TEST(ColourMapTest, LightnessRisesEvenlyAndNothingIsBlack) {
+    cv::Mat bgr(1, 256, CV_8UC3), lab;
+    std::copy(colour_map().begin(), colour_map().end(), bgr.ptr<cv::Vec3b>(0));
+    bgr.convertTo(bgr, CV_32FC3, 1 / 255.0);
+    cv::cvtColor(bgr, lab, cv::COLOR_BGR2Lab);
+    for (int i = 1; i < 256; ++i) {
+        EXPECT_GT(lab.at<cv::Vec3f>(0, i)[0], lab.at<cv::Vec3f>(0, i - 1)[0] - 0.35F) << i;
+        EXPECT_LT(lab.at<cv::Vec3f>(0, i)[0], lab.at<cv::Vec3f>(0, i - 1)[0] + 1.0F) << i;
+    }
+    EXPECT_GT(lab.at<cv::Vec3f>(0, 0)[0], 15);
+    EXPECT_GT(lab.at<cv::Vec3f>(0, 255)[0], 85);
+}
+
+TEST(PictureTest, NearIsLightRejectedIsBlack) {
+    const Sample sample{{0, 64}, 3, 1, {-16, 0, 63 * 16}};
+    const cv::Mat coloured = colour_disparity(sample.map(), whole_range(sample.range));
+    EXPECT_EQ(coloured.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+    EXPECT_EQ(coloured.at<cv::Vec3b>(0, 1), colour_map().front());
+    EXPECT_EQ(coloured.at<cv::Vec3b>(0, 2), colour_map().back());
+}
+
+TEST(PictureTest, FittedScaleLeavesOutliersOut) {
+    Sample sample{{0, 128}, 1000, 1, std::vector<std::int16_t>(1000, 20 * 16)};
+    sample.d16[0] = 127 * 16;
+    sample.d16[1] = 0;
+    std::fill(sample.d16.begin() + 500, sample.d16.end(), std::int16_t{40 * 16 + 3});
+    const ColourScale scale = fitted(sample.map());
+    EXPECT_EQ(scale.low, 20);
+    EXPECT_EQ(scale.high, 41);
+    std::fill(sample.d16.begin(), sample.d16.end(), std::int16_t{-16});
+    EXPECT_EQ(fitted(sample.map()).high, 127);
+}
+
+TEST(PictureTest, LeftDisparityAndScaleStandSideBySide) {
+    const Sample sample = random_sample({0, 64}, 320, 240);
+    const cv::Mat left(240, 320, CV_8UC1, cv::Scalar(77));
+    const ColourScale scale = whole_range(sample.range);
+    const cv::Mat plain = picture(left, sample.map(), scale, {});
+    const cv::Mat metric = picture(left, sample.map(), scale, {500, 120, 0});
+    EXPECT_EQ(plain.rows, 240);
+    EXPECT_GT(plain.cols, 640);
+    EXPECT_GT(metric.cols, plain.cols) << "a column for metres";
+    EXPECT_EQ(metric.at<cv::Vec3b>(100, 100), cv::Vec3b(77, 77, 77));
+    EXPECT_EQ(cv::norm(metric(cv::Rect(320, 0, 320, 240)), colour_disparity(sample.map(), scale), cv::NORM_INF), 0);
+}
+
+TEST(PictureTest, AScaleFitsAnyHeight) {
+    for (const int height : {1, 2, 10, 60, 1242}) {
+        EXPECT_EQ(scale_bar(height, {0, 255}, {700, 120, 5}).rows, height);
+        EXPECT_EQ(scale_bar(height, {-3, -2}, {}).rows, height);
+    }
+}
+
+TEST(MetricTest, DistanceFollowsFromDisparity) {
+    EXPECT_DOUBLE_EQ((Metric{700, 120, 0}.metres(42)), 2.0);
+    EXPECT_DOUBLE_EQ((Metric{700, 120, 2}.metres(40)), 2.0);
+    EXPECT_EQ((Metric{700, 120, 0}.metres(0)), std::numeric_limits<double>::infinity());
+    EXPECT_EQ((Metric{}.metres(10)), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace disparityd::images

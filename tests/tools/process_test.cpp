@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+#include "tools/images/disparity_file.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Key;
+
+Outcome process(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "process");
+    return run(DISPARITYCTL, arguments);
+}
+
+/// How many frames times.csv tells of.
+std::size_t timed_frames(const std::string& folder) {
+    const std::string csv = read_file(folder + "/times.csv");
+    return static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) - 1;
+}
+
+using ProcessTest = FolderTest;
+
+TEST_F(ProcessTest, FolderOfPairsBecomesDisparity) {
+    make_kitti_folder(path("in"), 3, 96, 48);
+    const Outcome outcome = process({path("in"), "-o", path("out"), "--disparities", "16", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary["frames"], 3);
+    EXPECT_EQ(summary["complete"], true);
+
+    const auto files = files_in(path("out"));
+    EXPECT_EQ(files.size(), 4U) << "three pictures and geometry.json";
+    EXPECT_EQ(timed_frames(path("out")), 3U);
+    for (int i = 0; i < 3; ++i) {
+        const auto map = images::read_disparity_png(path("out/00000" + std::to_string(i) + ".png"));
+        ASSERT_EQ(map.width, 96);
+        int right = 0;
+        for (int x = 32; x < 88; ++x) {
+            right += std::abs(map.at(x, 24) - static_cast<float>(3 + i)) < 0.25F ? 1 : 0;
+        }
+        EXPECT_GT(right, 50) << "frame " << i;
+    }
+    const auto geometry = nlohmann::json::parse(files.at("geometry.json"));
+    EXPECT_EQ(geometry["rectified"]["width"], 96);
+    EXPECT_EQ(geometry["match"]["disparities"], 16);
+    EXPECT_EQ(geometry["match"]["method"], "sgm");
+}
+
+TEST_F(ProcessTest, SameInputSameBytesWhateverTheWorkers) {
+    make_recording(path("in.mkv"), 6, 96, 64);
+    const auto pictures = [&](const std::string& name, const std::string& workers) {
+        const Outcome outcome = process({path("in.mkv"), "-o", path(name), "--disparities", "32", "--colour", "--pfm",
+                                         "--interpolate", "--workers", workers});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return files_in(path(name));
+    };
+    const auto first = pictures("one", "1");
+    EXPECT_EQ(first.size(), 6U * 3 + 1);
+    EXPECT_EQ(first, pictures("again", "1"));
+    EXPECT_EQ(first, pictures("two", "2"));
+    EXPECT_EQ(first, pictures("four", "4"));
+}
+
+TEST_F(ProcessTest, EveryMethodAndBackEndGivesFrames) {
+    make_recording(path("in.mkv"), 1, 64, 32);
+    for (const char* method : {"sad", "census", "sgm"}) {
+        const auto pictures = [&](const std::string& backend) {
+            const std::string out = path(std::string(method) + backend);
+            EXPECT_EQ(process({path("in.mkv"), "-o", out, "--method", method, "--backend", backend}).exit_code, 0);
+            return files_in(out)["000000.png"];
+        };
+        const std::string reference = pictures("reference");
+        EXPECT_FALSE(reference.empty()) << method;
+        EXPECT_EQ(reference, pictures("cpu")) << method;
+    }
+}
+
+TEST_F(ProcessTest, RangesThatAPngCannotHoldBecomePfm) {
+    make_kitti_folder(path("in"), 1, 64, 32);
+    const Outcome outcome = process({path("in"), "-o", path("out"), "--d-min", "-16", "--disparities", "32"});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("PFM"));
+    const auto files = files_in(path("out"));
+    EXPECT_THAT(files, Contains(Key("000000.pfm")));
+    EXPECT_THAT(files, testing::Not(Contains(Key("000000.png"))));
+}
+
+TEST_F(ProcessTest, SizeAndRegionAreIndependentOfTheCapture) {
+    make_kitti_folder(path("in"), 1, 96, 48);
+    const Outcome outcome =
+        process({path("in"), "-o", path("out"), "--disparities", "16", "--region", "8,4,64,32", "--frames", "1"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto map = images::read_disparity_png(path("out/000000.png"));
+    EXPECT_EQ(map.width, 64);
+    EXPECT_EQ(map.height, 32);
+}
+
+TEST_F(ProcessTest, FramesLimitsTheNumber) {
+    make_recording(path("in.mkv"), 5, 64, 32);
+    EXPECT_EQ(process({path("in.mkv"), "-o", path("out"), "--frames", "2"}).exit_code, 0);
+    EXPECT_EQ(timed_frames(path("out")), 2U);
+}
+
+TEST_F(ProcessTest, AFolderWithFilesIsLeftAlone) {
+    make_kitti_folder(path("in"), 1, 64, 32);
+    std::filesystem::create_directory(path("out"));
+    write_text(path("out/000007.png"), "of an earlier run");
+    write_text(path("out/mine.txt"), "keep");
+    const Outcome refused = process({path("in"), "-o", path("out")});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("--force"));
+    EXPECT_EQ(files_in(path("out")).size(), 2U);
+
+    EXPECT_EQ(process({path("in"), "-o", path("out"), "--force"}).exit_code, 0);
+    const auto files = files_in(path("out"));
+    EXPECT_EQ(files.at("mine.txt"), "keep");
+    EXPECT_THAT(files, testing::Not(Contains(Key("000007.png"))));
+    EXPECT_EQ(process({path("in"), "-o", path("in/image_0/000000.png")}).exit_code, 2) << "a file is no folder";
+}
+
+TEST_F(ProcessTest, CtrlCLeavesWholeFiles) {
+    make_recording(path("in.mkv"), 400, 320, 240);
+    Program program(DISPARITYCTL, {"process", path("in.mkv"), "-o", path("out"), "--disparities", "128", "--backend",
+                                   "reference", "--workers", "1"});
+    ASSERT_TRUE(eventually([&] { return std::filesystem::exists(path("out/000001.png")) || !program.running(); }));
+    program.send(SIGINT);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("Ctrl-C"));
+    const auto files = files_in(path("out"));
+    ASSERT_LT(files.size(), 400U);
+    ASSERT_GE(files.size(), 3U);
+    for (const auto& [name, bytes] : files) {
+        if (name != "geometry.json") {
+            EXPECT_EQ(images::read_disparity_png(path("out/" + name)).height, 240) << name;
+        }
+    }
+    EXPECT_EQ(timed_frames(path("out")), files.size() - 1);
+}
+
+TEST_F(ProcessTest, TruncatedRecordingGivesWhatIsThere) {
+    make_recording(path("in.mkv"), 30, 128, 64);
+    std::filesystem::resize_file(path("in.mkv"), std::filesystem::file_size(path("in.mkv")) / 2);
+    const Outcome outcome = process({path("in.mkv"), "-o", path("out"), "--disparities", "16", "--json"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("in.mkv"));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary["complete"], false);
+    EXPECT_EQ(summary["frames"], timed_frames(path("out")));
+    EXPECT_GT(summary["frames"], 5);
+    EXPECT_LT(summary["frames"], 30);
+}
+
+}  // namespace
+}  // namespace disparityd::test

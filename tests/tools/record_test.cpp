@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "capture/frame_source.h"
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// What survives a recording: every frame's facts and pixels.
+std::vector<std::string> frames_of(const std::string& uri) {
+    capture::SourceOptions options;
+    options.uri = uri;
+    options.pace = capture::Pace::fastest;
+    const auto source = capture::open_source(options);
+    std::vector<std::string> frames;
+    capture::RawFrame frame;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (source->next(frame, deadline) == capture::FrameSource::Next::frame) {
+        std::string text = std::to_string(frame.sequence) + ' ' + std::to_string(frame.monotonic_ns) + ' ' +
+                           std::to_string(frame.realtime_ns) + ' ' + std::to_string(frame.flags) + ' ';
+        for (int y = 0; y < frame.image.height; ++y) {
+            text.append(reinterpret_cast<const char*>(frame.image.data + y * frame.image.stride),
+                        static_cast<std::size_t>(2 * frame.image.eye_width * bytes_per_pixel(frame.image.format)));
+        }
+        frames.push_back(std::move(text));
+        source->give_back(frame);
+    }
+    return frames;
+}
+
+using RecordTest = FolderTest;
+
+TEST_F(RecordTest, ARecordingRecordedAgainIsTheSame) {
+    make_recording(path("in.mkv"), 8, 64, 32);
+    const Outcome outcome = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary["frames"], 8);
+    EXPECT_EQ(summary["lost"], 0);
+    EXPECT_EQ(summary["bytes"], std::filesystem::file_size(path("out.mkv")));
+    EXPECT_EQ(frames_of(path("in.mkv")), frames_of(path("out.mkv")));
+}
+
+TEST_F(RecordTest, FoldersAreRecordedWithoutLoss) {
+    make_kitti_folder(path("in"), 5, 65, 31);
+    const Outcome outcome = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in"), "--frames", "4"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    auto expected = frames_of(path("in"));
+    expected.resize(4);
+    EXPECT_EQ(frames_of(path("out.mkv")), expected);
+}
+
+TEST_F(RecordTest, AnExistingFileIsKept) {
+    make_recording(path("in.mkv"), 2, 64, 32);
+    write_text(path("out.mkv"), "precious");
+    const Outcome refused = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv")});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("out.mkv"));
+    EXPECT_EQ(read_file(path("out.mkv")), "precious");
+    EXPECT_EQ(run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--force"}).exit_code, 0);
+    EXPECT_EQ(frames_of(path("out.mkv")).size(), 2U);
+}
+
+TEST_F(RecordTest, CtrlCLeavesAValidFile) {
+    Program program(DISPARITYCTL,
+                    {"record", path("out.mkv"), "--source", "scene:vga@30?width=128&height=96&loop=8", "--json"});
+    ASSERT_TRUE(eventually([&] {
+        return !program.running() ||
+               (std::filesystem::exists(path("out.mkv")) && std::filesystem::file_size(path("out.mkv")) > 100'000);
+    }));
+    program.send(SIGINT);
+    const Outcome outcome = program.wait();
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_GT(summary["frames"], 1);
+    EXPECT_EQ(frames_of(path("out.mkv")).size(), summary["frames"]);
+}
+
+TEST_F(RecordTest, TruncatedSourceKeepsWhatIsThere) {
+    make_recording(path("in.mkv"), 30, 128, 64);
+    std::filesystem::resize_file(path("in.mkv"), std::filesystem::file_size(path("in.mkv")) / 2);
+    const Outcome outcome = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--json"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("in.mkv"));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_NE(summary["error"], "");
+    EXPECT_GT(summary["frames"], 5);
+    EXPECT_EQ(frames_of(path("out.mkv")).size(), summary["frames"]);
+}
+
+using SourcesTest = FolderTest;
+
+TEST_F(SourcesTest, KindsAreListed) {
+    const Outcome outcome = run(DISPARITYCTL, {"sources", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto kinds = nlohmann::json::parse(outcome.out);
+    EXPECT_GE(kinds.size(), 3U);
+    for (const auto& kind : kinds) {
+        EXPECT_FALSE(kind["name"].get<std::string>().empty());
+        EXPECT_THAT(run(DISPARITYCTL, {"sources"}).out, HasSubstr(kind["description"].get<std::string>()));
+    }
+}
+
+TEST_F(SourcesTest, AnOpenedSourceIsDescribed) {
+    make_recording(path("in.mkv"), 7, 64, 32);
+    const Outcome outcome = run(DISPARITYCTL, {"sources", path("in.mkv"), "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto source = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(source["eye_width"], 64);
+    EXPECT_EQ(source["height"], 32);
+    EXPECT_EQ(source["frames"], 7);
+    EXPECT_EQ(source["frames_per_second"], 15);
+    EXPECT_TRUE(source["calibration"].is_null());
+    EXPECT_THAT(run(DISPARITYCTL, {"sources", path("in.mkv")}).out, HasSubstr("64 x 32"));
+    EXPECT_EQ(run(DISPARITYCTL, {"sources", path("none.mkv")}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace disparityd::test
