@@ -100,11 +100,12 @@ public:
     PipelineStatus status() const {
         PipelineStatus status;
         const Intake::Counters& counters = intake_->counters();
+        // Against the flow, so that a frame which moves meanwhile is never published before it was captured.
+        status.published = published_.load(std::memory_order_acquire);
         status.captured = counters.captured.load(std::memory_order_relaxed);
         status.dropped = counters.dropped.load(std::memory_order_relaxed);
         status.lost_before = counters.lost_before.load(std::memory_order_relaxed);
         status.skipped_corrupt = counters.corrupt.load(std::memory_order_relaxed);
-        status.published = published_.load(std::memory_order_relaxed);
         status.rate = rate_.per_second(steady_clock::now());
         for (std::size_t i = 0; i < times_.size(); ++i) {
             const std::size_t extra = i - step_names_.size();
@@ -234,17 +235,19 @@ private:
 
     void publish(const FrameSlot& slot) {
         const auto start = steady_clock::now();
+        // Counted first: who has received a frame must not read a status that does not know of it.
+        published_.fetch_add(1, std::memory_order_release);
+        rate_.tick(start);
         try {
             sink_(slot);
         } catch (const std::exception& error) {
+            published_.fetch_sub(1, std::memory_order_relaxed);
             fail(error);
             return;
         }
         const auto end = steady_clock::now();
         times_[step_names_.size()].record(end - start);
         times_[step_names_.size() + 1].record(end - slot.captured);
-        published_.fetch_add(1, std::memory_order_relaxed);
-        rate_.tick(end);
     }
 
     capture::FrameSource& source_;
