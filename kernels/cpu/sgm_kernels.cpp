@@ -9,6 +9,7 @@
 // reference.
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/keyed_winner_row-inl.h"
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
 #include "kernels/cpu/path_rows-inl.h"
@@ -53,35 +54,73 @@ struct Kernels {
         }
     }
 
+    using SumTag = hn::Repartition<std::int16_t, Tag>;
+    using KeyTag = hn::Repartition<std::uint16_t, Tag>;
+    static constexpr int classes = 2 * registers;
+
     static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
-        constexpr int classes = 2 * registers;
-        const Tag bytes;
-        const hn::Repartition<std::uint16_t, Tag> words;
-        const hn::Repartition<std::int16_t, Tag> sum_tag;
-        const auto low = hn::Set(words, std::uint16_t{0x00ff});
-        const auto eightfold = hn::Set(words, std::uint16_t{0x07f8});
-        const auto sums = [=](int x, hn::Vec<decltype(sum_tag)>* out_sums) {
-            const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
-                const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
-                const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
-                const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
-                const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
-                out_sums[r] = hn::BitCast(sum_tag, hn::Add(even, hn::And(hn::ShiftLeft<3>(c), eightfold)));
-                out_sums[r + registers] = hn::BitCast(sum_tag, hn::Add(odd, hn::And(hn::ShiftRight<5>(c), eightfold)));
-            }
-        };
         Minima minima;
-        using SumTag = hn::Repartition<std::int16_t, Tag>;
         if (direction > 0) {
-            WinnerSearch<SumTag, classes, 1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
+            find_winners<1>(geometry, down, up, costs, minima, out.right_winner);
         } else {
-            WinnerSearch<SumTag, classes, -1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
+            find_winners<-1>(geometry, down, up, costs, minima, out.right_winner);
         }
         LeftResults(geometry, options).row(minima, geometry.width, out);
+    }
+
+    template <int direction>
+    static void find_winners(const SgmGeometry& geometry, const std::uint8_t* down, const std::uint8_t* up,
+                             const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
+        if constexpr (KeyGroups<KeyTag, classes>::possible) {
+            const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
+            KeyedWinnerSearch<KeyTag, classes, direction, decltype(keys)>(geometry, keys).run(minima, right_winner);
+        } else {
+            const auto sums = [=](int x, hn::Vec<SumTag>* out) { sums_of(x, down, up, costs, out); };
+            WinnerSearch<SumTag, classes, direction, decltype(sums)>(geometry, sums).run(minima, right_winner);
+        }
+    }
+
+    // 64 S of pixel x, S = down + up + 8 C, in the classes of winner_row-inl.h.
+    static HWY_INLINE void keys_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
+                                   hn::Vec<KeyTag>* out) {
+        const Tag bytes;
+        const KeyTag words;
+        const auto low = hn::Set(words, std::uint16_t{0x00ff});
+        const auto high = hn::Set(words, std::uint16_t{0xff00});
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
+            const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
+            const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
+            const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
+            const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
+            // 512 C: the odd byte leaves the word by itself.
+            out[r] = hn::Add(hn::ShiftLeft<key_bits>(even), hn::ShiftLeft<key_bits + 3>(c));
+            out[r + registers] = hn::Add(hn::ShiftLeft<key_bits>(odd), hn::ShiftLeft<1>(hn::And(c, high)));
+        }
+    }
+
+    // S itself.
+    static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
+                                   hn::Vec<SumTag>* out) {
+        const Tag bytes;
+        const KeyTag words;
+        const SumTag sums;
+        const auto low = hn::Set(words, std::uint16_t{0x00ff});
+        const auto eightfold = hn::Set(words, std::uint16_t{0x07f8});
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
+            const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
+            const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
+            const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
+            const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
+            out[r] = hn::BitCast(sums, hn::Add(even, hn::And(hn::ShiftLeft<3>(c), eightfold)));
+            out[r + registers] = hn::BitCast(sums, hn::Add(odd, hn::And(hn::ShiftRight<5>(c), eightfold)));
+        }
     }
 
     static SgmKernels table() {

@@ -1,0 +1,364 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 6 of docs/algorithm.md for one row where sums are below 1024 (8 paths, P2 <= 63): a sum and its candidate share
+// a word, key = 64 * sum + candidate, so that one minimum finds both, the smaller candidate of equal sums.
+//
+// Six bits name 64 candidates: with more, the 128-bit blocks of a register form groups of at most 64, each with a
+// minimum of its own. Keys lie in classes as in winner_row-inl.h, a block of 8 lanes holding consecutive candidates.
+#if defined(DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
+#undef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
+#else
+#define DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
+#endif
+
+#include <algorithm>
+#include <optional>
+
+#include "kernels/cpu/least_of_pixels-inl.h"
+#include "kernels/cpu/left_results-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+constexpr int key_bits = 6;
+constexpr std::uint16_t no_key = 0xffff;
+
+/// How keys of `classes` words per lane are grouped.
+template <class Tag, int classes>
+struct KeyGroups {
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int blocks = lanes / 8;
+    static constexpr int block_size = 8 * classes;  ///< candidates of a block
+    static constexpr bool possible = block_size <= 1 << key_bits;
+    static constexpr int most_blocks = (1 << key_bits) / block_size;
+    static constexpr int count = possible && most_blocks < blocks ? blocks / most_blocks : 1;
+    static constexpr int group_size = block_size * blocks / count;  ///< candidates of a group
+};
+
+/// Made once, not for each row.
+template <class Tag, int classes>
+struct KeyTables {
+    using Groups = KeyGroups<Tag, classes>;
+    static constexpr int candidates = classes * Groups::lanes;
+
+    /// What names candidate classes * lane + q in a key, class after class.
+    alignas(64) std::uint16_t names[candidates] = {};
+    /// Entry k + 1: where the key of candidate k lies. At an end of the range the neighbour that exists stands for
+    /// both.
+    std::uint16_t places[candidates + 2] = {};
+
+    constexpr explicit KeyTables(int count) {
+        for (int k = 0; k < candidates; ++k) {
+            const int place = k % classes * Groups::lanes + k / classes;
+            names[place] = static_cast<std::uint16_t>(k % Groups::group_size);
+            places[k + 1] = static_cast<std::uint16_t>(place);
+        }
+        places[0] = places[2];
+        places[count + 1] = places[count - 1];
+    }
+};
+
+template <class Tag, int classes>
+inline constexpr KeyTables<Tag, classes> key_tables{KeyTables<Tag, classes>::candidates};
+
+/// The least block of each of `groups` equal parts of `v`.
+template <int groups, class Tag, class Block>
+HWY_INLINE void least_of_groups(Tag tag, hn::Vec<Tag> v, Block* out) {
+    if constexpr (groups == 1) {
+        out[0] = least_of_blocks(tag, v);
+    } else {
+        const hn::Half<Tag> half;
+        least_of_groups<groups / 2>(half, hn::LowerHalf(half, v), out);
+        least_of_groups<groups / 2>(half, hn::UpperHalf(half, v), out + groups / 2);
+    }
+}
+
+/// Sum and candidate of the first of the least keys of all groups.
+template <int groups, int group_size, class Tag>
+HWY_INLINE void first_of_groups(Tag tag, const hn::Vec<Tag>* keys, hn::Vec<Tag>* sum, hn::Vec<Tag>* candidate) {
+    const auto mask = hn::Set(tag, std::uint16_t{(1 << key_bits) - 1});
+    *sum = hn::ShiftRight<key_bits>(keys[0]);
+    *candidate = hn::And(keys[0], mask);
+    DISPARITYD_UNROLL
+    for (int g = 1; g < groups; ++g) {
+        const auto s = hn::ShiftRight<key_bits>(keys[g]);
+        const auto k = hn::Add(hn::And(keys[g], mask), hn::Set(tag, static_cast<std::uint16_t>(g * group_size)));
+        *candidate = hn::IfThenElse(hn::Lt(s, *sum), k, *candidate);
+        *sum = hn::Min(s, *sum);
+    }
+}
+
+/// Winners of the right image: the least key along each diagonal of a block, carried from pixel to pixel.
+template <class Tag, int classes, int direction>
+class RightKeys {
+    using V = hn::Vec<Tag>;
+    using Groups = KeyGroups<Tag, classes>;
+    static constexpr int block_size = Groups::block_size;
+    static constexpr int last_class = classes - 1;
+
+public:
+    RightKeys() {
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            least_[q] = none_;
+        }
+    }
+
+    /// Keys of the next pixel. The last lane (direction 1) or the first (-1) of each block of what is returned belongs
+    /// to the right pixel whose candidates in this block are complete.
+    HWY_INLINE V add(const V* keys) {
+        if constexpr (direction > 0) {
+            const V first = hn::CombineShiftRightBytes<14>(tag_, least_[last_class], none_);
+            DISPARITYD_UNROLL
+            for (int q = last_class; q > 0; --q) {
+                least_[q] = hn::Min(keys[q], least_[q - 1]);
+            }
+            least_[0] = hn::Min(keys[0], first);
+            return least_[last_class];
+        } else {
+            const V last = hn::CombineShiftRightBytes<2>(tag_, none_, least_[0]);
+            DISPARITYD_UNROLL
+            for (int q = 0; q < last_class; ++q) {
+                least_[q] = hn::Min(keys[q], least_[q + 1]);
+            }
+            least_[last_class] = hn::Min(keys[last_class], last);
+            return least_[0];
+        }
+    }
+
+    /// Of eight pixels' returned vectors: the one lane per block that counts, in the order of the pixels.
+    template <class Load>
+    static HWY_INLINE V finished(Tag tag, Load load) {
+        return hn::BitCast(tag, pairs<std::uint64_t>(tag, [&](int i) {
+                               return pairs<std::uint32_t>(tag, [&](int j) {
+                                   return pairs<std::uint16_t>(tag, [&](int k) { return load(4 * i + 2 * j + k); });
+                               });
+                           }));
+    }
+
+    /// Least keys on their way: entry j of block b was met last at the j-th candidate of the block.
+    void rest(std::uint16_t (*keys)[block_size]) const {
+        alignas(64) std::uint16_t lanes[Groups::lanes];
+        for (int q = 0; q < classes; ++q) {
+            hn::Store(least_[q], tag_, lanes);
+            for (int lane = 0; lane < Groups::lanes; ++lane) {
+                keys[lane / 8][classes * (lane % 8) + q] = lanes[lane];
+            }
+        }
+    }
+
+private:
+    // The last (or first) lanes of `T` of two vectors, side by side, where they are the last (or first) again.
+    template <class T, class Load>
+    static HWY_INLINE auto pairs(Tag tag, Load load) {
+        const hn::Repartition<T, Tag> wide;
+        const auto a = hn::BitCast(wide, load(0));
+        const auto b = hn::BitCast(wide, load(1));
+        if constexpr (direction > 0) {
+            return hn::InterleaveUpper(wide, a, b);
+        } else {
+            return hn::InterleaveLower(wide, a, b);
+        }
+    }
+
+    Tag tag_{};
+    V none_ = hn::Set(tag_, no_key);
+    V least_[classes];
+};
+
+/// `Keys` gives 64 times the sums of pixel x: keys(x, V* out).
+template <class Tag, int classes, int direction, class Keys>
+class KeyedWinnerSearch {
+    using V = hn::Vec<Tag>;
+    using Groups = KeyGroups<Tag, classes>;
+    static constexpr int lanes = Groups::lanes;
+    static constexpr int candidates = classes * lanes;
+    static constexpr int at_once = 16;
+
+public:
+    KeyedWinnerSearch(const SgmGeometry& geometry, const Keys& keys)
+        : width_(geometry.width), range_(geometry.range), keys_of_(keys) {
+        if (range_.count != candidates) {
+            places_of_range_.emplace(range_.count);
+            places_ = places_of_range_->places;
+            for (int k = 0; k < candidates; ++k) {
+                padding_[key_tables<Tag, classes>.places[k + 1]] = k < range_.count ? std::uint16_t{0} : no_key;
+            }
+        }
+    }
+
+    void run(Minima& minima, std::int16_t* right_winner) {
+        const int batches = (width_ + at_once - 1) / at_once;
+        for (int batch = 0; batch < batches; ++batch) {
+            const int x = (direction > 0 ? batch : batches - 1 - batch) * at_once;
+            const int count = std::min(at_once, width_ - x);
+            all_keys(x, count);
+            for (int i = 0; i < count; i += 8) {
+                winners(i, minima.least + x + i, minima.winner + x + i);
+                right_winners(i, x + i);
+            }
+            take_neighbours(x, count, minima);
+            for (int i = 0; i < count; i += 8) {
+                second(i, minima.second + x + i);
+            }
+        }
+        finish_right(right_winner);
+    }
+
+private:
+    // Of a right pixel, block b is complete at the left pixel that it meets at the block's last candidate (direction 1)
+    // or first (-1). Keys of left pixels beside the image are none.
+    static constexpr int right_origin = max_disparities + 64;
+    static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
+
+    std::uint16_t* keys(int i) { return keys_ + i * candidates; }
+
+    HWY_INLINE void all_keys(int x, int count) {
+        // Copies that nobody else can see stay in registers.
+        RightKeys<Tag, classes, direction> right = right_;
+        const Keys keys_of = keys_of_;
+        V candidate[classes];
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            candidate[q] = hn::Load(tag_, key_tables<Tag, classes>.names + q * lanes);
+        }
+        const bool padded = range_.count != candidates;
+        for (int n = 0; n < count; ++n) {
+            const int i = direction > 0 ? n : count - 1 - n;
+            V key[classes];
+            keys_of(x + i, key);
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                key[q] = hn::Add(key[q], candidate[q]);
+            }
+            if (padded) {
+                DISPARITYD_UNROLL
+                for (int q = 0; q < classes; ++q) {
+                    key[q] = hn::Or(key[q], hn::Load(tag_, padding_ + q * lanes));
+                }
+            }
+            V least = key[0];
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                least = hn::Min(least, key[q]);
+                hn::Store(key[q], tag_, keys(i) + q * lanes);
+            }
+            hn::Store(least, tag_, least_ + i * lanes);
+            hn::Store(right.add(key), tag_, right_least_ + i * lanes);
+        }
+        right_ = right;
+    }
+
+    // Of the eight pixels from the i-th of the batch on.
+    HWY_INLINE void winners(int i, std::int16_t* least, std::int16_t* winner) {
+        const hn::FixedTag<std::uint16_t, 8> block;
+        hn::Vec<decltype(block)> groups[Groups::count];
+        least_of_groups<Groups::count>(
+            tag_, least_by_block<1>(tag_, 0, [&](int k) { return hn::Load(tag_, least_ + (i + k) * lanes); }), groups);
+        hn::Vec<decltype(block)> sum;
+        hn::Vec<decltype(block)> candidate;
+        first_of_groups<Groups::count, Groups::group_size>(block, groups, &sum, &candidate);
+        hn::StoreU(sum, block, reinterpret_cast<std::uint16_t*>(least));
+        hn::StoreU(candidate, block, reinterpret_cast<std::uint16_t*>(winner));
+    }
+
+    HWY_INLINE void right_winners(int i, int x) {
+        alignas(64) std::uint16_t blocks[lanes];
+        const auto load = [&](int k) { return hn::Load(tag_, right_least_ + (i + k) * lanes); };
+        hn::Store(RightKeys<Tag, classes, direction>::finished(tag_, load), tag_, blocks);
+        DISPARITYD_UNROLL
+        for (int b = 0; b < Groups::blocks; ++b) {
+            std::copy_n(blocks + 8 * b, 8, right_row_[b] + right_origin + x);
+        }
+    }
+
+    // The sums beside each winner; they and the winner do not take part in the search for the second.
+    HWY_INLINE void take_neighbours(int x, int count, Minima& minima) {
+        for (int i = 0; i < count; ++i) {
+            const std::uint16_t* place = places_ + minima.winner[x + i];
+            std::uint16_t* all = keys(i);
+            const unsigned before = all[place[0]];
+            const unsigned after = all[place[2]];
+            all[place[0]] = no_key;
+            all[place[1]] = no_key;
+            all[place[2]] = no_key;
+            minima.before[x + i] = static_cast<std::int16_t>(before >> key_bits);
+            minima.after[x + i] = static_cast<std::int16_t>(after >> key_bits);
+        }
+    }
+
+    HWY_INLINE void second(int i, std::int16_t* least) {
+        const hn::FixedTag<std::uint16_t, 8> block;
+        const auto least_key = least_of_pixels(tag_, [&](int k) {
+            V v = hn::Load(tag_, keys(i + k));
+            DISPARITYD_UNROLL
+            for (int q = 1; q < classes; ++q) {
+                v = hn::Min(v, hn::Load(tag_, keys(i + k) + q * lanes));
+            }
+            return v;
+        });
+        hn::StoreU(hn::ShiftRight<key_bits>(least_key), block, reinterpret_cast<std::uint16_t*>(least));
+    }
+
+    void finish_right(std::int16_t* right_winner) {
+        std::uint16_t rest[Groups::blocks][Groups::block_size];
+        right_.rest(rest);
+        const int first = std::min(0, range_.first);
+        const int end = std::max(width_, width_ + range_.first + candidates) + lanes;
+        for (int b = 0; b < Groups::blocks; ++b) {
+            std::uint16_t* row = right_row_[b] + right_origin;
+            std::fill(row + first, row, no_key);
+            std::fill(row + width_, row + end, no_key);
+            for (int j = 0; j < Groups::block_size; ++j) {
+                row[direction > 0 ? width_ - 1 + (Groups::block_size - 1 - j) : -j] = rest[b][j];
+            }
+        }
+        int x = 0;
+        for (; x + lanes <= width_; x += lanes) {
+            hn::StoreU(right_winners_at(x), words_, right_winner + x);
+        }
+        if (x < width_) {
+            alignas(64) std::int16_t last[lanes];
+            hn::Store(right_winners_at(x), words_, last);
+            std::copy_n(last, width_ - x, right_winner + x);
+        }
+    }
+
+    // Where no candidate was met: -1, one less than the first candidate.
+    HWY_INLINE auto right_winners_at(int x) const {
+        constexpr int blocks_of_group = Groups::blocks / Groups::count;
+        V groups[Groups::count];
+        DISPARITYD_UNROLL
+        for (int b = 0; b < Groups::blocks; ++b) {
+            const int at = x + range_.first + Groups::block_size * b + (direction > 0 ? Groups::block_size - 1 : 0);
+            const V keys = hn::LoadU(tag_, right_row_[b] + right_origin + at);
+            V& group = groups[b / blocks_of_group];
+            group = b % blocks_of_group == 0 ? keys : hn::Min(group, keys);
+        }
+        V sum;
+        V candidate;
+        first_of_groups<Groups::count, Groups::group_size>(tag_, groups, &sum, &candidate);
+        const V none = hn::Set(tag_, std::uint16_t{no_key >> key_bits});
+        candidate = hn::IfThenElse(hn::Eq(sum, none), hn::Set(tag_, std::uint16_t{0xffff}), candidate);
+        return hn::Add(hn::BitCast(words_, candidate), hn::Set(words_, static_cast<std::int16_t>(range_.first)));
+    }
+
+    Tag tag_{};
+    hn::RebindToSigned<Tag> words_{};
+    int width_;
+    DisparityRange range_;
+    const Keys& keys_of_;
+    std::optional<KeyTables<Tag, classes>> places_of_range_;
+    const std::uint16_t* places_ = key_tables<Tag, classes>.places;
+    alignas(64) std::uint16_t padding_[candidates];
+    RightKeys<Tag, classes, direction> right_;
+    alignas(64) std::uint16_t keys_[at_once * candidates] = {};
+    alignas(64) std::uint16_t least_[at_once * lanes] = {};
+    alignas(64) std::uint16_t right_least_[at_once * lanes] = {};
+    std::uint16_t right_row_[Groups::blocks][right_size];
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
