@@ -15,17 +15,41 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 constexpr std::uint8_t outside_cost = census_bits;
 
-/// How many of the bits of a plane's bytes are set.
-template <class Tag, class V = hn::Vec<Tag>>
-HWY_INLINE V count_bits(Tag tag, V v) {
-    if constexpr (bits_per_plane == 8) {
-        (void)tag;
-        return hn::PopulationCount(v);
-    } else {
-        alignas(16) static constexpr std::uint8_t counts[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
-        return hn::TableLookupBytes(hn::LoadDup128(tag, counts), v);
+#if HWY_TARGET != HWY_AVX3_DL && !HWY_ARCH_ARM
+struct DifferingBits {
+    alignas(16) std::uint8_t of[16][16] = {};
+
+    constexpr DifferingBits() {
+        for (unsigned a = 0; a < 16; ++a) {
+            for (unsigned b = 0; b < 16; ++b) {
+                for (unsigned differing = a ^ b; differing != 0; differing &= differing - 1) {
+                    ++of[a][b];
+                }
+            }
+        }
     }
+};
+inline constexpr DifferingBits differing_bits;
+
+/// What counts the bits in which bytes of a plane differ from `left`: the table of one half byte.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
+    return hn::LoadDup128(tag, differing_bits.of[left]);
 }
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V count_differing(Tag, V counter, V right) {
+    return hn::TableLookupBytes(counter, right);
+}
+#else
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
+    return hn::Set(tag, left);
+}
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V count_differing(Tag, V counter, V right) {
+    return hn::PopulationCount(hn::Xor(counter, right));
+}
+#endif
 
 template <class Tag, int registers>
 class MatchingCostRow {
@@ -84,11 +108,10 @@ private:
             }
             DISPARITYD_UNROLL
             for (int i = 0; i < count; ++i) {
-                const V word = hn::Set(tag_, left[i]);
+                const V left_bits = counter(tag_, left[i]);
                 DISPARITYD_UNROLL
                 for (int r = 0; r < registers; ++r) {
-                    const V differing = count_bits(tag_, hn::Xor(word, bits[count - 1 - i + r]));
-                    cost[i][r] = hn::Add(cost[i][r], differing);
+                    cost[i][r] = hn::Add(cost[i][r], count_differing(tag_, left_bits, bits[count - 1 - i + r]));
                 }
             }
             left += geometry_.census.left_pitch;

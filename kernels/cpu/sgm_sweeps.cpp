@@ -44,7 +44,8 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, std::in
     geometry_.census = kernels_.census_layout(width, kernels_.layout);
     const std::size_t volume = geometry_.row_bytes() * static_cast<std::size_t>(height);
     keep_costs_ = options.range.count == kernels_.layout.candidates();
-    stream_ = keep_costs_ && 2 * volume > cache_bytes;
+    // Half of the cache is what one program can hope for on a machine that does other things too.
+    stream_ = keep_costs_ && 4 * volume > cache_bytes;
     sums_ = LargeBuffer(volume);
     costs_ = LargeBuffer(keep_costs_ ? volume : 0);
     const std::size_t path_pixels = static_cast<std::size_t>(width + 2 * path_guard);
