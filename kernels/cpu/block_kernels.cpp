@@ -7,6 +7,7 @@
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/keyed_winner_row-inl.h"
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
 #include "kernels/cpu/sad_rows-inl.h"
@@ -18,56 +19,51 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 template <class Tag, int registers>
 struct Block {
     using Words = hn::Repartition<std::int16_t, Tag>;
-    using W = hn::Vec<Words>;
+    using KeyTag = hn::Repartition<std::uint16_t, Tag>;
+    static constexpr int key_bits = 8;  // beside costs of bytes
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int classes = 2 * registers;
 
     static std::size_t scratch_bytes(const SgmGeometry& geometry) {
-        return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs a quarter of it
-    }
-
-    template <class Sums>
-    static void winner(const SgmGeometry& geometry, const PostOptions& options, const Sums& sums,
-                       const WinnerRow& out) {
-        Minima minima;
-        WinnerSearch<Words, classes, 1, Sums>(geometry, sums).run(minima, out.right_winner);
-        LeftResults(geometry, options).row(minima, geometry.width, out);
+        return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs half of it
     }
 
     static void sad(const SgmGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                     Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
-        SadRows<Tag, registers> windows(geometry, left, right, scratch);
-        const std::int16_t* row_sums = windows.sums();
-        const auto sums = [=](int x, W* s) {
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                s[q] = hn::Load(Words(), row_sums + (static_cast<std::ptrdiff_t>(x) * classes + q) * (lanes / 2));
-            }
-        };
+        using Windows = SadRows<Tag, registers>;
+        Windows windows(geometry, left, right, scratch);
+        const LeftResults results(geometry, options);
+        Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
             y == rows.first ? windows.begin(y) : windows.move_to(y);
-            winner(geometry, options, sums, out.row(y));
+            WinnerSearch<Words, classes, 1, typename Windows::WindowSums>(geometry, windows.sums())
+                .run(minima, out.row(y).right_winner);
+            results.row(minima, geometry.width, out.row(y));
         }
     }
 
     static void census(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* left_planes,
                        const std::uint8_t* right_planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
-        const hn::Repartition<std::uint16_t, Tag> words;
-        const auto sums = [=](int x, W* s) {
+        const KeyTag words;
+        const auto keys = [=](int x, hn::Vec<KeyTag>* key) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
                 const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(x) * registers + r) * lanes;
                 const auto costs = hn::BitCast(words, hn::Load(Tag(), scratch + at));
-                s[r] = hn::BitCast(Words(), hn::And(costs, hn::Set(words, std::uint16_t{0x00ff})));
-                s[r + registers] = hn::BitCast(Words(), hn::ShiftRight<8>(costs));
+                key[r] = hn::ShiftLeft<key_bits>(costs);  // the odd byte leaves the word by itself
+                key[r + registers] = hn::And(costs, hn::Set(words, std::uint16_t{0xff00}));
             }
         };
+        const LeftResults results(geometry, options);
+        Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
             const auto row = static_cast<std::size_t>(y);
             MatchingCostRow<Tag, registers>(geometry, left_planes + row * geometry.census.left_row(),
                                             right_planes + row * geometry.census.right_row(), scratch)
                 .run();
-            winner(geometry, options, sums, out.row(y));
+            KeyedWinnerSearch<KeyTag, classes, key_bits, 1, decltype(keys)>(geometry, keys)
+                .run(minima, out.row(y).right_winner);
+            results.row(minima, geometry.width, out.row(y));
         }
     }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 6 of docs/algorithm.md for one row where sums are below 1024 (8 paths, P2 <= 63): a sum and its candidate share
-// a word, key = 64 * sum + candidate, so that one minimum finds both, the smaller candidate of equal sums.
+// Step 6 of docs/algorithm.md for one row of small sums: a sum and its candidate share a word, key = (sum << bits) +
+// candidate, so that one minimum finds both, the smaller candidate of equal sums.
 //
-// Six bits name 64 candidates: with more, the 128-bit blocks of a register form groups of at most 64, each with a
-// minimum of its own. Keys lie in classes as in winner_row-inl.h, a block of 8 lanes holding consecutive candidates.
+// Sums of 8 paths with P2 <= 63 are below 1024 and leave 6 bits, which name 64 candidates: with more, the 128-bit
+// blocks of a register form groups of at most 64, each with a minimum of its own. Costs of CENSUS leave 8 bits, enough
+// for all. Keys lie in classes as in winner_row-inl.h, a block of 8 lanes holding consecutive candidates.
 #if defined(DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
 #undef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
@@ -12,54 +13,46 @@
 #endif
 
 #include <algorithm>
-#include <optional>
 
+#include "kernels/cpu/candidate_places.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/left_results-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-constexpr int key_bits = 6;
 constexpr std::uint16_t no_key = 0xffff;
 
 /// How keys of `classes` words per lane are grouped.
-template <class Tag, int classes>
+template <class Tag, int classes, int bits>
 struct KeyGroups {
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int blocks = lanes / 8;
     static constexpr int block_size = 8 * classes;  ///< candidates of a block
-    static constexpr bool possible = block_size <= 1 << key_bits;
-    static constexpr int most_blocks = (1 << key_bits) / block_size;
+    static constexpr bool possible = block_size <= 1 << bits;
+    static constexpr int most_blocks = (1 << bits) / block_size;
     static constexpr int count = possible && most_blocks < blocks ? blocks / most_blocks : 1;
     static constexpr int group_size = block_size * blocks / count;  ///< candidates of a group
 };
 
 /// Made once, not for each row.
-template <class Tag, int classes>
+template <class Tag, int classes, int bits>
 struct KeyTables {
-    using Groups = KeyGroups<Tag, classes>;
+    using Groups = KeyGroups<Tag, classes, bits>;
     static constexpr int candidates = classes * Groups::lanes;
 
     /// What names candidate classes * lane + q in a key, class after class.
     alignas(64) std::uint16_t names[candidates] = {};
-    /// Entry k + 1: where the key of candidate k lies. At an end of the range the neighbour that exists stands for
-    /// both.
-    std::uint16_t places[candidates + 2] = {};
 
-    constexpr explicit KeyTables(int count) {
+    constexpr KeyTables() {
         for (int k = 0; k < candidates; ++k) {
-            const int place = k % classes * Groups::lanes + k / classes;
-            names[place] = static_cast<std::uint16_t>(k % Groups::group_size);
-            places[k + 1] = static_cast<std::uint16_t>(place);
+            names[k % classes * Groups::lanes + k / classes] = static_cast<std::uint16_t>(k % Groups::group_size);
         }
-        places[0] = places[2];
-        places[count + 1] = places[count - 1];
     }
 };
 
-template <class Tag, int classes>
-inline constexpr KeyTables<Tag, classes> key_tables{KeyTables<Tag, classes>::candidates};
+template <class Tag, int classes, int bits>
+inline constexpr KeyTables<Tag, classes, bits> key_tables;
 
 /// The least block of each of `groups` equal parts of `v`.
 template <int groups, class Tag, class Block>
@@ -74,14 +67,14 @@ HWY_INLINE void least_of_groups(Tag tag, hn::Vec<Tag> v, Block* out) {
 }
 
 /// Sum and candidate of the first of the least keys of all groups.
-template <int groups, int group_size, class Tag>
+template <int bits, int groups, int group_size, class Tag>
 HWY_INLINE void first_of_groups(Tag tag, const hn::Vec<Tag>* keys, hn::Vec<Tag>* sum, hn::Vec<Tag>* candidate) {
-    const auto mask = hn::Set(tag, std::uint16_t{(1 << key_bits) - 1});
-    *sum = hn::ShiftRight<key_bits>(keys[0]);
+    const auto mask = hn::Set(tag, std::uint16_t{(1 << bits) - 1});
+    *sum = hn::ShiftRight<bits>(keys[0]);
     *candidate = hn::And(keys[0], mask);
     DISPARITYD_UNROLL
     for (int g = 1; g < groups; ++g) {
-        const auto s = hn::ShiftRight<key_bits>(keys[g]);
+        const auto s = hn::ShiftRight<bits>(keys[g]);
         const auto k = hn::Add(hn::And(keys[g], mask), hn::Set(tag, static_cast<std::uint16_t>(g * group_size)));
         *candidate = hn::IfThenElse(hn::Lt(s, *sum), k, *candidate);
         *sum = hn::Min(s, *sum);
@@ -89,10 +82,10 @@ HWY_INLINE void first_of_groups(Tag tag, const hn::Vec<Tag>* keys, hn::Vec<Tag>*
 }
 
 /// Winners of the right image: the least key along each diagonal of a block, carried from pixel to pixel.
-template <class Tag, int classes, int direction>
+template <class Tag, int classes, int bits, int direction>
 class RightKeys {
     using V = hn::Vec<Tag>;
-    using Groups = KeyGroups<Tag, classes>;
+    using Groups = KeyGroups<Tag, classes, bits>;
     static constexpr int block_size = Groups::block_size;
     static constexpr int last_class = classes - 1;
 
@@ -166,23 +159,23 @@ private:
     V least_[classes];
 };
 
-/// `Keys` gives 64 times the sums of pixel x: keys(x, V* out).
-template <class Tag, int classes, int direction, class Keys>
+/// `Keys` gives the sums of pixel x, shifted by `bits`: keys(x, V* out).
+template <class Tag, int classes, int bits, int direction, class Keys>
 class KeyedWinnerSearch {
     using V = hn::Vec<Tag>;
-    using Groups = KeyGroups<Tag, classes>;
+    using Groups = KeyGroups<Tag, classes, bits>;
+    using Right = RightKeys<Tag, classes, bits, direction>;
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 16;
+    using Places = CandidatePlaces<classes, lanes>;
 
 public:
     KeyedWinnerSearch(const SgmGeometry& geometry, const Keys& keys)
-        : width_(geometry.width), range_(geometry.range), keys_of_(keys) {
+        : width_(geometry.width), range_(geometry.range), keys_of_(keys), places_(range_.count) {
         if (range_.count != candidates) {
-            places_of_range_.emplace(range_.count);
-            places_ = places_of_range_->places;
             for (int k = 0; k < candidates; ++k) {
-                padding_[key_tables<Tag, classes>.places[k + 1]] = k < range_.count ? std::uint16_t{0} : no_key;
+                padding_[Places::of(k)] = k < range_.count ? std::uint16_t{0} : no_key;
             }
         }
     }
@@ -215,12 +208,12 @@ private:
 
     HWY_INLINE void all_keys(int x, int count) {
         // Copies that nobody else can see stay in registers.
-        RightKeys<Tag, classes, direction> right = right_;
+        Right right = right_;
         const Keys keys_of = keys_of_;
         V candidate[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            candidate[q] = hn::Load(tag_, key_tables<Tag, classes>.names + q * lanes);
+            candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits>.names + q * lanes);
         }
         const bool padded = range_.count != candidates;
         for (int n = 0; n < count; ++n) {
@@ -257,7 +250,7 @@ private:
             tag_, least_by_block<1>(tag_, 0, [&](int k) { return hn::Load(tag_, least_ + (i + k) * lanes); }), groups);
         hn::Vec<decltype(block)> sum;
         hn::Vec<decltype(block)> candidate;
-        first_of_groups<Groups::count, Groups::group_size>(block, groups, &sum, &candidate);
+        first_of_groups<bits, Groups::count, Groups::group_size>(block, groups, &sum, &candidate);
         hn::StoreU(sum, block, reinterpret_cast<std::uint16_t*>(least));
         hn::StoreU(candidate, block, reinterpret_cast<std::uint16_t*>(winner));
     }
@@ -265,7 +258,7 @@ private:
     HWY_INLINE void right_winners(int i, int x) {
         alignas(64) std::uint16_t blocks[lanes];
         const auto load = [&](int k) { return hn::Load(tag_, right_least_ + (i + k) * lanes); };
-        hn::Store(RightKeys<Tag, classes, direction>::finished(tag_, load), tag_, blocks);
+        hn::Store(Right::finished(tag_, load), tag_, blocks);
         DISPARITYD_UNROLL
         for (int b = 0; b < Groups::blocks; ++b) {
             std::copy_n(blocks + 8 * b, 8, right_row_[b] + right_origin + x);
@@ -275,15 +268,15 @@ private:
     // The sums beside each winner; they and the winner do not take part in the search for the second.
     HWY_INLINE void take_neighbours(int x, int count, Minima& minima) {
         for (int i = 0; i < count; ++i) {
-            const std::uint16_t* place = places_ + minima.winner[x + i];
+            const std::uint16_t* place = places_.around(minima.winner[x + i]);
             std::uint16_t* all = keys(i);
             const unsigned before = all[place[0]];
             const unsigned after = all[place[2]];
             all[place[0]] = no_key;
             all[place[1]] = no_key;
             all[place[2]] = no_key;
-            minima.before[x + i] = static_cast<std::int16_t>(before >> key_bits);
-            minima.after[x + i] = static_cast<std::int16_t>(after >> key_bits);
+            minima.before[x + i] = static_cast<std::int16_t>(before >> bits);
+            minima.after[x + i] = static_cast<std::int16_t>(after >> bits);
         }
     }
 
@@ -297,7 +290,7 @@ private:
             }
             return v;
         });
-        hn::StoreU(hn::ShiftRight<key_bits>(least_key), block, reinterpret_cast<std::uint16_t*>(least));
+        hn::StoreU(hn::ShiftRight<bits>(least_key), block, reinterpret_cast<std::uint16_t*>(least));
     }
 
     void finish_right(std::int16_t* right_winner) {
@@ -337,8 +330,8 @@ private:
         }
         V sum;
         V candidate;
-        first_of_groups<Groups::count, Groups::group_size>(tag_, groups, &sum, &candidate);
-        const V none = hn::Set(tag_, std::uint16_t{no_key >> key_bits});
+        first_of_groups<bits, Groups::count, Groups::group_size>(tag_, groups, &sum, &candidate);
+        const V none = hn::Set(tag_, std::uint16_t{no_key >> bits});
         candidate = hn::IfThenElse(hn::Eq(sum, none), hn::Set(tag_, std::uint16_t{0xffff}), candidate);
         return hn::Add(hn::BitCast(words_, candidate), hn::Set(words_, static_cast<std::int16_t>(range_.first)));
     }
@@ -348,10 +341,9 @@ private:
     int width_;
     DisparityRange range_;
     const Keys& keys_of_;
-    std::optional<KeyTables<Tag, classes>> places_of_range_;
-    const std::uint16_t* places_ = key_tables<Tag, classes>.places;
+    Places places_;
     alignas(64) std::uint16_t padding_[candidates];
-    RightKeys<Tag, classes, direction> right_;
+    Right right_;
     alignas(64) std::uint16_t keys_[at_once * candidates] = {};
     alignas(64) std::uint16_t least_[at_once * lanes] = {};
     alignas(64) std::uint16_t right_least_[at_once * lanes] = {};

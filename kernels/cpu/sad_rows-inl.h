@@ -59,16 +59,12 @@ class SadRows {
 
 public:
     static std::size_t scratch_bytes(const SgmGeometry& geometry) {
-        return 2 * sizeof(std::int16_t) * static_cast<std::size_t>(geometry.width) * candidates;
+        return sizeof(std::int16_t) * static_cast<std::size_t>(geometry.width) * candidates;
     }
 
     SadRows(const SgmGeometry& geometry, Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
             std::uint8_t* scratch)
-        : geometry_(geometry),
-          left_(left),
-          right_(right),
-          columns_(reinterpret_cast<std::int16_t*>(scratch)),
-          sums_(columns_ + static_cast<std::ptrdiff_t>(geometry.width) * candidates) {}
+        : geometry_(geometry), left_(left), right_(right), columns_(reinterpret_cast<std::int16_t*>(scratch)) {}
 
     void begin(int y) {
         std::fill_n(columns_, static_cast<std::ptrdiff_t>(geometry_.width) * candidates, std::int16_t{0});
@@ -76,7 +72,6 @@ public:
             new_.set(geometry_, right_.row(inside(y + dy)));
             add_row<false>(left_.row(inside(y + dy)), nullptr);
         }
-        sum_windows();
     }
 
     /// From y - 1 to y.
@@ -86,11 +81,41 @@ public:
         new_.set(geometry_, right_.row(added));
         old_.set(geometry_, right_.row(taken));
         add_row<true>(left_.row(added), left_.row(taken));
-        sum_windows();
     }
 
-    /// The sums of the row, pixel after pixel.
-    const std::int16_t* sums() const { return sums_; }
+    /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, 1, ..
+    class WindowSums {
+    public:
+        explicit WindowSums(const SadRows& rows) : rows_(&rows) {
+            const int last = rows.geometry_.width - 1;
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                sum_[q] = hn::Zero(Words());
+                for (int dx = -sad_radius_x; dx <= sad_radius_x; ++dx) {
+                    sum_[q] = hn::Add(sum_[q], hn::Load(Words(), rows.column(std::clamp(dx, 0, last)) + q * lanes));
+                }
+            }
+        }
+
+        HWY_INLINE void operator()(int x, W* out) {
+            const int last = rows_->geometry_.width - 1;
+            const std::int16_t* next = rows_->column(std::min(x + 1 + sad_radius_x, last));
+            const std::int16_t* oldest = rows_->column(std::max(x - sad_radius_x, 0));
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                out[q] = sum_[q];
+                const W change = hn::Sub(hn::Load(Words(), next + q * lanes), hn::Load(Words(), oldest + q * lanes));
+                sum_[q] = hn::Add(sum_[q], change);
+            }
+            rows_->set_outside(x, out);
+        }
+
+    private:
+        const SadRows* rows_;
+        W sum_[classes];
+    };
+
+    WindowSums sums() const { return WindowSums(*this); }
 
 private:
     int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
@@ -127,49 +152,21 @@ private:
         }
     }
 
-    void sum_windows() const {
-        const Words words;
-        const int last = geometry_.width - 1;
-        W sum[classes];
-        W index[classes];
-        for (int q = 0; q < classes; ++q) {
-            alignas(64) std::int16_t k[lanes];
-            for (int lane = 0; lane < lanes; ++lane) {
-                k[lane] = static_cast<std::int16_t>(classes * lane + q);
-            }
-            index[q] = hn::Load(words, k);
-            sum[q] = hn::Zero(words);
-            for (int dx = -sad_radius_x; dx <= sad_radius_x; ++dx) {
-                sum[q] = hn::Add(sum[q], hn::Load(words, column(std::clamp(dx, 0, last)) + q * lanes));
-            }
-        }
-        for (int x = 0; x <= last; ++x) {
-            const std::int16_t* next = column(std::min(x + 1 + sad_radius_x, last));
-            const std::int16_t* oldest = column(std::max(x - sad_radius_x, 0));
-            store(x, sum, index);
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                const W change = hn::Sub(hn::Load(words, next + q * lanes), hn::Load(words, oldest + q * lanes));
-                sum[q] = hn::Add(sum[q], change);
-            }
-        }
-    }
-
-    HWY_INLINE void store(int x, const W* sum, const W* index) const {
-        const Words words;
+    // Candidates outside the right image.
+    HWY_INLINE void set_outside(int x, W* sums) const {
         const DisparityRange range = geometry_.range;
         const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
         const int last = std::clamp(x + 1 - range.first, first, range.count);
-        std::int16_t* out = sums_ + static_cast<std::ptrdiff_t>(x) * candidates;
+        if (first == 0 && last == range.count) {
+            return;
+        }
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            W s = sum[q];
-            if (first != 0 || last != range.count) {
-                const auto early = hn::Lt(index[q], hn::Set(words, static_cast<std::int16_t>(first)));
-                const auto late = hn::Lt(hn::Set(words, static_cast<std::int16_t>(last - 1)), index[q]);
-                s = hn::IfThenElse(hn::Or(early, late), hn::Set(words, sad_outside), s);
-            }
-            hn::Store(s, words, out + q * lanes);
+            const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
+                                hn::Set(Words(), static_cast<std::int16_t>(q)));
+            const auto early = hn::Lt(k, hn::Set(Words(), static_cast<std::int16_t>(first)));
+            const auto late = hn::Lt(hn::Set(Words(), static_cast<std::int16_t>(last - 1)), k);
+            sums[q] = hn::IfThenElse(hn::Or(early, late), hn::Set(Words(), sad_outside), sums[q]);
         }
     }
 
@@ -177,7 +174,6 @@ private:
     Plane<const std::uint8_t> left_;
     Plane<const std::uint8_t> right_;
     std::int16_t* columns_;
-    std::int16_t* sums_;
     MirroredRow<registers> new_;
     MirroredRow<registers> old_;
 };

@@ -57,6 +57,7 @@ struct Kernels {
     using SumTag = hn::Repartition<std::int16_t, Tag>;
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int classes = 2 * registers;
+    static constexpr int key_bits = 6;  // beside sums of up to 8 * 63 + 8 * 62
 
     static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
@@ -72,9 +73,10 @@ struct Kernels {
     template <int direction>
     static void find_winners(const SgmGeometry& geometry, const std::uint8_t* down, const std::uint8_t* up,
                              const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
-        if constexpr (KeyGroups<KeyTag, classes>::possible) {
+        if constexpr (KeyGroups<KeyTag, classes, key_bits>::possible) {
             const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
-            KeyedWinnerSearch<KeyTag, classes, direction, decltype(keys)>(geometry, keys).run(minima, right_winner);
+            KeyedWinnerSearch<KeyTag, classes, key_bits, direction, decltype(keys)>(geometry, keys)
+                .run(minima, right_winner);
         } else {
             const auto sums = [=](int x, hn::Vec<SumTag>* out) { sums_of(x, down, up, costs, out); };
             WinnerSearch<SumTag, classes, direction, decltype(sums)>(geometry, sums).run(minima, right_winner);

@@ -11,7 +11,9 @@
 #endif
 
 #include <algorithm>
+#include <type_traits>
 
+#include "kernels/cpu/candidate_places.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/left_results-inl.h"
 
@@ -84,7 +86,8 @@ private:
     V winner_[classes];
 };
 
-/// `Sums` gives the sums of pixel x: sums(x, V* out).
+/// `Sums` gives the sums of pixel x: sums(x, V* out); it is asked once for each pixel, in the order of the direction,
+/// and may keep what it needs for the next one.
 template <class Tag, int classes, int direction, class Sums>
 class WinnerSearch {
     using V = hn::Vec<Tag>;
@@ -94,7 +97,7 @@ class WinnerSearch {
 
 public:
     WinnerSearch(const SgmGeometry& geometry, const Sums& sums)
-        : width_(geometry.width), range_(geometry.range), sums_of_(sums) {
+        : width_(geometry.width), range_(geometry.range), sums_of_(sums), places_(range_.count) {
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             alignas(64) std::int16_t k[lanes];
@@ -117,7 +120,7 @@ public:
             sums_and_right(x, count, minima.least + x);
             winners(minima.least + x, count, minima.winner + x);
             neighbours(x, count, minima);
-            second(minima.winner + x, count, minima.second + x);
+            second(count, minima.second + x);
         }
         finish_right(right_winner);
     }
@@ -136,7 +139,7 @@ private:
     HWY_INLINE void sums_and_right(int x, int count, std::int16_t* least) {
         // Copies that nobody else can see stay in registers.
         RightWinners<Tag, classes, direction> right = right_;
-        const Sums sums_of = sums_of_;
+        Sums sums_of = sums_of_;
         V index[classes];
         std::copy_n(index_, classes, index);
         for (int n = 0; n < count; ++n) {
@@ -159,6 +162,9 @@ private:
             right.add(s, index, right_row_ + right_entry(x + i, direction > 0 ? candidates - 1 : 0));
         }
         right_ = right;
+        if constexpr (std::is_copy_assignable_v<Sums>) {  // a closure is not, and keeps nothing
+            sums_of_ = sums_of;
+        }
         least_of_lanes(count, least);
     }
 
@@ -190,36 +196,27 @@ private:
         least_of_lanes(count, winner);
     }
 
-    // Within a lane, higher classes are higher candidates.
-    static unsigned position(unsigned k) { return k % classes * lanes + k / classes; }
-
-    // The sums beside each winner.
+    // The sums beside each winner; they and the winner do not take part in the search for the second.
     HWY_INLINE void neighbours(int x, int count, Minima& minima) {
-        const auto last = static_cast<unsigned>(range_.count - 1);
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
-            const auto k = static_cast<unsigned>(minima.winner[x + i]);
-            const unsigned before = k > 0 ? k - 1 : 1;
-            const unsigned after = k < last ? k + 1 : k - 1;
-            const std::int16_t* s = sums(i);
-            minima.before[x + i] = s[position(before)];
-            minima.after[x + i] = s[position(after)];
+            const std::uint16_t* place = places_.around(minima.winner[x + i]);
+            std::int16_t* s = sums(i);
+            minima.before[x + i] = s[place[0]];
+            minima.after[x + i] = s[place[2]];
+            s[place[0]] = no_sum;
+            s[place[1]] = no_sum;
+            s[place[2]] = no_sum;
         }
     }
 
     // The least sum with |candidate - winner| > 1.
-    HWY_INLINE void second(const std::int16_t* winner, int count, std::int16_t* least) {
-        V index[classes];
-        std::copy_n(index_, classes, index);
-        const V none = hn::Set(tag_, no_sum);
-        const V one = hn::Set(tag_, std::int16_t{1});
+    HWY_INLINE void second(int count, std::int16_t* least) {
         for (int i = 0; i < count; ++i) {
-            const V k = hn::Set(tag_, winner[i]);
-            V m = none;
+            V m = hn::Load(tag_, sums(i));
             DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                const V s = hn::Load(tag_, sums(i) + q * lanes);
-                m = hn::Min(m, hn::IfThenElse(hn::Lt(one, hn::Abs(hn::Sub(index[q], k))), s, none));
+            for (int q = 1; q < classes; ++q) {
+                m = hn::Min(m, hn::Load(tag_, sums(i) + q * lanes));
             }
             hn::Store(m, tag_, by_lane_ + i * lanes);
         }
@@ -243,7 +240,8 @@ private:
     Tag tag_{};
     int width_;
     DisparityRange range_;
-    const Sums& sums_of_;
+    Sums sums_of_;
+    CandidatePlaces<classes, lanes> places_;
     V index_[classes];
     V padding_[classes];
     RightWinners<Tag, classes, direction> right_;

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+namespace disparityd::cpu {
+
+/// Where the sum of each candidate of a pixel lies: candidate classes * lane + q at q * lanes + lane.
+template <int classes, int lanes>
+class CandidatePlaces {
+    static constexpr int candidates = classes * lanes;
+
+public:
+    /// `count`: number of candidates that count, at least 3.
+    explicit CandidatePlaces(int count) {
+        if (count != candidates) {
+            std::copy_n(all.begin(), count + 1, some_);
+            some_[count + 1] = some_[count - 1];
+            places_ = some_;
+        }
+    }
+    CandidatePlaces(const CandidatePlaces&) = delete;
+    CandidatePlaces& operator=(const CandidatePlaces&) = delete;
+
+    static constexpr std::uint16_t of(int k) { return static_cast<std::uint16_t>(k % classes * lanes + k / classes); }
+
+    /// The places of candidates k - 1, k and k + 1. At an end of the range the neighbour that exists stands for both.
+    const std::uint16_t* around(int k) const { return places_ + k; }
+
+private:
+    using Table = std::array<std::uint16_t, candidates + 2>;
+
+    static constexpr Table make() {
+        Table places = {};
+        for (int k = 0; k < candidates; ++k) {
+            places[static_cast<std::size_t>(k) + 1] = of(k);
+        }
+        places[0] = places[2];
+        places[candidates + 1] = places[candidates - 1];
+        return places;
+    }
+
+    static constexpr Table all = make();  // entry k + 1: of candidate k
+    std::uint16_t some_[candidates + 2];
+    const std::uint16_t* places_ = all.data();
+};
+
+}  // namespace disparityd::cpu
