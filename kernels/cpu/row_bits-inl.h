@@ -25,6 +25,13 @@ struct RowBits {
     std::uint64_t words[size] = {};
 };
 
+/// Little-endian, as all of our instruction sets are.
+inline std::uint64_t word_of(const std::uint8_t* bytes) {
+    std::uint64_t value = 0;
+    std::memcpy(&value, bytes, sizeof(value));
+    return value;
+}
+
 /// A row with a rejected pixel before it and many behind it, so that vectors need no special ends.
 class PaddedRow {
 public:
@@ -42,6 +49,17 @@ private:
     static constexpr int back = 64;
     alignas(64) std::int16_t pixels_[front + max_side + back];
 };
+
+/// Of 64 pixels, aligned as vectors are: which equal `value`.
+HWY_INLINE std::uint64_t equal_bits(const std::int16_t* pixels, std::int16_t value) {
+    const hn::ScalableTag<std::int16_t> tag;
+    constexpr int lanes = static_cast<int>(hn::MaxLanes(tag));
+    alignas(8) std::uint8_t bytes[8];
+    for (int i = 0; i < 64; i += lanes) {
+        hn::StoreMaskBits(tag, hn::Eq(hn::Load(tag, pixels + i), hn::Set(tag, value)), bytes + i / 8);
+    }
+    return word_of(bytes);
+}
 
 /// What regions are made of. Bits of pixels that are rejected are 0.
 struct LikenessBits {
@@ -77,9 +95,9 @@ public:
                 hn::StoreMaskBits(Numbers(), hn::And(is_valid, alike(own, before)), like_left + i / 8);
                 hn::StoreMaskBits(Numbers(), hn::And(is_valid, alike(own, up)), like_above + i / 8);
             }
-            bits.valid.words[first / 64] = word(valid);
-            bits.like_left.words[first / 64] = word(like_left);
-            bits.like_above.words[first / 64] = word(like_above);
+            bits.valid.words[first / 64] = word_of(valid);
+            bits.like_left.words[first / 64] = word_of(like_left);
+            bits.like_above.words[first / 64] = word_of(like_above);
         }
     }
 
@@ -90,12 +108,6 @@ private:
         const auto near = hn::Eq(hn::Min(apart, step_), apart);
         return hn::And(hn::Ne(other, invalid_), hn::RebindMask(Numbers(), near));
     }
-    static std::uint64_t word(const std::uint8_t* bytes) {
-        std::uint64_t value = 0;
-        std::memcpy(&value, bytes, sizeof(value));  // little-endian, as all of our instruction sets are
-        return value;
-    }
-
     V invalid_;
     hn::Vec<Words> step_;
 };

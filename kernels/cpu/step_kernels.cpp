@@ -10,6 +10,7 @@
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/interpolate-inl.h"
 #include "kernels/cpu/left_right-inl.h"
 #include "kernels/cpu/median-inl.h"
 #include "kernels/cpu/outputs-inl.h"
@@ -27,6 +28,8 @@ const KernelSteps& steps() {
         changed.speckle = speckle;
         changed.speckle_scratch = speckle_scratch;
         changed.mask_confidence = mask_confidence;
+        changed.interpolate = interpolate;
+        changed.interpolate_scratch = interpolate_scratch;
         changed.depth = depth;
         return changed;
     }();

@@ -192,6 +192,29 @@ TEST_P(CpuPost, SpeckleEqualsTheReferenceOnCombsSpiralsAndChessboards) {
     }
 }
 
+TEST_P(CpuPost, InterpolateEqualsTheReference) {
+    Random random(86);
+    for (int round = 0; round < 2 * rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        Image<std::int16_t> start = disparities(random, size, range);
+        const int percent = pick(random, 0, 100);
+        for (std::int16_t& value : start.pixels()) {
+            value = pick(random, 1, 100) <= percent ? invalid_disparity(range) : value;
+        }
+        const Image<std::int16_t> right = winners(random, size, range);
+        const Both<std::int16_t> disparity(std::as_const(start).plane());
+        std::vector<std::byte> memory(reference::interpolate_scratch(size.width, size.height), std::byte{0x33});
+        reference::interpolate(disparity.expected.plane(), right.plane(), range, memory);
+        const GuardedMemory<std::uint8_t> scratch(steps().interpolate_scratch(size.width, size.height));
+        std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xcc});
+        steps().interpolate(disparity.found.plane(), right.plane(), range,
+                            std::as_writable_bytes(std::span(scratch.data(), scratch.size())));
+        ASSERT_TRUE(same(disparity.found, disparity.expected)) << "round " << round << ", " << percent << " % rejected";
+        ASSERT_TRUE(scratch.intact());
+    }
+}
+
 TEST_P(CpuPost, MaskConfidenceEqualsTheReference) {
     Random random(83);
     for (int round = 0; round < rounds; ++round) {
