@@ -42,56 +42,74 @@ inline void mask_confidence(Plane<const std::int16_t> disparity, std::int16_t in
     }
 }
 
-/// floor((k + floor(n / 2)) / n) of the pixels' n = d16 + offset16, in single precision and then put right: the
-/// quotient is off by one at most where it matters, below 65536.
+/// Depth from disparity: floor((k + floor(n / 2)) / n) with n = d16 + offset16, divided in single precision.
+///
+/// `small`: numerators below 2^24 are exact in single precision, and the quotient is too far from the next integer to
+/// be rounded up to it. Larger ones give a quotient that is off by one at most where it matters, below 65536, and is
+/// put right.
+template <bool small>
 class DepthOfDisparity {
     using Words = hn::ScalableTag<std::int16_t>;
     using Numbers = hn::RepartitionToWide<Words>;
     using Real = hn::RebindToFloat<Numbers>;
     using V = hn::Vec<Numbers>;
-    static constexpr int most = 65535;
-    static constexpr int beyond = most + 2;  // still more than `most` when it is one too large
 
 public:
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Words()));
 
-    /// Whether numerators and products stay within 32 bits: of a camera, k is a millionth of what is allowed.
-    static bool fits(DepthScale scale) {
-        return scale.k > 0 && scale.k < (1 << 30) && std::abs(static_cast<std::int64_t>(scale.offset16)) < (1 << 13);
-    }
-
     DepthOfDisparity(std::int16_t invalid, DepthScale scale)
         : invalid_(invalid), k_(static_cast<std::int32_t>(scale.k)), offset16_(scale.offset16) {}
 
-    /// As many pixels as there are lanes.
-    HWY_INLINE void pixels(const std::int16_t* disparity, std::uint16_t* depth) const {
-        const hn::RebindToUnsigned<Words> out;
-        const hn::Half<Words> half;
-        const auto value = hn::LoadU(Words(), disparity);
-        const V lower = millimetres(hn::PromoteTo(Numbers(), hn::LowerHalf(half, value)));
-        const V upper = millimetres(hn::PromoteTo(Numbers(), hn::UpperHalf(half, value)));
-        const hn::Rebind<std::uint16_t, Numbers> half_out;
-        const auto all = hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
-        const auto rejected = hn::VecFromMask(Words(), hn::Eq(value, hn::Set(Words(), invalid_)));
-        hn::StoreU(hn::AndNot(hn::BitCast(out, rejected), all), out, depth);
+    static bool fits(DepthScale scale) {
+        constexpr int most_n = 1 << 16;
+        constexpr std::int64_t most_numerator = small ? 1 << 24 : 1 << 30;  // of a camera: some millions
+        return scale.k > 0 && scale.k < most_numerator - most_n && std::abs(std::int64_t{scale.offset16}) < most_n / 2;
+    }
+
+    void rows(Plane<const std::int16_t> disparity, Plane<std::uint16_t> depth, Rows rows) const {
+        for (int y = rows.first; y < rows.last; ++y) {
+            for (int begin = 0; begin < disparity.width; begin += lanes) {
+                const int x = std::min(begin, disparity.width - lanes);
+                pixels(disparity.row(y) + x, depth.row(y) + x);
+            }
+        }
     }
 
 private:
     static HWY_INLINE V number(int value) { return hn::Set(Numbers(), value); }
 
+    HWY_INLINE void pixels(const std::int16_t* disparity, std::uint16_t* depth) const {
+        const hn::RebindToUnsigned<Words> out;
+        const hn::Half<Words> half;
+        const hn::Rebind<std::uint16_t, Numbers> half_out;
+        const auto value = hn::LoadU(Words(), disparity);
+        const V lower = millimetres(hn::PromoteTo(Numbers(), hn::LowerHalf(half, value)));
+        const V upper = millimetres(hn::PromoteTo(Numbers(), hn::UpperHalf(half, value)));
+        // Larger values become 65535.
+        const auto all = hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
+        const auto rejected = hn::VecFromMask(Words(), hn::Eq(value, hn::Set(Words(), invalid_)));
+        hn::StoreU(hn::AndNot(hn::BitCast(out, rejected), all), out, depth);
+    }
+
     HWY_INLINE V millimetres(V d16) const {
         const V found = hn::Add(d16, number(offset16_));
         const V n = hn::Max(found, number(1));
         const V numerator = hn::Add(number(k_), hn::ShiftRight<1>(n));
-        const V near = hn::ConvertTo(Numbers(), hn::Div(hn::ConvertTo(Real(), numerator), hn::ConvertTo(Real(), n)));
-        const V quotient = hn::Min(near, number(beyond));
+        const V quotient =
+            hn::ConvertTo(Numbers(), hn::Div(hn::ConvertTo(Real(), numerator), hn::ConvertTo(Real(), n)));
+        const V known = hn::Max(small ? quotient : put_right(quotient, numerator, n), number(1));
+        return hn::IfThenElse(hn::Gt(found, number(0)), known, number(far));
+    }
+
+    static HWY_INLINE V put_right(V near, V numerator, V n) {
+        const V quotient = hn::Min(near, number(far + 2));  // products stay below 2^31; one less is still far
         const V rest = hn::Sub(numerator, hn::Mul(quotient, n));
         const V one_less = hn::VecFromMask(Numbers(), hn::Lt(rest, number(0)));
         const V one_more = hn::VecFromMask(Numbers(), hn::Gt(rest, hn::Sub(n, number(1))));
-        const V exact = hn::Sub(hn::Add(quotient, one_less), one_more);
-        const V known = hn::Min(hn::Max(exact, number(1)), number(most));
-        return hn::IfThenElse(hn::Gt(found, number(0)), known, number(most));
+        return hn::Sub(hn::Add(quotient, one_less), one_more);
     }
+
+    static constexpr int far = 65535;
 
     std::int16_t invalid_;
     std::int32_t k_;
@@ -100,17 +118,14 @@ private:
 
 inline void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
                   Plane<std::uint16_t> depth, Rows rows) {
-    const int width = disparity.width;
-    if (width < DepthOfDisparity::lanes || !DepthOfDisparity::fits(scale)) {
+    using Small = DepthOfDisparity<true>;
+    using Large = DepthOfDisparity<false>;
+    if (disparity.width >= Small::lanes && Small::fits(scale)) {
+        Small(invalid, scale).rows(disparity, depth, rows);
+    } else if (disparity.width >= Large::lanes && Large::fits(scale)) {
+        Large(invalid, scale).rows(disparity, depth, rows);
+    } else {
         reference::depth(disparity, invalid, scale, depth, rows);
-        return;
-    }
-    const DepthOfDisparity depth_of(invalid, scale);
-    for (int y = rows.first; y < rows.last; ++y) {
-        for (int begin = 0; begin < width; begin += depth_of.lanes) {
-            const int x = std::min(begin, width - depth_of.lanes);
-            depth_of.pixels(disparity.row(y) + x, depth.row(y) + x);
-        }
     }
 }
 
