@@ -44,10 +44,9 @@ public:
     /// the one that it is linked to next to the root.
     int size_of_region(int run) {
         const std::int32_t link = links_[run];
-        const int root = link < 0 ? run : links_[link] < 0 ? link : links_[link];
-        if (root != run) {
-            links_[run] = root;
-        }
+        const int next = link < 0 ? run : link;
+        const int root = links_[next] < 0 ? next : links_[next];
+        links_[run] = link < 0 ? link : root;
         return -links_[root];
     }
 

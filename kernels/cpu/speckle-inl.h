@@ -94,6 +94,58 @@ inline void find_regions(Plane<const std::int16_t> disparity, std::int16_t inval
     first_of_row[disparity.height] = regions.begun();
 }
 
+/// Runs of a row that are to be rejected, without a branch for each: where they begin and end a bit is flipped, and all
+/// between two flips is set in one go.
+class RejectedRuns {
+    using Numbers = hn::ScalableTag<std::int16_t>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
+
+public:
+    void add_if(bool rejected, int begin, int end) {
+        const auto bit = static_cast<std::uint64_t>(rejected);
+        flips_[begin / 64] ^= bit << (begin % 64);
+        flips_[end / 64] ^= bit << (end % 64);
+    }
+
+    /// Writes `invalid` where they are, and forgets them.
+    void write(std::int16_t* pixels, int width, std::int16_t invalid) {
+        std::uint64_t inside = 0;  // all bits, when a run goes on from the word before
+        for (int first = 0; first < width; first += 64) {
+            const std::uint64_t rejected = inside ^ odd_flips_up_to(flips_[first / 64]);
+            inside = rejected >> 63 != 0 ? ~std::uint64_t{0} : 0;
+            flips_[first / 64] = 0;
+            if (rejected != 0) {
+                write(pixels + first, std::min(width - first, 64), rejected, invalid);
+            }
+        }
+        flips_[width / 64] = 0;
+    }
+
+private:
+    static std::uint64_t odd_flips_up_to(std::uint64_t flips) {
+        for (int shift = 1; shift < 64; shift *= 2) {
+            flips ^= flips << shift;
+        }
+        return flips;
+    }
+
+    static void write(std::int16_t* pixels, int count, std::uint64_t rejected, std::int16_t invalid) {
+        std::uint8_t bits[8 + 8] = {};  // LoadMaskBits may read eight bytes
+        std::memcpy(bits, &rejected, sizeof(rejected));
+        int x = 0;
+        for (; x + lanes <= count; x += lanes) {
+            const auto mask = hn::LoadMaskBits(Numbers(), bits + x / 8);
+            const auto found = hn::LoadU(Numbers(), pixels + x);
+            hn::StoreU(hn::IfThenElse(mask, hn::Set(Numbers(), invalid), found), Numbers(), pixels + x);
+        }
+        for (; x < count; ++x) {
+            pixels[x] = (rejected >> x & 1) != 0 ? invalid : pixels[x];
+        }
+    }
+
+    std::uint64_t flips_[RowBits::size + 1] = {};
+};
+
 inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
                     std::span<std::byte> scratch) {
     if (max_step < 0) {
@@ -104,12 +156,12 @@ inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min
     RunRegions regions(scratch.data(), pixels);
     auto* first_of_row = reinterpret_cast<std::int32_t*>(scratch.data() + RunRegions::bytes(pixels));
     find_regions(disparity, invalid, max_step, regions, first_of_row);
+    RejectedRuns rejected;
     for (int y = 0; y < disparity.height; ++y) {
         for (int run = first_of_row[y]; run < first_of_row[y + 1]; ++run) {
-            if (regions.size_of_region(run) < min_size) {
-                std::fill(disparity.row(y) + regions.begin_of(run), disparity.row(y) + regions.end_of(run), invalid);
-            }
+            rejected.add_if(regions.size_of_region(run) < min_size, regions.begin_of(run), regions.end_of(run));
         }
+        rejected.write(disparity.row(y), disparity.width, invalid);
     }
 }
 

@@ -130,6 +130,20 @@ void bench_rectify(int width, int height, double scale, PixelFormat format, cons
         line.add(table.name, [&, table] { table.steps->rectify(raw, Eye::left, rectifier, out.plane(), out.rows()); });
     }
     line.run(1.0 * width * height);
+    if (format != PixelFormat::yuyv || scale != 1) {
+        return;
+    }
+    Line colour("rectify_colour yuyv");
+    Image<std::uint8_t> bgr(3 * width, height);
+    cv::Mat converted;
+    colour.add("opencv", [&] {
+        cv::cvtColor(eye, converted, cv::COLOR_YUV2BGR_YUYV);
+        cv::remap(converted, expected, map.xy, map.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, 0);
+    });
+    for (const Table& table : tables()) {
+        colour.add(table.name, [&, table] { table.steps->rectify_colour(raw, rectifier, bgr.plane(), bgr.rows()); });
+    }
+    colour.run(1.0 * width * height);
 }
 
 // A textured scene of planes at several distances, matched, so that what comes after matching has real work.
