@@ -27,10 +27,10 @@ add_library(tomlplusplus INTERFACE)
 target_include_directories(tomlplusplus SYSTEM INTERFACE ${TOMLPLUSPLUS_INCLUDE_DIR})
 
 # Vector code for several instruction sets; 1.0.3 is Debian 12's. Ubuntu 22.04 has 0.16, without the operations used here.
-pkg_check_modules(HIGHWAY IMPORTED_TARGET libhwy>=1.0.3)
+# The package of the installed library (disparityd-config.cmake) asks for the same.
+set(HIGHWAY_REQUIREMENT "libhwy>=1.0.3")
+pkg_check_modules(HIGHWAY IMPORTED_TARGET ${HIGHWAY_REQUIREMENT})
 if(NOT HIGHWAY_FOUND)
   message(FATAL_ERROR "Highway (libhwy) 1.0.3 or newer is needed and was not found. Debian 12 has it as libhwy-dev; "
     "Ubuntu 22.04 has 0.16: build a newer one from source and name it in PKG_CONFIG_PATH.")
 endif()
-add_library(highway INTERFACE)
-target_link_libraries(highway INTERFACE PkgConfig::HIGHWAY)

@@ -15,6 +15,27 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+/// Puts the lesser of each lane first.
+template <class V>
+HWY_INLINE void order(V& a, V& b) {
+    const V lesser = hn::Min(a, b);
+    b = hn::Max(a, b);
+    a = lesser;
+}
+
+/// Three or five values that lie `step` apart, in ascending order.
+template <int count, int step, class V>
+HWY_INLINE void sort(V* v) {
+    if constexpr (count == 3) {
+        order(v[0], v[step]), order(v[step], v[2 * step]), order(v[0], v[step]);
+    } else {
+        static_assert(count == 5);
+        order(v[0], v[step]), order(v[3 * step], v[4 * step]), order(v[2 * step], v[4 * step]);
+        order(v[2 * step], v[3 * step]), order(v[step], v[4 * step]), order(v[0], v[3 * step]);
+        order(v[0], v[2 * step]), order(v[step], v[3 * step]), order(v[step], v[2 * step]);
+    }
+}
+
 /// The middle one of each lane: the least of those left is put in front, until the middle is reached.
 template <int count, class V>
 HWY_INLINE V median_of(V* values) {
@@ -22,12 +43,39 @@ HWY_INLINE V median_of(V* values) {
     for (int pass = 0; pass <= count / 2; ++pass) {
         DISPARITYD_UNROLL
         for (int i = pass + 1; i < count; ++i) {
-            const V smaller = hn::Min(values[pass], values[i]);
-            values[i] = hn::Max(values[pass], values[i]);
-            values[pass] = smaller;
+            order(values[pass], values[i]);
         }
     }
     return values[count / 2];
+}
+
+/// The middle one of a square of values. With columns and then rows in order (columns stay so), no less than
+/// (row + 1) (column + 1) - 1 others are not more than a value, and as many as seen from the other corner not less: few
+/// can be in the middle, and as many are surely less as are surely more. Compilers leave away what no candidate needs.
+template <int side, class V>
+HWY_INLINE V median_of_square(V* values) {
+    DISPARITYD_UNROLL
+    for (int column = 0; column < side; ++column) {
+        sort<side, side>(values + column);
+    }
+    DISPARITYD_UNROLL
+    for (int row = 0; row < side; ++row) {
+        sort<side, 1>(values + side * row);
+    }
+    constexpr int half = side * side / 2;
+    constexpr int most_candidates = side == 3 ? 3 : 13;
+    V candidates[most_candidates];
+    int count = 0;
+    DISPARITYD_UNROLL
+    for (int row = 0; row < side; ++row) {
+        DISPARITYD_UNROLL
+        for (int column = 0; column < side; ++column) {
+            if ((row + 1) * (column + 1) <= half + 1 && (side - row) * (side - column) <= half + 1) {
+                candidates[count++] = values[side * row + column];
+            }
+        }
+    }
+    return median_of<most_candidates>(candidates);
 }
 
 /// Rows of the window with their ends replicated.
@@ -81,7 +129,7 @@ void median_rows(Plane<const std::int16_t> in, std::int16_t invalid_value, Plane
                     values[(dy + radius) * side + dx + radius] = hn::IfThenElse(hn::Eq(value, invalid), centre, value);
                 }
             }
-            const V middle = hn::IfThenElse(hn::Eq(centre, invalid), invalid, median_of<side * side>(values));
+            const V middle = hn::IfThenElse(hn::Eq(centre, invalid), invalid, median_of_square<side>(values));
             if (x + lanes <= in.width) {
                 hn::StoreU(middle, tag, out.row(y) + x);
             } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cpu/step_kernels.h"
 
+#include "kernels/cpu/rectify_kernels.h"
 #include "kernels/reference/steps.h"
 
 #define HWY_TARGET_INCLUDE "kernels/cpu/step_kernels.cpp"
@@ -9,7 +10,11 @@
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/interpolate-inl.h"
+#include "kernels/cpu/left_right-inl.h"
 #include "kernels/cpu/median-inl.h"
+#include "kernels/cpu/outputs-inl.h"
+#include "kernels/cpu/speckle-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -17,7 +22,15 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 const KernelSteps& steps() {
     static const KernelSteps table = [] {
         KernelSteps changed = reference::steps;
+        changed.rectify = cpu::rectify(HWY_TARGET);
+        changed.left_right = left_right;
         changed.median = median;
+        changed.speckle = speckle;
+        changed.speckle_scratch = speckle_scratch;
+        changed.mask_confidence = mask_confidence;
+        changed.interpolate = interpolate;
+        changed.interpolate_scratch = interpolate_scratch;
+        changed.depth = depth;
         return changed;
     }();
     return table;

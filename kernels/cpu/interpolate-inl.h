@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 11 of docs/algorithm.md: a pass downwards carries what lies above each pixel, a pass upwards what lies below,
+// and on the way up the rejected pixels of each row are filled, a vector of them at a time.
+#if defined(DISPARITYD_CPU_INTERPOLATE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_INTERPOLATE_INL_H_
+#undef DISPARITYD_CPU_INTERPOLATE_INL_H_
+#else
+#define DISPARITYD_CPU_INTERPOLATE_INL_H_
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include "kernels/cpu/nearest_rows-inl.h"
+#include "kernels/cpu/row_bits-inl.h"
+#include "kernels/cpu/seen_from_right-inl.h"
+#include "kernels/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+class FilledRow {
+    using Numbers = hn::ScalableTag<std::int16_t>;
+    using V = hn::Vec<Numbers>;
+    using M = hn::Mask<Numbers>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
+
+public:
+    explicit FilledRow(std::int16_t invalid) : invalid_(invalid) {}
+
+    bool any_rejected(const PaddedRow& row, int width) {
+        bool any = false;
+        for (int first = 0; first < width; first += 64) {
+            const std::uint64_t word = equal_bits(row.pixels() + first, invalid_);
+            const int rest = width - first;
+            rejected_.words[first / 64] = rest < 64 ? word & ((std::uint64_t{1} << rest) - 1) : word;
+            any = any || rejected_.words[first / 64] != 0;
+        }
+        return any;
+    }
+
+    /// `row` and `out` may not be the same.
+    void fill(const PaddedRow& row, int width, const std::uint8_t* seen, const NearestRow& above,
+              const NearestRow& below, std::int16_t* out) {
+        find_ends(row.pixels(), width);
+        for (int x = 0; x < width; x += lanes) {
+            const V own = hn::Load(Numbers(), row.pixels() + x);
+            const M rejected = hn::Eq(own, hn::Set(Numbers(), invalid_));
+            V filled = own;
+            if (!hn::AllFalse(Numbers(), rejected)) {
+                filled = hn::IfThenElse(rejected, substitute(x, seen, above, below), own);
+            }
+            if (x + lanes <= width) {
+                hn::StoreU(filled, Numbers(), out + x);
+            } else {
+                alignas(64) std::int16_t last[lanes];
+                hn::Store(filled, Numbers(), last);
+                std::copy_n(last, width - x, out + x);
+            }
+        }
+    }
+
+private:
+    static constexpr std::int16_t largest = 0x7fff;
+
+    // The disparities at both ends of each run of rejected pixels, for every pixel of the run.
+    void find_ends(const std::int16_t* pixels, int width) {
+        int begin = -1;
+        std::uint64_t before = 0;
+        const auto run = [&](int end) {
+            spread(pixels[begin - 1], begin, end, left_);
+            spread(pixels[end], begin, end, right_);
+            begin = -1;
+        };
+        for (int w = 0; 64 * w < width; ++w) {
+            const std::uint64_t word = rejected_.words[w];
+            for (std::uint64_t flips = word ^ (word << 1 | before); flips != 0; flips &= flips - 1) {
+                const int x = 64 * w + std::countr_zero(flips);
+                begin < 0 ? static_cast<void>(begin = x) : run(x);
+            }
+            before = word >> 63;
+        }
+        if (begin >= 0) {
+            run(width);
+        }
+    }
+    // May write up to a vector more, which later runs write over.
+    static void spread(std::int16_t value, int begin, int end, std::int16_t* row) {
+        for (int x = begin; x < end; x += lanes) {
+            hn::StoreU(hn::Set(Numbers(), value), Numbers(), row + x);
+        }
+    }
+
+    HWY_INLINE V substitute(int x, const std::uint8_t* seen, const NearestRow& above, const NearestRow& below) const {
+        const hn::Rebind<std::uint8_t, Numbers> bytes;
+        const V invalid = hn::Set(Numbers(), invalid_);
+        const V none = hn::Set(Numbers(), largest);
+        V values[8] = {hn::Load(Numbers(), left_ + x), hn::Load(Numbers(), right_ + x)};
+        for (int side = 0; side < 3; ++side) {
+            values[2 + side] = hn::LoadU(Numbers(), above.sides[side] + x);
+            values[5 + side] = hn::LoadU(Numbers(), below.sides[side] + x);
+        }
+        V missing = hn::Zero(Numbers());  // minus their number
+        V missing_in_row = missing;
+        for (int i = 0; i < 8; ++i) {
+            const M is_missing = hn::Eq(values[i], invalid);
+            missing = hn::Add(missing, hn::VecFromMask(Numbers(), is_missing));
+            missing_in_row = i == 1 ? missing : missing_in_row;
+            values[i] = hn::IfThenElse(is_missing, none, values[i]);
+        }
+        const V least_in_row = hn::Min(values[0], values[1]);
+        const V background = hn::IfThenElse(is(missing_in_row, -2), invalid, least_in_row);
+        const auto is_seen = hn::PromoteTo(Numbers(), hn::LoadU(bytes, seen + x));
+        return hn::IfThenElse(is(is_seen, 0), background, lower_median(values, missing));
+    }
+
+    static HWY_INLINE M is(V v, int value) { return hn::Eq(v, hn::Set(Numbers(), static_cast<std::int16_t>(value))); }
+
+    /// Of the eight less those missing, which are the largest.
+    HWY_INLINE V lower_median(V* v, V missing) const {
+        sort_lower_half(v);
+        const auto more_than = [&](int count) {
+            return hn::Lt(missing, hn::Set(Numbers(), static_cast<std::int16_t>(-count)));
+        };
+        V middle = hn::IfThenElse(more_than(1), v[2], v[3]);
+        middle = hn::IfThenElse(more_than(3), v[1], middle);
+        middle = hn::IfThenElse(more_than(5), v[0], middle);
+        return hn::IfThenElse(more_than(7), hn::Set(Numbers(), invalid_), middle);
+    }
+
+    // Batcher's merge exchange; what only the upper half depends on is left away by compilers.
+    static HWY_INLINE void sort_lower_half(V* v) {
+        const auto order = [v](int a, int b) {
+            const V smaller = hn::Min(v[a], v[b]);
+            v[b] = hn::Max(v[a], v[b]);
+            v[a] = smaller;
+        };
+        order(0, 4), order(1, 5), order(2, 6), order(3, 7);
+        order(0, 2), order(1, 3), order(4, 6), order(5, 7);
+        order(2, 4), order(3, 5);
+        order(0, 1), order(2, 3), order(4, 5), order(6, 7);
+        order(1, 4), order(3, 6);
+        order(1, 2), order(3, 4), order(5, 6);
+    }
+
+    std::int16_t invalid_;
+    RowBits rejected_;
+    alignas(64) std::int16_t left_[max_side + 64] = {};
+    alignas(64) std::int16_t right_[max_side + 64] = {};
+};
+
+inline std::size_t interpolate_scratch(int width, int height) {
+    return NearestRows::bytes(width, height + 3);
+}
+
+inline void interpolate(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
+                        std::span<std::byte> scratch) {
+    const int width = disparity.width;
+    const int height = disparity.height;
+    const std::int16_t invalid = invalid_disparity(range);
+    // One for each row of the image, one for outside, and two below the row that is being filled.
+    const NearestRows nearest(scratch.data(), width);
+    const NearestRow outside = nearest.row(height);
+    nearest.clear(height, invalid);
+    PaddedRow pixels;
+    for (int y = 0; y < height; ++y) {
+        pixels.load(disparity.row(y), width, invalid);
+        carry(pixels.pixels(), width, invalid, y == 0 ? outside : nearest.row(y - 1), nearest.row(y));
+    }
+    FilledRow filled(invalid);
+    SeenFromRight seen(range);
+    NearestRow before = outside;
+    for (int y = height - 1; y >= 0; --y) {
+        const NearestRow below = nearest.row(height + 1 + y % 2);
+        pixels.load(disparity.row(y), width, invalid);
+        carry(pixels.pixels(), width, invalid, before, below);
+        if (filled.any_rejected(pixels, width)) {
+            seen.row(right_winner.row(y), width);
+            filled.fill(pixels, width, seen.pixels(), nearest.row(y), below, disparity.row(y));
+        }
+        before = below;
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

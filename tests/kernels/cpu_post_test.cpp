@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/kernels/guarded.h"
+#include "tests/kernels/instruction_sets.h"
+#include "tests/kernels/support.h"
+
+namespace disparityd::test {
+namespace {
+
+template <typename T>
+void copy(Plane<const T> from, Plane<T> to) {
+    for (int y = 0; y < from.height; ++y) {
+        std::copy_n(from.row(y), from.width, to.row(y));
+    }
+}
+
+template <typename T>
+::testing::AssertionResult same(const GuardedPlane<T>& found, const GuardedPlane<T>& expected) {
+    if (!found.intact()) {
+        return ::testing::AssertionFailure() << "wrote outside the plane";
+    }
+    const Plane<T> a = found.plane();
+    const Plane<T> b = expected.plane();
+    for (int y = 0; y < a.height; ++y) {
+        for (int x = 0; x < a.width; ++x) {
+            if (a.at(x, y) != b.at(x, y)) {
+                return ::testing::AssertionFailure() << x << "," << y << " of " << a.width << "x" << a.height << ": "
+                                                     << +a.at(x, y) << " instead of " << +b.at(x, y);
+            }
+        }
+    }
+    return ::testing::AssertionSuccess();
+}
+
+// Two copies of a plane: one for the reference, one for the kernel.
+template <typename T>
+struct Both {
+    explicit Both(Plane<const T> start) : expected(start.width, start.height), found(start.width, start.height) {
+        copy(start, expected.plane());
+        copy(start, found.plane());
+    }
+    GuardedPlane<T> expected, found;
+};
+
+// Any size from one pixel on; often narrower than a vector.
+struct Size {
+    explicit Size(Random& random)
+        : width(pick(random, 1, pick(random, 0, 2) == 0 ? 40 : 300)), height(pick(random, 1, 30)) {}
+    int width, height;
+};
+
+DisparityRange any_range(Random& random) {
+    return {pick(random, 0, 2) == 0 ? pick(random, -256, 256) : pick(random, -20, 20), 16 * pick(random, 1, 16)};
+}
+
+// Disparities as matching leaves them: patches, slopes, and some noise, with holes; or any words at all.
+Image<std::int16_t> disparities(Random& random, Size size, DisparityRange range) {
+    Image<std::int16_t> image(size.width, size.height);
+    const int kind = pick(random, 0, 4);
+    const int holes = pick(random, 0, 2) * pick(random, 0, 50);
+    const int least = 16 * range.first;
+    const int most = 16 * (range.first + range.count - 1);
+    for (int y = 0; y < size.height; ++y) {
+        int patch = pick(random, least, most);
+        for (int x = 0; x < size.width; ++x) {
+            if (pick(random, 0, 19) == 0) {
+                patch = pick(random, least, most);
+            }
+            const int value = kind == 0   ? pick(random, -32768, 32767)
+                              : kind == 1 ? least
+                              : kind == 2 ? patch
+                              : kind == 3 ? least + (x + y) * 3
+                                          : patch + pick(random, -9, 9);
+            const bool hole = pick(random, 1, 100) <= holes;
+            image.at(x, y) = hole ? invalid_disparity(range) : static_cast<std::int16_t>(value);
+        }
+    }
+    return image;
+}
+
+// Winners in whole pixels, where matching finds none one less than the first; or any words at all.
+Image<std::int16_t> winners(Random& random, Size size, DisparityRange range) {
+    Image<std::int16_t> image(size.width, size.height);
+    const bool any = pick(random, 0, 4) == 0;
+    const int spread = pick(random, 0, 2) == 0 ? 2 : range.count;
+    for (std::int16_t& value : image.pixels()) {
+        value = static_cast<std::int16_t>(any ? pick(random, -32768, 32767)
+                                              : range.first - 1 + pick(random, 0, std::min(spread, range.count)));
+    }
+    return image;
+}
+
+class CpuPost : public StepsOfInstructionSet {
+protected:
+    static constexpr int rounds = 200;
+
+    // In two parts, so that a kernel that writes beyond its rows is found out.
+    template <typename Step>
+    static void in_parts(int height, Step step) {
+        const int middle = height / 3;
+        step(Rows{middle, height});
+        step(Rows{0, middle});
+    }
+};
+
+TEST_P(CpuPost, LeftRightEqualsTheReference) {
+    Random random(80);
+    for (int round = 0; round < rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const Image<std::int16_t> left = winners(random, size, range);
+        const Image<std::int16_t> right = winners(random, size, range);
+        const Both<std::int16_t> disparity(disparities(random, size, range).plane());
+        reference::left_right(left.plane(), right.plane(), range, disparity.expected.plane(), {0, size.height});
+        in_parts(size.height, [&](Rows rows) {
+            steps().left_right(left.plane(), right.plane(), range, disparity.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(disparity.found, disparity.expected)) << "round " << round;
+    }
+}
+
+TEST_P(CpuPost, MedianEqualsTheReference) {
+    Random random(81);
+    for (int round = 0; round < rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const Image<std::int16_t> in = disparities(random, size, range);
+        const Both<std::int16_t> out(Image<std::int16_t>(size.width, size.height, 77).plane());
+        const int side = pick(random, 0, 1) == 0 ? 3 : 5;
+        reference::median(in.plane(), invalid_disparity(range), side, out.expected.plane(), {0, size.height});
+        in_parts(size.height, [&](Rows rows) {
+            steps().median(in.plane(), invalid_disparity(range), side, out.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(out.found, out.expected)) << "round " << round << ", side " << side;
+    }
+}
+
+TEST_P(CpuPost, SpeckleEqualsTheReference) {
+    Random random(82);
+    for (int round = 0; round < rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const std::int16_t invalid = invalid_disparity(range);
+        const Both<std::int16_t> disparity(disparities(random, size, range).plane());
+        const int min_size = pick(random, 1, pick(random, 0, 1) == 0 ? 8 : 400);
+        const int max_step = pick(random, 0, 9) == 0 ? 70000 : pick(random, 0, 60);
+        std::vector<std::byte> memory(reference::speckle_scratch(size.width, size.height), std::byte{0x77});
+        reference::speckle(disparity.expected.plane(), invalid, min_size, max_step, memory);
+        const GuardedMemory<std::uint8_t> scratch(steps().speckle_scratch(size.width, size.height));
+        std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xee});
+        steps().speckle(disparity.found.plane(), invalid, min_size, max_step,
+                        std::as_writable_bytes(std::span(scratch.data(), scratch.size())));
+        ASSERT_TRUE(same(disparity.found, disparity.expected))
+            << "round " << round << ", size " << min_size << ", step " << max_step;
+        ASSERT_TRUE(scratch.intact());
+    }
+}
+
+// Regions that meet themselves again far from where they began; of 128, runs end where words of bits do.
+TEST_P(CpuPost, SpeckleEqualsTheReferenceOnCombsSpiralsAndChessboards) {
+    constexpr std::int16_t invalid = -16;
+    using Shape = bool (*)(int x, int y, int side);
+    constexpr std::array<Shape, 5> shapes = {
+        [](int x, int y, int side) { return x % 2 == 0 || y == side - 1; },
+        [](int x, int y, int) { return x % 3 != 1 || y == 0; },
+        [](int x, int y, int side) {
+            const int ring = std::min({x, y, side - 1 - x, side - 1 - y});
+            return ring % 2 == 0 ? !(x == ring && y == ring + 1) : x == ring && y == ring;
+        },
+        [](int x, int y, int) { return (x + y) % 2 == 0; },
+        [](int, int, int) { return true; },
+    };
+    for (const int side : {128, 131}) {
+        for (const Shape shape : shapes) {
+            for (const int min_size : {2, 500, 8000, side * side, side * side + 1}) {
+                Image<std::int16_t> image(side, side, invalid);
+                for (int y = 0; y < side; ++y) {
+                    for (int x = 0; x < side; ++x) {
+                        image.at(x, y) = shape(x, y, side) ? static_cast<std::int16_t>(x + y) : invalid;
+                    }
+                }
+                const Both<std::int16_t> disparity(std::as_const(image).plane());
+                std::vector<std::byte> memory(reference::speckle_scratch(side, side));
+                reference::speckle(disparity.expected.plane(), invalid, min_size, 1, memory);
+                std::vector<std::byte> scratch(steps().speckle_scratch(side, side));
+                steps().speckle(disparity.found.plane(), invalid, min_size, 1, scratch);
+                ASSERT_TRUE(same(disparity.found, disparity.expected)) << side << ", size " << min_size;
+            }
+        }
+    }
+}
+
+TEST_P(CpuPost, InterpolateEqualsTheReference) {
+    Random random(86);
+    for (int round = 0; round < 2 * rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        Image<std::int16_t> start = disparities(random, size, range);
+        const int percent = pick(random, 0, 100);
+        for (std::int16_t& value : start.pixels()) {
+            value = pick(random, 1, 100) <= percent ? invalid_disparity(range) : value;
+        }
+        const Image<std::int16_t> right = winners(random, size, range);
+        const Both<std::int16_t> disparity(std::as_const(start).plane());
+        std::vector<std::byte> memory(reference::interpolate_scratch(size.width, size.height), std::byte{0x33});
+        reference::interpolate(disparity.expected.plane(), right.plane(), range, memory);
+        const GuardedMemory<std::uint8_t> scratch(steps().interpolate_scratch(size.width, size.height));
+        std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xcc});
+        steps().interpolate(disparity.found.plane(), right.plane(), range,
+                            std::as_writable_bytes(std::span(scratch.data(), scratch.size())));
+        ASSERT_TRUE(same(disparity.found, disparity.expected)) << "round " << round << ", " << percent << " % rejected";
+        ASSERT_TRUE(scratch.intact());
+    }
+}
+
+TEST_P(CpuPost, MaskConfidenceEqualsTheReference) {
+    Random random(83);
+    for (int round = 0; round < rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const Image<std::int16_t> disparity = disparities(random, size, range);
+        const Image<std::uint8_t> all = noise(random, size.width, size.height);
+        const Both<std::uint8_t> confidence(all.plane());
+        reference::mask_confidence(disparity.plane(), invalid_disparity(range), confidence.expected.plane(),
+                                   {0, size.height});
+        in_parts(size.height, [&](Rows rows) {
+            steps().mask_confidence(disparity.plane(), invalid_disparity(range), confidence.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(confidence.found, confidence.expected)) << "round " << round;
+    }
+}
+
+DepthScale any_scale(Random& random) {
+    constexpr std::array<std::int64_t, 8> special = {0,       1,  2,       (1 << 30) - 1,
+                                                     1 << 30, -1, -672000, std::int64_t{1} << 50};
+    DepthScale scale;
+    scale.k = pick(random, 0, 2) == 0 ? special[static_cast<std::size_t>(pick(random, 0, 7))]
+                                      : std::int64_t{1} * pick(random, 1, 40000) * pick(random, 1, 20000);
+    scale.offset16 = pick(random, 0, 3) == 0 ? pick(random, -100000, 100000) : pick(random, -3000, 3000);
+    return scale;
+}
+
+TEST_P(CpuPost, DepthEqualsTheReference) {
+    Random random(84);
+    for (int round = 0; round < 2 * rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const DepthScale scale = any_scale(random);
+        const Image<std::int16_t> disparity = disparities(random, size, range);
+        const Both<std::uint16_t> depth(Image<std::uint16_t>(size.width, size.height, 4321).plane());
+        reference::depth(disparity.plane(), invalid_disparity(range), scale, depth.expected.plane(), {0, size.height});
+        in_parts(size.height, [&](Rows rows) {
+            steps().depth(disparity.plane(), invalid_disparity(range), scale, depth.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(depth.found, depth.expected))
+            << "round " << round << ", k " << scale.k << ", offset " << scale.offset16;
+    }
+}
+
+// Where a quotient in single precision is nearest to the next integer: exact multiples and one beside them.
+TEST_P(CpuPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
+    Image<std::int16_t> all(256, 256);
+    for (int i = 0; i < 65536; ++i) {
+        all.at(i % 256, i / 256) = static_cast<std::int16_t>(i - 32768);
+    }
+    Random random(85);
+    for (int round = 0; round < 60; ++round) {
+        const int n = pick(random, 1, 40000);
+        const int quotient = round % 2 == 0 ? pick(random, 65530, 65540) : pick(random, 1, 65536);
+        const std::int64_t k = std::max<std::int64_t>(1, std::int64_t{n} * quotient - n / 2 + pick(random, -1, 1));
+        const int most = round % 3 == 0 ? (1 << 24) + pick(random, -70000, 9) : (1 << 30) + pick(random, -70000, 9);
+        const DepthScale scale{std::min<std::int64_t>(k, most), pick(random, -20, 8000)};
+        const Both<std::uint16_t> depth(Image<std::uint16_t>(256, 256).plane());
+        reference::depth(std::as_const(all).plane(), -16, scale, depth.expected.plane(), {0, 256});
+        steps().depth(std::as_const(all).plane(), -16, scale, depth.found.plane(), {0, 256});
+        ASSERT_TRUE(same(depth.found, depth.expected)) << "k " << scale.k << ", offset " << scale.offset16;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cpu, CpuPost, testing::ValuesIn(cpu::instruction_sets()), name_of);
+
+}  // namespace
+}  // namespace disparityd::test
