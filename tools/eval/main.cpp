@@ -76,11 +76,8 @@ std::vector<std::pair<capture::DatasetScene, int>> scenes_of(const EvalArguments
         return chosen;
     }
     for (const PaperScene& wanted : paper_scenes()) {
-        const auto files = std::find_if(found.begin(), found.end(), [&](const capture::DatasetScene& candidate) {
-            const PaperScene* scene = paper_scene(candidate.name);
-            return scene != nullptr && scene->name == wanted.name;
-        });
-        if (files == found.end()) {
+        const capture::DatasetScene* files = files_of(wanted, found);
+        if (files == nullptr) {
             throw std::invalid_argument("--paper: there is no folder for the scene " + wanted.name +
                                         " in DATA, allowed: folders that hold cones, tsukuba, teddy and sawtooth");
         }

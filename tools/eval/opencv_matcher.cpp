@@ -15,14 +15,6 @@ namespace {
 
 using std::chrono::steady_clock;
 
-cv::Mat grey(const cv::Mat& image) {
-    cv::Mat result = image;
-    if (image.channels() == 3) {
-        cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
-    }
-    return result;
-}
-
 cv::Ptr<cv::StereoMatcher> create(OpencvMethod method, DisparityRange range) {
     if (method == OpencvMethod::bm) {
         constexpr int block = 9;
@@ -57,15 +49,27 @@ std::string name(OpencvMethod method) {
     return {};
 }
 
-MatcherResult run_opencv(OpencvMethod method, DisparityRange range, const cv::Mat& left, const cv::Mat& right,
-                         int threads, int repeat) {
-    cv::setNumThreads(threads);
+cv::Mat grey(const cv::Mat& image) {
+    cv::Mat result = image;
+    if (image.channels() == 3) {
+        cv::cvtColor(image, result, cv::COLOR_BGR2GRAY);
+    }
+    return result;
+}
+
+cv::Ptr<cv::StereoMatcher> create_opencv(OpencvMethod method, DisparityRange range) {
     const auto matcher = create(method, range);
     matcher->setMinDisparity(range.first);
     matcher->setSpeckleWindowSize(100);
     matcher->setSpeckleRange(32);
     matcher->setDisp12MaxDiff(1);
+    return matcher;
+}
 
+MatcherResult run_opencv(OpencvMethod method, DisparityRange range, const cv::Mat& left, const cv::Mat& right,
+                         int threads, int repeat) {
+    cv::setNumThreads(threads);
+    const auto matcher = create_opencv(method, range);
     const cv::Mat left_grey = grey(left), right_grey = grey(right);
     cv::Mat disparity;
     std::vector<double> times;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
 #include "tools/eval/matcher_result.h"
@@ -17,6 +18,12 @@ enum class OpencvMethod { bm, sgbm_hh, sgbm_3way };
 
 const std::vector<OpencvMethod>& opencv_methods();
 std::string name(OpencvMethod method);
+
+/// The matcher with these parameters; its compute() takes grey images.
+cv::Ptr<cv::StereoMatcher> create_opencv(OpencvMethod method, DisparityRange range);
+
+/// BGR made grey; grey as it is.
+cv::Mat grey(const cv::Mat& image);
 
 /// Matches a rectified pair `repeat` times on `threads` threads.
 MatcherResult run_opencv(OpencvMethod method, DisparityRange range, const cv::Mat& left, const cv::Mat& right,

@@ -2,22 +2,15 @@
 #include "tools/eval/paper.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <ostream>
 
+#include "capture/text_file.h"
 #include "tools/ctl/table.h"
 
 namespace disparityd::eval {
-namespace {
 
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
-
-}  // namespace
+using capture::lower_case;
 
 double PaperScene::bad(Method method) const {
     switch (method) {
@@ -37,11 +30,19 @@ const std::vector<PaperScene>& paper_scenes() {
 }
 
 const PaperScene* paper_scene(const std::string& name) {
-    const std::string folder = lower(std::filesystem::path(name).filename().string());
+    const std::string folder = lower_case(std::filesystem::path(name).filename().string());
     const auto& scenes = paper_scenes();
     const auto found = std::find_if(scenes.begin(), scenes.end(),
-                                    [&](const PaperScene& scene) { return lower(scene.name) == folder; });
+                                    [&](const PaperScene& scene) { return lower_case(scene.name) == folder; });
     return found == scenes.end() ? nullptr : &*found;
+}
+
+const capture::DatasetScene* files_of(const PaperScene& scene, const std::vector<capture::DatasetScene>& found) {
+    const auto files = std::find_if(found.begin(), found.end(), [&](const capture::DatasetScene& candidate) {
+        const PaperScene* paper = paper_scene(candidate.name);
+        return paper != nullptr && paper->name == scene.name;
+    });
+    return files == found.end() ? nullptr : &*files;
 }
 
 void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/dataset.h"
 #include "kernels/options.h"
 #include "tools/eval/report.h"
 
@@ -23,6 +24,9 @@ const std::vector<PaperScene>& paper_scenes();
 
 /// The paper's scene of that name, as DatasetScene has it, or nullptr.
 const PaperScene* paper_scene(const std::string& name);
+
+/// The files of a scene of the paper among those that were found, or nullptr.
+const capture::DatasetScene* files_of(const PaperScene& scene, const std::vector<capture::DatasetScene>& found);
 
 /// Table 6: bad-1.0 over non-occluded pixels beside the paper's figures, for the rows of paper scenes.
 void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "kernels/cpu/backend.h"
+#include "tests/kernels/support.h"
+#include "tools/bench/alternation.h"
+#include "tools/bench/naive.h"
+#include "tools/bench/report.h"
+#include "tools/bench/step_work.h"
+#include "tools/bench/vector_paths.h"
+
+namespace disparityd::bench {
+namespace {
+
+using test::Image;
+using test::noise;
+using test::pick;
+using test::Random;
+
+template <typename T>
+struct OwnedVolume {
+    OwnedVolume(int width, int height, int disparities)
+        : values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+                 static_cast<std::size_t>(disparities)),
+          view{values.data(), width, height, disparities} {}
+    std::vector<T> values;
+    Volume<T> view;
+};
+
+class PlainVariantsTest : public testing::TestWithParam<Build> {};
+
+TEST_P(PlainVariantsTest, CostsEqualTheReference) {
+    Random random(1);
+    const PlainVariants& plain = plain_variants(GetParam());
+    for (int round = 0; round < 20; ++round) {
+        const int width = pick(random, 1, 40), height = pick(random, 1, 12);
+        const DisparityRange range{pick(random, -20, 20), 16 * pick(random, 1, 4)};
+        auto left = noise(random, width, height), right = noise(random, width, height);
+        OwnedVolume<std::uint16_t> sad(width, height, range.count), expected_sad(width, height, range.count);
+        plain.sad_in_one_pass(left.plane(), right.plane(), range, sad.view, left.rows());
+        reference::sad(left.plane(), right.plane(), range, expected_sad.view, left.rows());
+        ASSERT_EQ(sad.values, expected_sad.values) << width << "x" << height;
+
+        Image<std::uint64_t> left_words(width, height), right_words(width, height);
+        OwnedVolume<std::uint8_t> costs(width, height, range.count), expected(width, height, range.count);
+        plain.census_in_one_pass(left.plane(), right.plane(), range, costs.view, left.rows());
+        reference::census(left.plane(), left_words.plane(), left.rows());
+        reference::census(right.plane(), right_words.plane(), left.rows());
+        reference::matching_cost(left_words.plane(), right_words.plane(), range, expected.view, left.rows());
+        ASSERT_EQ(costs.values, expected.values) << width << "x" << height;
+    }
+}
+
+/// Two sweeps with one way to continue a path, against eight paths of the reference.
+void expect_equal_sums(const PlainVariants& plain, ContinuePath continue_path, unsigned seed) {
+    Random random(seed);
+    Serial serial;
+    for (int round = 0; round < 20; ++round) {
+        const int width = pick(random, 1, 30), height = pick(random, 1, 10), disparities = 16 * pick(random, 1, 16);
+        OwnedVolume<std::uint8_t> costs(width, height, disparities);
+        for (std::uint8_t& cost : costs.values) {
+            cost = static_cast<std::uint8_t>(pick(random, 0, 62));
+        }
+        SgmOptions options;
+        options.p2 = pick(random, 2, 193);
+        options.p1 = pick(random, 1, options.p2 - 1);
+        OwnedVolume<std::uint16_t> sums(width, height, disparities), expected(width, height, disparities);
+        std::vector<std::uint8_t> scratch(plain.two_sweeps_scratch(width, disparities));
+        plain.aggregate_in_two_sweeps(costs.view, options.p1, options.p2, sums.view, scratch, continue_path);
+        std::vector<std::byte> reference_scratch(reference::aggregate_scratch(width, height, disparities));
+        Image<std::uint8_t> left(width, height);
+        reference::aggregate(costs.view, left.plane(), options, expected.view, reference_scratch, serial);
+        ASSERT_EQ(sums.values, expected.values) << width << "x" << height << ", D " << disparities;
+    }
+}
+
+TEST_P(PlainVariantsTest, SumsEqualTheReference) {
+    const PlainVariants& plain = plain_variants(GetParam());
+    expect_equal_sums(plain, plain.least_once, 2);
+    expect_equal_sums(plain, plain.least_per_candidate, 3);
+}
+
+TEST_P(PlainVariantsTest, NaiveStepsGiveTheSameBytes) {
+    Random random(4);
+    const KernelSteps& steps = naive_steps(GetParam());
+    auto image = noise(random, 50, 20);
+    Image<std::uint64_t> words(50, 20), expected(50, 20);
+    steps.census(image.plane(), words.plane(), image.rows());
+    reference::census(image.plane(), expected.plane(), image.rows());
+    EXPECT_EQ(words.pixels(), expected.pixels());
+}
+
+INSTANTIATE_TEST_SUITE_P(Bench, PlainVariantsTest, testing::Values(Build::as_compiled, Build::not_vectorised));
+
+TEST(NaiveTest, TheTwoBuildsAreDifferentCode) {
+    EXPECT_NE(naive_steps(Build::as_compiled).census, naive_steps(Build::not_vectorised).census);
+    EXPECT_NE(naive_steps(Build::as_compiled).aggregate, naive_steps(Build::not_vectorised).aggregate);
+}
+
+TEST(VectorPathsTest, SumsEqualTheReference) {
+    for (const cpu::InstructionSet& set : cpu::instruction_sets()) {
+        const VectorPaths paths = vector_paths(set.target);
+        ASSERT_NE(paths.tree, nullptr) << set.name;
+        expect_equal_sums(plain_variants(Build::as_compiled), paths.tree, 5);
+        expect_equal_sums(plain_variants(Build::as_compiled), paths.lane_by_lane, 6);
+    }
+}
+
+/// Counts its runs and waits for nobody.
+class CountingContestant final : public Contestant {
+public:
+    CountingContestant(std::vector<int>& order, int number) : order_(order), number_(number) {}
+    void prepare() override {}
+    void run() override { order_.push_back(number_); }
+
+private:
+    std::vector<int>& order_;
+    int number_;
+};
+
+TEST(AlternationTest, EverybodyRunsOncePerRound) {
+    std::vector<int> order;
+    Contestants three;
+    for (int i = 0; i < 3; ++i) {
+        three.push_back(std::make_unique<CountingContestant>(order, i));
+    }
+    const StereoPair pair{"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
+    const auto found = alternate(pair, three, {.rounds = 4, .seconds = 3600, .least_rounds = 3});
+    EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2}));
+    ASSERT_EQ(found.size(), 3U);
+    EXPECT_EQ(found[0].ms.size(), 4U);
+    EXPECT_EQ(found[0].width, 6);
+    EXPECT_EQ(found[0].scene, "made");
+}
+
+TEST(AlternationTest, WhoIsSlowSitsOutRounds) {
+    std::vector<int> order;
+    Contestants two;
+    for (int i = 0; i < 2; ++i) {
+        two.push_back(std::make_unique<CountingContestant>(order, i));
+    }
+    const StereoPair pair{"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
+    // With no time at all everybody is too slow: the least number of rounds, spread over all.
+    const auto found = alternate(pair, two, {.rounds = 30, .seconds = 0, .least_rounds = 3});
+    EXPECT_EQ(order, (std::vector<int>{0, 1, 0, 1, 0, 1}));
+    EXPECT_EQ(found[1].ms.size(), 3U);
+}
+
+Measurement measured(std::string name, std::string isa, int threads, std::vector<double> ms) {
+    Measurement one;
+    one.scene = "made";
+    one.width = 1000;
+    one.height = 500;
+    one.disparities = 64;
+    one.name = std::move(name);
+    one.isa = std::move(isa);
+    one.threads = threads;
+    one.memory_mb = std::nan("");
+    one.cpu_ms = ms;
+    one.ms = std::move(ms);
+    return one;
+}
+
+TEST(MeasurementTest, MedianAndQuartiles) {
+    const Measurement one = measured("cpu/sgm", "AVX2", 1, {9, 1, 5, 3, 7});
+    EXPECT_DOUBLE_EQ(one.median_ms(), 5);
+    EXPECT_DOUBLE_EQ(one.least_ms(), 1);
+    EXPECT_DOUBLE_EQ(one.lower_quartile_ms(), 3);
+    EXPECT_DOUBLE_EQ(one.upper_quartile_ms(), 7);
+    EXPECT_DOUBLE_EQ(one.frames_per_second(), 200);
+    EXPECT_DOUBLE_EQ(one.gde_per_second(), 1000 * 500 * 64 / 5e6);
+}
+
+TEST(ReportTest, RatiosAreAgainstTheSameMethodAndAsManyThreads) {
+    std::ostringstream text;
+    print_measurements({measured("cpu/sgm", "AVX2", 2, {2}), measured("opencv/3way", "SSE2", 1, {14}),
+                        measured("opencv/3way", "SSE2", 2, {7}), measured("naive/sgm", "compiled", 1, {50}),
+                        measured("naive/sgm", "scalar", 1, {222}), measured("naive/sad", "scalar", 1, {1000})},
+                       true, text);
+    EXPECT_THAT(text.str(), testing::HasSubstr("| 25.0 | 111.0 | 3.50 |"));
+    EXPECT_THAT(text.str(), testing::HasSubstr("made 1000x500, D 64"));
+}
+
+TEST(ReportTest, UnknownMemoryIsNull) {
+    std::ostringstream text;
+    print_json({measured("cpu/sgm", "AVX2", 2, {2})}, text);
+    EXPECT_TRUE(nlohmann::json::parse(text.str())[0]["memory_mb"].is_null());
+}
+
+TEST(StepWorkTest, VolumesAreWrittenAndReadOnce) {
+    MatchOptions options;
+    options.range.count = 128;
+    constexpr double pixels = 450 * 375;
+    const auto work = step_work("dsi+aggregate+wta", options, pixels);
+    ASSERT_TRUE(work);
+    // A byte of cost and a byte of sums per candidate, each written and read; a little for the images.
+    EXPECT_NEAR(work->bytes, 4 * pixels * 128, 0.05 * 4 * pixels * 128);
+    options.sgm.p2 = 100;
+    EXPECT_NEAR(step_work("dsi+aggregate+wta", options, pixels)->bytes, 6 * pixels * 128, 0.05 * 6 * pixels * 128);
+    EXPECT_FALSE(step_work("make coffee", options, pixels));
+}
+
+TEST(StepWorkTest, EveryStepOfOursIsCounted) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        const MatchOptions options = default_options(method, {0, 16});
+        for (const Backend& row : backends()) {
+            const auto matcher = row.create({32, 16, options});
+            for (const StageInfo& stage : matcher->stages().subspan(1)) {
+                for (const std::string_view step : stage.steps) {
+                    EXPECT_TRUE(step_work(std::string(step), options, 1)) << step;
+                }
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::bench

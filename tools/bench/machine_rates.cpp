@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/bench/machine_rates.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+#include "kernels/large_buffer.h"
+#include "tools/bench/vector_peak.h"
+#include "tools/eval/our_matcher.h"
+
+namespace disparityd::bench {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Pieces short enough that most of them are not interrupted.
+constexpr std::size_t piece_bytes = std::size_t{4} << 20;
+
+/// What all workers together do per second: the sum of the workers' median rates over their pieces of work.
+/// `work(worker, piece)` does a piece and returns how much it was.
+double rate(Parallel& workers, int pieces, FunctionRef<double(int, int)> work) {
+    std::vector<double> rates(static_cast<std::size_t>(workers.workers()));
+    workers.for_each(workers.workers(), [&](int worker) {
+        std::vector<double> of_pieces;
+        for (int piece = 0; piece < pieces; ++piece) {
+            const auto start = steady_clock::now();
+            const double done = work(worker, piece);
+            const std::chrono::duration<double> taken = steady_clock::now() - start;
+            of_pieces.push_back(done / taken.count());
+        }
+        rates[static_cast<std::size_t>(worker)] = eval::median(of_pieces);
+    });
+    return std::accumulate(rates.begin(), rates.end(), 0.0);
+}
+
+/// Memory divided among workers, each part divided into pieces, all of it touched.
+class Pieces {
+public:
+    Pieces(std::size_t bytes, int workers)
+        : pieces_(std::max(1, static_cast<int>(bytes / piece_bytes / static_cast<std::size_t>(workers)))),
+          buffer_(piece_bytes * static_cast<std::size_t>(pieces_) * static_cast<std::size_t>(workers)) {
+        std::memset(buffer_.data(), 1, buffer_.size());
+    }
+
+    int pieces() const { return pieces_; }
+    std::byte* piece(int worker, int i) const {
+        return buffer_.data() + piece_bytes * static_cast<std::size_t>(worker * pieces_ + i % pieces_);
+    }
+
+private:
+    int pieces_;
+    LargeBuffer buffer_;
+};
+
+double read_rate(std::size_t bytes, Parallel& workers) {
+    const Pieces memory(bytes, workers.workers());
+    std::vector<std::uint64_t> sums(static_cast<std::size_t>(workers.workers()));
+    return rate(workers, memory.pieces(), [&](int worker, int i) {
+        const auto* words = reinterpret_cast<const std::uint64_t*>(memory.piece(worker, i));
+        std::uint64_t sum[8] = {};
+        for (std::size_t k = 0; k < piece_bytes / sizeof(std::uint64_t); k += 8) {
+            for (std::size_t j = 0; j < 8; ++j) {
+                sum[j] += words[k + j];
+            }
+        }
+        sums[static_cast<std::size_t>(worker)] += std::accumulate(sum, sum + 8, std::uint64_t{0});
+        return static_cast<double>(piece_bytes);
+    });
+}
+
+/// `rounds`: how often the same bytes are copied.
+double copy_rate(std::size_t bytes, int rounds, Parallel& workers) {
+    const Pieces from(bytes, workers.workers());
+    const Pieces to(bytes, workers.workers());
+    return rate(workers, from.pieces() * rounds, [&](int worker, int i) {
+        std::memcpy(to.piece(worker, i), from.piece(worker, i), piece_bytes);
+        return static_cast<double>(piece_bytes);
+    });
+}
+
+}  // namespace
+
+// Not sysconf where the kernel says it: glibc 2.36 has been seen to count a cache once per thread that it thinks there
+// is (335 MB where there were 32).
+std::size_t last_level_cache_bytes() {
+    constexpr std::size_t usual = std::size_t{8} << 20;
+    std::ifstream file("/sys/devices/system/cpu/cpu0/cache/index3/size");
+    std::size_t size = 0;
+    char unit = 'K';
+    if (file >> size >> unit && size > 0) {
+        return size << (unit == 'M' ? 20 : 10);
+    }
+    const long found = sysconf(_SC_LEVEL3_CACHE_SIZE);
+    return found > 0 ? static_cast<std::size_t>(found) : usual;
+}
+
+MachineRates measure_machine(std::int64_t target, Parallel& workers) {
+    const std::size_t cache = last_level_cache_bytes();
+    const std::size_t beyond_cache = std::clamp(4 * cache, std::size_t{64} << 20, std::size_t{512} << 20);
+    constexpr int cached_rounds = 16, operation_pieces = 40;
+    return {read_rate(beyond_cache, workers), copy_rate(beyond_cache, 1, workers),
+            copy_rate(cache / 4, cached_rounds, workers),
+            rate(workers, operation_pieces, [&](int, int) { return do_byte_operations(target); })};
+}
+
+}  // namespace disparityd::bench

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+
+#include "tools/bench/ideas.h"
+#include "tools/bench/line_up.h"
+#include "tools/bench/machine.h"
+#include "tools/bench/paper_tables.h"
+#include "tools/bench/report.h"
+#include "tools/bench/roofline.h"
+#include "tools/bench/step_work.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/match_arguments.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/ctl/program.h"
+#include "tools/eval/paper.h"
+#include "tools/eval/scene.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::bench {
+namespace {
+
+constexpr int most_threads = 256;
+
+struct BenchArguments {
+    std::vector<std::string> pairs;
+    std::vector<std::string> contestants;
+    std::vector<std::string> threads;
+    std::string isa = "best";
+    std::string data;
+    std::string json;
+    tools::MatchArguments match;
+    std::optional<int> rounds;
+    std::optional<double> seconds;
+    std::optional<bool> roofline;
+    bool paper_tables = false;
+    bool ideas = false;
+    bool markdown = false;
+};
+
+std::vector<int> threads_of(const BenchArguments& arguments) {
+    const int cores = allowed_cores();
+    if (arguments.threads.empty()) {
+        std::vector<int> threads{1};
+        for (int count = 2; count < cores; count *= 2) {
+            threads.push_back(count);
+        }
+        if (cores > 1) {
+            threads.push_back(cores);
+        }
+        return threads;
+    }
+    std::vector<int> threads;
+    for (const std::string& text : arguments.threads) {
+        const int count =
+            text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos ? 0 : std::atoi(text.c_str());
+        if (count < 1 || count > most_threads) {
+            throw std::invalid_argument("--threads: found '" + text + "', allowed: a whole number from 1 to " +
+                                        std::to_string(most_threads));
+        }
+        threads.push_back(count);
+    }
+    return threads;
+}
+
+std::vector<PairRequest> pairs_of(const BenchArguments& arguments) {
+    std::vector<std::string> words = arguments.pairs;
+    if (words.empty() && !arguments.ideas) {
+        words =
+            arguments.paper_tables ? std::vector<std::string>{"paper"} : std::vector<std::string>{"paper", "rendered"};
+    }
+    std::vector<PairRequest> pairs = parse_pairs(words);
+    for (PairRequest& pair : pairs) {
+        pair.disparities = arguments.match.disparities().value_or(pair.disparities);
+    }
+    return pairs;
+}
+
+class Benchmark {
+public:
+    explicit Benchmark(const BenchArguments& arguments)
+        : arguments_(arguments),
+          pairs_(pairs_of(arguments)),
+          selection_{arguments.contestants, parse_instruction_sets(arguments.isa), threads_of(arguments)},
+          roofline_(pools_, selection_.instruction_sets) {
+        check_contestants(selection_.contestants);
+        if (selection_.contestants.empty() && arguments.paper_tables) {
+            selection_.contestants = {"cpu", "naive"};
+        }
+        patience_.rounds = arguments.rounds.value_or(patience_.rounds);
+        patience_.seconds = arguments.seconds.value_or(patience_.seconds);
+        options_for(default_options(Method::sgm).range.count);  // refuses options that do not fit together
+        find_data();
+    }
+
+    int run() {
+        tools::catch_interrupts();
+        write_json_file();  // where that cannot be, it is said now and not at the end
+        head();
+        for (const PairRequest& request : pairs_) {
+            if (!tools::interrupted() && available(request)) {
+                measure(load(request, found_));
+            }
+        }
+        if (arguments_.paper_tables) {
+            print_paper_tables(all_, text());
+        }
+        if (arguments_.ideas && !tools::interrupted()) {
+            ideas();
+        }
+        if (arguments_.json == "-") {
+            print_json(all_, std::cout);
+        }
+        if (tools::interrupted()) {
+            tools::print_note("interrupted: this is what there was so far");
+            return tools::exit_interrupted;
+        }
+        return tools::exit_done;
+    }
+
+private:
+    /// Where text for people goes: nowhere when standard output is for JSON.
+    std::ostream& text() { return arguments_.json == "-" ? nowhere_ : std::cout; }
+
+    void find_data() {
+        std::string folder = arguments_.data;
+        if (const char* given = std::getenv("DISPARITYD_DATA"); folder.empty() && given != nullptr) {
+            folder = given;
+        }
+        if (!folder.empty()) {
+            found_ = eval::find_scenes({folder});
+        }
+    }
+
+    bool available(const PairRequest& request) {
+        if (request.rendered() || eval::files_of(*eval::paper_scene(request.scene), found_) != nullptr) {
+            return true;
+        }
+        tools::print_note(request.scene + " is skipped: " +
+                          (found_.empty() ? "no evaluation data, name its folder by --data or DISPARITYD_DATA"
+                                          : "there is no folder of that name in the evaluation data"));
+        return false;
+    }
+
+    std::map<std::string, MatchOptions> options_for(int disparities) const {
+        std::map<std::string, MatchOptions> options;
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            options["cpu/" + std::string(name(method))] = arguments_.match.options(method, disparities);
+        }
+        return options;
+    }
+
+    void head() {
+        std::vector<std::string> lines = describe_machine();
+        const std::vector<std::string> opencv = describe_opencv();
+        lines.insert(lines.end(), opencv.begin(), opencv.end());
+        lines.push_back(
+            "MB: held at once (malloc and mmap counted) from the making of a matcher to the end of its first frame; "
+            "OpenCV's is freed after each frame");
+        for (const std::string& line : lines) {
+            text() << (arguments_.markdown ? "- " : "") << line << '\n';
+        }
+        text() << std::flush;
+    }
+
+    void measure(const StereoPair& pair) {
+        const auto options = options_for(pair.disparities);
+        const Contestants contestants = line_up(pair, selection_, options, pools_);
+        const std::vector<Measurement> measurements = alternate(pair, contestants, patience_);
+        if (!arguments_.paper_tables) {
+            print_measurements(measurements, arguments_.markdown, text());
+            if (arguments_.roofline.value_or(true) && !tools::interrupted()) {
+                roofline_.print(measurements, options, arguments_.markdown, text());
+            }
+        }
+        text() << std::flush;
+        all_.insert(all_.end(), measurements.begin(), measurements.end());
+        write_json_file();
+    }
+
+    void ideas() {
+        const PairRequest cones{"cones", 0, 0, 128};
+        const bool there = eval::files_of(*eval::paper_scene(cones.scene), found_) != nullptr;
+        const StereoPair pair = !pairs_.empty() ? load(pairs_.front(), found_)
+                                : there         ? load(cones, found_)
+                                                : render(450, 375, 128);
+        text() << "\nIdeas, each switched off in turn (" << pair.scene << ' ' << pair.left.cols << 'x' << pair.left.rows
+               << ", D " << pair.disparities << ", medians in ms):\n\n";
+        const int threads = *std::max_element(selection_.threads.begin(), selection_.threads.end());
+        print(idea_table(measure_ideas(pair, patience_, threads, pools_)), arguments_.markdown, text());
+    }
+
+    void write_json_file() const {
+        if (!arguments_.json.empty() && arguments_.json != "-") {
+            std::ostringstream list;
+            print_json(all_, list);
+            const std::string bytes = list.str();
+            images::write_file(arguments_.json, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+        }
+    }
+
+    const BenchArguments& arguments_;
+    std::vector<PairRequest> pairs_;
+    Selection selection_;
+    Patience patience_;
+    WorkerPools pools_;
+    Roofline roofline_;
+    std::vector<capture::DatasetScene> found_;
+    std::vector<Measurement> all_;
+    std::ostream nowhere_{nullptr};
+};
+
+void add_arguments(CLI::App& program, BenchArguments& arguments) {
+    const auto several = [&](const std::string& name, std::vector<std::string>& words, const std::string& description) {
+        return program.add_option(name, words, description)->allow_extra_args(false);
+    };
+    several(
+        "--pair", arguments.pairs,
+        "what is matched: paper (its four scenes with its D), one of cones, tsukuba, teddy, sawtooth, rendered (six "
+        "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
+        ->type_name("PAIR");
+    several("--contestant", arguments.contestants,
+            "who matches: cpu, naive, opencv, or one of them such as cpu/sgm or opencv/3way; may be repeated; default "
+            "all, naive only up to 25 million candidates per frame")
+        ->type_name("NAME");
+    program.add_option("--isa", arguments.isa, "vector instructions of cpu: best, all, or a name; default best")
+        ->type_name("NAME");
+    several("--threads", arguments.threads, "number of threads; may be repeated; default 1, 2, 4 .. cores")
+        ->type_name("N");
+    tools::add_integer(program, "--rounds", arguments.rounds, 1, 100000, "most runs of each contestant; default 15");
+    program
+        .add_option("--seconds", arguments.seconds,
+                    "who has taken that long on a pair runs less often, three times at least; default 0.8")
+        ->check(CLI::Range(0.0, 3600.0))
+        ->type_name("X");
+    program.add_option("--data", arguments.data, "folder with the paper's scenes; default: what DISPARITYD_DATA names")
+        ->type_name("DIR");
+    tools::add_switch(program, "roofline", arguments.roofline,
+                      "time of each of our steps beside what its bytes and operations take at least; default on");
+    program.add_flag(
+        "--ideas", arguments.ideas,
+        "what each idea of the paper gives, switched off in turn, on the first pair (default Cones, D 128)");
+    program.add_flag("--paper-tables", arguments.paper_tables, "tables 1 and 2 of the paper beside ours, in Markdown");
+    program.add_option("--json", arguments.json, "a list of objects to a file; -: to standard output, without tables")
+        ->type_name("FILE");
+    program.add_flag("--markdown", arguments.markdown, "tables in Markdown");
+    arguments.match.add_to(program, "default: the pair's");
+}
+
+}  // namespace
+}  // namespace disparityd::bench
+
+int main(int argc, char** argv) {
+    using namespace disparityd;
+    CLI::App program("Measures how long matching takes: ours, plain code and OpenCV, in alternation in one run.",
+                     "disparity-bench");
+    program.footer(
+        "A run is a frame from a rectified grey pair to filtered disparities; every contestant has matched one "
+        "before.\n" +
+        bench::step_work_legend() +
+        "\nx naive, x scalar, x 3WAY: how many times as fast as the reference as compiled, the reference not "
+        "vectorised\n"
+        "(both of the same method, 1 thread), and OpenCV's MODE_SGBM_3WAY with as many threads.\n"
+        "Ctrl-C ends it with what there is so far.\n"
+        "Exit status: 0 done; 1 the system refused; 2 arguments or data must be changed; 130 ended by Ctrl-C.\n"
+        "Example: disparity-bench --pair 640x480x64 --contestant cpu --contestant opencv/3way --isa all --json "
+        "out.json");
+    bench::BenchArguments arguments;
+    bench::add_arguments(program, arguments);
+    return tools::run_program(program, argc, argv, [&arguments] { return bench::Benchmark(arguments).run(); });
+}

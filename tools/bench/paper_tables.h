@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <iosfwd>
+#include <vector>
+
+#include "tools/bench/alternation.h"
+
+namespace disparityd::bench {
+
+/// Tables 1 and 2 of the paper with our columns, in Markdown, for those of its scenes that were measured: the paper's
+/// times, ours with the best instruction set on one thread and on most, and the speed-ups against naive code.
+void print_paper_tables(const std::vector<Measurement>& measurements, std::ostream& to);
+
+}  // namespace disparityd::bench

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "kernels/matcher.h"
+#include "pipeline/aligned_buffer.h"
+
+namespace disparityd::eval {
+
+/// A rectified pair on its way through a matcher: owns what FrameView refers to. One thread at a time.
+class FrameBuffers {
+public:
+    /// `left` and `right`: grey or BGR, 8 bit, of the matcher's size; the matcher's first stage makes grey planes of
+    /// them here, as it does in the pipeline. `matcher` outlives this.
+    FrameBuffers(Matcher& matcher, const cv::Mat& left, const cv::Mat& right, Parallel& workers);
+
+    /// Matches the pair from start to end. No allocation.
+    void match(Parallel& workers);
+
+    const FrameView& view() const { return frame_; }
+
+    /// How long the steps of the last match() took, in the order of the stages after the first and of their steps.
+    const std::vector<std::chrono::nanoseconds>& step_times() const { return step_times_; }
+
+private:
+    Matcher& matcher_;
+    pipeline::AlignedBuffer left_, right_, disparity_, confidence_, scratch_;
+    FrameView frame_;
+    std::vector<std::chrono::nanoseconds> step_times_;
+};
+
+}  // namespace disparityd::eval
