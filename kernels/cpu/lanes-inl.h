@@ -119,6 +119,28 @@ HWY_INLINE hn::Vec<Tag> broadcast_least_of_block(Tag tag, Block block) {
 #endif
 }
 
+/// The last 128 bits of `v`, and the first.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE auto upper_block(Tag tag, V v) {
+    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
+        (void)tag;
+        return v;
+    } else {
+        const hn::Half<Tag> half;
+        return upper_block(half, hn::UpperHalf(half, v));
+    }
+}
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE auto lower_block(Tag tag, V v) {
+    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
+        (void)tag;
+        return v;
+    } else {
+        const hn::Half<Tag> half;
+        return lower_block(half, hn::LowerHalf(half, v));
+    }
+}
+
 /// Min of the 128-bit blocks of `v`: one block.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE auto least_of_blocks(Tag tag, V v) {

@@ -50,7 +50,7 @@ public:
             }
             winner_[0] = hn::IfThenElse(hn::Lt(sums[0], least), index[0], winner);
             least_[0] = hn::Min(sums[0], least);
-            hn::StoreU(winner_[classes - 1], tag_, done - (lanes - 1));
+            hn::StoreU(upper_block(tag_, winner_[classes - 1]), block_, done - 7);
         } else {
             const V least = from_lane_above(tag_, least_[0], none_);
             const V winner = from_lane_above(tag_, winner_[0], no_winner_);
@@ -62,7 +62,7 @@ public:
             constexpr int last = classes - 1;
             winner_[last] = hn::IfThenElse(hn::Lt(least, sums[last]), winner, index[last]);
             least_[last] = hn::Min(sums[last], least);
-            hn::StoreU(winner_[0], tag_, done);
+            hn::StoreU(lower_block(tag_, winner_[0]), block_, done);
         }
     }
 
@@ -80,6 +80,7 @@ public:
 
 private:
     Tag tag_{};
+    hn::FixedTag<std::int16_t, 8> block_{};
     V none_ = hn::Set(tag_, std::int16_t{no_sum - 1});  // less than the sum of what is no candidate
     V no_winner_ = hn::Set(tag_, std::int16_t{-1});
     V least_[classes];
