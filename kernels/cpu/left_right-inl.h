@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-#include "hwy/highway.h"
+#include "kernels/cpu/left_right_bytes-inl.h"
 #include "kernels/reference/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -92,7 +92,16 @@ inline void left_right(Plane<const std::int16_t> left_winner, Plane<const std::i
         return;
     }
     const LeftRightCheck check(range, disparity.width);
+#if HWY_TARGET == HWY_AVX3_DL
+    LeftRightBytes check_bytes(range, disparity.width);
+    const bool in_bytes = LeftRightBytes::fits(range, disparity.width);
+#endif
     for (int y = rows.first; y < rows.last; ++y) {
+#if HWY_TARGET == HWY_AVX3_DL
+        if (in_bytes && check_bytes.row(left_winner.row(y), right_winner.row(y), disparity.row(y))) {
+            continue;
+        }
+#endif
         check.row(left_winner.row(y), right_winner.row(y), disparity.row(y));
     }
 }

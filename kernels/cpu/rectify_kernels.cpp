@@ -10,6 +10,7 @@
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
 #include "kernels/cpu/rectify-inl.h"
+#include "kernels/cpu/rectify_colour-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -22,6 +23,14 @@ void rectify(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std
     }
 }
 
+void rectify_colour(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
+    if (raw.format == PixelFormat::yuyv) {
+        rectify_yuyv_colour(raw, rectifier, bgr, rows);
+    } else {
+        reference::rectify_colour(raw, rectifier, bgr, rows);
+    }
+}
+
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 #endif
@@ -29,24 +38,24 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace disparityd::cpu {
 
-Rectify rectify(std::int64_t target) {
+RectifyKernels rectify_kernels(std::int64_t target) {
     switch (target) {
 #if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::rectify;
+        case HWY_AVX3_DL: return {N_AVX3_DL::rectify, N_AVX3_DL::rectify_colour};
 #endif
 #if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::rectify;
+        case HWY_AVX3: return {N_AVX3::rectify, N_AVX3::rectify_colour};
 #endif
 #if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::rectify;
+        case HWY_AVX2: return {N_AVX2::rectify, N_AVX2::rectify_colour};
 #endif
 #if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::rectify;
+        case HWY_SSE4: return {N_SSE4::rectify, N_SSE4::rectify_colour};
 #endif
 #if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::rectify;
+        case HWY_NEON: return {N_NEON::rectify, N_NEON::rectify_colour};
 #endif
-        default: return reference::rectify;
+        default: return {reference::rectify, reference::rectify_colour};
     }
 }
 

@@ -8,7 +8,11 @@
 namespace disparityd::cpu {
 
 /// Step 1 for an instruction set of Highway, as KernelSteps has it.
-using Rectify = void (*)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
-Rectify rectify(std::int64_t target);
+struct RectifyKernels {
+    void (*luma)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
+    void (*colour)(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
+};
+
+RectifyKernels rectify_kernels(std::int64_t target);
 
 }  // namespace disparityd::cpu

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "hwy/highway.h"
+#include "kernels/cpu/wide_tables-inl.h"
 #include "kernels/raw_image.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -81,6 +81,7 @@ private:
 template <class Words, PixelFormat format>
 class WholeWindow {
     using V = hn::Vec<Words>;
+    using Bytes = hn::Repartition<std::uint8_t, Words>;
     static_assert(hn::MaxLanes(Words()) == 32);
 
 public:
@@ -99,11 +100,12 @@ public:
     }
     HWY_INLINE V find(int row, V index) const {
         const std::uint8_t* pixels = first_pixel_ + row * stride_;
-        const __m512i table = _mm512_loadu_si512(pixels);
+        const auto table = hn::LoadU(Bytes(), pixels);
         if constexpr (format == PixelFormat::yuyv) {
-            return V{_mm512_permutex2var_epi8(table, index.raw, _mm512_loadu_si512(pixels + 64))};
+            const auto upper = hn::LoadU(Bytes(), pixels + 64);
+            return hn::BitCast(Words(), look_up(table, upper, hn::BitCast(Bytes(), index)));
         } else {
-            return V{_mm512_permutexvar_epi8(index.raw, table)};
+            return hn::BitCast(Words(), look_up(table, hn::BitCast(Bytes(), index)));
         }
     }
 

@@ -22,7 +22,9 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 const KernelSteps& steps() {
     static const KernelSteps table = [] {
         KernelSteps changed = reference::steps;
-        changed.rectify = cpu::rectify(HWY_TARGET);
+        const RectifyKernels rectify = rectify_kernels(HWY_TARGET);
+        changed.rectify = rectify.luma;
+        changed.rectify_colour = rectify.colour;
         changed.left_right = left_right;
         changed.median = median;
         changed.speckle = speckle;

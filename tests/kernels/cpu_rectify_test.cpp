@@ -82,20 +82,34 @@ struct Map {
 class CpuRectify : public StepsOfInstructionSet {
 protected:
     void compare(const Source& source, const Rectifier& rectifier, int width, int height) {
-        for (const Eye eye : {Eye::left, Eye::right}) {
-            const GuardedPlane<std::uint8_t> expected(width, height);
-            const GuardedPlane<std::uint8_t> found(width, height);
-            reference::rectify(source.raw, eye, rectifier, expected.plane(), {0, height});
-            const int middle = height / 2;
-            steps().rectify(source.raw, eye, rectifier, found.plane(), {middle, height});
-            steps().rectify(source.raw, eye, rectifier, found.plane(), {0, middle});
-            EXPECT_TRUE(found.intact());
-            for (int y = 0; y < height; ++y) {
-                for (int x = 0; x < width; ++x) {
-                    ASSERT_EQ(found.plane().at(x, y), expected.plane().at(x, y))
-                        << x << "," << y << " of " << width << "x" << height << " from " << source.raw.eye_width << "x"
-                        << source.raw.height << ", format " << static_cast<int>(source.raw.format);
-                }
+        const auto rectify = [&](Eye eye) {
+            return [&source, &rectifier, eye](const KernelSteps& of, Plane<std::uint8_t> out, Rows rows) {
+                of.rectify(source.raw, eye, rectifier, out, rows);
+            };
+        };
+        compare(width, height, rectify(Eye::left));
+        compare(width, height, rectify(Eye::right));
+        compare(3 * width, height, [&](const KernelSteps& of, Plane<std::uint8_t> out, Rows rows) {
+            of.rectify_colour(source.raw, rectifier, out, rows);
+        });
+        ASSERT_FALSE(HasFailure()) << "from " << source.raw.eye_width << "x" << source.raw.height << ", format "
+                                   << static_cast<int>(source.raw.format);
+    }
+
+private:
+    template <typename Step>
+    void compare(int width, int height, Step step) {
+        const GuardedPlane<std::uint8_t> expected(width, height);
+        const GuardedPlane<std::uint8_t> found(width, height);
+        const int middle = height / 2;
+        step(reference::steps, expected.plane(), {0, height});
+        step(steps(), found.plane(), {middle, height});
+        step(steps(), found.plane(), {0, middle});
+        EXPECT_TRUE(found.intact());
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                ASSERT_EQ(found.plane().at(x, y), expected.plane().at(x, y))
+                    << x << "," << y << " of " << width << "x" << height;
             }
         }
     }
@@ -145,6 +159,26 @@ TEST_P(CpuRectify, EqualsTheReferenceOnARegionWithoutMaps) {
             false, {}, {}, pick(random, 0, eye_width - width), pick(random, 0, source.raw.height - height)};
         compare(source, region, width, height);
         ASSERT_FALSE(HasFailure()) << "round " << round;
+    }
+}
+
+TEST_P(CpuRectify, EqualsTheReferenceOnEveryColour) {
+    for (int luma = 0; luma < 256; luma += 15) {
+        std::vector<std::uint8_t> bytes(4 * 256 * 256 * 2);
+        for (int i = 0; i < 256 * 256; ++i) {
+            // The left eye; the right one stays 0.
+            std::uint8_t* pair = bytes.data() + 2048 * (i / 256) + 4 * (i % 256);
+            pair[0] = static_cast<std::uint8_t>(luma);
+            pair[1] = static_cast<std::uint8_t>(i % 256);
+            pair[2] = static_cast<std::uint8_t>(255 - luma);
+            pair[3] = static_cast<std::uint8_t>(i / 256);
+        }
+        const RawImage raw{bytes.data(), PixelFormat::yuyv, 512, 256, 2048};
+        Image<std::uint8_t> expected(3 * 512, 256);
+        Image<std::uint8_t> found(3 * 512, 256);
+        reference::rectify_colour(raw, {}, expected.plane(), expected.rows());
+        steps().rectify_colour(raw, {}, found.plane(), found.rows());
+        ASSERT_TRUE(found.pixels() == expected.pixels()) << "luma " << luma;
     }
 }
 
