@@ -8,22 +8,17 @@
 #include <thread>
 #include <vector>
 
-#include <sched.h>
+#include <pthread.h>
+
+#include "pipeline/core_places.h"
+#include "pipeline/cores.h"
+#include "pipeline/waiting_line.h"
 
 namespace disparityd::pipeline {
 
 namespace {
 
-int cores_allowed() {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    if (sched_getaffinity(0, sizeof set, &set) == 0) {
-        return std::max(1, CPU_COUNT(&set));
-    }
-    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
-// One call of for_each(), on its caller's stack, in the pool's list while it has tasks that nobody took.
+/// One call of for_each(), on its caller's stack, in the pool's list while it has tasks that nobody took.
 struct Job {
     Job(int task_count, FunctionRef<void(int)> function) : count(task_count), task(function) {}
 
@@ -35,22 +30,46 @@ struct Job {
         task(index);
         return true;
     }
-    bool exhausted() const { return next.load(std::memory_order_relaxed) >= count; }
+    /// The caller has a task too.
+    bool wants_help() const { return next.load(std::memory_order_relaxed) < count && helpers < count - 1; }
 
     const int count;
     FunctionRef<void(int)> task;
     std::atomic<int> next{0};
-    int helpers = 0;  // guarded by the pool's mutex
+    // Under the pool's lock.
+    int helpers = 0;
+    std::condition_variable left;
     Job* following = nullptr;
+};
+
+/// A thread that waits for a seat, on its own stack.
+struct Waiter {
+    bool seated = false;
+    int core = CorePlaces::none;
+    std::condition_variable called;
+    Waiter* following = nullptr;
+};
+
+struct Helper {
+    std::thread thread;
+    Job* job = nullptr;           ///< what it works at; none: it sleeps
+    unsigned chosen_at = 0;       ///< value of changes_ then
+    int core = CorePlaces::none;  ///< which it is bound to; taken while it works
+    std::condition_variable woken;
+    Helper* called_after = nullptr;
 };
 
 }  // namespace
 
 class WorkerPool::Impl {
 public:
-    explicit Impl(int workers) : workers_(workers), free_seats_(workers) {
-        for (int i = 1; i < workers; ++i) {
-            helpers_.emplace_back([this] { help(); });
+    Impl(int workers, Pinning pinning)
+        : workers_(workers),
+          cores_(workers, pinning == Pinning::where_allowed),
+          free_seats_(workers),
+          helpers_(static_cast<std::size_t>(workers - 1)) {
+        for (Helper& helper : helpers_) {
+            helper.thread = std::thread([this, &helper] { help(helper); });
         }
     }
 
@@ -59,115 +78,210 @@ public:
             const std::lock_guard lock(mutex_);
             stopping_ = true;
         }
-        work_.notify_all();
-        for (std::thread& helper : helpers_) {
-            helper.join();
+        for (Helper& helper : helpers_) {
+            helper.woken.notify_one();
+            helper.thread.join();
         }
     }
 
     int workers() const { return workers_; }
 
+    Placement placement() const {
+        const std::lock_guard lock(mutex_);
+        return {cores_.bound(), cores_.text()};
+    }
+
+    int waiting() const {
+        const std::lock_guard lock(mutex_);
+        return waiters_.length();
+    }
+
     void run(Job& job) {
+        Helper* called = nullptr;
         {
             const std::lock_guard lock(mutex_);
-            job.following = jobs_;
-            jobs_ = &job;
+            jobs_.append(job);
+            changes_.fetch_add(1, std::memory_order_relaxed);
+            called = call_helpers();
         }
-        work_.notify_all();
+        wake(called);
         while (job.run_one()) {
         }
         std::unique_lock lock(mutex_);
-        remove(job);
-        job_left_.wait(lock, [&] { return job.helpers == 0; });
+        jobs_.remove(job);
+        job.left.wait(lock, [&] { return job.helpers == 0; });
     }
 
-    void take_seat() {
+    /// The core that goes with it, or none.
+    int take_seat() {
         std::unique_lock lock(mutex_);
-        seats_wanted_.fetch_add(1, std::memory_order_relaxed);
-        seat_freed_.wait(lock, [&] { return free_seats_ > 0; });
-        seats_wanted_.fetch_sub(1, std::memory_order_relaxed);
-        --free_seats_;
-        lock.unlock();
-        // Helpers stood back for this thread; there may be seats left for them.
-        work_.notify_all();
+        if (free_seats_ > 0) {
+            --free_seats_;
+            return cores_.take(sched_getcpu(), CorePlaces::none);
+        }
+        Waiter waiter;
+        waiters_.append(waiter);
+        changes_.fetch_add(1, std::memory_order_relaxed);
+        waiter.called.wait(lock, [&] { return waiter.seated; });
+        return waiter.core;
     }
 
-    void leave_seat() {
+    void leave_seat(int core) {
+        Helper* called = nullptr;
         {
             const std::lock_guard lock(mutex_);
-            ++free_seats_;
+            if (!hand_over(core)) {
+                cores_.give_back(core);
+                ++free_seats_;
+                called = call_helpers();
+            }
         }
-        offer_seat();
+        wake(called);
+    }
+
+    void binding_refused(int error) {
+        const std::lock_guard lock(mutex_);
+        cores_.refused(error);
     }
 
 private:
-    void help() {
+    void help(Helper& self) {
+        pthread_setname_np(pthread_self(), "worker");
         std::unique_lock lock(mutex_);
         for (;;) {
-            Job* job = nullptr;
-            work_.wait(lock, [&] { return stopping_ || (job = pick_job()) != nullptr; });
-            if (stopping_) {
+            self.woken.wait(lock, [&] { return stopping_ || self.job != nullptr; });
+            if (self.job == nullptr) {
                 return;
             }
-            ++job->helpers;
-            --free_seats_;
-            lock.unlock();
-            // A stage that waits for a seat goes first: it has a frame to bring on its way.
-            while (seats_wanted_.load(std::memory_order_relaxed) == 0 && job->run_one()) {
+            while (self.job != nullptr) {
+                Job& job = *self.job;
+                const unsigned chosen_at = self.chosen_at;
+                lock.unlock();
+                // Whoever has come since may need help more, and a stage that waits for a seat goes first: it has a
+                // frame to bring on its way.
+                while (changes_.load(std::memory_order_relaxed) == chosen_at && job.run_one()) {
+                }
+                lock.lock();
+                leave(self, job);
             }
-            lock.lock();
-            ++free_seats_;
-            if (--job->helpers == 0) {
-                job_left_.notify_all();
-            }
-            lock.unlock();
-            offer_seat();
-            lock.lock();
         }
     }
 
-    Job* pick_job() const {
-        if (free_seats_ == 0 || seats_wanted_.load(std::memory_order_relaxed) > 0) {
-            return nullptr;
+    /// The helper goes on with another job, or gives its seat away and sleeps.
+    void leave(Helper& self, Job& job) {
+        self.job = nullptr;
+        if (--job.helpers == 0) {
+            job.left.notify_one();
         }
+        if (hand_over(self.core)) {
+            return;
+        }
+        if (Job* next = neediest(&job)) {
+            assign(self, *next);
+        } else {
+            cores_.give_back(self.core);
+            ++free_seats_;
+        }
+    }
+
+    void assign(Helper& helper, Job& job) const {
+        ++job.helpers;
+        helper.job = &job;
+        helper.chosen_at = changes_.load(std::memory_order_relaxed);
+    }
+
+    /// The job with the fewest helpers; of equal ones `current`, else the oldest.
+    Job* neediest(const Job* current) const {
         Job* best = nullptr;
-        for (Job* job = jobs_; job != nullptr; job = job->following) {
-            if (!job->exhausted() && (best == nullptr || job->helpers < best->helpers)) {
+        for (Job* job = jobs_.first(); job != nullptr; job = job->following) {
+            if (job->wants_help() && (best == nullptr || job->helpers < best->helpers ||
+                                      (job->helpers == best->helpers && job == current))) {
                 best = job;
             }
         }
         return best;
     }
 
-    void offer_seat() {
-        if (seats_wanted_.load(std::memory_order_relaxed) > 0) {
-            seat_freed_.notify_one();
-        } else {
-            work_.notify_one();
+    /// Gives a seat to whoever waits longest; false when nobody does.
+    bool hand_over(int core) {
+        Waiter* waiter = waiters_.first();
+        if (waiter == nullptr) {
+            return false;
+        }
+        waiters_.remove(*waiter);
+        waiter->core = cores_.bound() ? core : CorePlaces::none;
+        waiter->seated = true;
+        waiter->called.notify_one();
+        return true;
+    }
+
+    /// Sends sleeping helpers to the jobs that want them; they are still to be woken, without the lock.
+    Helper* call_helpers() {
+        Helper* called = nullptr;
+        while (free_seats_ > 0) {
+            Job* job = neediest(nullptr);
+            Helper* helper = job != nullptr ? sleeping_helper() : nullptr;
+            if (helper == nullptr) {
+                break;
+            }
+            --free_seats_;
+            assign(*helper, *job);
+            place(*helper);
+            helper->called_after = called;
+            called = helper;
+        }
+        return called;
+    }
+
+    /// Best one that can go on where it is bound.
+    Helper* sleeping_helper() {
+        Helper* found = nullptr;
+        for (Helper& helper : helpers_) {
+            if (helper.job == nullptr && (found == nullptr || cores_.is_free(helper.core))) {
+                found = &helper;
+                if (cores_.is_free(helper.core)) {
+                    break;
+                }
+            }
+        }
+        return found;
+    }
+
+    // Bound before it wakes, so that it wakes where it can run at once and not behind its caller.
+    void place(Helper& helper) {
+        const int core = cores_.take(helper.core, sched_getcpu());
+        if (core == CorePlaces::none || core == helper.core) {
+            return;
+        }
+        helper.core = core;
+        const int error = bind_to_core(helper.thread.native_handle(), core);
+        if (error != 0) {
+            cores_.refused(error);
         }
     }
 
-    void remove(Job& job) {
-        Job** link = &jobs_;
-        while (*link != &job) {
-            link = &(*link)->following;
+    static void wake(Helper* called) {
+        while (called != nullptr) {
+            // Awake, it may be called again by others.
+            Helper* const next = called->called_after;
+            called->woken.notify_one();
+            called = next;
         }
-        *link = job.following;
     }
 
     const int workers_;
-    std::mutex mutex_;
-    std::condition_variable work_;
-    std::condition_variable job_left_;
-    std::condition_variable seat_freed_;
-    Job* jobs_ = nullptr;
+    mutable std::mutex mutex_;
+    CorePlaces cores_;
+    WaitingLine<Job> jobs_;
+    WaitingLine<Waiter> waiters_;  ///< nobody waits while a seat is free
     int free_seats_;
-    std::atomic<int> seats_wanted_{0};
+    std::atomic<unsigned> changes_{0};  ///< of jobs_ and waiters_: somebody has come
     bool stopping_ = false;
-    std::vector<std::thread> helpers_;
+    std::vector<Helper> helpers_;
 };
 
-WorkerPool::WorkerPool(int workers) : impl_(std::make_unique<Impl>(workers > 0 ? workers : cores_allowed())) {}
+WorkerPool::WorkerPool(int workers, Pinning pinning)
+    : impl_(std::make_unique<Impl>(workers > 0 ? workers : cores_worth(), pinning)) {}
 
 WorkerPool::~WorkerPool() = default;
 
@@ -184,12 +298,33 @@ void WorkerPool::for_each(int count, FunctionRef<void(int)> task) {
     impl_->run(job);
 }
 
-WorkerPool::Seat::Seat(WorkerPool& pool) : pool_(pool) {
-    pool_.impl_->take_seat();
+WorkerPool::Placement WorkerPool::placement() const {
+    return impl_->placement();
+}
+
+int WorkerPool::waiting() const {
+    return impl_->waiting();
+}
+
+WorkerPool::Seat::Seat(WorkerPool& pool) : pool_(pool), core_(pool.impl_->take_seat()) {
+    if (core_ == CorePlaces::none) {
+        return;
+    }
+    int error = pthread_getaffinity_np(pthread_self(), sizeof before_, &before_);
+    if (error == 0) {
+        error = bind_to_core(pthread_self(), core_);
+    }
+    if (error != 0) {
+        pool_.impl_->binding_refused(error);
+        core_ = CorePlaces::none;
+    }
 }
 
 WorkerPool::Seat::~Seat() {
-    pool_.impl_->leave_seat();
+    if (core_ != CorePlaces::none) {
+        pthread_setaffinity_np(pthread_self(), sizeof before_, &before_);
+    }
+    pool_.impl_->leave_seat(core_);
 }
 
 }  // namespace disparityd::pipeline

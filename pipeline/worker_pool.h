@@ -2,20 +2,30 @@
 #pragma once
 
 #include <memory>
+#include <string>
+
+#include <sched.h>
 
 #include "kernels/parallel.h"
 
 namespace disparityd::pipeline {
 
+/// Whether threads are bound to a core each while they work.
+enum class Pinning : unsigned char { where_allowed, never };
+
 /// The one pool of workers that all stages share. A pool of N workers keeps N threads running at most: the threads that
 /// hold a Seat, and sleeping helpers that take the seats left over and give them back when a stage wants one.
 ///
 /// for_each() may be called by several threads at once: each works on its own tasks, helpers join whoever has the
-/// fewest of them. Nothing is allocated by for_each() or Seat.
+/// fewest of them and look again after each task when somebody else has come. Seats are given in the order in which
+/// they were asked for. Nothing is allocated by for_each() or Seat, and who waits sleeps.
+///
+/// Pinned, each running thread has a core of its own: one that it ran on before where that is free, else another one.
+/// Needs as many cores as workers and a system that allows it.
 class WorkerPool final : public Parallel {
 public:
-    /// `workers` counts the calling thread: 1 starts no helper. 0 = one per core that this process may run on.
-    explicit WorkerPool(int workers);
+    /// `workers` counts the calling thread: 1 starts no helper. 0 = cores_worth(), see pipeline/cores.h.
+    explicit WorkerPool(int workers, Pinning pinning = Pinning::where_allowed);
     ~WorkerPool() override;
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
@@ -23,8 +33,19 @@ public:
     int workers() const override;
     void for_each(int count, FunctionRef<void(int)> task) override;
 
+    /// Whether threads have cores of their own now; any thread may ask.
+    struct Placement {
+        bool pinned = false;
+        std::string text;  ///< "pinned to cores 0, 1", or "not pinned to cores: " and why
+    };
+    Placement placement() const;
+
+    /// How many threads wait for a seat at this moment.
+    int waiting() const;
+
     /// Held by a thread while it works, for_each() included: one of the N places. Waits for a free one. Not taken twice
-    /// by one thread. A thread that calls for_each() without one runs beside the N.
+    /// by one thread. A thread that calls for_each() without one runs beside the N. Where the thread may run is set
+    /// while it has the seat and afterwards as it was.
     class Seat {
     public:
         explicit Seat(WorkerPool& pool);
@@ -34,6 +55,8 @@ public:
 
     private:
         WorkerPool& pool_;
+        int core_;
+        cpu_set_t before_;  ///< where the thread might run without the seat
     };
 
 private:

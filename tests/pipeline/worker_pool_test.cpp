@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/worker_pool.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
+#include <barrier>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <semaphore>
 #include <set>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -84,6 +95,135 @@ TEST(WorkerPool, ManyCallersNeverRunMoreThreadsThanSeats) {
     }
     EXPECT_EQ(tasks.load(), 5 * 50 * 20);
     EXPECT_LE(most.load(), seats);
+}
+
+// Two stages at once: none of them runs ahead of the other by more than its tasks in hand, or both would wait for ever.
+TEST(WorkerPool, CallersAtOnceAllMakeProgress) {
+    for (const int workers : {2, 3}) {
+        WorkerPool pool(workers);
+        constexpr int tasks = 300;
+        constexpr int ahead = 8;
+        std::array<std::atomic<int>, 2> begun{};
+        std::barrier both_seated(2);
+        const auto stage = [&](std::size_t own, std::size_t other) {
+            const WorkerPool::Seat seat(pool);
+            both_seated.arrive_and_wait();
+            pool.for_each(tasks, [&](int) {
+                const int mine = begun[own].fetch_add(1);
+                while (begun[other].load() < std::min(mine - ahead, tasks)) {
+                    std::this_thread::yield();
+                }
+            });
+        };
+        std::thread first([&] { stage(0, 1); });
+        std::thread second([&] { stage(1, 0); });
+        first.join();
+        second.join();
+        EXPECT_EQ(begun[0].load(), tasks);
+        EXPECT_EQ(begun[1].load(), tasks);
+    }
+}
+
+TEST(WorkerPool, WhoComesLaterGetsHelpBeforeTheFirstHasFinished) {
+    constexpr int workers = 4;
+    constexpr int many = 100;
+    WorkerPool pool(workers);
+    std::counting_semaphore<> helpers_go_on(0), caller_goes_on(0);
+    std::atomic<int> begun{0};
+    std::thread first([&] {
+        const auto caller = std::this_thread::get_id();
+        const WorkerPool::Seat seat(pool);
+        pool.for_each(many, [&](int) {
+            begun.fetch_add(1);
+            (std::this_thread::get_id() == caller ? caller_goes_on : helpers_go_on).acquire();
+        });
+    });
+    while (begun.load() < workers) {
+        std::this_thread::yield();
+    }
+    // Every seat is taken by the first; the second gets that of the first helper that looks up, then the next helper.
+    std::atomic<int> met{0};
+    std::thread second([&] {
+        const WorkerPool::Seat seat(pool);
+        pool.for_each(2, [&](int) {
+            met.fetch_add(1);
+            while (met.load() < 2) {
+                std::this_thread::yield();
+            }
+        });
+    });
+    while (pool.waiting() == 0) {
+        std::this_thread::yield();
+    }
+    helpers_go_on.release();
+    while (met.load() == 0) {
+        std::this_thread::yield();
+    }
+    helpers_go_on.release();
+    second.join();
+    EXPECT_LT(begun.load(), many);
+    helpers_go_on.release(many);
+    caller_goes_on.release(many);
+    first.join();
+    EXPECT_EQ(begun.load(), many);
+}
+
+TEST(WorkerPool, SeatsAreGivenInTheOrderOfAsking) {
+    WorkerPool pool(1);
+    std::vector<int> order;
+    auto seat = std::make_unique<WorkerPool::Seat>(pool);
+    std::vector<std::thread> others;
+    for (int i = 0; i < 3; ++i) {
+        others.emplace_back([&pool, &order, i] {
+            const WorkerPool::Seat other(pool);
+            order.push_back(i);
+        });
+        while (pool.waiting() <= i) {
+            std::this_thread::yield();
+        }
+    }
+    seat.reset();
+    seat = std::make_unique<WorkerPool::Seat>(pool);
+    order.push_back(3);
+    seat.reset();
+    for (std::thread& other : others) {
+        other.join();
+    }
+    EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3}));
+}
+
+/// How often each helper of this process has been switched from or to; empty while one of them is awake.
+std::map<std::string, std::string> sleeping_helpers() {
+    std::map<std::string, std::string> helpers;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::ifstream file(thread.path() / "status");
+        std::string status((std::istreambuf_iterator<char>(file)), {});
+        if (!status.starts_with("Name:\tworker\n")) {
+            continue;
+        }
+        if (status.find("State:\tS") == std::string::npos) {
+            return {};
+        }
+        helpers[thread.path()] = status.substr(status.find("voluntary_ctxt_switches"));
+    }
+    return helpers;
+}
+
+// Not a matter of time: a thread that sleeps and was never switched to meanwhile has used nothing.
+TEST(WorkerPool, IdleHelpersSleep) {
+    WorkerPool pool(4);
+    for (int round = 0; round < 100; ++round) {
+        pool.for_each(50, [](int) { std::this_thread::yield(); });
+    }
+    const auto processor_ms = [] { return std::clock() * 1000 / CLOCKS_PER_SEC; };
+    bool quiet = false;
+    for (int attempt = 0; attempt < 100 && !quiet; ++attempt) {
+        const auto before = sleeping_helpers();
+        for (const auto end = processor_ms() + 20; processor_ms() < end;) {
+        }
+        quiet = before.size() == 3 && sleeping_helpers() == before;
+    }
+    EXPECT_TRUE(quiet) << "helpers without work run";
 }
 
 TEST(WorkerPool, ZeroMeansAllCores) {

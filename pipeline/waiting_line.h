@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace disparityd::pipeline {
+
+/// Things that wait, oldest first, linked through their own member `following`; owns nothing, allocates nothing.
+template <typename T>
+class WaitingLine {
+public:
+    T* first() const { return first_; }
+
+    void append(T& item) {
+        item.following = nullptr;
+        T** link = &first_;
+        while (*link != nullptr) {
+            link = &(*link)->following;
+        }
+        *link = &item;
+    }
+
+    /// `item` is in the line.
+    void remove(T& item) {
+        T** link = &first_;
+        while (*link != &item) {
+            link = &(*link)->following;
+        }
+        *link = item.following;
+    }
+
+    int length() const {
+        int count = 0;
+        for (const T* item = first_; item != nullptr; item = item->following) {
+            ++count;
+        }
+        return count;
+    }
+
+private:
+    T* first_ = nullptr;
+};
+
+}  // namespace disparityd::pipeline
