@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+// The kernels of SgmKernels one by one, and the sweeps made of them, beside the steps of the reference.
+#include "kernels/cpu/sgm_sweeps.h"
+#include "tests/kernels/check/sgm_layout.h"
+
+namespace disparityd::test {
+namespace {
+
+/// The reference's side of a case: everything from census to sums.
+struct PlainSgm {
+    explicit PlainSgm(const KernelInput& from)
+        : input(from),
+          random(from.seed),
+          pair(random, from),
+          left_words(from.width, from.height),
+          right_words(from.width, from.height),
+          costs(left_words.pixels().size() * static_cast<std::size_t>(from.options.range.count)),
+          sums(costs.size()),
+          scratch(reference::aggregate_scratch(from.width, from.height, from.options.range.count)) {}
+
+    Volume<std::uint8_t> cost_volume() { return volume(costs); }
+    Volume<std::uint16_t> sum_volume() { return volume(sums); }
+
+    void census() {
+        over_parts(input, [&](Rows rows) {
+            reference::census(pair.left.plane(), left_words.plane(), rows);
+            reference::census(pair.right.plane(), right_words.plane(), rows);
+        });
+    }
+    void matching_cost() {
+        over_parts(input, [&](Rows rows) {
+            reference::matching_cost(left_words.plane(), right_words.plane(), input.options.range, cost_volume(), rows);
+        });
+    }
+    void aggregate() {
+        Serial serial;
+        reference::aggregate(cost_volume(), pair.left.plane(), input.options.sgm, sum_volume(), scratch, serial);
+    }
+    void winners(const cpu::WinnerPlanes& out) {
+        over_parts(input, [&](Rows rows) {
+            const MatchOptions& options = input.options;
+            reference::winner_left<std::uint16_t>(sum_volume(), options.range, options.post.subpixel, out.winner,
+                                                  out.disparity, rows);
+            reference::winner_right<std::uint16_t>(sum_volume(), options.range, out.right_winner, rows);
+            reference::local_extrema<std::uint16_t>(sum_volume(), options.range, options.post, out.winner,
+                                                    out.disparity, out.confidence, rows);
+        });
+    }
+
+    template <typename T>
+    Volume<T> volume(std::vector<T>& of) {
+        return {of.data(), input.width, input.height, input.options.range.count};
+    }
+
+    KernelInput input;
+    Random random;
+    ImagePair pair;
+    Image<std::uint64_t> left_words, right_words;
+    std::vector<std::uint8_t> costs;
+    std::vector<std::uint16_t> sums;
+    std::vector<std::byte> scratch;
+};
+
+/// A vectorised side: kernels and guarded memory.
+struct VectorSgm {
+    VectorSgm(const KernelInput& from, std::int64_t target)
+        : input(from), random(from.seed), pair(random, from), layout(from, target), planes(layout, buffers) {}
+
+    /// Matching costs of all rows, in the reference's order.
+    std::vector<std::uint8_t> costs() {
+        const GuardedMemory<std::uint8_t> row(layout.geometry.row_bytes());
+        std::vector<std::uint8_t> all;
+        for (int y = 0; y < input.height; ++y) {
+            planes.matching_cost(y, row.data());
+            const std::vector<std::uint8_t> candidates = layout.row(row.data());
+            all.insert(all.end(), candidates.begin(), candidates.end());
+        }
+        return all;
+    }
+
+    KernelInput input;
+    Random random;
+    ImagePair pair;
+    SgmLayout layout;
+    RunBuffers buffers;
+    SgmPlanes planes;
+};
+
+// The order of bits in census planes is free: what counts is the costs that they give.
+KernelRun bind_census(const KernelInput& input, std::int64_t target) {
+    if (target == 0) {
+        const auto plain = std::make_shared<PlainSgm>(input);
+        return {[plain] { plain->census(); },
+                {},
+                [plain] {
+                    plain->matching_cost();
+                    return plain->costs;
+                },
+                [] { return true; }};
+    }
+    const auto sgm = std::make_shared<VectorSgm>(input, target);
+    return {[sgm] { sgm->planes.census(sgm->pair, sgm->input); },
+            {},
+            [sgm] { return sgm->costs(); },
+            [sgm] { return sgm->buffers.intact(); }};
+}
+
+KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target) {
+    if (target == 0) {
+        const auto plain = std::make_shared<PlainSgm>(input);
+        plain->census();
+        return {[plain] { plain->matching_cost(); }, {}, [plain] { return plain->costs; }, [] { return true; }};
+    }
+    const auto sgm = std::make_shared<VectorSgm>(input, target);
+    sgm->planes.census(sgm->pair, input);
+    const auto rows = sgm->buffers.memory<std::uint8_t>(sgm->layout.rows_bytes());
+    const auto row = [sgm, rows](int y) {
+        return rows.data() + static_cast<std::size_t>(y) * sgm->layout.geometry.row_bytes();
+    };
+    return {[=] {
+                for (int y = 0; y < sgm->input.height; ++y) {
+                    sgm->planes.matching_cost(y, row(y));
+                }
+            },
+            {},
+            [=] {
+                std::vector<std::uint8_t> all;
+                for (int y = 0; y < sgm->input.height; ++y) {
+                    const std::vector<std::uint8_t> candidates = sgm->layout.row(row(y));
+                    all.insert(all.end(), candidates.begin(), candidates.end());
+                }
+                return all;
+            },
+            [sgm] { return sgm->buffers.intact(); }};
+}
+
+// Costs and sums of any origin, as far as they can come about.
+KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
+    const auto plain = std::make_shared<PlainSgm>(input);
+    const std::size_t candidates = plain->costs.size();
+    const int spread = input.hostile ? pick(plain->random, 0, 2) * 100 + 1 : 200;
+    std::vector<std::uint8_t> down(candidates), up(candidates);
+    for (std::size_t i = 0; i < candidates; ++i) {
+        down[i] = static_cast<std::uint8_t>(252 - pick(plain->random, 0, spread));
+        up[i] = static_cast<std::uint8_t>(pick(plain->random, 0, spread));
+        plain->costs[i] = static_cast<std::uint8_t>(pick(plain->random, 0, std::min(62, spread)));
+        plain->sums[i] = static_cast<std::uint16_t>(down[i] + up[i] + 8 * plain->costs[i]);
+    }
+    const auto buffers = std::make_shared<RunBuffers>();
+    const cpu::WinnerPlanes out = winner_planes(input, *buffers);
+    if (target == 0) {
+        return {[plain, out] { plain->winners(out); },
+                {},
+                [buffers] { return buffers->results(); },
+                [buffers] { return buffers->intact(); }};
+    }
+    const auto layout = std::make_shared<SgmLayout>(input, target);
+    const std::size_t row_bytes = layout->geometry.row_bytes();
+    const std::span<std::uint8_t> rows[3] = {buffers->memory<std::uint8_t>(layout->rows_bytes()),
+                                             buffers->memory<std::uint8_t>(layout->rows_bytes()),
+                                             buffers->memory<std::uint8_t>(layout->rows_bytes())};
+    const std::size_t row_candidates = candidates / static_cast<std::size_t>(input.height);
+    for (std::size_t y = 0; y < static_cast<std::size_t>(input.height); ++y) {
+        layout->lay_out(&down[y * row_candidates], 3, &rows[0][y * row_bytes]);
+        layout->lay_out(&up[y * row_candidates], 5, &rows[1][y * row_bytes]);
+        layout->lay_out(&plain->costs[y * row_candidates], cpu::padding_cost, &rows[2][y * row_bytes]);
+    }
+    return {[layout, rows, out, input, row_bytes] {
+                for (int y = 0; y < input.height; ++y) {
+                    const std::size_t at = static_cast<std::size_t>(y) * row_bytes;
+                    layout->kernels.winner(layout->geometry, input.options.post, y % 2 == 0 ? 1 : -1, &rows[0][at],
+                                           &rows[1][at], &rows[2][at], out.row(y));
+                }
+            },
+            {},
+            [buffers] { return buffers->results(); },
+            [buffers] { return buffers->intact(); }};
+}
+
+/// All of it, from images to winners; `cache_bytes` 0 writes volumes past the caches.
+KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t cache_bytes) {
+    const auto plain = std::make_shared<PlainSgm>(input);
+    const auto buffers = std::make_shared<RunBuffers>();
+    const cpu::WinnerPlanes out = winner_planes(input, *buffers);
+    const auto results = [buffers] { return buffers->results(); };
+    const auto intact = [buffers] { return buffers->intact(); };
+    if (target == 0) {
+        return {[plain, out] {
+                    plain->census();
+                    plain->matching_cost();
+                    plain->aggregate();
+                    plain->winners(out);
+                },
+                {},
+                results,
+                intact};
+    }
+    const auto sweeps = std::make_shared<cpu::SgmSweeps>(input.width, input.height, input.options, target, cache_bytes);
+    const auto planes = buffers->memory<std::byte>(sweeps->census_bytes());
+    return {[plain, sweeps, planes, out] {
+                Serial serial;
+                sweeps->census(plain->pair.left.plane(), plain->pair.right.plane(), planes, serial);
+                sweeps->match(planes, plain->pair.left.plane(), out, serial);
+            },
+            {},
+            results,
+            intact};
+}
+
+}  // namespace
+
+std::vector<KernelCase> sgm_cases() {
+    constexpr std::size_t no_cache = 0, large_cache = std::size_t{1} << 40;
+    return {{"sgm/census", bind_census, always, 193, false, true},
+            {"sgm/matching_cost", bind_matching_cost, always},
+            {"sgm/winner", bind_winner, always},
+            {"sgm/sweeps",
+             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, large_cache); },
+             always, cpu::max_byte_p2},
+            {"sgm/sweeps_streamed",
+             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); }, always,
+             cpu::max_byte_p2}};
+}
+
+}  // namespace disparityd::test

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernels/cpu/sgm_kernels.h"
+#include "tests/kernels/check/kernel_case.h"
+
+namespace disparityd::test {
+
+/// Where winners go, guarded, all of them compared.
+inline cpu::WinnerPlanes winner_planes(const KernelInput& input, RunBuffers& buffers) {
+    return {buffers.result<std::int16_t>(input.width, input.height),
+            buffers.result<std::uint8_t>(input.width, input.height),
+            buffers.result<std::int16_t>(input.width, input.height),
+            buffers.result<std::int16_t>(input.width, input.height)};
+}
+
+/// For KernelCase::vectorised: these kernels are vector code everywhere.
+inline bool always(std::int64_t /*target*/) {
+    return true;
+}
+
+/// The kernels of an instruction set for an input, and rows of candidates between the layout of its registers and the
+/// reference's order.
+struct SgmLayout {
+    SgmLayout(const KernelInput& input, std::int64_t target)
+        : kernels(cpu::sgm_kernels(target, input.options.range.count)) {
+        geometry.width = input.width;
+        geometry.height = input.height;
+        geometry.range = input.options.range;
+        geometry.layout = kernels.layout;
+        geometry.census = kernels.census_layout(input.width, kernels.layout);
+    }
+
+    /// Where candidate k of column x lies in a row.
+    std::size_t at(int x, int k) const {
+        const cpu::DisparityLayout& layout = geometry.layout;
+        return static_cast<std::size_t>(x) * layout.bytes() +
+               static_cast<std::size_t>(k % layout.registers * layout.lanes + k / layout.registers);
+    }
+
+    /// A row in the reference's order.
+    std::vector<std::uint8_t> row(const std::uint8_t* laid_out) const {
+        std::vector<std::uint8_t> candidates;
+        for (int x = 0; x < geometry.width; ++x) {
+            for (int k = 0; k < geometry.range.count; ++k) {
+                candidates.push_back(laid_out[at(x, k)]);
+            }
+        }
+        return candidates;
+    }
+
+    /// The reverse; `padding` for what is no candidate.
+    void lay_out(const std::uint8_t* candidates, std::uint8_t padding, std::uint8_t* laid_out) const {
+        std::fill_n(laid_out, geometry.row_bytes(), padding);
+        for (int x = 0; x < geometry.width; ++x) {
+            for (int k = 0; k < geometry.range.count; ++k) {
+                laid_out[at(x, k)] = *candidates++;
+            }
+        }
+    }
+
+    std::size_t rows_bytes() const { return geometry.row_bytes() * static_cast<std::size_t>(geometry.height); }
+    std::size_t left_planes() const { return geometry.census.left_row() * static_cast<std::size_t>(geometry.height); }
+    std::size_t right_planes() const { return geometry.census.right_row() * static_cast<std::size_t>(geometry.height); }
+
+    cpu::SgmKernels kernels;
+    cpu::SgmGeometry geometry;
+};
+
+/// Census planes of a pair in guarded memory, and matching costs from them.
+struct SgmPlanes {
+    SgmPlanes(const SgmLayout& of, RunBuffers& buffers)
+        : layout(of),
+          left(buffers.memory<std::uint8_t>(of.left_planes())),
+          right(buffers.memory<std::uint8_t>(of.right_planes())) {}
+
+    void census(const ImagePair& pair, const KernelInput& input) const {
+        over_parts(input, [&](Rows rows) {
+            layout.kernels.census_left(layout.geometry, pair.left.plane(), left.data(), rows);
+            layout.kernels.census_right(layout.geometry, pair.right.plane(), right.data(), rows);
+        });
+    }
+    void matching_cost(int y, std::uint8_t* row) const {
+        const auto line = static_cast<std::size_t>(y);
+        layout.kernels.matching_cost(layout.geometry, left.data() + line * layout.geometry.census.left_row(),
+                                     right.data() + line * layout.geometry.census.right_row(), row);
+    }
+
+    const SgmLayout& layout;
+    std::span<std::uint8_t> left, right;
+};
+
+}  // namespace disparityd::test
