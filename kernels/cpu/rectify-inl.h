@@ -69,7 +69,7 @@ private:
         const V first = hn::LoadU(Words(), reinterpret_cast<const std::uint16_t*>(xy));
         const V second = hn::LoadU(Words(), reinterpret_cast<const std::uint16_t*>(xy) + lanes);
         const Places places{hn::ConcatEven(Words(), second, first), hn::ConcatOdd(Words(), second, first)};
-        Pairs pairs;
+        Pairs pairs{hn::Zero(Words()), hn::Zero(Words())};
         if (!windows_fit_ || !from_windows(xy, places, pairs)) {
             pairs = all_inside(places) ? one_by_one_inside(xy) : one_by_one(xy);
         }
