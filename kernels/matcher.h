@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "kernels/image.h"
@@ -31,6 +32,9 @@ struct Rectifier {
     RectifyMap right;
     int crop_x = 0;
     int crop_y = 0;
+    /// Another one whenever the maps are: a back end may keep its own copy of maps with the same id. 0: look every
+    /// time.
+    std::uint64_t id = 0;
 };
 
 /// Depth from disparity, step 12 of docs/algorithm.md, all in integers: Z[mm] = (k + d/2) / d with
@@ -96,11 +100,12 @@ public:
 
 /// A row of the table of back ends.
 struct Backend {
-    std::string_view name;         ///< "reference", "cpu", later "cuda"
+    std::string_view name;         ///< "reference", "cpu", "cuda"
     std::string_view description;  ///< one line for --help and status
     bool (*available)();           ///< whether this machine can run it
     /// Throws std::invalid_argument with problem()'s line for bad options, std::runtime_error when memory is missing.
     std::unique_ptr<Matcher> (*create)(const MatcherConfig& config);
+    std::string (*unavailable_because)();  ///< one line for people; empty when it is available
 };
 
 std::span<const Backend> backends();

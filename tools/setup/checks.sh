@@ -59,7 +59,7 @@ suite() {
 }
 
 check_format() {
-    project_sources '*.h' '*.hpp' '*.c' '*.cpp' | xargs clang-format --dry-run --Werror
+    project_sources '*.h' '*.hpp' '*.c' '*.cpp' '*.cu' | xargs clang-format --dry-run --Werror
 }
 
 check_style() {
