@@ -7,6 +7,7 @@
 #ifdef DISPARITYD_WITH_CUDA
 #include "kernels/cuda/backend.h"
 #endif
+#include "kernels/fallback_matcher.h"
 #include "kernels/matcher.h"
 #include "kernels/reference/steps.h"
 #include "kernels/step_matcher.h"
@@ -84,6 +85,20 @@ const Backend& backend(std::string_view name) {
     }
     throw std::invalid_argument("no back end \"" + std::string(name) + "\" on this machine" + why + ": there are " +
                                 available_names());
+}
+
+std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig& config) {
+    const Backend& chosen = backend(name);
+    const Backend& without_device = backend(cpu::available() ? "cpu" : "reference");
+    if (name != "auto" || chosen.name != cuda_row.name) {
+        return chosen.create(config);
+    }
+    try {
+        return std::make_unique<FallbackMatcher>(chosen.create(config), without_device);
+    } catch (const std::runtime_error& error) {
+        const std::string trouble = std::string(error.what()) + "; the back end " + std::string(without_device.name);
+        return std::make_unique<SubstituteMatcher>(without_device.create(config), trouble + " is used");
+    }
 }
 
 void match(Matcher& matcher, const FrameView& frame, Parallel& workers) {

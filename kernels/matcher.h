@@ -96,6 +96,10 @@ public:
     /// Runs one stage on one frame. step_times has one entry per step of the stage, each is set to the time it took.
     virtual void run(int stage, const FrameView& frame, Parallel& workers,
                      std::span<std::chrono::nanoseconds> step_times) = 0;
+
+    /// One line on what went wrong and was made good, such as a lost device whose work another back end has taken over;
+    /// empty as long as all is well. From any thread.
+    virtual std::string trouble() const { return {}; }
 };
 
 /// A row of the table of back ends.
@@ -113,6 +117,10 @@ std::span<const Backend> backends();
 /// Throws std::invalid_argument naming the back ends there are when `name` is none of them or not available here.
 /// "auto" picks the fastest available.
 const Backend& backend(std::string_view name);
+
+/// A matcher of the back end of that name, errors as those of backend() and Backend::create. "auto" takes the fastest
+/// that has the memory; one on a device that is lost later goes on with the next back end, and trouble() says so.
+std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig& config);
 
 /// Match one rectified pair (frame.left, frame.right filled) from start to end: stages 1 and on.
 void match(Matcher& matcher, const FrameView& frame, Parallel& workers);

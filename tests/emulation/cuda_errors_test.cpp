@@ -126,5 +126,63 @@ TEST(EmulatedCudaErrors, ADeviceLostInMidFrame) {
     EXPECT_EQ(simt::allocated_bytes(), before);
 }
 
+// The same on "auto": no frame is missing, all are right, and it says what happened.
+TEST(EmulatedCudaErrors, WithAutoTheProcessorGoesOnWhereTheDeviceIsLost) {
+    Random random(72);
+    Serial serial;
+    const MatchOptions options = default_options(Method::sgm, {0, 16});
+    const MatcherConfig config{20, 15, options};
+    const auto reference = backend("reference").create(config);
+    for (const int operations : {0, 3, 7}) {
+        const auto matcher = make_matcher("auto", config);
+        EXPECT_EQ(matcher->trouble(), "");
+        simt::Machine failing;
+        failing.operations_until_lost = 30 + operations;
+        const WithMachine machine(failing);
+        for (int i = 0; i < 5; ++i) {
+            Frame frame(*matcher, noise(random, 20, 15), noise(random, 20, 15));
+            Frame expected(*reference, frame.left, frame.right);
+            match(*matcher, frame.view, serial);
+            match(*reference, expected.view, serial);
+            EXPECT_EQ(frame.disparity.pixels(), expected.disparity.pixels()) << "frame " << i;
+            EXPECT_EQ(frame.depth.pixels(), expected.depth.pixels());
+        }
+        EXPECT_THAT(matcher->trouble(), AllOf(HasSubstr("launch failure"), HasSubstr("back end cpu goes on")));
+    }
+}
+
+TEST(EmulatedCudaErrors, TheFirstStageGoesOnToo) {
+    Random random(73);
+    Serial serial;
+    const auto matcher = make_matcher("auto", {20, 15, default_options(Method::sad, {0, 16})});
+    const auto raw = noise(random, 40, 15);
+    const Rectifier rectifier;
+    Frame frame(*matcher, Image<std::uint8_t>(20, 15), Image<std::uint8_t>(20, 15));
+    frame.view.raw = {raw.plane().data, PixelFormat::grey8, 20, 15, 40};
+    frame.view.rectifier = &rectifier;
+    simt::Machine failing;
+    failing.operations_until_lost = 0;
+    const WithMachine machine(failing);
+    std::chrono::nanoseconds time{};
+    matcher->run(0, frame.view, serial, {&time, 1});
+    for (int y = 0; y < 15; ++y) {
+        EXPECT_EQ(frame.right.at(19, y), raw.at(39, y));
+    }
+    const Rectifier outside{false, {}, {}, 1, 0};
+    frame.view.rectifier = &outside;
+    EXPECT_THROW(matcher->run(0, frame.view, serial, {&time, 1}), std::invalid_argument);
+}
+
+TEST(EmulatedCudaErrors, WithAutoTooLittleDeviceMemoryMeansTheProcessor) {
+    simt::Machine small;
+    small.memory = 1000000;
+    const WithMachine machine(small);
+    const MatcherConfig config{100, 90, default_options(Method::sgm, {0, 64})};
+    const auto matcher = make_matcher("auto", config);
+    EXPECT_GT(matcher->stages().size(), 2U) << "the stages of the processor's";
+    EXPECT_THAT(matcher->trouble(), AllOf(HasSubstr("no memory"), HasSubstr("back end cpu is used")));
+    EXPECT_THROW(make_matcher("cuda", config), std::runtime_error) << "by name it is wanted and nothing else";
+}
+
 }  // namespace
 }  // namespace disparityd::test
