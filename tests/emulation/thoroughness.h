@@ -12,8 +12,8 @@ namespace disparityd::test {
 #define DISPARITYD_SANITIZED 1
 #endif
 
-/// Sanitizers watch every switch between the threads of a block, which makes the emulation ten times slower: there a part
-/// of the rounds must do.
+/// Sanitizers watch every switch between the threads of a block, which makes the emulation ten times slower: there a
+/// part of the rounds must do.
 #ifdef DISPARITYD_SANITIZED
 constexpr bool all_rounds = false;
 #else

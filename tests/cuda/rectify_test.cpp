@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/emulation/with_settings.h"
+#include "tests/cuda/device_under_test.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
 namespace {
+
+using CudaRectify = CudaDevice;
 
 constexpr int width = 37;
 constexpr int height = 21;
@@ -61,31 +63,26 @@ void expect_equal(const Rectified& found, const Rectified& expected) {
     EXPECT_EQ(found.colour.pixels(), expected.colour.pixels());
 }
 
-TEST(EmulatedCudaRectify, EqualsTheReferenceForEveryFormat) {
+TEST_F(CudaRectify, EqualsTheReferenceForEveryFormat) {
     Random random(60);
     const Maps left(random);
     const Maps right(random);
-    for (const bool integrated : {false, true}) {
-        simt::Machine device;
-        device.integrated = integrated;
-        const WithMachine machine(device);
-        const auto reference = matcher_of("reference");
-        const auto cuda = matcher_of("cuda");
-        for (const PixelFormat format : {PixelFormat::grey8, PixelFormat::yuyv, PixelFormat::bgr24}) {
-            const int row_bytes = 2 * eye_width * bytes_per_pixel(format);
-            const auto bytes = noise(random, row_bytes + 13, raw_height);
-            const RawImage raw{bytes.plane().data, format, eye_width, raw_height, row_bytes + 13};
-            for (const bool colour : {false, true}) {
-                const Rectifier mapped{true, left.view(), right.view(), 0, 0};
-                expect_equal(rectified(*cuda, raw, mapped, colour), rectified(*reference, raw, mapped, colour));
-                const Rectifier cropped{false, {}, {}, eye_width - width, raw_height - height};
-                expect_equal(rectified(*cuda, raw, cropped, colour), rectified(*reference, raw, cropped, colour));
-            }
+    const auto reference = matcher_of("reference");
+    const auto cuda = matcher_of("cuda");
+    for (const PixelFormat format : {PixelFormat::grey8, PixelFormat::yuyv, PixelFormat::bgr24}) {
+        const int row_bytes = 2 * eye_width * bytes_per_pixel(format);
+        const auto bytes = noise(random, row_bytes + 13, raw_height);
+        const RawImage raw{bytes.plane().data, format, eye_width, raw_height, row_bytes + 13};
+        for (const bool colour : {false, true}) {
+            const Rectifier mapped{true, left.view(), right.view(), 0, 0};
+            expect_equal(rectified(*cuda, raw, mapped, colour), rectified(*reference, raw, mapped, colour));
+            const Rectifier cropped{false, {}, {}, eye_width - width, raw_height - height};
+            expect_equal(rectified(*cuda, raw, cropped, colour), rectified(*reference, raw, cropped, colour));
         }
     }
 }
 
-TEST(EmulatedCudaRectify, MapsAreTakenAgainWhenTheirIdChanges) {
+TEST_F(CudaRectify, MapsAreTakenAgainWhenTheirIdChanges) {
     Random random(61);
     const auto reference = matcher_of("reference");
     const auto cuda = matcher_of("cuda");
@@ -101,7 +98,7 @@ TEST(EmulatedCudaRectify, MapsAreTakenAgainWhenTheirIdChanges) {
     }
 }
 
-TEST(EmulatedCudaRectify, ARegionOutsideTheFrameIsRefused) {
+TEST_F(CudaRectify, ARegionOutsideTheFrameIsRefused) {
     const auto cuda = matcher_of("cuda");
     const Image<std::uint8_t> bytes(2 * eye_width, raw_height);
     const RawImage raw{bytes.plane().data, PixelFormat::grey8, eye_width, raw_height, 2 * eye_width};
