@@ -191,6 +191,7 @@ Rectifier Rectification::rectifier() const {
     rectifier.mapped = !left.xy.empty();
     rectifier.crop_x = crop_x;
     rectifier.crop_y = crop_y;
+    rectifier.id = calibration_id;
     const auto view = [this](const Maps& maps) {
         return RectifyMap{{maps.xy.data(), 2 * width, height, 2 * width}, {maps.fraction.data(), width, height, width}};
     };

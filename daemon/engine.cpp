@@ -96,7 +96,7 @@ Engine::Engine(const Config& config, std::function<void(int, int)> progress)
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers),
       layout_(make_layout(config, rectification_)) {
-    matcher_ = backend(config.match.backend).create(matcher_config(config, rectification_));
+    matcher_ = make_matcher(config.match.backend, matcher_config(config, rectification_));
 }
 
 Engine::~Engine() {
@@ -200,7 +200,8 @@ void Engine::fill(v1::Status& status) const {
     const pipeline::PipelineStatus now = pipeline_->status();
     const Condition condition = condition_of(now);
     status.set_state(disparityd::name(condition.state));
-    status.set_detail(condition.detail);
+    const std::string trouble = matcher_->trouble();
+    status.set_detail(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble);
     status.set_rate(now.rate);
     status.set_captured(now.captured);
     status.set_published(now.published);

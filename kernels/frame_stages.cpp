@@ -10,8 +10,6 @@
 
 namespace disparityd {
 
-namespace {
-
 void check_fits(const FrameView& frame) {
     const Rectifier& rectifier = *frame.rectifier;
     const bool fits = rectifier.mapped || (rectifier.crop_x >= 0 && rectifier.crop_y >= 0 &&
@@ -24,8 +22,6 @@ void check_fits(const FrameView& frame) {
                                     std::to_string(frame.raw.eye_width) + "x" + std::to_string(frame.raw.height));
     }
 }
-
-}  // namespace
 
 const MatcherConfig& checked(const MatcherConfig& config) {
     if (config.width < 1 || config.width > max_side || config.height < 1 || config.height > max_side) {

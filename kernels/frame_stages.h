@@ -10,6 +10,9 @@ namespace disparityd {
 /// The configuration itself; throws as Backend::create does when it cannot be matched with.
 const MatcherConfig& checked(const MatcherConfig& config);
 
+/// Throws std::invalid_argument when the region that the frame's rectifier takes does not lie inside the raw frame.
+void check_fits(const FrameView& frame);
+
 /// The first and the last stage, which are the same however a pair is matched.
 class FrameStages {
 public:

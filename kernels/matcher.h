@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "kernels/image.h"
@@ -31,6 +32,9 @@ struct Rectifier {
     RectifyMap right;
     int crop_x = 0;
     int crop_y = 0;
+    /// Another one whenever the maps are: a back end may keep its own copy of maps with the same id. 0: look every
+    /// time.
+    std::uint64_t id = 0;
 };
 
 /// Depth from disparity, step 12 of docs/algorithm.md, all in integers: Z[mm] = (k + d/2) / d with
@@ -92,15 +96,20 @@ public:
     /// Runs one stage on one frame. step_times has one entry per step of the stage, each is set to the time it took.
     virtual void run(int stage, const FrameView& frame, Parallel& workers,
                      std::span<std::chrono::nanoseconds> step_times) = 0;
+
+    /// One line on what went wrong and was made good, such as a lost device whose work another back end has taken over;
+    /// empty as long as all is well. From any thread.
+    virtual std::string trouble() const { return {}; }
 };
 
 /// A row of the table of back ends.
 struct Backend {
-    std::string_view name;         ///< "reference", "cpu", later "cuda"
+    std::string_view name;         ///< "reference", "cpu", "cuda"
     std::string_view description;  ///< one line for --help and status
     bool (*available)();           ///< whether this machine can run it
     /// Throws std::invalid_argument with problem()'s line for bad options, std::runtime_error when memory is missing.
     std::unique_ptr<Matcher> (*create)(const MatcherConfig& config);
+    std::string (*unavailable_because)();  ///< one line for people; empty when it is available
 };
 
 std::span<const Backend> backends();
@@ -108,6 +117,10 @@ std::span<const Backend> backends();
 /// Throws std::invalid_argument naming the back ends there are when `name` is none of them or not available here.
 /// "auto" picks the fastest available.
 const Backend& backend(std::string_view name);
+
+/// A matcher of the back end of that name, errors as those of backend() and Backend::create. "auto" takes the fastest
+/// that has the memory; one on a device that is lost later goes on with the next back end, and trouble() says so.
+std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig& config);
 
 /// Match one rectified pair (frame.left, frame.right filled) from start to end: stages 1 and on.
 void match(Matcher& matcher, const FrameView& frame, Parallel& workers);

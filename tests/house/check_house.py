@@ -12,7 +12,7 @@ MAX_LINES = 500
 SPDX = "SPDX-License-Identifier: Apache-2.0"
 # Formats that cannot carry a comment, and the licence itself.
 WITHOUT_COMMENTS = {".json", ".md", ".png", ".pgm", ".ppm", ".pfm", ".mkv", ".bin"}
-SOURCES = {".h", ".hpp", ".c", ".cpp", ".py", ".sh", ".cmake"}
+SOURCES = {".h", ".hpp", ".c", ".cpp", ".cu", ".py", ".sh", ".cmake"}
 
 # What a folder may include besides itself.
 ARROWS = {
@@ -57,7 +57,7 @@ def check_size(name, lines):
 
 def check_arrows(name, lines):
     folder = name.split("/")[0]
-    if folder not in ARROWS or pathlib.Path(name).suffix not in {".h", ".hpp", ".c", ".cpp"}:
+    if folder not in ARROWS or pathlib.Path(name).suffix not in {".h", ".hpp", ".c", ".cpp", ".cu"}:
         return []
     found = []
     for number, line in enumerate(lines, 1):

@@ -33,7 +33,7 @@ class CheckHouse(unittest.TestCase):
         self.assertEqual(len(self.found_in({"daemon/long.cpp": SPDX_LINE + "\n" * check_house.MAX_LINES})), 1)
 
     def test_finds_includes_against_the_arrows(self):
-        for name, header in [("kernels/a.cpp", "pipeline/pipeline.h"), ("kernels/a.cpp", "opencv2/core.hpp"),
+        for name, header in [("kernels/a.cpp", "pipeline/pipeline.h"), ("kernels/cuda/a.cu", "pipeline/pipeline.h"), ("kernels/a.cpp", "opencv2/core.hpp"),
                              ("proto/a.cpp", "kernels/image.h"), ("clients/cpp/a.cpp", "kernels/image.h"),
                              ("pipeline/a.cpp", "daemon/config.h"), ("pipeline/a.cpp", "capture/recorder.h"),
                              ("tools/ctl/a.cpp", "daemon/config.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:

@@ -69,9 +69,10 @@ TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
 TEST(Backends, AreFoundByName) {
     EXPECT_EQ(backend("reference").name, "reference");
     EXPECT_EQ(backend("cpu").name, "cpu");
-    EXPECT_EQ(backend("auto").name, "cpu");
+    EXPECT_EQ(backend("auto").name, backends().front().available() ? "cuda" : "cpu");
     for (const Backend& row : backends()) {
         EXPECT_FALSE(row.description.empty());
+        EXPECT_EQ(row.unavailable_because().empty(), row.available()) << row.name;
     }
     try {
         backend("gpu");

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+# DISPARITYD_CUDA: AUTO builds the back end cuda where a CUDA compiler is found, ON demands one, OFF does not look. Sets
+# DISPARITYD_WITH_CUDA. The program starts on machines without a driver: the runtime is linked statically and looks for it.
+set(DISPARITYD_CUDA AUTO CACHE STRING "Back end for NVIDIA GPUs: AUTO (where nvcc is found), ON or OFF")
+set_property(CACHE DISPARITYD_CUDA PROPERTY STRINGS AUTO ON OFF)
+
+# The sources of kernels/cuda: what the CUDA compiler builds (and, for the tests, the C++ compiler), and what it does not.
+set(DISPARITYD_CUDA_STEPS
+  block_winners.cu
+  census.cu
+  filter.cu
+  finish.cu
+  paths.cu
+  rectify.cu
+  sgm_winners.cu
+  speckle.cu)
+set(DISPARITYD_CUDA_HOST
+  backend.cpp
+  match_stage.cpp
+  rectify_stage.cpp
+  runtime.cpp)
+
+set(DISPARITYD_WITH_CUDA OFF)
+if(NOT DISPARITYD_CUDA)
+  return()
+endif()
+
+# Unlike enable_language(CUDA), this also looks where the toolkit installs itself.
+find_package(CUDAToolkit 11.4 QUIET)
+if(CUDAToolkit_FOUND AND NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+  set(CMAKE_CUDA_COMPILER ${CUDAToolkit_NVCC_EXECUTABLE})
+endif()
+include(CheckLanguage)
+check_language(CUDA)
+if(CMAKE_CUDA_COMPILER AND CUDAToolkit_FOUND)
+  # Ampere (80, its code runs on 86 and 89 too), Jetson Orin and Hopper; the last one's intermediate code makes newer devices
+  # start slowly once, and then run.
+  if(NOT CMAKE_CUDA_ARCHITECTURES)
+    set(CMAKE_CUDA_ARCHITECTURES "80-real;87-real;90" CACHE STRING "Compute capabilities that the back end cuda is built for")
+  endif()
+  enable_language(CUDA)
+  set(DISPARITYD_WITH_CUDA ON)
+  message(STATUS "Back end cuda: ${CMAKE_CUDA_COMPILER} ${CMAKE_CUDA_COMPILER_VERSION} for ${CMAKE_CUDA_ARCHITECTURES}")
+elseif(DISPARITYD_CUDA STREQUAL AUTO)
+  message(STATUS "Back end cuda: no CUDA compiler found, built without")
+else()
+  message(FATAL_ERROR "DISPARITYD_CUDA=ON, but no CUDA toolkit from 11.4 on was found: install one and put nvcc into PATH or "
+    "name it with -DCMAKE_CUDA_COMPILER=FILE; DISPARITYD_CUDA=AUTO builds without where there is none")
+endif()

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/backend.h"
+
+#include <stdexcept>
+
+#include "kernels/cuda/match_stage.h"
+#include "kernels/cuda/rectify_stage.h"
+#include "kernels/cuda/runtime.h"
+#include "kernels/frame_stages.h"
+#include "kernels/step_clock.h"
+
+namespace disparityd::cuda {
+
+namespace {
+
+constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
+
+class CudaMatcher final : public Matcher {
+public:
+    explicit CudaMatcher(const MatcherConfig& config)
+        : config_(config),
+          stages_{{{"rectify", rectify_steps}, {"match", MatchStage::steps(config.options.method)}}},
+          rectify_(config.width, config.height),
+          match_(config) {}
+
+    const MatcherConfig& config() const override { return config_; }
+    // What travels from stage to stage are the planes of the rectified pair.
+    std::size_t scratch_bytes() const override { return 0; }
+    std::span<const StageInfo> stages() const override { return stages_; }
+
+    void run(int stage, const FrameView& frame, Parallel& /*workers*/,
+             std::span<std::chrono::nanoseconds> step_times) override {
+        if (stage == 0) {
+            StepClock clock(step_times);
+            rectify_.run(frame);
+            clock.next();
+        } else {
+            match_.run(frame, step_times);
+        }
+    }
+
+private:
+    MatcherConfig config_;
+    std::array<StageInfo, 2> stages_;
+    RectifyStage rectify_;
+    MatchStage match_;
+};
+
+}  // namespace
+
+std::string unavailable_because() {
+    return device_problem();
+}
+
+bool available() {
+    return device_problem().empty();
+}
+
+std::unique_ptr<Matcher> create(const MatcherConfig& config) {
+    checked(config);
+    const std::string problem = device_problem();
+    if (!problem.empty()) {
+        throw std::runtime_error("back end cuda: " + problem);
+    }
+    return std::make_unique<CudaMatcher>(config);
+}
+
+}  // namespace disparityd::cuda

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/match_stage.h"
+
+#include "kernels/cuda/host_planes.h"
+
+namespace disparityd::cuda {
+
+namespace {
+
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+
+constexpr std::array<std::string_view, 4> sad_steps = {"upload", "sad+wta", "post-process", "download"};
+constexpr std::array<std::string_view, 5> census_steps = {"upload", "census", "dsi+wta", "post-process", "download"};
+constexpr std::array<std::string_view, 6> sgm_steps = {"upload",       "census",  "dsi+aggregate", "dsi+aggregate+wta",
+                                                       "post-process", "download"};
+
+}  // namespace
+
+std::span<const std::string_view> MatchStage::steps(Method method) {
+    switch (method) {
+        case Method::sad: return sad_steps;
+        case Method::census: return census_steps;
+        case Method::sgm: break;
+    }
+    return sgm_steps;
+}
+
+MatchStage::MatchStage(const MatcherConfig& config)
+    : config_(config),
+      pixels_(static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height)),
+      clock_(steps(config.options.method).size() + 1) {
+    const MatchOptions& options = config.options;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        pair_[eye] = ExchangeMemory(pixels_, "the rectified pair");
+        if (device_is_integrated()) {
+            images_[eye] = DeviceMemory(pixels_, "the rectified pair");
+        }
+        if (options.method != Method::sad) {
+            words_[eye] = DeviceMemory(pixels_ * sizeof(std::uint64_t), "the census words");
+        }
+    }
+    if (options.method == Method::sgm) {
+        volumes_ = DeviceMemory(paths_bytes(config.width, config.height, options.range.count, options.sgm.paths),
+                                "the path costs");
+    }
+    winner_disparity_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
+    winner_confidence_ = DeviceMemory(pixels_, "the winners");
+    left_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
+    right_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
+    filtered_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filtered disparities");
+    if (options.post.speckle_size > 0) {
+        labels_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
+        sizes_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
+    }
+    disparity_ = ExchangeMemory(pixels_ * sizeof(std::int16_t), "the disparities");
+    confidence_ = ExchangeMemory(pixels_, "the confidences");
+    depth_ = ExchangeMemory(pixels_ * sizeof(std::uint16_t), "the depths");
+}
+
+void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) {
+    marks_ = 0;
+    const auto begin = steady_clock::now();
+    gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>());
+    gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>());
+    const auto gathered = steady_clock::now();
+    take_pair();
+    find_winners();
+    post_process(frame);
+    stream_.wait("matching");
+    const auto matched = steady_clock::now();
+    give_results(frame);
+    for (std::size_t i = 0; i < step_times.size(); ++i) {
+        step_times[i] = clock_.after(i);
+    }
+    step_times.front() += gathered - begin;
+    step_times.back() += steady_clock::now() - matched;
+}
+
+void MatchStage::mark() {
+    clock_.mark(marks_++, stream_);
+}
+
+View<const std::uint8_t> MatchStage::image(std::size_t eye) const {
+    const auto* copy = images_[eye].as<const std::uint8_t>();
+    return {copy != nullptr ? copy : pair_[eye].device<const std::uint8_t>(), config_.width, config_.height,
+            config_.width};
+}
+
+void MatchStage::take_pair() {
+    mark();
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        pair_[eye].to_device(stream_);
+        if (images_[eye].as<void>() != nullptr) {
+            check(cudaMemcpyAsync(images_[eye].as<void>(), pair_[eye].device<const void>(), pixels_,
+                                  cudaMemcpyDeviceToDevice, stream_.get()),
+                  "copying the rectified pair");
+        }
+    }
+    mark();
+}
+
+PathsJob MatchStage::paths_job() const {
+    const SgmOptions& sgm = config_.options.sgm;
+    return {{words_[0].as<const std::uint64_t>(), words_[1].as<const std::uint64_t>()},
+            image(0),
+            range(),
+            sgm.p1,
+            sgm.p2,
+            sgm.adaptive_p2,
+            sgm.paths,
+            volumes_.as<std::uint8_t>()};
+}
+
+WinnerJob MatchStage::winner_job() const {
+    const PostOptions& post = config_.options.post;
+    return {config_.width,
+            config_.height,
+            range(),
+            post.subpixel,
+            post.local_extrema,
+            post.uniqueness,
+            winner_disparity_.as<std::int16_t>(),
+            winner_confidence_.as<std::uint8_t>(),
+            left_winner_.as<std::int16_t>(),
+            right_winner_.as<std::int16_t>()};
+}
+
+void MatchStage::find_winners() {
+    const Method method = config_.options.method;
+    if (method == Method::sad) {
+        sad_winners(image(0), image(1), winner_job(), stream_.get());
+        mark();
+        return;
+    }
+    census(image(0), image(1), words_[0].as<std::uint64_t>(), words_[1].as<std::uint64_t>(), stream_.get());
+    mark();
+    const PathsJob paths = paths_job();
+    if (method == Method::census) {
+        census_winners(paths.words, winner_job(), stream_.get());
+    } else {
+        aggregate(paths, stream_.get());
+        mark();
+        aggregate_and_choose(paths, winner_job(), stream_.get());
+    }
+    mark();
+}
+
+void MatchStage::post_process(const FrameView& frame) {
+    const PostOptions& post = config_.options.post;
+    filter({config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
+            left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(), post.left_right_check,
+            post.median, filtered_.as<std::int16_t>()},
+           stream_.get());
+    if (post.speckle_size > 0) {
+        speckle({config_.width, config_.height, invalid_disparity(config_.options.range), post.speckle_size,
+                 16 * post.speckle_step, filtered_.as<std::int16_t>(), labels_.as<std::uint32_t>(),
+                 sizes_.as<std::uint32_t>()},
+                stream_.get());
+    }
+    finish({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
+            right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), frame.depth_scale.k,
+            frame.depth_scale.offset16, disparity_.device<std::int16_t>(), confidence_.device<std::uint8_t>(),
+            frame.depth ? depth_.device<std::uint16_t>() : nullptr},
+           stream_.get());
+    mark();
+    disparity_.to_host(stream_);
+    confidence_.to_host(stream_);
+    if (frame.depth) {
+        depth_.to_host(stream_);
+    }
+    mark();
+}
+
+void MatchStage::give_results(const FrameView& frame) const {
+    scatter(disparity_.host<const std::int16_t>(), frame.disparity);
+    scatter(confidence_.host<const std::uint8_t>(), frame.confidence);
+    if (frame.depth) {
+        scatter(depth_.host<const std::uint16_t>(), frame.depth);
+    }
+}
+
+}  // namespace disparityd::cuda

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <span>
+
+#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/steps.h"
+#include "kernels/matcher.h"
+
+namespace disparityd::cuda {
+
+/// All that comes after rectification, on the device: rectified pair in, disparity, confidence and depth out. All
+/// memory is taken when it is made.
+class MatchStage {
+public:
+    /// Throws std::runtime_error when the device has too little memory.
+    explicit MatchStage(const MatcherConfig& config);
+
+    static std::span<const std::string_view> steps(Method method);
+
+    void run(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times);
+
+private:
+    void take_pair();
+    void find_winners();
+    void post_process(const FrameView& frame);
+    void give_results(const FrameView& frame) const;
+    void mark();
+
+    View<const std::uint8_t> image(std::size_t eye) const;
+    Range range() const { return {config_.options.range.first, config_.options.range.count}; }
+    PathsJob paths_job() const;
+    WinnerJob winner_job() const;
+
+    MatcherConfig config_;
+    std::size_t pixels_;
+    StreamClock clock_;
+    std::size_t marks_ = 0;
+
+    std::array<ExchangeMemory, 2> pair_;
+    std::array<DeviceMemory, 2> images_;  // where the pair is mapped: a copy that the device caches
+    std::array<DeviceMemory, 2> words_;
+    DeviceMemory volumes_;
+    DeviceMemory winner_disparity_;
+    DeviceMemory winner_confidence_;
+    DeviceMemory left_winner_;
+    DeviceMemory right_winner_;
+    DeviceMemory filtered_;
+    DeviceMemory labels_;
+    DeviceMemory sizes_;
+    ExchangeMemory disparity_;
+    ExchangeMemory confidence_;
+    ExchangeMemory depth_;
+    Stream stream_;  // the last one, so that what runs on it ends before the memory goes
+};
+
+}  // namespace disparityd::cuda

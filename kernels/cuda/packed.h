@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda/launch.h"
+
+namespace disparityd::cuda {
+
+/// Two unsigned 16-bit numbers in a register. All that the kernels put into one stays below 0x7c00, where the bits of
+/// an f16 have the order of the number that they are as an integer.
+using Pair = std::uint32_t;
+
+/// Larger than any cost, with room for a penalty.
+constexpr unsigned unreachable = 0x4000;
+
+__device__ inline Pair pair_of(unsigned value) {
+    return value * 0x10001U;
+}
+
+/// The minimum of each half. One instruction: of f16x2 on 8.x, which has none for integers (there __vminu2 is several),
+/// of u16x2 from 9.0 on.
+__device__ inline Pair lesser(Pair a, Pair b) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800 && __CUDA_ARCH__ < 900
+    Pair result;
+    asm("min.f16x2 %0, %1, %2;" : "=r"(result) : "r"(a), "r"(b));
+    return result;
+#else
+    return __vminu2(a, b);
+#endif
+}
+
+/// min(a + b, c) of each half.
+__device__ inline Pair lesser_of_sum(Pair a, Pair b, Pair c) {
+#if !defined(__CUDA_ARCH__) || (__CUDA_ARCH__ >= 900 && CUDART_VERSION >= 12000)
+    return __viaddmin_u16x2(a, b, c);
+#else
+    return lesser(a + b, c);  // no carry from half to half: both are small
+#endif
+}
+
+__device__ inline unsigned lesser_half(Pair pair) {
+    return min(pair & 0xffff, pair >> 16);
+}
+
+/// The least value of a warp.
+__device__ inline unsigned least_of_warp(unsigned value) {
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 800
+    return __reduce_min_sync(all_lanes, value);
+#else
+    for (int distance = lanes / 2; distance > 0; distance /= 2) {
+        value = min(value, __shfl_xor_sync(all_lanes, value, distance));
+    }
+    return value;
+#endif
+}
+
+/// The bits that any lane of a warp has set.
+__device__ inline unsigned bits_of_warp(unsigned value) {
+#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 800
+    return __reduce_or_sync(all_lanes, value);
+#else
+    for (int distance = lanes / 2; distance > 0; distance /= 2) {
+        value |= __shfl_xor_sync(all_lanes, value, distance);
+    }
+    return value;
+#endif
+}
+
+}  // namespace disparityd::cuda

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/rectify_stage.h"
+
+#include <string>
+
+#include "kernels/cuda/host_planes.h"
+#include "kernels/cuda/steps.h"
+#include "kernels/frame_stages.h"
+
+namespace disparityd::cuda {
+
+namespace {
+
+Format format_of(PixelFormat format) {
+    switch (format) {
+        case PixelFormat::yuyv: return Format::yuyv;
+        case PixelFormat::bgr24: return Format::bgr24;
+        case PixelFormat::grey8: break;
+    }
+    return Format::grey8;
+}
+
+// Maps come rarely: from memory that is not pinned, and waited for.
+template <typename T>
+void upload(Plane<const T> plane, const DeviceMemory& to, const Stream& stream) {
+    std::vector<T> dense(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
+    gather(plane, dense.data());
+    check(cudaMemcpyAsync(to.as<void>(), dense.data(), dense.size() * sizeof(T), cudaMemcpyHostToDevice, stream.get()),
+          "copying the rectification maps");
+    stream.wait("copying the rectification maps");
+}
+
+}  // namespace
+
+RectifyStage::RectifyStage(int width, int height) : width_(width), height_(height) {
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        xy_[eye] = DeviceMemory(2 * pixels * sizeof(std::int16_t), "the rectification maps");
+        fraction_[eye] = DeviceMemory(pixels * sizeof(std::uint16_t), "the rectification maps");
+        out_[eye] = ExchangeMemory(pixels, "the rectified pair");
+    }
+    colour_ = ExchangeMemory(3 * pixels, "the left image in colour");
+}
+
+void RectifyStage::take_raw(const RawImage& raw) {
+    const int row_bytes = 2 * raw.eye_width * bytes_per_pixel(raw.format);
+    const std::size_t bytes = static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(raw.height);
+    if (raw_.size() != bytes) {
+        raw_ = ExchangeMemory(bytes, "the raw frame");
+    }
+    gather<std::uint8_t>({raw.data, row_bytes, raw.height, raw.stride}, raw_.host<std::uint8_t>());
+    raw_.to_device(stream_);
+}
+
+void RectifyStage::take_maps(const Rectifier& rectifier) {
+    if (!rectifier.mapped || (rectifier.id != 0 && rectifier.id == maps_id_)) {
+        return;
+    }
+    maps_id_ = 0;  // until all of them are there
+    upload(rectifier.left.xy, xy_[0], stream_);
+    upload(rectifier.left.fraction, fraction_[0], stream_);
+    upload(rectifier.right.xy, xy_[1], stream_);
+    upload(rectifier.right.fraction, fraction_[1], stream_);
+    maps_id_ = rectifier.id;
+}
+
+void RectifyStage::run(const FrameView& frame) {
+    check_fits(frame);
+    const RawImage& raw = frame.raw;
+    const Rectifier& rectifier = *frame.rectifier;
+    take_maps(rectifier);
+    take_raw(raw);
+    RectifyJob job{};
+    job.raw = raw_.device<const std::uint8_t>();
+    job.raw_stride = std::ptrdiff_t{2} * raw.eye_width * bytes_per_pixel(raw.format);
+    job.format = format_of(raw.format);
+    job.eye_width = raw.eye_width;
+    job.raw_height = raw.height;
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        job.xy[eye] = rectifier.mapped ? xy_[eye].as<const std::int16_t>() : nullptr;
+        job.fraction[eye] = fraction_[eye].as<const std::uint16_t>();
+        job.out[eye] = out_[eye].device<std::uint8_t>();
+    }
+    job.crop_x = rectifier.crop_x;
+    job.crop_y = rectifier.crop_y;
+    job.width = width_;
+    job.height = height_;
+    job.colour = frame.left_colour ? colour_.device<std::uint8_t>() : nullptr;
+    rectify(job, stream_.get());
+    out_[0].to_host(stream_);
+    out_[1].to_host(stream_);
+    if (frame.left_colour) {
+        colour_.to_host(stream_);
+    }
+    stream_.wait("rectification");
+    scatter(out_[0].host<const std::uint8_t>(), frame.left);
+    scatter(out_[1].host<const std::uint8_t>(), frame.right);
+    if (frame.left_colour) {
+        scatter(colour_.host<const std::uint8_t>(), frame.left_colour);
+    }
+}
+
+}  // namespace disparityd::cuda

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/cuda/view.h"
+
+/// The steps of docs/algorithm.md as launches. All pointers are the device's; planes without a pitch are dense. Each
+/// puts its kernels on `stream` and returns; std::runtime_error when a launch was refused. C++17: the CUDA compiler
+/// reads this.
+namespace disparityd::cuda {
+
+enum class Format { grey8, yuyv, bgr24 };
+
+/// Step 1. Without maps (`xy` null) the region that starts at the crop point.
+struct RectifyJob {
+    const std::uint8_t* raw;  ///< both eyes side by side
+    std::ptrdiff_t raw_stride;
+    Format format;
+    int eye_width;
+    int raw_height;
+    const std::int16_t* xy[2];  ///< left, right: whole source coordinates, interleaved
+    const std::uint16_t* fraction[2];
+    int crop_x;
+    int crop_y;
+    int width;
+    int height;
+    std::uint8_t* out[2];
+    std::uint8_t* colour;  ///< left as BGR; null: not wanted
+};
+void rectify(const RectifyJob& job, cudaStream_t stream);
+
+/// Whether the program holds code that the device runs.
+bool has_code_for_device();
+
+/// Step 3, both images.
+void census(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
+            std::uint64_t* right_words, cudaStream_t stream);
+
+struct Range {
+    int first;
+    int count;
+};
+
+/// What steps 6, 7 and the confidence of 12 write, and how.
+struct WinnerJob {
+    int width;
+    int height;
+    Range range;
+    bool subpixel;
+    bool local_extrema;
+    int uniqueness;
+    std::int16_t* disparity;
+    std::uint8_t* confidence;
+    std::int16_t* left_winner;
+    std::int16_t* right_winner;
+};
+
+struct CensusWords {
+    const std::uint64_t* left;
+    const std::uint64_t* right;
+};
+
+/// Step 5. The costs of step 4 are computed from the census words wherever they are needed, and never stored.
+struct PathsJob {
+    CensusWords words;
+    View<const std::uint8_t> image;  ///< rectified left
+    Range range;
+    int p1;
+    int p2;
+    bool adaptive_p2;
+    int paths;              ///< 4 or 8
+    std::uint8_t* volumes;  ///< paths_bytes(), of all paths but the last, one after the other
+};
+std::size_t volume_bytes(int width, int height, int disparities);
+std::size_t paths_bytes(int width, int height, int disparities, int paths);
+/// All paths but the one to the right.
+void aggregate(const PathsJob& job, cudaStream_t stream);
+/// The path to the right, the sums, and the winners.
+void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream);
+
+/// Step 4 (CENSUS) and the winners.
+void census_winners(CensusWords words, const WinnerJob& winner, cudaStream_t stream);
+/// Step 2 (SAD) and the winners.
+void sad_winners(View<const std::uint8_t> left, View<const std::uint8_t> right, const WinnerJob& winner,
+                 cudaStream_t stream);
+
+/// Steps 8 and 9. `winners` null: no left-right check; median 0: none.
+struct FilterJob {
+    int width;
+    int height;
+    Range range;
+    const std::int16_t* disparity;
+    const std::int16_t* left_winner;
+    const std::int16_t* right_winner;
+    bool left_right_check;
+    int median;
+    std::int16_t* out;  ///< another plane than `disparity`
+};
+void filter(const FilterJob& job, cudaStream_t stream);
+
+/// Step 10, in place; `labels` and `sizes` are planes to work in.
+struct SpeckleJob {
+    int width;
+    int height;
+    std::int16_t invalid;
+    int min_size;
+    int max_step;  ///< 1/16 px
+    std::int16_t* disparity;
+    std::uint32_t* labels;
+    std::uint32_t* sizes;
+};
+void speckle(const SpeckleJob& job, cudaStream_t stream);
+
+/// Steps 11 and 12.
+struct FinishJob {
+    int width;
+    int height;
+    Range range;
+    bool interpolate;
+    const std::int16_t* filtered;
+    const std::int16_t* right_winner;
+    const std::uint8_t* measured_confidence;
+    std::int64_t depth_k;
+    int offset16;
+    std::int16_t* disparity;
+    std::uint8_t* confidence;
+    std::uint16_t* depth;  ///< null: not wanted
+};
+void finish(const FinishJob& job, cudaStream_t stream);
+
+}  // namespace disparityd::cuda

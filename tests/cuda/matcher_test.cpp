@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <memory>
+#include <thread>
+
+#include "tests/cuda/compare.h"
+#include "tests/cuda/device_under_test.h"
+
+// The back end cuda against the reference: on the emulated device, and on a real one where there is one.
+namespace disparityd::test {
+namespace {
+
+TEST_F(CudaDevice, EqualsTheReferenceForAnyOptions) {
+    Random random(50);
+    for (int round = 0; round < (all_rounds ? 36 : 9); ++round) {
+        const Variation variation(round);
+        const Pair pair(random, pick(random, 1, 70), pick(random, 1, 25));
+        expect_equal_to_reference(pair, any_options(random));
+    }
+}
+
+TEST_F(CudaDevice, EqualsTheReferenceForEveryNumberOfDisparities) {
+    Random random(51);
+    for (int disparities = 16; disparities <= 256; disparities += all_rounds ? 16 : 112) {
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            const Variation variation(disparities / 16);
+            MatchOptions options = any_options(random);
+            options.method = method;
+            options.range = {pick(random, 0, 1) == 0 ? 0 : -disparities / 2, disparities};
+            expect_equal_to_reference(Pair(random, 83, 4), options);
+        }
+    }
+}
+
+TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
+    Random random(52);
+    int n = 0;
+    for (const auto& [width, height] :
+         {std::pair{1, 1}, {1, 9}, {9, 1}, {2, 2}, {4, 3}, {15, 9}, {31, 2}, {32, 3}, {33, 3}, {3, 33}, {64, 2}}) {
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            for (const DisparityRange range : {DisparityRange{0, 16}, {0, 256}, {-256, 256}, {256, 16}, {-256, 16}}) {
+                if (++n % 4 != 0 && !all_rounds) {
+                    continue;
+                }
+                const Variation variation(n);
+                MatchOptions options = any_options(random);
+                options.method = method;
+                options.range = range;
+                expect_equal_to_reference(Pair(random, width, height), options);
+            }
+        }
+    }
+}
+
+TEST_F(CudaDevice, TheLargestPenaltiesAndCostsDoNotOverflow) {
+    Random random(53);
+    Pair pair(random, 90, 5);
+    for (int y = 0; y < 5; ++y) {
+        for (int x = 0; x < 90; ++x) {
+            // Census words that differ in as many bits as can be: rising on the left, falling on the right.
+            pair.left.at(x, y) = static_cast<std::uint8_t>(x + y);
+            pair.right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
+        }
+    }
+    for (const int p1 : {1, 192}) {
+        for (const int disparities : {80, 256}) {
+            MatchOptions options;
+            options.sgm.p1 = p1;
+            options.sgm.p2 = 193;
+            options.range = {0, disparities};
+            expect_equal_to_reference(pair, options);
+        }
+    }
+    // Every absolute difference of SAD at its largest.
+    expect_equal_to_reference(Pair(Bytes(40, 9, 0), Bytes(40, 9, 255)), default_options(Method::sad, {-4, 16}));
+}
+
+TEST_F(CudaDevice, NothingIsLeftFromTheFrameBefore) {
+    Random random(56);
+    Serial serial;
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        MatchOptions options = default_options(method, {0, 16});
+        options.post.speckle_size = 20;
+        options.post.interpolate = true;
+        const Pair one(random, 33, 21);
+        const Pair other(random, 33, 21);
+        const auto matcher = backend("cuda").create({33, 21, options});
+        for (const Pair* pair : {&one, &other, &one}) {
+            Frame frame(*matcher, pair->left, pair->right);
+            match(*matcher, frame.view, serial);
+            ASSERT_EQ((Result{frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()}),
+                      result_of("reference", *pair, options));
+        }
+    }
+}
+
+// As in a pipeline: each stage has a thread, and the next frame is rectified while this one is matched.
+TEST_F(CudaDevice, StagesWorkOnTwoFramesAtTheSameTime) {
+    constexpr int width = 24;
+    constexpr int height = 9;
+    Random random(59);
+    const auto raw = noise(random, 2 * width, height);
+    const Rectifier rectifier;
+    MatchOptions options = default_options(Method::sgm, {0, 16});
+    const auto matcher = backend("cuda").create({width, height, options});
+    std::vector<std::unique_ptr<Frame>> frames;
+    for (int i = 0; i < 4; ++i) {
+        frames.push_back(std::make_unique<Frame>(*matcher, Bytes(width, height), Bytes(width, height)));
+        frames.back()->view.raw = {raw.plane().data, PixelFormat::grey8, width, height, 2 * width};
+        frames.back()->view.rectifier = &rectifier;
+    }
+    const auto run = [&](int stage, const FrameView& view) {
+        Serial serial;
+        std::array<std::chrono::nanoseconds, 8> times{};
+        const std::size_t steps = matcher->stages()[static_cast<std::size_t>(stage)].steps.size();
+        matcher->run(stage, view, serial, std::span(times).first(steps));
+    };
+    run(0, frames[0]->view);
+    for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+        std::thread rectifies([&] { run(0, frames[i + 1]->view); });
+        run(1, frames[i]->view);
+        rectifies.join();
+        EXPECT_EQ(frames[i]->disparity.pixels(), frames[0]->disparity.pixels());
+    }
+    const Pair pair(frames[0]->left, frames[0]->right);
+    EXPECT_EQ(frames[0]->disparity.pixels(), result_of("reference", pair, options).disparity);
+}
+
+TEST_F(CudaDevice, DepthMayBeMissing) {
+    Random random(57);
+    Serial serial;
+    const Pair pair(random, 30, 12);
+    const auto matcher = backend("cuda").create({30, 12, default_options(Method::sgm, {0, 16})});
+    Frame frame(*matcher, pair.left, pair.right);
+    frame.view.depth = {};
+    match(*matcher, frame.view, serial);
+    EXPECT_EQ(frame.depth.pixels(), std::vector<std::uint16_t>(360, 4321));
+}
+
+TEST_F(CudaDevice, EveryStepIsTimed) {
+    Random random(58);
+    Serial serial;
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        const Pair pair(random, 30, 12);
+        const auto matcher = backend("cuda").create({30, 12, default_options(method, {0, 16})});
+        ASSERT_EQ(matcher->stages().front().name, "rectify");
+        Frame frame(*matcher, pair.left, pair.right);
+        std::vector<std::chrono::nanoseconds> times(matcher->stages()[1].steps.size(), std::chrono::nanoseconds(-1));
+        matcher->run(1, frame.view, serial, times);
+        for (const auto time : times) {
+            EXPECT_GE(time.count(), 0);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test

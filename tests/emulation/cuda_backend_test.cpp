@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/cuda/compare.h"
+#include "tests/cuda/device_under_test.h"
+#include "tests/emulation/with_settings.h"
+
+namespace disparityd::test {
+namespace {
+
+// One frame, all orders and two poisons: no barrier is missing and nothing unwritten is read, as far as this data
+// shows.
+TEST(EmulatedCuda, OrderAndUnwrittenMemoryDoNotMatter) {
+    Random random(54);
+    const Pair pair(random, 35, 34);
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        MatchOptions options = default_options(method, {-3, 32});
+        options.post.speckle_size = 12;
+        options.post.interpolate = true;
+        const Result expected = result_of("reference", pair, options);
+        for (int n = 0; n < 6; ++n) {
+            const Variation variation(n);
+            ASSERT_EQ(result_of("cuda", pair, options), expected) << name(method) << ", settings " << n;
+        }
+    }
+}
+
+TEST(EmulatedCuda, AnIntegratedDeviceGivesTheSameWithMappedMemory) {
+    Random random(55);
+    simt::Machine jetson;
+    jetson.integrated = true;
+    for (int round = 0; round < 3; ++round) {
+        const WithMachine machine(jetson);
+        MatchOptions options = any_options(random);
+        options.method = static_cast<Method>(round);
+        expect_equal_to_reference(Pair(random, 35, 11), options);
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test

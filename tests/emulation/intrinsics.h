@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+/// CUDA's integer and packed intrinsics that kernels/cuda uses, as "CUDA Math API" specifies them.
+
+inline int __popc(unsigned value) {
+    return __builtin_popcount(value);
+}
+
+inline int __popcll(unsigned long long value) {
+    return __builtin_popcountll(value);
+}
+
+/// |x - y| + z
+inline unsigned __usad(unsigned x, unsigned y, unsigned z) {
+    return (x > y ? x - y : y - x) + z;
+}
+
+/// Four bytes chosen from the eight of x (0 to 3) and y (4 to 7) by the low three bits of the selector's nibbles.
+inline unsigned __byte_perm(unsigned x, unsigned y, unsigned selector) {
+    const std::uint64_t bytes = std::uint64_t{y} << 32 | x;
+    unsigned result = 0;
+    for (unsigned i = 0; i < 4; ++i) {
+        const unsigned chosen = selector >> (4 * i) & 7;
+        result |= static_cast<unsigned>(bytes >> (8 * chosen) & 0xff) << (8 * i);
+    }
+    return result;
+}
+
+namespace disparityd::simt {
+
+template <typename Operation>
+unsigned for_both_halves(Operation operation) {
+    return (operation(0) & 0xffffU) | (operation(16) & 0xffffU) << 16;
+}
+
+inline unsigned half(unsigned pair, int shift) {
+    return pair >> shift & 0xffffU;
+}
+
+}  // namespace disparityd::simt
+
+/// The unsigned minimum of each half.
+inline unsigned __vminu2(unsigned a, unsigned b) {
+    using namespace disparityd::simt;
+    return for_both_halves([=](int s) { return std::min(half(a, s), half(b, s)); });
+}
+
+/// min(a + b, c) of each half, unsigned; the sum wraps.
+inline unsigned __viaddmin_u16x2(unsigned a, unsigned b, unsigned c) {
+    using namespace disparityd::simt;
+    return for_both_halves([=](int s) { return std::min((half(a, s) + half(b, s)) & 0xffffU, half(c, s)); });
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include <cuda_runtime.h>
+#include <gtest/gtest.h>
+
+#include "kernels/cuda/packed.h"
+#include "tests/kernels/support.h"
+
+namespace disparityd::test {
+namespace {
+
+// Random words among which those with special halves and bytes are frequent.
+unsigned any_word(Random& random) {
+    constexpr std::array<unsigned, 8> halves = {0, 1, 0x7f, 0x80, 0x7fff, 0x8000, 0xff00, 0xffff};
+    const auto half = [&] {
+        return pick(random, 0, 1) == 0 ? halves[random() % halves.size()] : static_cast<unsigned>(random() & 0xffff);
+    };
+    const unsigned low = half();
+    return low | half() << 16;
+}
+
+TEST(Intrinsics, CountBits) {
+    Random random(1);
+    for (int round = 0; round < 1000; ++round) {
+        const std::uint64_t word = std::uint64_t{any_word(random)} << 32 | any_word(random);
+        int bits = 0;
+        for (int i = 0; i < 64; ++i) {
+            bits += static_cast<int>(word >> i & 1);
+        }
+        ASSERT_EQ(__popcll(word), bits);
+    }
+    EXPECT_EQ(__popcll(~0ULL), 64);
+}
+
+TEST(Intrinsics, AbsoluteDifferenceIsAddedModulo32Bits) {
+    EXPECT_EQ(__usad(3, 10, 5), 12U);
+    EXPECT_EQ(__usad(10, 3, 5), 12U);
+    EXPECT_EQ(__usad(0, 0xffffffff, 2), 1U);
+    EXPECT_EQ(__usad(0x80000000, 0x7fffffff, 0), 1U);
+}
+
+TEST(Intrinsics, PermutationTakesAnyByteOfTwoWords) {
+    Random random(2);
+    for (int round = 0; round < 1000; ++round) {
+        const unsigned x = any_word(random);
+        const unsigned y = any_word(random);
+        const unsigned selector = any_word(random);
+        const unsigned result = __byte_perm(x, y, selector);
+        for (unsigned i = 0; i < 4; ++i) {
+            const unsigned chosen = selector / (1U << (4 * i)) % 8;  // the nibble's fourth bit means nothing
+            const unsigned byte = chosen < 4 ? x / (1U << (8 * chosen)) : y / (1U << (8 * (chosen - 4)));
+            ASSERT_EQ(result >> (8 * i) & 0xff, byte & 0xff);
+        }
+    }
+    EXPECT_EQ(__byte_perm(0x33221100, 0x77665544, 0x0246), 0x00224466U);
+}
+
+TEST(Intrinsics, HalvesAreComparedApart) {
+    Random random(3);
+    for (int round = 0; round < 1000; ++round) {
+        const unsigned a = any_word(random);
+        const unsigned b = any_word(random);
+        const unsigned c = any_word(random);
+        for (const int shift : {0, 16}) {
+            const auto half = [shift](unsigned word) { return static_cast<std::uint16_t>(word >> shift); };
+            const auto sum = static_cast<std::uint16_t>(half(a) + half(b));
+            ASSERT_EQ(half(__vminu2(a, b)), std::min(half(a), half(b)));
+            ASSERT_EQ(half(__viaddmin_u16x2(a, b, c)), std::min(sum, half(c)));
+        }
+    }
+    EXPECT_EQ(__viaddmin_u16x2(0x0001ffff, 0x00010001, 0xffffffff), 0x00020000U) << "the sum of a half wraps";
+}
+
+// Why Orin may take the minimum of f16 where integers are meant.
+TEST(Packed, HalfPrecisionOrdersSmallIntegersAsTheyAre) {
+    const auto value = [](unsigned bits) {
+        const int exponent = static_cast<int>(bits >> 10);
+        const int fraction = static_cast<int>(bits & 0x3ff);
+        return exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
+    };
+    for (unsigned bits = 0; bits + 1 < 0x7c00; ++bits) {
+        ASSERT_LT(value(bits), value(bits + 1)) << bits;
+    }
+    // Idle candidates with a penalty, and the largest cost there is.
+    EXPECT_LT((cuda::unreachable | 0xff) + 193 + 7 * 255, 0x7c00U);
+    EXPECT_GT(cuda::unreachable, 63U * 255U);
+}
+
+}  // namespace
+}  // namespace disparityd::test
