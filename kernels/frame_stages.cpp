@@ -66,18 +66,24 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
                   [&](Rows rows) { steps_.median(unfiltered, invalid, post.median, frame.disparity, rows); });
     }
     if (post.speckle_size > 0) {
-        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step,
-                       scratch.work(frame.scratch));
+        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
+                       workers);
     }
-    over_rows(height, workers,
-              [&](Rows rows) { steps_.mask_confidence(frame.disparity, invalid, frame.confidence, rows); });
+    const auto write_depth = [&](Rows rows) {
+        if (frame.depth) {
+            steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows);
+        }
+    };
+    over_rows(height, workers, [&](Rows rows) {
+        steps_.mask_confidence(frame.disparity, invalid, frame.confidence, rows);
+        if (!post.interpolate) {
+            write_depth(rows);
+        }
+    });
     if (post.interpolate) {
         steps_.interpolate(frame.disparity, scratch.right_winner(frame.scratch), options.range,
-                           scratch.work(frame.scratch));
-    }
-    if (frame.depth) {
-        over_rows(height, workers,
-                  [&](Rows rows) { steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows); });
+                           scratch.work(frame.scratch), workers);
+        over_rows(height, workers, write_depth);
     }
 }
 

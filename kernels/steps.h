@@ -67,16 +67,17 @@ struct KernelSteps {
                        DisparityRange range, Plane<std::int16_t> disparity, Rows rows);
     /// Step 9: `size` is 3 or 5. `in` and `out` do not overlap.
     void (*median)(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
-    /// Step 10, in place, the whole image. Differences up to max_step (1/16 px) hold a region together.
+    /// Step 10, in place, the whole image, spread over `workers`. Differences up to max_step (1/16 px) hold a region
+    /// together.
     void (*speckle)(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
-                    std::span<std::byte> scratch);
+                    std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*speckle_scratch)(int width, int height);
     /// Step 12: no confidence where the disparity is rejected.
     void (*mask_confidence)(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
                             Rows rows);
-    /// Step 11, in place, the whole image.
+    /// Step 11, in place, the whole image, spread over `workers`.
     void (*interpolate)(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
-                        std::span<std::byte> scratch);
+                        std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*interpolate_scratch)(int width, int height);
     /// Step 12.
     void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,

@@ -150,37 +150,97 @@ private:
     alignas(64) std::int16_t right_[max_side + 64] = {};
 };
 
+/// The whole image, in two phases. First both passes go through it and leave only what enters each band of rows from
+/// above and from below; then every band does its part of both passes again, close enough together to stay in the
+/// cache, and fills its rows.
+class Interpolation {
+public:
+    static constexpr int passes = 2;  // downwards, upwards
+
+    static int bands_of(int height) { return (height + rows_of_band - 1) / rows_of_band; }
+    static std::size_t bytes(int width, int height) {
+        return NearestRows::bytes(width, height + 3 * passes * (bands_of(height) + 1));
+    }
+
+    Interpolation(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
+                  std::span<std::byte> scratch)
+        : disparity_(disparity),
+          right_winner_(right_winner),
+          range_(range),
+          invalid_(invalid_disparity(range)),
+          bands_(bands_of(disparity.height)),
+          rows_(scratch.data(), disparity.width) {
+        rows_.clear(entering(0, 0), invalid_);
+        rows_.clear(entering(1, bands_ - 1), invalid_);
+    }
+
+    int bands() const { return bands_; }
+
+    void enter_bands(int pass) const {
+        const int step = pass == 0 ? 1 : -1;
+        NearestRow before = rows_.row(entering(pass, pass == 0 ? 0 : bands_ - 1));
+        PaddedRow pixels;
+        for (int i = 0; i < disparity_.height; ++i) {
+            const int y = pass == 0 ? i : disparity_.height - 1 - i;
+            const int next = y + step;
+            const bool enters = next >= 0 && next < disparity_.height && next / rows_of_band != y / rows_of_band;
+            const NearestRow now = rows_.row(enters ? entering(pass, next / rows_of_band) : in_work(pass, bands_, y));
+            carry_row(pixels, y, before, now);
+            before = now;
+        }
+    }
+
+    void fill_band(int band) const {
+        const int first = band * rows_of_band;
+        const int last = std::min(first + rows_of_band, disparity_.height);
+        PaddedRow pixels;
+        for (int y = first; y < last; ++y) {
+            carry_row(pixels, y, rows_.row(y == first ? entering(0, band) : y - 1), rows_.row(y));
+        }
+        FilledRow filled(invalid_);
+        SeenFromRight seen(range_);
+        NearestRow before = rows_.row(entering(1, band));
+        for (int y = last - 1; y >= first; --y) {
+            const NearestRow below = rows_.row(in_work(1, band, y));
+            carry_row(pixels, y, before, below);
+            if (filled.any_rejected(pixels, disparity_.width)) {
+                seen.row(right_winner_.row(y), disparity_.width);
+                filled.fill(pixels, disparity_.width, seen.pixels(), rows_.row(y), below, disparity_.row(y));
+            }
+            before = below;
+        }
+    }
+
+private:
+    static constexpr int rows_of_band = 32;
+
+    // Rows of memory: those of the image, what lies above each; then for each pass and band, and one more of them for
+    // the first phase, what enters it and two in work.
+    int entering(int pass, int band) const { return disparity_.height + 3 * (passes * band + pass); }
+    int in_work(int pass, int band, int y) const { return entering(pass, band) + 1 + y % 2; }
+
+    void carry_row(PaddedRow& pixels, int y, const NearestRow& before, const NearestRow& now) const {
+        pixels.load(disparity_.row(y), disparity_.width, invalid_);
+        carry(pixels.pixels(), disparity_.width, invalid_, before, now);
+    }
+
+    Plane<std::int16_t> disparity_;
+    Plane<const std::int16_t> right_winner_;
+    DisparityRange range_;
+    std::int16_t invalid_;
+    int bands_;
+    NearestRows rows_;
+};
+
 inline std::size_t interpolate_scratch(int width, int height) {
-    return NearestRows::bytes(width, height + 3);
+    return Interpolation::bytes(width, height);
 }
 
 inline void interpolate(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
-                        std::span<std::byte> scratch) {
-    const int width = disparity.width;
-    const int height = disparity.height;
-    const std::int16_t invalid = invalid_disparity(range);
-    // One for each row of the image, one for outside, and two below the row that is being filled.
-    const NearestRows nearest(scratch.data(), width);
-    const NearestRow outside = nearest.row(height);
-    nearest.clear(height, invalid);
-    PaddedRow pixels;
-    for (int y = 0; y < height; ++y) {
-        pixels.load(disparity.row(y), width, invalid);
-        carry(pixels.pixels(), width, invalid, y == 0 ? outside : nearest.row(y - 1), nearest.row(y));
-    }
-    FilledRow filled(invalid);
-    SeenFromRight seen(range);
-    NearestRow before = outside;
-    for (int y = height - 1; y >= 0; --y) {
-        const NearestRow below = nearest.row(height + 1 + y % 2);
-        pixels.load(disparity.row(y), width, invalid);
-        carry(pixels.pixels(), width, invalid, before, below);
-        if (filled.any_rejected(pixels, width)) {
-            seen.row(right_winner.row(y), width);
-            filled.fill(pixels, width, seen.pixels(), nearest.row(y), below, disparity.row(y));
-        }
-        before = below;
-    }
+                        std::span<std::byte> scratch, Parallel& workers) {
+    const Interpolation interpolation(disparity, right_winner, range, scratch);
+    workers.for_each(Interpolation::passes, [&](int pass) { interpolation.enter_bands(pass); });
+    workers.for_each(interpolation.bands(), [&](int band) { interpolation.fill_band(band); });
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

@@ -3,6 +3,21 @@
 
 namespace disparityd::reference {
 
+namespace {
+
+// Steps over the whole image, in the thread of whoever calls.
+void speckle_here(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
+                  std::span<std::byte> scratch, Parallel& /*workers*/) {
+    speckle(disparity, invalid, min_size, max_step, scratch);
+}
+
+void interpolate_here(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
+                      std::span<std::byte> scratch, Parallel& /*workers*/) {
+    interpolate(disparity, right_winner, range, scratch);
+}
+
+}  // namespace
+
 const KernelSteps steps = {
     .rectify = rectify,
     .rectify_colour = rectify_colour,
@@ -15,10 +30,10 @@ const KernelSteps steps = {
     .winner_u16 = {winner_left<std::uint16_t>, winner_right<std::uint16_t>, local_extrema<std::uint16_t>},
     .left_right = left_right,
     .median = median,
-    .speckle = speckle,
+    .speckle = speckle_here,
     .speckle_scratch = speckle_scratch,
     .mask_confidence = mask_confidence,
-    .interpolate = interpolate,
+    .interpolate = interpolate_here,
     .interpolate_scratch = interpolate_scratch,
     .depth = depth,
 };

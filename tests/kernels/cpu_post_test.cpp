@@ -49,7 +49,8 @@ struct Both {
 // Any size from one pixel on; often narrower than a vector.
 struct Size {
     explicit Size(Random& random)
-        : width(pick(random, 1, pick(random, 0, 2) == 0 ? 40 : 300)), height(pick(random, 1, 30)) {}
+        : width(pick(random, 1, pick(random, 0, 2) == 0 ? 40 : 300)),
+          height(pick(random, 1, pick(random, 0, 4) == 0 ? 120 : 30)) {}
     int width, height;
 };
 
@@ -97,6 +98,7 @@ Image<std::int16_t> winners(Random& random, Size size, DisparityRange range) {
 class CpuPost : public StepsOfInstructionSet {
 protected:
     static constexpr int rounds = 200;
+    Serial serial_;
 
     // In two parts, so that a kernel that writes beyond its rows is found out.
     template <typename Step>
@@ -159,16 +161,36 @@ TEST_P(CpuPost, SpeckleEqualsTheReference) {
         reference::speckle(disparity.expected.plane(), invalid, min_size, max_step, memory);
         const GuardedMemory<std::uint8_t> scratch(steps().speckle_scratch(size.width, size.height));
         std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xee});
+        ShuffledWorkers several(pick(random, 2, 3), static_cast<unsigned>(round));
+        Parallel& workers = round % 5 == 0 ? static_cast<Parallel&>(several) : serial_;
         steps().speckle(disparity.found.plane(), invalid, min_size, max_step,
-                        std::as_writable_bytes(std::span(scratch.data(), scratch.size())));
+                        std::as_writable_bytes(std::span(scratch.data(), scratch.size())), workers);
         ASSERT_TRUE(same(disparity.found, disparity.expected))
             << "round " << round << ", size " << min_size << ", step " << max_step;
         ASSERT_TRUE(scratch.intact());
     }
 }
 
+class CpuSpeckle : public StepsOfInstructionSet {
+protected:
+    // For any number of bands that are worked on side by side.
+    void expect_same(const Image<std::int16_t>& image, std::int16_t invalid, int min_size) {
+        const int width = image.width();
+        const int height = image.height();
+        for (const int count : {1, 2, 5}) {
+            const Both<std::int16_t> disparity(image.plane());
+            std::vector<std::byte> memory(reference::speckle_scratch(width, height));
+            reference::speckle(disparity.expected.plane(), invalid, min_size, 1, memory);
+            std::vector<std::byte> scratch(steps().speckle_scratch(width, height));
+            ShuffledWorkers workers(count, 7);
+            steps().speckle(disparity.found.plane(), invalid, min_size, 1, scratch, workers);
+            EXPECT_TRUE(same(disparity.found, disparity.expected)) << count << " workers";
+        }
+    }
+};
+
 // Regions that meet themselves again far from where they began; of 128, runs end where words of bits do.
-TEST_P(CpuPost, SpeckleEqualsTheReferenceOnCombsSpiralsAndChessboards) {
+TEST_P(CpuSpeckle, EqualsTheReferenceOnCombsSpiralsAndChessboards) {
     constexpr std::int16_t invalid = -16;
     using Shape = bool (*)(int x, int y, int side);
     constexpr std::array<Shape, 5> shapes = {
@@ -190,12 +212,8 @@ TEST_P(CpuPost, SpeckleEqualsTheReferenceOnCombsSpiralsAndChessboards) {
                         image.at(x, y) = shape(x, y, side) ? static_cast<std::int16_t>(x + y) : invalid;
                     }
                 }
-                const Both<std::int16_t> disparity(std::as_const(image).plane());
-                std::vector<std::byte> memory(reference::speckle_scratch(side, side));
-                reference::speckle(disparity.expected.plane(), invalid, min_size, 1, memory);
-                std::vector<std::byte> scratch(steps().speckle_scratch(side, side));
-                steps().speckle(disparity.found.plane(), invalid, min_size, 1, scratch);
-                ASSERT_TRUE(same(disparity.found, disparity.expected)) << side << ", size " << min_size;
+                expect_same(image, invalid, min_size);
+                ASSERT_FALSE(HasFailure()) << side << ", size " << min_size;
             }
         }
     }
@@ -217,8 +235,10 @@ TEST_P(CpuPost, InterpolateEqualsTheReference) {
         reference::interpolate(disparity.expected.plane(), right.plane(), range, memory);
         const GuardedMemory<std::uint8_t> scratch(steps().interpolate_scratch(size.width, size.height));
         std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xcc});
+        ShuffledWorkers several(pick(random, 2, 3), static_cast<unsigned>(round));
+        Parallel& workers = round % 5 == 0 ? static_cast<Parallel&>(several) : serial_;
         steps().interpolate(disparity.found.plane(), right.plane(), range,
-                            std::as_writable_bytes(std::span(scratch.data(), scratch.size())));
+                            std::as_writable_bytes(std::span(scratch.data(), scratch.size())), workers);
         ASSERT_TRUE(same(disparity.found, disparity.expected)) << "round " << round << ", " << percent << " % rejected";
         ASSERT_TRUE(scratch.intact());
     }
@@ -288,6 +308,7 @@ TEST_P(CpuPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
     }
 }
 
+INSTANTIATE_TEST_SUITE_P(Cpu, CpuSpeckle, testing::ValuesIn(cpu::instruction_sets()), name_of);
 INSTANTIATE_TEST_SUITE_P(Cpu, CpuPost, testing::ValuesIn(cpu::instruction_sets()), name_of);
 
 }  // namespace

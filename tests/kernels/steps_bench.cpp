@@ -216,6 +216,7 @@ void bench_post(int width, int height) {
     Matched m(width, height);
     const double pixels = 1.0 * width * height;
     const Rows rows{0, height};
+    Serial serial;
     Image<std::int16_t> work(width, height);
     Image<std::uint8_t> confidence(width, height, 200);
     Image<std::uint16_t> depth(width, height);
@@ -237,12 +238,13 @@ void bench_post(int width, int height) {
         median.add(table.name, [&, steps] { steps->median(m.checked.plane(), m.invalid(), 3, work.plane(), rows); });
         median5.add(table.name, [&, steps] { steps->median(m.checked.plane(), m.invalid(), 5, work.plane(), rows); });
         speckle.add(
-            table.name, [&, steps] { steps->speckle(work.plane(), m.invalid(), 100, 16, memory); },
+            table.name, [&, steps] { steps->speckle(work.plane(), m.invalid(), 100, 16, memory, serial); },
             start_with(m.filtered));
         mask.add(table.name,
                  [&, steps] { steps->mask_confidence(m.clean.plane(), m.invalid(), confidence.plane(), rows); });
         interpolate.add(
-            table.name, [&, steps] { steps->interpolate(work.plane(), m.right_winner, m.options.range, memory); },
+            table.name,
+            [&, steps] { steps->interpolate(work.plane(), m.right_winner, m.options.range, memory, serial); },
             start_with(m.clean));
         depths.add(table.name, [&, steps] {
             steps->depth(m.clean.plane(), m.invalid(), {672000, 3}, depth.plane(), rows);
