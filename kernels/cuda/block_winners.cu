@@ -23,7 +23,7 @@ __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(Censu
     WinnerRow<packs> winners(winner, y);
     for (int x = 0; x < winner.width; ++x) {
         Costs<packs> costs;
-        census_costs<packs>(words.left[row + x], words.right + row, winner.width, x, winner.range.first, costs);
+        census_costs<packs>(words.left[row + x], words.right + row + x, winner.width, x, winner.range.first, costs);
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
             costs[p] |= idle[p];

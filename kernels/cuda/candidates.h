@@ -37,20 +37,23 @@ __device__ void idle_slots(int count, Costs<packs>& idle) {
     }
 }
 
-/// Step 4 for one pixel. `right` is the row of the right image.
+/// Step 4 for the pixel at x, whose place in the right image's words is `right`: there candidate k lies first + k to
+/// the left.
 template <int packs>
 __device__ void census_costs(std::uint64_t word, const std::uint64_t* __restrict__ right, int width, int x, int first,
                              Costs<packs>& costs) {
     constexpr unsigned outside = 62;
+    const int nearest = x - first - lane_index();
+    const std::uint64_t* __restrict__ words = right - first - lane_index();
+    unsigned slots[slots_of(packs)];
+#pragma unroll
+    for (int s = 0; s < slots_of(packs); ++s) {
+        const bool inside = static_cast<unsigned>(nearest - s * lanes) < static_cast<unsigned>(width);
+        slots[s] = inside ? static_cast<unsigned>(__popcll(word ^ words[-s * lanes])) : outside;
+    }
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        const int low_x = x - first - 2 * p * lanes - lane_index();
-        const int high_x = low_x - lanes;
-        const unsigned low =
-            low_x >= 0 && low_x < width ? static_cast<unsigned>(__popcll(word ^ right[low_x])) : outside;
-        const unsigned high =
-            high_x >= 0 && high_x < width ? static_cast<unsigned>(__popcll(word ^ right[high_x])) : outside;
-        costs[p] = low | high << 16;
+        costs[p] = slots[2 * p] | slots[2 * p + 1] << 16;
     }
 }
 

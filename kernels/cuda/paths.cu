@@ -34,7 +34,7 @@ __global__ void __launch_bounds__(block_lines* lanes) paths_kernel(PathsJob job)
         return;
     }
     int x = along_row ? width - 1 : line;
-    int y = along_row ? line : step.dy > 0 ? 0 : height - 1;
+    int pixel = (along_row ? line : step.dy > 0 ? 0 : height - 1) * width + x;
     const int pixels = along_row ? width : height;
     std::uint8_t* volume = job.volumes + static_cast<std::size_t>(direction) * width * height * pixel_bytes(packs);
     Costs<packs> idle;
@@ -43,23 +43,25 @@ __global__ void __launch_bounds__(block_lines* lanes) paths_kernel(PathsJob job)
     bool begins = true;
     int intensity_before = 0;
     for (int i = 0; i < pixels; ++i) {
-        const std::ptrdiff_t pixel = static_cast<std::ptrdiff_t>(y) * width + x;
         Costs<packs> costs;
-        census_costs<packs>(job.words.left[pixel], job.words.right + static_cast<std::ptrdiff_t>(y) * width, width, x,
-                            job.range.first, costs);
-        const int intensity = job.image.at(x, y);
+        census_costs<packs>(job.words.left[pixel], job.words.right + pixel, width, x, job.range.first, costs);
+        const int intensity = job.image.data[pixel];
         if (begins) {
             begin_path<packs>(costs, idle, path);
         } else {
             const int p2 = adapted_p2(job.p1, job.p2, job.adaptive_p2, intensity, intensity_before);
             continue_path<packs>(costs, idle, job.p1, p2, path);
         }
-        store_path<packs>(volume + pixel * pixel_bytes(packs), path);
+        store_path<packs>(volume + static_cast<std::size_t>(pixel) * pixel_bytes(packs), path);
         intensity_before = intensity;
         x += step.dx;
-        y += step.dy;
+        pixel += step.dy * width + step.dx;
         begins = x < 0 || x >= width;
-        x = x < 0 ? width - 1 : x >= width ? 0 : x;
+        if (begins) {
+            const int across = x < 0 ? width : -width;
+            x += across;
+            pixel += across;
+        }
     }
 }
 

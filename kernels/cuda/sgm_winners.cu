@@ -24,7 +24,7 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     int intensity_before = 0;
     for (int x = 0; x < width; ++x) {
         Costs<packs> costs;
-        census_costs<packs>(job.words.left[row + x], job.words.right + row, width, x, job.range.first, costs);
+        census_costs<packs>(job.words.left[row + x], job.words.right + row + x, width, x, job.range.first, costs);
         const int intensity = job.image.at(x, y);
         if (x == 0) {
             begin_path<packs>(costs, idle, path);

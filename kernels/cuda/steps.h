@@ -64,7 +64,7 @@ struct CensusWords {
 /// Step 5. The costs of step 4 are computed from the census words wherever they are needed, and never stored.
 struct PathsJob {
     CensusWords words;
-    View<const std::uint8_t> image;  ///< rectified left
+    View<const std::uint8_t> image;  ///< rectified left, dense
     Range range;
     int p1;
     int p2;

@@ -3,18 +3,9 @@
 
 namespace disparityd::test {
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define DISPARITYD_SANITIZED 1
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define DISPARITYD_SANITIZED 1
-#endif
-
-/// Sanitizers watch every switch between the threads of a block, which makes the emulation ten times slower: there a
-/// part of the rounds must do.
-#ifdef DISPARITYD_SANITIZED
+/// Under a sanitizer, which watches every switch between the threads of a block, or on an emulated processor the
+/// emulated device is ten times slower: there a part of the rounds must do.
+#ifdef DISPARITYD_FEWER_ROUNDS
 constexpr bool all_rounds = false;
 #else
 constexpr bool all_rounds = true;
