@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every function of KernelSteps but rectification: what an instruction set's table has against the reference's.
 #include "kernels/cpu/step_kernels.h"
+#include "kernels/parallel.h"
 #include "tests/kernels/check/kernel_case.h"
 
 namespace disparityd::test {
@@ -237,7 +238,10 @@ Bound bind_speckle(const Data& data, const KernelSteps& steps_to_run) {
         data->buffers.memory<std::byte>(steps_to_run.speckle_scratch(data->input.width, data->input.height));
     const int least = data->input.hostile ? pick(data->random, 1, 60) : 100;
     const int step = data->input.hostile ? pick(data->random, 0, 40) : 16;
-    return {[=](const KernelSteps& steps) { steps.speckle(disparity, data->invalid(), least, step, scratch); },
+    return {[=](const KernelSteps& steps) {
+                Serial one;
+                steps.speckle(disparity, data->invalid(), least, step, scratch, one);
+            },
             put_back(data->disparities(), disparity)};
 }
 
@@ -257,7 +261,10 @@ Bound bind_interpolate(const Data& data, const KernelSteps& steps_to_run) {
     const auto disparity = data->buffers.result<std::int16_t>(data->input.width, data->input.height);
     const auto scratch =
         data->buffers.memory<std::byte>(steps_to_run.interpolate_scratch(data->input.width, data->input.height));
-    return {[=](const KernelSteps& steps) { steps.interpolate(disparity, right->plane(), data->range(), scratch); },
+    return {[=](const KernelSteps& steps) {
+                Serial one;
+                steps.interpolate(disparity, right->plane(), data->range(), scratch, one);
+            },
             put_back(data->disparities(), disparity)};
 }
 
