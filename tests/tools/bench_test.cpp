@@ -50,7 +50,7 @@ TEST(BenchTest, JsonIsAListWithTheAgreedKeys) {
     }
 }
 
-#ifndef DISPARITYD_SANITIZED
+#ifdef DISPARITYD_COUNTS_ALLOCATIONS
 TEST(BenchTest, MemoryIsWhatAMatcherHolds) {
     const auto list = nlohmann::json::parse(bench({"--json", "-", "--contestant", "naive", "--contestant", "cpu"}).out);
     constexpr double candidates = 64 * 48 * 16 / 1e6;

@@ -125,7 +125,13 @@ private:
     /// Where text for people goes: nowhere when standard output is for JSON.
     std::ostream& text() { return arguments_.json == "-" ? nowhere_ : std::cout; }
 
+    /// Only when it is needed: who wants rendered pairs need not care what DISPARITYD_DATA names.
     void find_data() {
+        const bool scenes =
+            std::any_of(pairs_.begin(), pairs_.end(), [](const PairRequest& pair) { return !pair.rendered(); });
+        if (!scenes && !(arguments_.ideas && pairs_.empty()) && arguments_.data.empty()) {
+            return;
+        }
         std::string folder = arguments_.data;
         if (const char* given = std::getenv("DISPARITYD_DATA"); folder.empty() && given != nullptr) {
             folder = given;
