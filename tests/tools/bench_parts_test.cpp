@@ -209,6 +209,9 @@ TEST(StepWorkTest, EveryStepOfOursIsCounted) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
         const MatchOptions options = default_options(method, {0, 16});
         for (const Backend& row : backends()) {
+            if (!row.available()) {
+                continue;
+            }
             const auto matcher = row.create({32, 16, options});
             for (const StageInfo& stage : matcher->stages().subspan(1)) {
                 for (const std::string_view step : stage.steps) {
