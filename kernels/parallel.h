@@ -38,7 +38,8 @@ public:
     virtual int workers() const = 0;
 
     /// Runs task(0) .. task(count - 1), in any order and on any worker, and returns when all have ended.
-    /// Tasks must not throw, and must not call for_each themselves.
+    /// Tasks must not throw, and must not call for_each themselves. A worker ends a task before it begins another one,
+    /// so that a task may wait for one that has begun before it.
     virtual void for_each(int count, FunctionRef<void(int)> task) = 0;
 };
 

@@ -21,11 +21,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-/// Rows that are worked on together run this many pixels apart: a row needs the least costs of its upper right
-/// neighbour, and those come in blocks of 16, one block late.
-constexpr int row_lag = 33;
-constexpr int least_block = 16;
-
 template <class Tag, int registers, int rows_at_once, bool streaming>
 class PathRows {
     using V = hn::Vec<Tag>;
@@ -39,32 +34,42 @@ public:
           none_(hn::Set(tag_, std::uint8_t{255})),
           before_(before) {}
 
-    void run(const SweepRow* rows, bool from_right) {
+    /// What a row carries from one call to the next goes to `state`.
+    void run(const SweepRow* rows, bool from_right, SweepSteps steps, std::uint8_t* state) {
         DISPARITYD_UNROLL
         for (int j = 0; j < rows_at_once; ++j) {
             begin(states_[j], rows[j], from_right);
+            if (steps.first > 0) {
+                restore(states_[j], state + j * state_bytes);
+            }
         }
-        const int end = width_ + row_lag * (rows_at_once - 1);
         // Blocks in which all rows are inside the image, the block before too.
-        const int first_inside = rounded_up_to_block(least_block + row_lag * (rows_at_once - 1));
-        const int end_inside = width_ / least_block * least_block;
-        int t = 0;
-        for (; t < std::min(first_inside, end); t += least_block) {
+        constexpr int first_inside = rounded_up_to_block(least_block + row_lag * (rows_at_once - 1));
+        const int end_inside = std::min(steps.end, width_ / least_block * least_block);
+        int t = steps.first;
+        for (; t < std::min(steps.end, first_inside); t += least_block) {
             block_at_border(t);
         }
         if (t < end_inside) {
             blocks_inside(t, end_inside);
             t = end_inside;
         }
-        for (; t < end; t += least_block) {
+        for (; t < steps.end; t += least_block) {
             block_at_border(t);
         }
-        reduce_at_border(t - least_block);
+        if (t == steps_of(width_, rows_at_once)) {
+            reduce_at_border(t - least_block);
+            return;
+        }
+        DISPARITYD_UNROLL
+        for (int j = 0; j < rows_at_once; ++j) {
+            save(states_[j], state + j * state_bytes);
+        }
     }
 
 private:
-    // A row on its way. The path along the row is kept as L + offset with the offset and min(L + offset) beside it: the
-    // minimum, a long chain of dependent operations, is then needed late in the next pixel only.
+    // A row on its way. The path along the row is kept as L with min L beside it: the minimum, a long chain of
+    // dependent operations, is then needed late in the next pixel only.
     struct State {
         // Written out: GCC compiles an implicit one for the baseline, which cannot call what is of this instruction
         // set.
@@ -73,7 +78,6 @@ private:
         V along[registers];
         V diagonal[registers];
         V least;
-        V offset;
         const std::uint8_t* costs;
         std::uint8_t* sums;
         std::uint8_t* costs_copy;
@@ -91,12 +95,31 @@ private:
         }
         std::copy_n(row.jumps, 4, state.jumps);
         state.least = hn::Zero(tag_);
-        state.offset = hn::Zero(tag_);
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             state.along[r] = hn::Zero(tag_);
             state.diagonal[r] = hn::Zero(tag_);
         }
+    }
+
+    static constexpr int state_bytes = 2 * candidates + static_cast<int>(hn::MaxLanes(Tag()));
+
+    void save(const State& state, std::uint8_t* to) const {
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            hn::Store(state.along[r], tag_, to + r * lanes());
+            hn::Store(state.diagonal[r], tag_, to + candidates + r * lanes());
+        }
+        hn::Store(state.least, tag_, to + 2 * candidates);
+    }
+
+    void restore(State& state, const std::uint8_t* from) const {
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            state.along[r] = hn::Load(tag_, from + r * lanes());
+            state.diagonal[r] = hn::Load(tag_, from + candidates + r * lanes());
+        }
+        state.least = hn::Load(tag_, from + 2 * candidates);
     }
 
     // M from N, for one path.
@@ -193,11 +216,10 @@ private:
                 hwy::Prefetch(state.prefetch[1] + offset);
             }
             const V step = hn::Min(m[r], jump);
-            state.along[r] = hn::Add(step, hn::Sub(cost[r], state.offset));
             sum[r] = hn::Sub(step, state.least);
+            state.along[r] = hn::Add(sum[r], cost[r]);
             least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
         }
-        state.offset = hn::Sub(state.least, state.offset);
         state.least = broadcast_least(tag_, least);
     }
 

@@ -34,23 +34,22 @@ struct Kernels {
 
     template <int count, bool streaming>
     static void aggregate_rows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
-                               const SweepRow* rows) {
-        PathRows<Tag, registers, count, streaming>(geometry, pass, before).run(rows, pass.direction < 0);
+                               const SweepRow* rows, SweepSteps steps, std::uint8_t* state) {
+        PathRows<Tag, registers, count, streaming>(geometry, pass, before).run(rows, pass.direction < 0, steps, state);
     }
 
     static void aggregate(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
-                          const SweepRow* rows, int count) {
+                          const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state) {
         if (count == rows_at_once) {
-            pass.store == Store::stream ? aggregate_rows<rows_at_once, true>(geometry, pass, before, rows)
-                                        : aggregate_rows<rows_at_once, false>(geometry, pass, before, rows);
+            pass.store == Store::stream
+                ? aggregate_rows<rows_at_once, true>(geometry, pass, before, rows, steps, state)
+                : aggregate_rows<rows_at_once, false>(geometry, pass, before, rows, steps, state);
             return;
         }
-        for (int i = 0; i < count; ++i) {
-            // A row left over: how it is stored does not matter.
-            aggregate_rows<1, false>(geometry, pass, before, rows + i);
-            if (pass.store == Store::stream) {
-                std::copy_n(rows[i].costs, geometry.row_bytes(), rows[i].costs_copy);
-            }
+        // A row left over: how it is stored does not matter.
+        aggregate_rows<1, false>(geometry, pass, before, rows, steps, state);
+        if (pass.store == Store::stream && steps.end == steps_of(geometry.width, 1)) {
+            std::copy_n(rows->costs, geometry.row_bytes(), rows->costs_copy);
         }
     }
 

@@ -60,6 +60,33 @@ struct PathRow {
 
 constexpr int path_guard = 64;  ///< guard pixels on either side of a PathRow
 
+/// Least costs are taken for this many pixels at a time, one block late.
+constexpr int least_block = 16;
+
+/// Rows that are worked on together run this many pixels apart: a row needs the least costs of its upper right
+/// neighbour.
+constexpr int row_lag = 33;
+
+/// Steps [first, end) of aggregate(), whole blocks: step t works on position t of the first row and on position
+/// t - row_lag of the second.
+struct SweepSteps {
+    int first = 0;
+    int end = 0;
+};
+
+/// All steps of `rows` rows.
+constexpr int steps_of(int width, int rows) {
+    return (width + row_lag * (rows - 1) + least_block - 1) / least_block * least_block;
+}
+
+/// How many positions of a PathRow are done after `steps` steps: costs and least costs of the last of `rows` rows.
+constexpr int done_after(int steps, int width, int rows) {
+    return steps == steps_of(width, rows) ? width : steps - least_block - row_lag * (rows - 1);
+}
+
+/// Two paths and the least of one, of two rows.
+constexpr int max_sweep_state = 2 * (2 * 256 + 64);
+
 /// One row of a sweep, all arrays with the candidates of one pixel after the other.
 struct SweepRow {
     const std::uint8_t* costs = nullptr;   ///< matching costs of the row
@@ -113,9 +140,11 @@ struct SgmKernels {
     /// Matching costs of one row from the row's planes.
     void (*matching_cost)(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
                           std::uint8_t* costs);
-    /// Four paths over `count` rows, the first of them first in the direction of the sweep.
+    /// Four paths over `count` rows, the first of them first in the direction of the sweep: some of their steps, in
+    /// order. To reach position p, `before` must be done up to p + 1. `state`, max_sweep_state bytes aligned to 64, is
+    /// carried from one call to the next.
     void (*aggregate)(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before, const SweepRow* rows,
-                      int count);
+                      int count, SweepSteps steps, std::uint8_t* state);
     /// Adaptive P2 of one row of the left image: SweepRow::jumps (to be rounded up to whole vectors).
     void (*jumps)(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
                   const std::uint8_t* row_before, std::uint8_t* const* jumps);

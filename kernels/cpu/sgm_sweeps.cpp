@@ -2,57 +2,48 @@
 #include "kernels/cpu/sgm_sweeps.h"
 
 #include <algorithm>
-#include <cstring>
 
-#include "hwy/cache_control.h"
+#include "kernels/cpu/sweep_plan.h"
+#include "kernels/cpu/sweep_progress.h"
 
 namespace disparityd::cpu {
 
 namespace {
 
-constexpr std::size_t alignment = 64;
-constexpr int most_rows_at_once = 2;
-
-std::size_t align(std::size_t size) {
-    return (size + alignment - 1) / alignment * alignment;
+SgmGeometry geometry_of(int width, int height, const MatchOptions& options, const SgmKernels& kernels) {
+    SgmGeometry geometry;
+    geometry.width = width;
+    geometry.height = height;
+    geometry.range = options.range;
+    geometry.layout = kernels.layout;
+    geometry.census = kernels.census_layout(width, kernels.layout);
+    return geometry;
 }
 
 }  // namespace
 
-/// One direction: the part of the image that it sweeps first and second, and the memory that it works in.
-struct SgmSweeps::Sweep {
-    SweepPass pass;
-    int first = 0;   ///< first row
-    int middle = 0;  ///< first row of the second part
-    int end = 0;
-    PathRow before;
-    std::uint8_t* costs[most_rows_at_once] = {};
-    std::uint8_t* sums[most_rows_at_once] = {};
-    std::uint8_t* jumps[most_rows_at_once][4] = {};
-    std::uint8_t* path_costs = nullptr;
-    std::uint8_t* path_least = nullptr;
-
-    int rows_left(int y, int until) const { return (until - y) * pass.direction; }
+/// One frame on its way through the sweeps.
+struct SgmSweeps::Frame {
+    std::span<const std::byte> planes;
+    Plane<const std::uint8_t> left;
+    const WinnerPlanes& results;
+    const SweepPlan& plan;
+    SweepTurns turns;
+    SweepProgress progress;
 };
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, std::int64_t target, std::size_t cache_bytes)
-    : options_(options), kernels_(sgm_kernels(target, options.range.count)) {
-    geometry_.width = width;
-    geometry_.height = height;
-    geometry_.range = options.range;
-    geometry_.layout = kernels_.layout;
-    geometry_.census = kernels_.census_layout(width, kernels_.layout);
-    const std::size_t volume = geometry_.row_bytes() * static_cast<std::size_t>(height);
-    keep_costs_ = options.range.count == kernels_.layout.candidates();
-    // Half of the cache is what one program can hope for on a machine that does other things too.
-    stream_ = keep_costs_ && 4 * volume > cache_bytes;
-    sums_ = LargeBuffer(volume);
-    costs_ = LargeBuffer(keep_costs_ ? volume : 0);
-    const std::size_t path_pixels = static_cast<std::size_t>(width + 2 * path_guard);
-    sweep_bytes_ = align(3 * path_pixels * kernels_.layout.bytes()) + align(3 * path_pixels) +
-                   4 * most_rows_at_once * align(path_pixels) + 2 * most_rows_at_once * align(geometry_.row_bytes());
-    sweeps_ = LargeBuffer(2 * sweep_bytes_);
-}
+    : SgmSweeps(width, height, options, sgm_kernels(target, options.range.count), cache_bytes) {}
+
+SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels,
+                     std::size_t cache_bytes)
+    : options_(options),
+      kernels_(kernels),
+      geometry_(geometry_of(width, height, options, kernels_)),
+      keep_costs_(options.range.count == kernels_.layout.candidates()),
+      // Half of the cache is what one program can hope for on a machine that does other things too.
+      stream_(keep_costs_ && 4 * geometry_.row_bytes() * static_cast<std::size_t>(height) > cache_bytes),
+      memory_(geometry_, kernels_, options.sgm, keep_costs_) {}
 
 std::size_t SgmSweeps::census_bytes() const {
     return static_cast<std::size_t>(geometry_.height) * (geometry_.census.left_row() + geometry_.census.right_row());
@@ -77,106 +68,105 @@ void SgmSweeps::census(Plane<const std::uint8_t> left, Plane<const std::uint8_t>
 
 void SgmSweeps::match(std::span<const std::byte> planes, Plane<const std::uint8_t> left, const WinnerPlanes& results,
                       Parallel& workers) const {
-    const Input input{planes, left};
-    const Sweep sweeps[2] = {sweep(1), sweep(-1)};
-    workers.for_each(2, [&](int i) {
-        begin(sweeps[i]);
-        leave_sums(sweeps[i], input);
-    });
-    workers.for_each(2, [&](int i) { find_winners(sweeps[i], input, results); });
+    const SweepPlan plan(geometry_.width, geometry_.height, kernels_.rows_at_once, workers.workers(), memory_.seats());
+    const SweepTurns::Groups groups = plan.groups();
+    Frame frame{planes, left, results, plan, SweepTurns(groups), SweepProgress(groups[0][0] + groups[1][0])};
+    workers.for_each(plan.tasks(), [&](int) { work(frame, plan.groups_of_task()); });
 }
 
-SgmSweeps::Sweep SgmSweeps::sweep(int direction) const {
-    Sweep sweep;
-    const int height = geometry_.height;
-    sweep.pass = {direction, options_.sgm.p1, options_.sgm.p2, stream_ ? Store::stream : Store::keep};
-    sweep.first = direction > 0 ? 0 : height - 1;
-    sweep.middle = direction > 0 ? height / 2 : height / 2 - 1;
-    sweep.end = direction > 0 ? height : -1;
-    auto* memory = reinterpret_cast<std::uint8_t*>(sweeps_.data()) + (direction > 0 ? 0 : sweep_bytes_);
-    const std::size_t pixels = static_cast<std::size_t>(geometry_.width + 2 * path_guard);
-    for (int i = 0; i < most_rows_at_once; ++i) {
-        sweep.costs[i] = memory;
-        sweep.sums[i] = memory + align(geometry_.row_bytes());
-        memory += 2 * align(geometry_.row_bytes());
-        for (std::uint8_t*& jumps : sweep.jumps[i]) {
-            jumps = memory;
-            memory += align(pixels);
+void SgmSweeps::work(Frame& frame, int groups) const {
+    SweepTurns::Worker worker = frame.turns.join();
+    const SweepSeat seat = memory_.seat(worker.seat);
+    int sums_left = 0;  // groups that nobody has been told of
+    const auto tell = [&] {
+        if (sums_left > 0) {
+            frame.progress.sums_left(sums_left);
+            sums_left = 0;
+        }
+    };
+    RowGroup group;
+    for (int i = 0; i < groups && frame.turns.take(worker, group); ++i) {
+        if (group.part == 0) {
+            leave_sums(frame, group, seat);
+            ++sums_left;
+        } else {
+            tell();
+            find_winners(frame, group, seat);
         }
     }
-    sweep.path_costs = memory;
-    sweep.path_least = memory + align(3 * pixels * kernels_.layout.bytes());
-    for (std::size_t i = 0; i < 3; ++i) {
-        sweep.before.costs[i] = sweep.path_costs + (i * pixels + path_guard) * kernels_.layout.bytes();
-        sweep.before.least[i] = sweep.path_least + i * pixels + path_guard;
-    }
-    return sweep;
+    tell();
+    frame.turns.leave(worker);
 }
 
-// Outside the image a path adds nothing: L = least = 0.
-void SgmSweeps::begin(const Sweep& sweep) const {
-    const std::size_t pixels = 3 * static_cast<std::size_t>(geometry_.width + 2 * path_guard);
-    std::memset(sweep.path_costs, 0, pixels * kernels_.layout.bytes());
-    std::memset(sweep.path_least, 0, pixels);
-    for (const auto& row : sweep.jumps) {
-        for (std::uint8_t* jumps : row) {
-            std::memset(jumps, options_.sgm.p2, pixels / 3);
-        }
+void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const {
+    const SweepRows rows = frame.plan.rows_of(group);
+    const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, stream_ ? Store::stream : Store::keep};
+    SweepRow sweep_rows[most_rows_at_once];
+    for (int i = 0; i < rows.count; ++i) {
+        const int y = rows.row(i);
+        SweepRow& row = sweep_rows[i];
+        std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
+        row.costs = matching_cost(frame.planes, y, stream_ || kept == nullptr ? seat.costs[i] : kept);
+        row.costs_copy = stream_ ? kept : nullptr;
+        row.sums = memory_.sums(y);
+        set_jumps(frame, pass, y, seat.jumps[i], row);
     }
+    aggregate(frame, group, pass, sweep_rows, rows.count);
 }
 
-void SgmSweeps::leave_sums(const Sweep& sweep, const Input& input) const {
-    const int step = sweep.pass.direction;
-    for (int y = sweep.first; y != sweep.middle;) {
-        const int count = std::min(kernels_.rows_at_once, sweep.rows_left(y, sweep.middle));
-        SweepRow rows[most_rows_at_once];
-        for (int i = 0; i < count; ++i) {
-            const int row = y + i * step;
-            std::uint8_t* kept = keep_costs_ ? row_of(costs_, row) : nullptr;
-            rows[i].costs = matching_cost(input.planes, row, stream_ || kept == nullptr ? sweep.costs[i] : kept);
-            rows[i].costs_copy = stream_ ? kept : nullptr;
-            rows[i].sums = row_of(sums_, row);
-            set_jumps(sweep, input, row, i, rows[i]);
-        }
-        kernels_.aggregate(geometry_, sweep.pass, sweep.before, rows, count);
-        y += count * step;
+void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSeat& seat) const {
+    const SweepRows rows = frame.plan.rows_of(group);
+    const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, Store::keep};
+    // Until the other sweep has left all its costs, it is better to compute them again than to wait.
+    const bool costs_kept = keep_costs_ && frame.progress.sums_are_left();
+    SweepRow sweep_rows[most_rows_at_once];
+    for (int i = 0; i < rows.count; ++i) {
+        const int y = rows.row(i);
+        const int next = std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
+        SweepRow& row = sweep_rows[i];
+        row.costs = costs_kept ? memory_.costs(y) : matching_cost(frame.planes, y, seat.costs[i]);
+        row.sums = seat.sums[i];
+        set_jumps(frame, pass, y, seat.jumps[i], row);
+        row.prefetch[0] = memory_.sums(y);
+        row.prefetch[1] = keep_costs_ ? memory_.costs(next) : nullptr;
     }
-    // Streamed stores are not ordered by the hand-over to the other worker.
-    hwy::FlushStream();
-}
-
-void SgmSweeps::find_winners(const Sweep& sweep, const Input& input, const WinnerPlanes& results) const {
-    const int step = sweep.pass.direction;
-    SweepPass pass = sweep.pass;
-    pass.store = Store::keep;
-    for (int y = sweep.middle; y != sweep.end;) {
-        const int count = std::min(kernels_.rows_at_once, sweep.rows_left(y, sweep.end));
-        SweepRow rows[most_rows_at_once];
-        for (int i = 0; i < count; ++i) {
-            const int row = y + i * step;
-            const int next = std::clamp(row + count * step, 0, geometry_.height - 1);
-            rows[i].costs = keep_costs_ ? row_of(costs_, row) : matching_cost(input.planes, row, sweep.costs[i]);
-            rows[i].sums = sweep.sums[i];
-            set_jumps(sweep, input, row, i, rows[i]);
-            rows[i].prefetch[0] = row_of(sums_, row);
-            rows[i].prefetch[1] = keep_costs_ ? row_of(costs_, next) : nullptr;
-        }
-        kernels_.aggregate(geometry_, pass, sweep.before, rows, count);
-        for (int i = 0; i < count; ++i) {
-            const int row = y + i * step;
-            kernels_.winner(geometry_, options_.post, step, row_of(sums_, row), rows[i].sums, rows[i].costs,
-                            results.row(row));
-        }
-        y += count * step;
+    aggregate(frame, group, pass, sweep_rows, rows.count);
+    frame.progress.wait_for_sums();
+    for (int i = 0; i < rows.count; ++i) {
+        const int y = rows.row(i);
+        kernels_.winner(geometry_, options_.post, rows.direction, memory_.sums(y), sweep_rows[i].sums,
+                        sweep_rows[i].costs, frame.results.row(y));
     }
 }
 
-void SgmSweeps::set_jumps(const Sweep& sweep, const Input& input, int y, int i, SweepRow& row) const {
+void SgmSweeps::aggregate(Frame& frame, const RowGroup& group, const SweepPass& pass, const SweepRow* rows,
+                          int count) const {
+    alignas(64) std::uint8_t state[max_sweep_state];
+    const int width = geometry_.width;
+    const int end = steps_of(width, count);
+    const PathRow before = memory_.path_row(group.sweep);
+    if (group.index == 0) {
+        memory_.clear_path_row(group.sweep);
+    }
+    SweepSteps steps;
+    for (; steps.end < end; steps.first = steps.end) {
+        steps.end = std::min(steps.first + frame.plan.steps_at_once(), end);
+        frame.progress.wait_for_row_before(group, std::min(steps.end + 1, width));
+        kernels_.aggregate(geometry_, pass, before, rows, count, steps, state);
+        if (steps.end < end) {
+            frame.progress.reached(group, std::max(done_after(steps.end, width, count), 0));
+        }
+    }
+    frame.progress.completed(group);
+}
+
+void SgmSweeps::set_jumps(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* jumps,
+                          SweepRow& row) const {
     if (options_.sgm.adaptive_p2) {
-        const int before = std::clamp(y - sweep.pass.direction, 0, geometry_.height - 1);
-        kernels_.jumps(geometry_, sweep.pass, input.left.row(y), input.left.row(before), sweep.jumps[i]);
+        const int before = std::clamp(y - pass.direction, 0, geometry_.height - 1);
+        kernels_.jumps(geometry_, pass, frame.left.row(y), frame.left.row(before), jumps);
     }
-    std::copy_n(sweep.jumps[i], 4, row.jumps);
+    std::copy_n(jumps, 4, row.jumps);
 }
 
 const std::uint8_t* SgmSweeps::matching_cost(std::span<const std::byte> planes, int y, std::uint8_t* out) const {
@@ -186,10 +176,6 @@ const std::uint8_t* SgmSweeps::matching_cost(std::span<const std::byte> planes, 
     kernels_.matching_cost(geometry_, left + row * geometry_.census.left_row(),
                            right + row * geometry_.census.right_row(), out);
     return out;
-}
-
-std::uint8_t* SgmSweeps::row_of(const LargeBuffer& volume, int y) const {
-    return reinterpret_cast<std::uint8_t*>(volume.data()) + static_cast<std::size_t>(y) * geometry_.row_bytes();
 }
 
 }  // namespace disparityd::cpu

@@ -66,7 +66,15 @@ struct TwoSweeps {
     }
 
     void aggregate(const cpu::SweepPass& of, const cpu::PathRow& before, const cpu::SweepRow* rows, int count) const {
-        layout.kernels.aggregate(layout.geometry, of, before, rows, count);
+        // In two calls, as workers do that wait for each other in between.
+        alignas(64) std::uint8_t state[cpu::max_sweep_state];
+        const int steps = cpu::steps_of(input.width, count);
+        const int first = steps / 2 / cpu::least_block * cpu::least_block;
+        for (const cpu::SweepSteps part : {cpu::SweepSteps{0, first}, cpu::SweepSteps{first, steps}}) {
+            if (part.end > part.first) {
+                layout.kernels.aggregate(layout.geometry, of, before, rows, count, part, state);
+            }
+        }
     }
 
     void sweep(int direction) const {

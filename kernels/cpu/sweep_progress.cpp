@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cpu/sweep_progress.h"
+
+#include <chrono>
+
+#include "hwy/cache_control.h"
+
+namespace disparityd::cpu {
+
+namespace {
+
+// Rows take some ten microseconds, as waking a sleeping thread does: waiting so long costs less than sleeping.
+constexpr std::chrono::microseconds patience(20);
+
+template <class Reached>
+bool look_for_a_while(const std::atomic<int>& value, Reached reached) {
+    constexpr int looks_per_time = 16;
+    const auto end = std::chrono::steady_clock::now() + patience;
+    do {
+        for (int i = 0; i < looks_per_time; ++i) {
+            hwy::Pause();
+            if (reached(value.load(std::memory_order_acquire))) {
+                return true;
+            }
+        }
+    } while (std::chrono::steady_clock::now() < end);
+    return false;
+}
+
+template <class Reached>
+void wait_until(const std::atomic<int>& value, Reached reached) {
+    if (reached(value.load(std::memory_order_acquire)) || look_for_a_while(value, reached)) {
+        return;
+    }
+    for (int seen = value.load(std::memory_order_acquire); !reached(seen);
+         seen = value.load(std::memory_order_acquire)) {
+        value.wait(seen, std::memory_order_acquire);
+    }
+}
+
+}  // namespace
+
+// Whether somebody sleeps may be looked up before the new value is visible; who fell asleep in between is woken by what
+// comes later. Ordering the two would hold up the worker until all its streamed stores have arrived.
+void SweepProgress::reached(const RowGroup& group, int position) {
+    std::atomic<int>& value = place(group.sweep, group.index);
+    value.store(value_of(group.index, position), std::memory_order_release);
+    value.notify_all();
+}
+
+void SweepProgress::completed(const RowGroup& group) {
+    std::atomic<int>& value = place(group.sweep, group.index);
+    value.store(value_of(group.index, positions - 1), std::memory_order_seq_cst);
+    value.notify_all();
+}
+
+void SweepProgress::wait_for_row_before(const RowGroup& group, int position) {
+    if (group.index > 0) {
+        const int wanted = value_of(group.index - 1, position);
+        wait_until(place(group.sweep, group.index - 1), [=](int value) { return value >= wanted; });
+    }
+}
+
+void SweepProgress::sums_left(int groups) {
+    // Streamed stores are not ordered by what follows.
+    hwy::FlushStream();
+    if (groups_left_.fetch_sub(groups) == groups) {
+        groups_left_.notify_all();
+    }
+}
+
+void SweepProgress::wait_for_sums() const {
+    wait_until(groups_left_, [](int left) { return left == 0; });
+}
+
+}  // namespace disparityd::cpu

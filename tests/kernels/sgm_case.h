@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "kernels/cpu/sgm_sweeps.h"
+#include "tests/kernels/guarded.h"
+#include "tests/kernels/support.h"
+
+namespace disparityd::test {
+
+/// What SGM leaves before post-processing, in guarded planes.
+struct SgmResults {
+    SgmResults(int width, int height)
+        : disparity(width, height), confidence(width, height), winner(width, height), right_winner(width, height) {}
+
+    cpu::WinnerPlanes view() const {
+        return {disparity.plane(), confidence.plane(), winner.plane(), right_winner.plane()};
+    }
+    bool intact() const {
+        return disparity.intact() && confidence.intact() && winner.intact() && right_winner.intact();
+    }
+
+    GuardedPlane<std::int16_t> disparity;
+    GuardedPlane<std::uint8_t> confidence;
+    GuardedPlane<std::int16_t> winner;
+    GuardedPlane<std::int16_t> right_winner;
+};
+
+/// A pair, how it is matched, and what the reference finds.
+class SgmCase {
+public:
+    SgmCase(Image<std::uint8_t> left_image, Image<std::uint8_t> right_image, const MatchOptions& how)
+        : left(std::move(left_image)),
+          right(std::move(right_image)),
+          options(how),
+          expected(left.width(), left.height()) {
+        run_reference();
+    }
+
+    int width() const { return left.width(); }
+    int height() const { return left.height(); }
+
+    /// Everything that SgmSweeps writes is as expected and nothing else is touched. `cache_bytes`: 0 has volumes
+    /// written past the caches.
+    void expect_from(std::int64_t target, std::size_t cache_bytes, Parallel& workers) const {
+        const cpu::SgmSweeps sweeps(width(), height(), options, target, cache_bytes);
+        const GuardedMemory<std::uint8_t> census(sweeps.census_bytes());
+        const std::span<std::byte> planes(reinterpret_cast<std::byte*>(census.data()), census.size());
+        const SgmResults found(width(), height());
+        Serial serial;
+        sweeps.census(left.plane(), right.plane(), planes, serial);
+        sweeps.match(planes, left.plane(), found.view(), workers);
+        EXPECT_TRUE(census.intact());
+        EXPECT_TRUE(found.intact());
+        EXPECT_EQ(differences(found.winner.plane(), expected.winner.plane()), 0);
+        EXPECT_EQ(differences(found.right_winner.plane(), expected.right_winner.plane()), 0);
+        EXPECT_EQ(differences(found.disparity.plane(), expected.disparity.plane()), 0);
+        EXPECT_EQ(differences(found.confidence.plane(), expected.confidence.plane()), 0);
+        ASSERT_FALSE(testing::Test::HasFailure())
+            << width() << "x" << height() << ", D " << options.range.count << " from " << options.range.first << ", "
+            << options.sgm.paths << " paths, P1 " << options.sgm.p1 << ", P2 " << options.sgm.p2
+            << (options.sgm.adaptive_p2 ? " adaptive, " : ", ") << workers.workers() << " workers, cache "
+            << cache_bytes;
+    }
+
+    Image<std::uint8_t> left, right;
+    MatchOptions options;
+    SgmResults expected;
+
+private:
+    void run_reference() const {
+        const Rows rows = left.rows();
+        Image<std::uint64_t> left_words(width(), height());
+        Image<std::uint64_t> right_words(width(), height());
+        reference::census(left.plane(), left_words.plane(), rows);
+        reference::census(right.plane(), right_words.plane(), rows);
+        const std::size_t candidates = left.pixels().size() * static_cast<std::size_t>(options.range.count);
+        std::vector<std::uint8_t> costs(candidates);
+        std::vector<std::uint16_t> sums(candidates);
+        std::vector<std::byte> scratch(reference::aggregate_scratch(width(), height(), options.range.count));
+        const Volume<std::uint8_t> cost_volume{costs.data(), width(), height(), options.range.count};
+        const Volume<std::uint16_t> sum_volume{sums.data(), width(), height(), options.range.count};
+        Serial serial;
+        reference::matching_cost(left_words.plane(), right_words.plane(), options.range, cost_volume, rows);
+        reference::aggregate(cost_volume, left.plane(), options.sgm, sum_volume, scratch, serial);
+        reference::winner_left<std::uint16_t>(sum_volume, options.range, options.post.subpixel, expected.winner.plane(),
+                                              expected.disparity.plane(), rows);
+        reference::winner_right<std::uint16_t>(sum_volume, options.range, expected.right_winner.plane(), rows);
+        reference::local_extrema<std::uint16_t>(sum_volume, options.range, options.post, expected.winner.plane(),
+                                                expected.disparity.plane(), expected.confidence.plane(), rows);
+    }
+
+    template <typename T>
+    static int differences(Plane<T> a, Plane<T> b) {
+        int count = 0;
+        for (int y = 0; y < a.height; ++y) {
+            for (int x = 0; x < a.width; ++x) {
+                count += a.at(x, y) == b.at(x, y) ? 0 : 1;
+            }
+        }
+        return count;
+    }
+};
+
+/// Images that have broken vector code before: all equal, two values, a shifted copy, extremes, noise.
+inline SgmCase random_case(Random& random, int width, int height, const MatchOptions& options) {
+    const int kind = pick(random, 0, 4);
+    Image<std::uint8_t> left = noise(random, width, height, 0, kind == 1 ? 1 : 255);
+    Image<std::uint8_t> right =
+        kind == 2 ? shifted(random, left, pick(random, -20, 20)) : noise(random, width, height, 0, 255);
+    for (Image<std::uint8_t>* image : {&left, &right}) {
+        for (std::uint8_t& pixel : image->pixels()) {
+            pixel = kind == 0 ? std::uint8_t{90} : kind == 3 && pixel < 128 ? 0 : kind == 3 ? 255 : pixel;
+        }
+    }
+    return {std::move(left), std::move(right), options};
+}
+
+/// Any options of SGM with a P2 of p2_least .. p2_most.
+inline MatchOptions random_sgm_options(Random& random, int paths, int p2_least, int p2_most) {
+    MatchOptions options;
+    options.range = {pick(random, 0, 3) == 0 ? pick(random, -256, 256) : pick(random, -20, 20),
+                     16 * pick(random, 1, 16)};
+    options.sgm.paths = paths;
+    options.sgm.p2 = pick(random, p2_least, p2_most);
+    options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
+    options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
+    options.post.subpixel = pick(random, 0, 3) > 0;
+    options.post.local_extrema = pick(random, 0, 1) == 1;
+    options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 99);
+    return options;
+}
+
+}  // namespace disparityd::test
