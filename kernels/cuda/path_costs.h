@@ -86,6 +86,13 @@ __host__ __device__ constexpr int pixel_bytes(int packs) {
     return 2 * packs * lanes;
 }
 
+/// Of one path, all pixels.
+template <int packs>
+__device__ std::size_t volume_bytes(int width, int height) {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
+           static_cast<std::size_t>(pixel_bytes(packs));
+}
+
 constexpr Pair even_bytes = 0x00ff00ff;
 
 template <int packs>

@@ -36,7 +36,7 @@ __global__ void __launch_bounds__(block_lines* lanes) paths_kernel(PathsJob job)
     int x = along_row ? width - 1 : line;
     int pixel = (along_row ? line : step.dy > 0 ? 0 : height - 1) * width + x;
     const int pixels = along_row ? width : height;
-    std::uint8_t* volume = job.volumes + static_cast<std::size_t>(direction) * width * height * pixel_bytes(packs);
+    std::uint8_t* volume = job.volumes + static_cast<std::size_t>(direction) * volume_bytes<packs>(width, height);
     Costs<packs> idle;
     idle_slots<packs>(job.range.count, idle);
     PathCosts<packs> path;

@@ -15,7 +15,7 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     if (y >= job.image.height) {
         return;
     }
-    const std::size_t volume = static_cast<std::size_t>(width) * job.image.height * pixel_bytes(packs);
+    const std::size_t volume = volume_bytes<packs>(width, job.image.height);
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
     Costs<packs> idle;
     idle_slots<packs>(job.range.count, idle);

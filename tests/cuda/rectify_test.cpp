@@ -88,7 +88,7 @@ TEST_F(CudaRectify, MapsAreTakenAgainWhenTheirIdChanges) {
     const auto cuda = matcher_of("cuda");
     const auto bytes = noise(random, 2 * eye_width, raw_height);
     const RawImage raw{bytes.plane().data, PixelFormat::grey8, eye_width, raw_height, 2 * eye_width};
-    for (const std::uint64_t id : {1, 2, 0, 0, 1}) {
+    for (const std::uint64_t id : std::initializer_list<std::uint64_t>{1, 2, 0, 0, 1}) {
         const Maps left(random);
         const Maps right(random);
         Rectifier rectifier{true, left.view(), right.view(), 0, 0};

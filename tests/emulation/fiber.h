@@ -37,12 +37,12 @@ private:
     boost::context::fiber fiber_;
     boost::context::fiber host_;
     // Of the sanitizers.
-    void* host_fake_stack_ = nullptr;
-    void* fiber_fake_stack_ = nullptr;
-    const void* host_stack_ = nullptr;
-    std::size_t host_stack_size_ = 0;
-    void* thread_fiber_ = nullptr;
-    void* thread_host_ = nullptr;
+    [[maybe_unused]] void* host_fake_stack_ = nullptr;
+    [[maybe_unused]] void* fiber_fake_stack_ = nullptr;
+    [[maybe_unused]] const void* host_stack_ = nullptr;
+    [[maybe_unused]] std::size_t host_stack_size_ = 0;
+    [[maybe_unused]] void* thread_fiber_ = nullptr;
+    [[maybe_unused]] void* thread_host_ = nullptr;
 };
 
 }  // namespace disparityd::simt

@@ -3,12 +3,13 @@
 
 namespace disparityd::test {
 
-/// Under a sanitizer, which watches every switch between the threads of a block, or on an emulated processor the
-/// emulated device is ten times slower: there a part of the rounds must do.
-#ifdef DISPARITYD_FEWER_ROUNDS
-constexpr bool all_rounds = false;
+/// Under a sanitizer, which watches every switch between the threads of a block, or on an emulated processor the emulated
+/// device is ten times slower: there one of so many rounds must do.
+#ifdef DISPARITYD_ONE_ROUND_OF
+constexpr int one_round_of = DISPARITYD_ONE_ROUND_OF;
 #else
-constexpr bool all_rounds = true;
+constexpr int one_round_of = 1;
 #endif
+constexpr bool all_rounds = one_round_of == 1;
 
 }  // namespace disparityd::test
