@@ -43,15 +43,16 @@ public:
                 restore(states_[j], state + j * state_bytes);
             }
         }
-        // Blocks in which all rows are inside the image, the block before too.
-        constexpr int first_inside = rounded_up_to_block(least_block + row_lag * (rows_at_once - 1));
+        // While all rows are inside the image. At the left border they begin one after the other.
         const int end_inside = std::min(steps.end, width_ / least_block * least_block);
+        const int end_of_first = std::min(end_inside, row_lag * (rows_at_once - 1));
         int t = steps.first;
-        for (; t < std::min(steps.end, first_inside); t += least_block) {
-            block_at_border(t);
+        if (t < end_of_first) {
+            blocks_inside<1>(t, end_of_first);
+            t = end_of_first;
         }
         if (t < end_inside) {
-            blocks_inside(t, end_inside);
+            blocks_inside<rows_at_once>(t, end_inside);
             t = end_inside;
         }
         for (; t < steps.end; t += least_block) {
@@ -145,7 +146,6 @@ private:
         }
     }
 
-    static constexpr int rounded_up_to_block(int p) { return (p + least_block - 1) / least_block * least_block; }
     static constexpr int lanes() { return static_cast<int>(hn::MaxLanes(Tag())); }
 
     HWY_INLINE void finish_path(int path, int p, const V* m, const V* cost, V* sum) const {
@@ -236,31 +236,33 @@ private:
         });
     }
 
-    // The minima of a block are taken while the next one is worked on, spread among its pixels.
+    // The first `count` rows. The minima of a block are taken while the next one is worked on, spread among its pixels,
+    // those of the first row first: the last pixel of the second row needs the first of them.
+    template <int count>
     void blocks_inside(int first, int end) {
         const hn::FixedTag<std::uint8_t, 16> block;
-        constexpr int reductions = 3 * rows_at_once;
-        constexpr int share = rows_at_once == 1 ? 4 : 2;  // pixels per reduction
+        constexpr int reductions = 3 * count;
+        constexpr int share = count == 1 ? 4 : 2;  // pixels per reduction
         // A copy that nobody else can see and that is not indexed at run time stays in registers.
         PathRows local = *this;
         for (int t = first; t < end; t += least_block) {
             for (int i = 0; i < least_block / share; ++i) {
                 DISPARITYD_UNROLL
                 for (int k = 0; k < share; ++k) {
-                    int p[rows_at_once];
+                    int p[count];
                     DISPARITYD_UNROLL
-                    for (int j = 0; j < rows_at_once; ++j) {
+                    for (int j = 0; j < count; ++j) {
                         p[j] = t + i * share + k - row_lag * j;
                     }
-                    local.template pixels<rows_at_once>(local.states_, p);
+                    local.template pixels<count>(local.states_, p);
                 }
-                if (i < reductions) {
-                    const int p = t - least_block - row_lag * (i / 3);
+                const int p = t - least_block - row_lag * (i / 3);
+                if (i < reductions && p >= 0) {
                     hn::StoreU(least_of(i % 3, p), block, before_.least[i % 3] + p);
                 }
             }
         }
-        std::copy_n(local.states_, rows_at_once, states_);
+        std::copy_n(local.states_, count, states_);
     }
 
     void block_at_border(int t) {

@@ -63,9 +63,9 @@ constexpr int path_guard = 64;  ///< guard pixels on either side of a PathRow
 /// Least costs are taken for this many pixels at a time, one block late.
 constexpr int least_block = 16;
 
-/// Rows that are worked on together run this many pixels apart: a row needs the least costs of its upper right
-/// neighbour.
-constexpr int row_lag = 33;
+/// Rows that are worked on together run this many pixels apart, whole blocks: a row needs the least costs of its upper
+/// right neighbour.
+constexpr int row_lag = 2 * least_block;
 
 /// Steps [first, end) of aggregate(), whole blocks: step t works on position t of the first row and on position
 /// t - row_lag of the second.
