@@ -4,9 +4,6 @@
 #ifdef SIMT_ADDRESS_SANITIZER
 #include <sanitizer/common_interface_defs.h>
 #endif
-#ifdef SIMT_THREAD_SANITIZER
-#include <sanitizer/tsan_interface.h>
-#endif
 
 namespace disparityd::simt {
 
@@ -20,16 +17,9 @@ Fiber::Fiber(std::function<void()> body) : body_(std::move(body)), allocator_(st
     stack_ = allocator_.allocate();
     fiber_ = boost::context::fiber(std::allocator_arg, boost::context::preallocated(stack_.sp, stack_.size, stack_),
                                    allocator_, [this](boost::context::fiber&& host) { return run(std::move(host)); });
-#ifdef SIMT_THREAD_SANITIZER
-    thread_fiber_ = __tsan_create_fiber(0);
-#endif
 }
 
-Fiber::~Fiber() {
-#ifdef SIMT_THREAD_SANITIZER
-    __tsan_destroy_fiber(thread_fiber_);
-#endif
-}
+Fiber::~Fiber() = default;
 
 void Fiber::enter() {
     announce_switch_to_fiber();
@@ -55,10 +45,6 @@ void Fiber::announce_switch_to_fiber() {
 #ifdef SIMT_ADDRESS_SANITIZER
     __sanitizer_start_switch_fiber(&host_fake_stack_, static_cast<std::byte*>(stack_.sp) - stack_.size, stack_.size);
 #endif
-#ifdef SIMT_THREAD_SANITIZER
-    thread_host_ = __tsan_get_current_fiber();
-    __tsan_switch_to_fiber(thread_fiber_, 0);
-#endif
 }
 
 void Fiber::announce_arrival_on_host() {
@@ -70,9 +56,6 @@ void Fiber::announce_arrival_on_host() {
 void Fiber::announce_switch_to_host() {
 #ifdef SIMT_ADDRESS_SANITIZER
     __sanitizer_start_switch_fiber(&fiber_fake_stack_, host_stack_, host_stack_size_);
-#endif
-#ifdef SIMT_THREAD_SANITIZER
-    __tsan_switch_to_fiber(thread_host_, 0);
 #endif
 }
 

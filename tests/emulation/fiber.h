@@ -41,8 +41,6 @@ private:
     [[maybe_unused]] void* fiber_fake_stack_ = nullptr;
     [[maybe_unused]] const void* host_stack_ = nullptr;
     [[maybe_unused]] std::size_t host_stack_size_ = 0;
-    [[maybe_unused]] void* thread_fiber_ = nullptr;
-    [[maybe_unused]] void* thread_host_ = nullptr;
 };
 
 }  // namespace disparityd::simt

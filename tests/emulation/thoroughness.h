@@ -3,8 +3,8 @@
 
 namespace disparityd::test {
 
-/// Under a sanitizer, which watches every switch between the threads of a block, or on an emulated processor the emulated
-/// device is ten times slower: there one of so many rounds must do.
+/// Under a sanitizer, which watches every switch between the threads of a block, or on an emulated processor the
+/// emulated device is ten times slower: there one of so many rounds must do.
 #ifdef DISPARITYD_ONE_ROUND_OF
 constexpr int one_round_of = DISPARITYD_ONE_ROUND_OF;
 #else
