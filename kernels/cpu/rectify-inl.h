@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "hwy/cache_control.h"
 #include "kernels/cpu/bilinear-inl.h"
 #include "kernels/cpu/source_window-inl.h"
 #include "kernels/matcher.h"
@@ -102,10 +103,13 @@ private:
             const std::int16_t* last = first + 2 * (Windows::lanes_of_window - 1);
             const int x = std::clamp<int>(std::min(first[0], last[0]), 0, width_ - Windows::width);
             const int y = std::clamp<int>(std::min(first[1], last[1]), 0, source_.height - Windows::rows);
-            first_pixels[i] = source_.row(y) + static_cast<std::ptrdiff_t>(x) * pixel_bytes;
+            first_pixels[i] = pixel(x, y);
             left[i] = static_cast<std::uint16_t>(x);
             top[i] = static_cast<std::uint16_t>(y);
         }
+        // A captured frame comes from memory, in more streams than processors foresee.
+        constexpr int rows_ahead = 8;
+        hwy::Prefetch(pixel(left[0], std::min(top[0] + rows_ahead, source_.height - 1)));
         const V x = hn::Sub(places.x, Windows::spread(left));
         V y = hn::Sub(places.y, Windows::spread(top));
         if (!all_at_most(x, Windows::width - 2, y, Windows::rows - 2)) {
@@ -135,6 +139,10 @@ private:
         return hn::AllTrue(Words(), hn::Eq(beyond, hn::Zero(Words())));
     }
 
+    const std::uint8_t* pixel(int x, int y) const {
+        return source_.row(y) + static_cast<std::ptrdiff_t>(x) * pixel_bytes;
+    }
+
     /// Whether all four pixels around each place are inside the picture.
     HWY_INLINE bool all_inside(const Places& places) const {
         return windows_fit_ && all_at_most(places.x, width_ - 2, places.y, source_.height - 2);
@@ -145,8 +153,7 @@ private:
         alignas(64) std::uint16_t upper[pixel_bytes * lanes];
         alignas(64) std::uint16_t lower[pixel_bytes * lanes];
         for (int i = 0; i < lanes; ++i) {
-            const std::uint8_t* first =
-                source_.row(xy[2 * i + 1]) + static_cast<std::ptrdiff_t>(xy[2 * i]) * pixel_bytes;
+            const std::uint8_t* first = pixel(xy[2 * i], xy[2 * i + 1]);
             std::memcpy(upper + pixel_bytes * i, first, 2 * pixel_bytes);
             std::memcpy(lower + pixel_bytes * i, first + source_.stride, 2 * pixel_bytes);
         }

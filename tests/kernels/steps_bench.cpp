@@ -105,7 +105,16 @@ struct CameraMap {
     cv::Mat xy, fraction;
 };
 
-void bench_rectify(int width, int height, double scale, PixelFormat format, const char* name) {
+// Reads so much that nothing else is left in the caches.
+void empty_caches() {
+    static std::vector<std::uint64_t> memory((64 << 20) / sizeof(std::uint64_t), 1);
+    for (std::uint64_t& word : memory) {
+        ++word;
+    }
+}
+
+void bench_rectify(int width, int height, double scale, PixelFormat format, const char* name,
+                   const std::function<void()>& prepare = {}) {
     Random random(1);
     const int eye_width = static_cast<int>(width * scale) / 2 * 2;
     const int source_height = static_cast<int>(height * scale);
@@ -119,18 +128,23 @@ void bench_rectify(int width, int height, double scale, PixelFormat format, cons
                       static_cast<std::size_t>(bytes.width()));
     cv::setNumThreads(1);
     Line line(name);
-    line.add("opencv", [&] {
-        if (format == PixelFormat::yuyv) {
-            cv::extractChannel(eye, grey, 0);
-        }
-        cv::remap(format == PixelFormat::yuyv ? grey : eye, expected, map.xy, map.fraction, cv::INTER_LINEAR,
-                  cv::BORDER_CONSTANT, 0);
-    });
+    line.add(
+        "opencv",
+        [&] {
+            if (format == PixelFormat::yuyv) {
+                cv::extractChannel(eye, grey, 0);
+            }
+            cv::remap(format == PixelFormat::yuyv ? grey : eye, expected, map.xy, map.fraction, cv::INTER_LINEAR,
+                      cv::BORDER_CONSTANT, 0);
+        },
+        prepare);
     for (const Table& table : tables()) {
-        line.add(table.name, [&, table] { table.steps->rectify(raw, Eye::left, rectifier, out.plane(), out.rows()); });
+        line.add(
+            table.name, [&, table] { table.steps->rectify(raw, Eye::left, rectifier, out.plane(), out.rows()); },
+            prepare);
     }
     line.run(1.0 * width * height);
-    if (format != PixelFormat::yuyv || scale != 1) {
+    if (format != PixelFormat::yuyv || scale != 1 || prepare) {
         return;
     }
     Line colour("rectify_colour yuyv");
@@ -258,6 +272,7 @@ void bench_post(int width, int height) {
 void bench(int width, int height) {
     std::printf("\n%dx%d, ns per pixel\n", width, height);
     bench_rectify(width, height, 1, PixelFormat::yuyv, "rectify yuyv");
+    bench_rectify(width, height, 1, PixelFormat::yuyv, "rectify yuyv, cold", empty_caches);
     bench_rectify(width, height, 1, PixelFormat::grey8, "rectify grey");
     bench_rectify(width, height, 1.5, PixelFormat::yuyv, "rectify yuyv, from 1.5x");
     bench_rectify(width, height, 2.5, PixelFormat::yuyv, "rectify yuyv, from 2.5x");
