@@ -50,7 +50,6 @@ TEST(BenchTest, JsonIsAListWithTheAgreedKeys) {
     }
 }
 
-#ifdef DISPARITYD_COUNTS_ALLOCATIONS
 TEST(BenchTest, MemoryIsWhatAMatcherHolds) {
     const auto list = nlohmann::json::parse(bench({"--json", "-", "--contestant", "naive", "--contestant", "cpu"}).out);
     constexpr double candidates = 64 * 48 * 16 / 1e6;
@@ -63,7 +62,6 @@ TEST(BenchTest, MemoryIsWhatAMatcherHolds) {
         EXPECT_LT(one["memory_mb"], 20) << one;
     }
 }
-#endif
 
 TEST(BenchTest, TablesSayWhatWasMeasured) {
     const Outcome outcome = bench({"--contestant", "cpu", "--contestant", "opencv/3way", "--contestant", "naive/sgm"});
