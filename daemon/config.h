@@ -38,6 +38,7 @@ struct Config {
     struct Pipeline {
         int slots = 4;
         int workers = 0;  ///< 0 = one per core
+        bool pin_workers = true;
     } pipeline;
 
     struct SharedMemory {

@@ -208,8 +208,8 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     if (!serving_) {
         start_serving();
     }
-    spdlog::info("serving {}: {} x {}, {} workers", engine->source().name, layout.geometry.width,
-                 layout.geometry.height, engine->workers());
+    spdlog::info("serving {}: {} x {}, {}", engine->source().name, layout.geometry.width, layout.geometry.height,
+                 engine->workers());
     manager_.ready(status_line());
 }
 

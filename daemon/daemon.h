@@ -60,6 +60,7 @@ private:
 
     void tick();
     void watch_source();
+    void watch_memory();
     void watch_threads();
     std::string status_line() const;
     v1::Status status() const;

@@ -27,6 +27,7 @@ constexpr std::chrono::seconds preparation_time{30};
 void Daemon::tick() {
     recording_.check();
     watch_source();
+    watch_memory();
     watch_threads();
     const auto now = steady_clock::now();
     if (now >= next_status_) {
@@ -64,6 +65,13 @@ void Daemon::watch_source() {
     if (options_.exit_at_end) {
         ended_well_ = !condition.failed;
         begin_stop();
+    }
+}
+
+void Daemon::watch_memory() {
+    const auto current = engine();
+    if (current && current->check_memory()) {
+        spdlog::info("{}", current->notices().back());
     }
 }
 

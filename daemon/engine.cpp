@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/huge_pages.h"
+
 namespace disparityd {
 namespace {
 
@@ -94,7 +96,8 @@ Engine::Engine(const Config& config, std::function<void(int, int)> progress)
       rectification_(capture::make_rectification(source_->info().calibration, source_->info().eye_width,
                                                  source_->info().height, config.rectify.geometry)),
       backend_(backend(config.match.backend).name),
-      workers_(config.pipeline.workers),
+      workers_(config.pipeline.workers,
+               config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
       layout_(make_layout(config, rectification_)) {
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectification_));
 }
@@ -192,7 +195,10 @@ void Engine::fill(v1::Status& status) const {
     status.set_source(source().name);
     status.set_method(std::string(disparityd::name(config_.match.options.method)));
     status.set_backend(backend_);
-    status.set_workers(to_u32(workers()));
+    status.set_workers(to_u32(workers_.workers()));
+    for (const std::string& notice : notices()) {
+        status.add_notices(notice);
+    }
     *status.mutable_geometry() = to_message(layout_.geometry);
     if (!pipeline_) {
         return;
@@ -218,6 +224,34 @@ void Engine::fill(v1::Status& status) const {
         time.set_p99_us(step.time.p99);
         time.set_max_us(step.time.max);
     }
+}
+
+std::vector<std::string> Engine::notices() const {
+    std::vector<std::string> notices;
+    const auto placement = workers_.placement();
+    if (config_.pipeline.pin_workers && !placement.pinned) {
+        notices.push_back("workers are " + placement.text);
+    }
+    const std::lock_guard lock(memory_mutex_);
+    if (!memory_notice_.empty()) {
+        notices.push_back(memory_notice_);
+    }
+    return notices;
+}
+
+bool Engine::check_memory() {
+    if (memory_checked_ || !pipeline_ || pipeline_->status().published == 0) {
+        return false;
+    }
+    memory_checked_ = true;
+    const std::lock_guard lock(memory_mutex_);
+    memory_notice_ = huge_page_notice(huge_pages());
+    return !memory_notice_.empty();
+}
+
+std::string Engine::workers() const {
+    const int count = workers_.workers();
+    return fmt::format("{} {}, {}", count, count == 1 ? "worker" : "workers", workers_.placement().text);
 }
 
 std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "capture/frame_source.h"
 #include "capture/rectification.h"
@@ -42,7 +44,8 @@ public:
 
     const capture::SourceInfo& source() const { return source_->info(); }
     const StreamLayout& layout() const { return layout_; }
-    int workers() const { return workers_.workers(); }
+    /// "2 workers, pinned, each to one of cores 0-1"
+    std::string workers() const;
 
     enum class State { waiting, running, ended };
     struct Condition {
@@ -52,8 +55,15 @@ public:
     };
     Condition condition() const;
 
-    /// State, source, method, counters and step times; the rest of the message is left alone.
+    /// State, source, method, counters, step times and notices; the rest of the message is left alone.
     void fill(v1::Status& status) const;
+
+    /// What the user should know: workers without cores of their own, small pages.
+    std::vector<std::string> notices() const;
+
+    /// Once there was a frame, and so all memory is in use, looks whether the system gave huge pages for it. True when
+    /// that has left a notice. From one thread.
+    bool check_memory();
 
     std::string stuck_stage(std::chrono::milliseconds limit) const;
 
@@ -73,6 +83,9 @@ private:
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
     bool first_frame_ = true;
     std::atomic<std::int64_t> last_activity_ns_{0};
+    bool memory_checked_ = false;  ///< of the thread that calls check_memory()
+    mutable std::mutex memory_mutex_;
+    std::string memory_notice_;                     ///< under the lock
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include <sched.h>
 
@@ -18,6 +19,21 @@ int try_binding() {
     CPU_ZERO(&own);
     const int error = pthread_getaffinity_np(pthread_self(), sizeof own, &own);
     return error != 0 ? error : pthread_setaffinity_np(pthread_self(), sizeof own, &own);
+}
+
+/// "0-3, 6"
+std::string in_ranges(const std::vector<int>& sorted) {
+    std::string text;
+    for (std::size_t i = 0; i < sorted.size();) {
+        std::size_t last = i;
+        while (last + 1 < sorted.size() && sorted[last + 1] == sorted[last] + 1) {
+            ++last;
+        }
+        text += (text.empty() ? "" : ", ") + std::to_string(sorted[i]);
+        text += last > i ? '-' + std::to_string(sorted[last]) : "";
+        i = last + 1;
+    }
+    return text;
 }
 
 }  // namespace
@@ -86,11 +102,11 @@ std::string CorePlaces::text() const {
     if (!bound()) {
         return "not pinned to cores: " + problem_;
     }
-    std::string list;
-    for (const Place& place : places_) {
-        list += (list.empty() ? "" : ", ") + std::to_string(place.core);
-    }
-    return "pinned to cores " + list;
+    std::vector<int> cores;
+    std::transform(places_.begin(), places_.end(), std::back_inserter(cores),
+                   [](const Place& place) { return place.core; });
+    std::sort(cores.begin(), cores.end());
+    return "pinned, each to one of cores " + in_ranges(cores);
 }
 
 int bind_to_core(pthread_t thread, int core) {

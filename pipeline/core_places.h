@@ -28,7 +28,7 @@ public:
     void refused(int error);
 
     bool bound() const { return problem_.empty(); }
-    /// "pinned to cores 0, 1", or "not pinned to cores: " and why.
+    /// "pinned, each to one of cores 0-3, 6", or "not pinned to cores: " and why.
     std::string text() const;
 
 private:

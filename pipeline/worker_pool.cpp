@@ -44,6 +44,7 @@ struct Job {
 
 /// A thread that waits for a seat, on its own stack.
 struct Waiter {
+    const pthread_t thread = pthread_self();
     bool seated = false;
     int core = CorePlaces::none;
     std::condition_variable called;
@@ -52,11 +53,11 @@ struct Waiter {
 
 struct Helper {
     std::thread thread;
-    Job* job = nullptr;           ///< what it works at; none: it sleeps
+    Job* job = nullptr;           ///< what it is to work at; none: it has no seat
+    bool begun = false;           ///< it is awake and at it
     unsigned chosen_at = 0;       ///< value of changes_ then
     int core = CorePlaces::none;  ///< which it is bound to; taken while it works
     std::condition_variable woken;
-    Helper* called_after = nullptr;
 };
 
 }  // namespace
@@ -97,27 +98,28 @@ public:
     }
 
     void run(Job& job) {
-        Helper* called = nullptr;
         {
             const std::lock_guard lock(mutex_);
             jobs_.append(job);
             changes_.fetch_add(1, std::memory_order_relaxed);
-            called = call_helpers();
+            call_helpers();
         }
-        wake(called);
         while (job.run_one()) {
         }
         std::unique_lock lock(mutex_);
         jobs_.remove(job);
+        withdraw_late_helpers(job);
         job.left.wait(lock, [&] { return job.helpers == 0; });
     }
 
-    /// The core that goes with it, or none.
+    /// The core that goes with it, to which the thread is bound; or none.
     int take_seat() {
         std::unique_lock lock(mutex_);
         if (free_seats_ > 0) {
             --free_seats_;
-            return cores_.take(sched_getcpu(), CorePlaces::none);
+            const int core = cores_.take(sched_getcpu(), CorePlaces::none);
+            lock.unlock();
+            return bind_self(core);
         }
         Waiter waiter;
         waiters_.append(waiter);
@@ -127,21 +129,9 @@ public:
     }
 
     void leave_seat(int core) {
-        Helper* called = nullptr;
-        {
-            const std::lock_guard lock(mutex_);
-            if (!hand_over(core)) {
-                cores_.give_back(core);
-                ++free_seats_;
-                called = call_helpers();
-            }
-        }
-        wake(called);
-    }
-
-    void binding_refused(int error) {
         const std::lock_guard lock(mutex_);
-        cores_.refused(error);
+        free_seat(core);
+        call_helpers();
     }
 
 private:
@@ -155,6 +145,7 @@ private:
             }
             while (self.job != nullptr) {
                 Job& job = *self.job;
+                self.begun = true;
                 const unsigned chosen_at = self.chosen_at;
                 lock.unlock();
                 // Whoever has come since may need help more, and a stage that waits for a seat goes first: it has a
@@ -170,18 +161,28 @@ private:
     /// The helper goes on with another job, or gives its seat away and sleeps.
     void leave(Helper& self, Job& job) {
         self.job = nullptr;
+        self.begun = false;
         if (--job.helpers == 0) {
             job.left.notify_one();
         }
-        if (hand_over(self.core)) {
-            return;
-        }
-        if (Job* next = neediest(&job)) {
+        Job* next = waiters_.first() == nullptr ? neediest(&job) : nullptr;
+        if (next != nullptr) {
             assign(self, *next);
         } else {
-            cores_.give_back(self.core);
-            ++free_seats_;
+            free_seat(self.core);
         }
+    }
+
+    /// Nothing is left to do for those that were called and have not come yet: on a busy machine that may take long.
+    void withdraw_late_helpers(Job& job) {
+        for (Helper& helper : helpers_) {
+            if (helper.job == &job && !helper.begun) {
+                helper.job = nullptr;
+                --job.helpers;
+                free_seat(helper.core);
+            }
+        }
+        call_helpers();
     }
 
     void assign(Helper& helper, Job& job) const {
@@ -202,35 +203,33 @@ private:
         return best;
     }
 
-    /// Gives a seat to whoever waits longest; false when nobody does.
-    bool hand_over(int core) {
+    /// A seat goes to whoever waits longest for one.
+    void free_seat(int core) {
         Waiter* waiter = waiters_.first();
         if (waiter == nullptr) {
-            return false;
+            cores_.give_back(core);
+            ++free_seats_;
+            return;
         }
         waiters_.remove(*waiter);
-        waiter->core = cores_.bound() ? core : CorePlaces::none;
+        waiter->core = cores_.bound() && bind(waiter->thread, core) ? core : CorePlaces::none;
         waiter->seated = true;
         waiter->called.notify_one();
-        return true;
     }
 
-    /// Sends sleeping helpers to the jobs that want them; they are still to be woken, without the lock.
-    Helper* call_helpers() {
-        Helper* called = nullptr;
+    /// Wakes sleeping helpers for the jobs that want them, as far as there are free seats.
+    void call_helpers() {
         while (free_seats_ > 0) {
             Job* job = neediest(nullptr);
             Helper* helper = job != nullptr ? sleeping_helper() : nullptr;
             if (helper == nullptr) {
-                break;
+                return;
             }
             --free_seats_;
             assign(*helper, *job);
             place(*helper);
-            helper->called_after = called;
-            called = helper;
+            helper->woken.notify_one();
         }
-        return called;
     }
 
     /// Best one that can go on where it is bound.
@@ -247,26 +246,34 @@ private:
         return found;
     }
 
-    // Bound before it wakes, so that it wakes where it can run at once and not behind its caller.
     void place(Helper& helper) {
         const int core = cores_.take(helper.core, sched_getcpu());
-        if (core == CorePlaces::none || core == helper.core) {
-            return;
-        }
-        helper.core = core;
-        const int error = bind_to_core(helper.thread.native_handle(), core);
-        if (error != 0) {
-            cores_.refused(error);
+        if (core != helper.core && bind(helper.thread.native_handle(), core)) {
+            helper.core = core;
         }
     }
 
-    static void wake(Helper* called) {
-        while (called != nullptr) {
-            // Awake, it may be called again by others.
-            Helper* const next = called->called_after;
-            called->woken.notify_one();
-            called = next;
+    /// Without the lock: to move to another core takes a while. The core, or none.
+    int bind_self(int core) {
+        const int error = core == CorePlaces::none ? 0 : bind_to_core(pthread_self(), core);
+        if (error == 0) {
+            return core;
         }
+        const std::lock_guard lock(mutex_);
+        cores_.refused(error);
+        return CorePlaces::none;
+    }
+
+    // A thread that sleeps, so that it wakes where it can run at once and not behind whoever wakes it.
+    bool bind(pthread_t thread, int core) {
+        if (core == CorePlaces::none) {
+            return false;
+        }
+        const int error = bind_to_core(thread, core);
+        if (error != 0) {
+            cores_.refused(error);
+        }
+        return error == 0;
     }
 
     const int workers_;
@@ -306,18 +313,10 @@ int WorkerPool::waiting() const {
     return impl_->waiting();
 }
 
-WorkerPool::Seat::Seat(WorkerPool& pool) : pool_(pool), core_(pool.impl_->take_seat()) {
-    if (core_ == CorePlaces::none) {
-        return;
-    }
-    int error = pthread_getaffinity_np(pthread_self(), sizeof before_, &before_);
-    if (error == 0) {
-        error = bind_to_core(pthread_self(), core_);
-    }
-    if (error != 0) {
-        pool_.impl_->binding_refused(error);
-        core_ = CorePlaces::none;
-    }
+WorkerPool::Seat::Seat(WorkerPool& pool) : pool_(pool) {
+    // It fails only where the system does not say which cores there are; no thread is bound then.
+    pthread_getaffinity_np(pthread_self(), sizeof before_, &before_);
+    core_ = pool.impl_->take_seat();
 }
 
 WorkerPool::Seat::~Seat() {

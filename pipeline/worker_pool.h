@@ -36,7 +36,7 @@ public:
     /// Whether threads have cores of their own now; any thread may ask.
     struct Placement {
         bool pinned = false;
-        std::string text;  ///< "pinned to cores 0, 1", or "not pinned to cores: " and why
+        std::string text;  ///< "pinned, each to one of cores 0-3, 6", or "not pinned to cores: " and why
     };
     Placement placement() const;
 
@@ -55,7 +55,7 @@ public:
 
     private:
         WorkerPool& pool_;
-        int core_;
+        int core_;          ///< which it is bound to meanwhile; -1 = none
         cpu_set_t before_;  ///< where the thread might run without the seat
     };
 

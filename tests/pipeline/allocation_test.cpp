@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -79,14 +78,14 @@ TEST(Allocation, TheCounterCounts) {
 // The chain of the daemon without its sockets: scene, rectification, matching, shared memory.
 class Chain {
 public:
-    explicit Chain(Method method) {
+    explicit Chain(const MatchOptions& match) {
         capture::SourceOptions options;
         options.uri = "scene:vga@200?width=160&height=96&loop=4";
         options.loans = slots + 2;
         source_ = capture::open_source(options);
         const capture::SourceInfo& info = source_->info();
         rectification_ = capture::make_rectification(info.calibration, info.eye_width, info.height, {});
-        matcher_ = backend("cpu").create({rectification_.width, rectification_.height, match_options(method)});
+        matcher_ = backend("cpu").create({rectification_.width, rectification_.height, match});
         const auto width = static_cast<std::uint32_t>(rectification_.width);
         const auto height = static_cast<std::uint32_t>(rectification_.height);
         memory_ = std::make_unique<proto::SharedMemoryWriter>(
@@ -98,16 +97,10 @@ public:
         pipeline_->start();
     }
 
+    /// Without asking for a status, which has names in it and allocates.
     void wait_for(std::uint64_t frames) const {
-        while (pipeline_->status().published < frames) {
-            std::this_thread::yield();
-        }
-    }
-
-    /// Waits without asking for a status, which has names in it and allocates.
-    void wait_for_quietly(std::uint64_t frames) const {
-        while (published_.load() < frames) {
-            std::this_thread::yield();
+        for (std::uint64_t now = published_.load(); now < frames; now = published_.load()) {
+            published_.wait(now);
         }
     }
 
@@ -115,13 +108,6 @@ public:
 
 private:
     static constexpr int slots = 4;
-
-    static MatchOptions match_options(Method method) {
-        MatchOptions options = default_options(method, {0, 32});
-        options.post.speckle_size = 40;
-        options.post.interpolate = true;
-        return options;
-    }
 
     template <typename T>
     static proto::PlaneSource source_of(std::uint32_t product, Plane<T> plane) {
@@ -142,6 +128,7 @@ private:
         memory_->wake();
         memory_->heartbeat();
         published_.fetch_add(1);
+        published_.notify_one();
     }
 
     std::unique_ptr<capture::FrameSource> source_;
@@ -153,20 +140,40 @@ private:
     std::unique_ptr<Pipeline> pipeline_;  // last: its threads use the rest
 };
 
-class NoAllocation : public testing::TestWithParam<Method> {};
+/// Each of the matchers that the back end chooses from.
+struct Case {
+    const char* name;
+    Method method;
+    int paths = 8;
+    int p2 = 63;
+
+    MatchOptions options() const {
+        MatchOptions options = default_options(method, {0, 32});
+        options.sgm.paths = paths;
+        options.sgm.p2 = p2;
+        options.post.speckle_size = 40;
+        options.post.interpolate = true;
+        return options;
+    }
+};
+
+class NoAllocation : public testing::TestWithParam<Case> {};
 
 TEST_P(NoAllocation, FromCaptureToSharedMemory) {
-    const Chain chain(GetParam());
+    const Chain chain(GetParam().options());
     chain.wait_for(20);  // queues and thread-local places of the libraries are made with the first frames
     const std::uint64_t before = chain.published();
     counting = true;
-    chain.wait_for_quietly(before + 60);
+    chain.wait_for(before + 60);
     counting = false;
     EXPECT_EQ(allocations.exchange(0), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, NoAllocation, testing::Values(Method::sad, Method::census, Method::sgm),
-                         [](const auto& method) { return std::string(name(method.param)); });
+INSTANTIATE_TEST_SUITE_P(Methods, NoAllocation,
+                         testing::Values(Case{"sad", Method::sad}, Case{"census", Method::census},
+                                         Case{"sgm", Method::sgm}, Case{"sgm_four_paths", Method::sgm, 4},
+                                         Case{"sgm_large_p2", Method::sgm, 8, 120}),
+                         [](const auto& matcher) { return std::string(matcher.param.name); });
 
 }  // namespace
 }  // namespace disparityd::pipeline

@@ -63,7 +63,7 @@ TEST(Pinning, WorkersAtOnceHaveCoresOfTheirOwn) {
     if (!pool.placement().pinned) {
         GTEST_SKIP() << pool.placement().text;
     }
-    EXPECT_THAT(pool.placement().text, HasSubstr("pinned to cores "));
+    EXPECT_THAT(pool.placement().text, HasSubstr("pinned, each to one of cores "));
     const std::vector<int> before = cores_allowed();
     for (int round = 0; round < 50; ++round) {
         const WorkerPool::Seat seat(pool);
@@ -85,7 +85,7 @@ TEST(Pinning, ManyStagesShareTheCores) {
     std::vector<std::thread> stages;
     for (int stage = 0; stage < 4; ++stage) {
         stages.emplace_back([&] {
-            for (int round = 0; round < 100; ++round) {
+            for (int round = 0; round < 20; ++round) {
                 const WorkerPool::Seat seat(pool);
                 pool.for_each(5, [&](int) {
                     auto& here = on_core[static_cast<std::size_t>(cores_allowed().front())];
@@ -118,7 +118,7 @@ TEST(Pinning, TheMaskOfTheThreadIsRespected) {
         allow_only({only});
         WorkerPool pool(0);
         EXPECT_EQ(pool.workers(), 1);
-        EXPECT_EQ(pool.placement().text, "pinned to cores " + std::to_string(only));
+        EXPECT_EQ(pool.placement().text, "pinned, each to one of cores " + std::to_string(only));
         const WorkerPool::Seat seat(pool);
         EXPECT_EQ(cores_allowed(), std::vector<int>{only});
     });

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the real daemon says when the system does not give it what it asks for; it runs all the same.
+#include <gmock/gmock.h>
+#include <sys/prctl.h>
+
+#include "tests/daemon/daemon_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* many_workers = "pipeline.workers=256";
+
+class NoticesTest : public DaemonTest {
+protected:
+    /// Its status after `frames` frames.
+    v1::Status status_after(const DaemonProcess& daemon, int frames) {
+        WireClient client = subscriber(daemon.address("tcp:"), {v1::DISPARITY});
+        for (int i = 0; i < frames; ++i) {
+            EXPECT_TRUE(client.receive_frame());
+        }
+        return status(client);
+    }
+};
+
+TEST_F(NoticesTest, WorkersWithoutCoresOfTheirOwn) {
+    const auto daemon = start_ready(config_text(), {"--set", many_workers});
+    EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("not pinned to cores: 256 workers share")));
+    EXPECT_THAT(daemon->log(), HasSubstr("256 workers, not pinned to cores"));
+}
+
+TEST_F(NoticesTest, WhatIsSwitchedOffIsNoNews) {
+    const auto daemon = start_ready(config_text(), {"--set", many_workers, "--set", "pipeline.pin_workers=false"});
+    EXPECT_THAT(status_after(*daemon, 1).notices(), Not(Contains(HasSubstr("pinned"))));
+}
+
+TEST_F(NoticesTest, NoHugePages) {
+    // The daemon inherits it.
+    ASSERT_EQ(prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0), 0);
+    const auto daemon = start_ready(config_text(), {"--set", "match.method=sgm", "--set", "match.disparities=256"});
+    prctl(PR_SET_THP_DISABLE, 0, 0, 0, 0);
+    ASSERT_TRUE(daemon->wait_for_log("no huge pages")) << daemon->log();
+    EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("no huge pages")));
+}
+
+}  // namespace
+}  // namespace disparityd::test

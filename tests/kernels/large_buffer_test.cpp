@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/large_buffer.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+namespace disparityd {
+namespace {
+
+constexpr std::size_t large_page = std::size_t{2} << 20;
+
+TEST(LargeBuffer, ZeroedAndWritableToItsEnd) {
+    for (const std::size_t size : {std::size_t{1}, std::size_t{4097}, large_page - 1, large_page, large_page + 1,
+                                   3 * large_page + 12345}) {
+        const LargeBuffer buffer(size);
+        ASSERT_EQ(buffer.size(), size);
+        EXPECT_TRUE(
+            std::all_of(buffer.data(), buffer.data() + size, [](std::byte value) { return value == std::byte{0}; }));
+        std::fill_n(buffer.data(), size, std::byte{0xa5});
+        EXPECT_EQ(buffer.data()[size - 1], std::byte{0xa5});
+    }
+}
+
+TEST(LargeBuffer, BeginsWithALargePage) {
+    for (const std::size_t size : {large_page, large_page + 1, 5 * large_page - 1}) {
+        const LargeBuffer first(size), second(size);
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(first.data()) % large_page, 0U);
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(second.data()) % large_page, 0U);
+    }
+}
+
+TEST(LargeBuffer, Moves) {
+    LargeBuffer first(large_page + 1);
+    std::byte* const data = first.data();
+    LargeBuffer second(std::move(first));
+    EXPECT_EQ(second.data(), data);
+    LargeBuffer third;
+    third = std::move(second);
+    EXPECT_EQ(third.data(), data);
+    EXPECT_EQ(third.size(), large_page + 1);
+    data[large_page] = std::byte{1};
+}
+
+TEST(LargeBuffer, ARefusalSaysHowMuchWasWanted) {
+    EXPECT_EQ(LargeBuffer(0).data(), nullptr);
+    try {
+        const LargeBuffer buffer(std::numeric_limits<std::size_t>::max() / 4);
+        FAIL() << "so much memory cannot be had";
+    } catch (const std::runtime_error& error) {
+        EXPECT_NE(std::string(error.what()).find("4611686018428 MB"), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace disparityd
