@@ -122,9 +122,9 @@ public:
     /// Of eight pixels' returned vectors: the one lane per block that counts, in the order of the pixels.
     template <class Load>
     static HWY_INLINE V finished(Tag tag, Load load) {
-        return hn::BitCast(tag, pairs<std::uint64_t>(tag, [&](int i) {
-                               return pairs<std::uint32_t>(tag, [&](int j) {
-                                   return pairs<std::uint16_t>(tag, [&](int k) { return load(4 * i + 2 * j + k); });
+        return hn::BitCast(tag, pairs<std::uint64_t>([&](int i) {
+                               return pairs<std::uint32_t>([&](int j) {
+                                   return pairs<std::uint16_t>([&](int k) { return load(4 * i + 2 * j + k); });
                                });
                            }));
     }
@@ -143,7 +143,7 @@ public:
 private:
     // The last (or first) lanes of `T` of two vectors, side by side, where they are the last (or first) again.
     template <class T, class Load>
-    static HWY_INLINE auto pairs(Tag tag, Load load) {
+    static HWY_INLINE auto pairs(Load load) {
         const hn::Repartition<T, Tag> wide;
         const auto a = hn::BitCast(wide, load(0));
         const auto b = hn::BitCast(wide, load(1));
