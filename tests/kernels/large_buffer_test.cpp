@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
 TEST(LargeBuffer, ZeroedAndWritableToItsEnd) {
-    for (const std::size_t size : {std::size_t{1}, std::size_t{4097}, large_page - 1, large_page, large_page + 1,
-                                   3 * large_page + 12345}) {
+    for (const std::size_t size :
+         {std::size_t{1}, std::size_t{4097}, large_page - 1, large_page, large_page + 1, 3 * large_page + 12345}) {
         const LargeBuffer buffer(size);
         ASSERT_EQ(buffer.size(), size);
         EXPECT_TRUE(

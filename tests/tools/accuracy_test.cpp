@@ -10,10 +10,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/eval/fair_table.h"
 #include "tools/eval/our_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"
+#include "tools/eval/subpixel.h"
 
 namespace disparityd::eval {
 namespace {
@@ -53,6 +55,61 @@ TEST(AccuracyTest, NothingToJudge) {
 TEST(AccuracyTest, SizesMustAgree) {
     EXPECT_THROW(measure({2, 1, {3, 3}}, {1, 2, {3, 3}}, {}), std::invalid_argument);
     EXPECT_THROW(measure({2, 1, {3, 3}}, {2, 1, {3, 3}}, {1}), std::invalid_argument);
+}
+
+TEST(SubpixelTest, HandMadeMap) {
+    // Errors:                0.25     0.5      0.5625   2      rejected  no truth  0, occluded
+    const images::FloatMap truth{7, 1, {10.25F, 10.5F, 10, 12, 10, none, 20}};
+    const images::FloatMap found{7, 1, {10, 11, 9.4375F, 10, none, 5, 20}};
+    const SubpixelAccuracy accuracy = measure_subpixel(found, truth, {1, 1, 1, 1, 1, 1, 0});
+    EXPECT_DOUBLE_EQ(accuracy.bad05, 100.0 * 3 / 5) << "0.5625, 2 and the rejected one; exactly 0.5 is good";
+    EXPECT_DOUBLE_EQ(accuracy.bad05_measured, 100.0 * 2 / 4);
+    EXPECT_DOUBLE_EQ(accuracy.rms, std::sqrt((0.25 * 0.25 + 0.5 * 0.5 + 0.5625 * 0.5625) / 3));
+    EXPECT_DOUBLE_EQ(accuracy.near_whole, 75);
+    EXPECT_DOUBLE_EQ(accuracy.truth_near_whole, 50);
+    EXPECT_DOUBLE_EQ(accuracy.fractions[0], 75);
+    EXPECT_DOUBLE_EQ(accuracy.fractions[7], 25);
+}
+
+TEST(SubpixelTest, NearWholeIsASixteenthOnEitherSide) {
+    const images::FloatMap found{6, 1, {-0.0625F, 0.0625F, 3, 0.125F, -0.125F, 2.875F}};
+    const SubpixelAccuracy accuracy = measure_subpixel(found, {6, 1, {0, 0, 0, 0, 0, 0}}, {});
+    EXPECT_DOUBLE_EQ(accuracy.near_whole, 50);
+    EXPECT_DOUBLE_EQ(accuracy.fractions[15], 100.0 / 6) << "below 0 as above";
+}
+
+TEST(SubpixelTest, NothingToJudgeAndSizes) {
+    EXPECT_TRUE(std::isnan(measure_subpixel({1, 1, {3}}, {1, 1, {none}}, {}).bad05));
+    EXPECT_TRUE(std::isnan(measure_subpixel({1, 1, {none}}, {1, 1, {3}}, {}).near_whole));
+    EXPECT_DOUBLE_EQ(measure_subpixel({1, 1, {none}}, {1, 1, {3}}, {}).bad05, 100);
+    EXPECT_THROW(measure_subpixel({2, 1, {3, 3}}, {1, 2, {3, 3}}, {}), std::invalid_argument);
+    EXPECT_THROW(measure_subpixel({1, 1, {3}}, {1, 1, {3}}, {1, 1}), std::invalid_argument);
+}
+
+TEST(SubpixelTest, TheMeanOfEachMethodEndsTheTable) {
+    SubpixelAccuracy good, bad;
+    good.bad05 = 2;
+    bad.bad05 = 5;
+    std::ostringstream text;
+    print_subpixel_table({{"cones", "sgm", "cpu", 64, good}, {"teddy", "sgm", "cpu", 64, bad}}, false, text);
+    EXPECT_THAT(text.str(), testing::ContainsRegex("mean +sgm +cpu +3.50"));
+}
+
+TEST(FairTableTest, OursAreComparedWithTheBestOfOpencv) {
+    const auto row = [](const char* scene, const std::string& method, const char* backend, double bad) {
+        return Row{scene, method, backend, 64, {bad, 0, 0, 0, 100}, 1};
+    };
+    std::ostringstream text;
+    print_fair_table(
+        {row("cones", "sgm", "cpu", 9), row("cones", fair_name("sgm"), "cpu", 4), row("cones", "StereoBM", "opencv", 1),
+         row("cones", fair_name("StereoBM"), "opencv", 7), row("cones", fair_name("StereoSGBM HH"), "opencv", 4.5),
+         row("teddy", "sgm", "cpu", 3), row("teddy", fair_name("sgm"), "cpu", 2.75),
+         row("teddy", "StereoBM", "opencv", 8), row("teddy", fair_name("StereoBM"), "opencv", 8),
+         row("teddy", fair_name("StereoSGBM HH"), "opencv", 2.5)},
+        false, text);
+    EXPECT_THAT(text.str(), testing::ContainsRegex("cones \\(64\\) .* -0.50"));
+    EXPECT_THAT(text.str(), testing::ContainsRegex("teddy \\(64\\) .* \\+0.25"));
+    EXPECT_THAT(text.str(), testing::HasSubstr("1 of 2 results at most the best of OpenCV"));
 }
 
 TEST(CoveringDisparitiesTest, NextMultipleOf16ThatReachesTheTruth) {

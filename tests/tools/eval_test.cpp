@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdlib>
+#include <map>
+#include <string>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -52,6 +54,55 @@ TEST_F(EvalTest, EveryMatcherIsMeasured) {
     }
     EXPECT_EQ(files_in(path("errors")).size(), rows.size());
     EXPECT_EQ(images::read_image(path("errors/cones_sgm_cpu.png")).rows, 80);
+}
+
+/// Rows of a result by the name of their method.
+std::map<std::string, nlohmann::json> by_method(const std::string& json) {
+    std::map<std::string, nlohmann::json> rows;
+    for (const auto& row : nlohmann::json::parse(json)) {
+        rows[row["method"]] = row;
+    }
+    return rows;
+}
+
+TEST_F(EvalTest, OnEvenTermsEveryPixelIsJudged) {
+    make_scene(path("cones"));
+    // Known from the column on that both images see; OpenCV begins at column 16.
+    cv::Mat truth(80, 160, CV_8UC1, cv::Scalar(0));
+    truth(cv::Rect(shift + 2, 8, 48, 64)).setTo(cv::Scalar(shift * 4));
+    images::write_png(path("cones/disp_left.png"), truth);
+    images::write_png(path("cones/mask_nonocc.png"), truth * 10);
+
+    const Outcome outcome = run(DISPARITY_EVAL, {"--fair", "--json", "--disparities", "16", path("cones")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    auto rows = by_method(outcome.out);
+    ASSERT_EQ(rows.size(), 8U);
+    for (const std::string method : {"StereoBM", "StereoSGBM HH", "StereoSGBM 3WAY"}) {
+        EXPECT_LT(rows[method]["density"], 90) << method;
+        EXPECT_EQ(rows[method + ", fair"]["density"], 100) << method;
+        EXPECT_LT(rows[method + ", fair"]["bad1_nonocc"], 5) << method;
+    }
+    EXPECT_EQ(rows["sgm, fair"]["density"], 100);
+    EXPECT_LT(rows["sgm, fair"]["bad1_nonocc"], 5);
+
+    const Outcome table = run(DISPARITY_EVAL, {"--fair", "--method", "all", path("cones")});
+    EXPECT_THAT(table.out, HasSubstr("census, fair - best of OpenCV"));
+    EXPECT_THAT(table.out, HasSubstr("of 3 results at most the best of OpenCV"));
+    EXPECT_EQ(run(DISPARITY_EVAL, {"--fair", "--paper", path("cones")}).exit_code, 2);
+}
+
+TEST_F(EvalTest, Fractions) {
+    make_scene(path("cones"));
+    const Outcome outcome = run(DISPARITY_EVAL, {"--fractions", "--json", "--opencv", path("cones")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    auto rows = by_method(outcome.out);
+    ASSERT_EQ(rows.size(), 4U);
+    for (const auto& [method, row] : rows) {
+        EXPECT_EQ(row["truth_near_whole"], 100) << "the shift is whole";
+        EXPECT_EQ(row["fractions"].size(), 16U);
+        EXPECT_LT(row["bad05_measured"], 10) << row;
+    }
+    EXPECT_THAT(run(DISPARITY_EVAL, {"--fractions", path("cones")}).out, HasSubstr("mean"));
 }
 
 TEST_F(EvalTest, DisparitiesCoverTheTruthByDefault) {

@@ -12,11 +12,14 @@
 #include "tools/ctl/program.h"
 #include "tools/ctl/progress.h"
 #include "tools/eval/error_picture.h"
+#include "tools/eval/fair_opencv.h"
+#include "tools/eval/fair_table.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/our_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"
+#include "tools/eval/subpixel.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::eval {
@@ -32,6 +35,8 @@ struct EvalArguments {
     std::optional<int> repeat;
     std::optional<int> workers;
     bool opencv = false;
+    bool fair = false;
+    bool fractions = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;
@@ -105,15 +110,17 @@ public:
           workers_(arguments.workers.value_or(0)),
           repeat_(arguments.repeat.value_or(1)) {}
 
-    std::vector<Row> run() {
+    void run() {
         const auto scenes = scenes_of(arguments_);
         tools::Progress progress("scenes", scenes.size());
         for (std::size_t i = 0; i < scenes.size(); ++i) {
             progress.show(i, scenes[i].first.name);
             judge(read_scene(scenes[i].first, arguments_.scale), scenes[i].second);
         }
-        return std::move(rows_);
     }
+
+    const std::vector<Row>& rows() const { return rows_; }
+    const std::vector<SubpixelRow>& subpixel_rows() const { return subpixel_rows_; }
 
 private:
     void judge(const Scene& scene, int disparities) {
@@ -121,23 +128,45 @@ private:
         for (const Method method : methods_) {
             const MatchOptions options = options_for(arguments_, method, needed);
             for (const Backend* backend : backends_) {
-                const pipeline::WorkerPool::Seat seat(workers_);
-                add(scene, std::string(name(method)), std::string(backend->name),
-                    run_ours(*backend, options, scene.left, scene.right, workers_, repeat_));
+                judge_ours(scene, *backend, options);
             }
         }
-        if (arguments_.opencv) {
-            const DisparityRange range{arguments_.match.d_min(), arguments_.match.disparities().value_or(needed)};
-            for (const OpencvMethod method : opencv_methods()) {
-                add(scene, name(method), "opencv",
-                    run_opencv(method, range, scene.left, scene.right, workers_.workers(), repeat_));
+        if (arguments_.opencv || arguments_.fair) {
+            judge_opencv(scene, {arguments_.match.d_min(), arguments_.match.disparities().value_or(needed)});
+        }
+    }
+
+    void judge_ours(const Scene& scene, const Backend& backend, MatchOptions options) {
+        const pipeline::WorkerPool::Seat seat(workers_);
+        const std::string method(name(options.method));
+        add(scene, method, std::string(backend.name),
+            run_ours(backend, options, scene.left, scene.right, workers_, repeat_));
+        if (arguments_.fair) {
+            options.post.interpolate = true;
+            add(scene, fair_name(method), std::string(backend.name),
+                run_ours(backend, options, scene.left, scene.right, workers_, repeat_));
+        }
+    }
+
+    void judge_opencv(const Scene& scene, DisparityRange range) {
+        const int threads = workers_.workers();
+        for (const OpencvMethod method : opencv_methods()) {
+            add(scene, name(method), "opencv", run_opencv(method, range, scene.left, scene.right, threads, repeat_));
+            if (arguments_.fair) {
+                add(scene, fair_name(name(method)), "opencv",
+                    run_opencv_fairly(method, range, scene.left, scene.right, threads, repeat_));
             }
         }
     }
 
     void add(const Scene& scene, const std::string& method, const std::string& backend, const MatcherResult& result) {
-        const Accuracy accuracy = measure(images::to_float(result.map()), scene.truth, scene.non_occluded);
+        const images::FloatMap disparity = images::to_float(result.map());
+        const Accuracy accuracy = measure(disparity, scene.truth, scene.non_occluded);
         rows_.push_back({scene.name, method, backend, result.range.count, accuracy, result.ms});
+        if (arguments_.fractions) {
+            subpixel_rows_.push_back({scene.name, method, backend, result.range.count,
+                                      measure_subpixel(disparity, scene.truth, scene.non_occluded)});
+        }
         if (!arguments_.pictures.empty()) {
             std::string file = scene.name + '_' + method + '_' + backend + ".png";
             std::replace_if(
@@ -152,7 +181,25 @@ private:
     pipeline::WorkerPool workers_;
     int repeat_;
     std::vector<Row> rows_;
+    std::vector<SubpixelRow> subpixel_rows_;
 };
+
+void print(const Evaluation& evaluation, const EvalArguments& arguments) {
+    const std::vector<Row>& rows = evaluation.rows();
+    if (arguments.fractions && arguments.json) {
+        print_subpixel_json(evaluation.subpixel_rows(), std::cout);
+    } else if (arguments.fractions) {
+        print_subpixel_table(evaluation.subpixel_rows(), arguments.markdown, std::cout);
+    } else if (arguments.json) {
+        print_json(rows, std::cout);
+    } else if (arguments.paper) {
+        print_paper_table(rows, arguments.markdown, std::cout);
+    } else if (arguments.fair) {
+        print_fair_table(rows, arguments.markdown, std::cout);
+    } else {
+        print_table(rows, arguments.markdown, std::cout);
+    }
+}
 
 int evaluate(EvalArguments arguments) {
     if (arguments.methods.empty()) {
@@ -168,14 +215,9 @@ int evaluate(EvalArguments arguments) {
             throw std::runtime_error(arguments.pictures + ": " + error.message());
         }
     }
-    const std::vector<Row> rows = Evaluation(arguments).run();
-    if (arguments.json) {
-        print_json(rows, std::cout);
-    } else if (arguments.paper) {
-        print_paper_table(rows, arguments.markdown, std::cout);
-    } else {
-        print_table(rows, arguments.markdown, std::cout);
-    }
+    Evaluation evaluation(arguments);
+    evaluation.run();
+    print(evaluation, arguments);
     return tools::exit_done;
 }
 
@@ -189,10 +231,20 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->allow_extra_args(false)
         ->type_name("NAME");
     program.add_flag("--opencv", arguments.opencv, "OpenCV's StereoBM and StereoSGBM (HH and 3WAY) beside them");
-    program.add_flag(
+    auto* fair = program.add_flag(
+        "--fair", arguments.fair,
+        "everything twice: as it is, and so that every pixel is judged: OpenCV on padded images, all results "
+        "with rejected pixels filled; bad-1.0, non-occluded");
+    auto* paper = program.add_flag(
         "--paper", arguments.paper,
         "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
         "disparities, all methods, whole pixels, rejected pixels filled");
+    fair->excludes(paper);
+    program
+        .add_flag("--fractions", arguments.fractions,
+                  "how good the fractions of the disparities are, instead: bad-0.5, and the share of pixels that lie "
+                  "at most 1/16 px from a whole number")
+        ->excludes(paper);
     program
         .add_option(
             "--scale", arguments.scale,
