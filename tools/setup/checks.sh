@@ -68,7 +68,7 @@ check_style() {
     else
         note skipped "formatting: clang-format 14 is the one that counts, here is $(clang-format --version)"
     fi
-    check "shell scripts (shellcheck)" shellcheck -x tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
+    check "shell scripts (shellcheck)" shellcheck -x tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
 }
 
 tidy_sources() {
