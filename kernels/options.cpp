@@ -79,9 +79,10 @@ MatchOptions default_options(Method method, DisparityRange range) {
             break;
         case Method::census: options.post.speckle_size = 20; break;
         case Method::sgm:
-            options.sgm = {.paths = 8, .p1 = 15, .p2 = 63, .adaptive_p2 = true};
-            options.post.uniqueness = 5;
-            options.post.speckle_size = 100;
+            options.sgm = {.paths = 8, .p1 = 22, .p2 = 60, .adaptive_p2 = true};
+            options.post.uniqueness = 3;
+            options.post.speckle_size = 150;
+            options.post.speckle_step = 2;
             break;
     }
     return options;

@@ -129,15 +129,36 @@ TEST_F(EvalTest, BadDataIsRefused) {
     EXPECT_THAT(unequal.err, HasSubstr("150"));
 }
 
-TEST(PaperTableTest, EveryCellIsReached) {
-    const char* given = std::getenv("DISPARITYD_DATA");
-    const std::string data = given != nullptr ? given : DISPARITYD_DATA_DEFAULT;
-    if (!std::filesystem::exists(data + "/middlebury2003")) {
-        GTEST_SKIP() << "no evaluation data: set DISPARITYD_DATA";
+/// What the defaults reach on the evaluation data.
+class DefaultsTest : public testing::Test {
+protected:
+    void SetUp() override {
+        if (!std::filesystem::exists(data_ + "/middlebury2003")) {
+            GTEST_SKIP() << "no evaluation data: set DISPARITYD_DATA";
+        }
     }
-    const Outcome outcome = run(DISPARITY_EVAL, {"--paper", data});
+
+    const char* given_ = std::getenv("DISPARITYD_DATA");
+    const std::string data_ = given_ != nullptr ? given_ : DISPARITYD_DATA_DEFAULT;
+};
+
+TEST_F(DefaultsTest, EveryCellOfThePaperIsReached) {
+    const Outcome outcome = run(DISPARITY_EVAL, {"--paper", data_});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("12 of 12 cells"));
+}
+
+TEST_F(DefaultsTest, ConesWithEveryPixelJudged) {
+    const Outcome outcome =
+        run(DISPARITY_EVAL, {"--interpolate", "--disparities", "64", "--json", data_ + "/middlebury2003/cones"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_LE(nlohmann::json::parse(outcome.out)[0]["bad1_nonocc"], 4.1);
+}
+
+TEST_F(DefaultsTest, AtMostTheBestOfOpencv) {
+    const Outcome outcome = run(DISPARITY_EVAL, {"--fair", data_ + "/middlebury2003"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("2 of 2 results"));
 }
 
 }  // namespace
