@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "capture/file_kind.h"
 #include "capture/image_sequence.h"
 #include "capture/text_file.h"
 
@@ -16,16 +17,6 @@ namespace disparityd::capture {
 namespace fs = std::filesystem;
 
 namespace {
-
-bool is_folder(const fs::path& path) {
-    std::error_code ignored;
-    return fs::is_directory(path, ignored);
-}
-
-bool is_file(const fs::path& path) {
-    std::error_code ignored;
-    return fs::is_regular_file(path, ignored);
-}
 
 template <typename Names>
 std::string find_first(const std::string& folder, const Names& names) {

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "capture/file_kind.h"
 #include "capture/image_times.h"
 
 namespace disparityd::capture {
@@ -26,16 +27,6 @@ std::string lower_ending(const fs::path& path) {
     std::transform(ending.begin(), ending.end(), ending.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return ending;
-}
-
-bool is_folder(const fs::path& path) {
-    std::error_code ignored;
-    return fs::is_directory(path, ignored);
-}
-
-bool is_file(const fs::path& path) {
-    std::error_code ignored;
-    return fs::is_regular_file(path, ignored);
 }
 
 std::vector<std::string> names_in(const std::string& folder) {

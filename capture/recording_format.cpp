@@ -2,7 +2,6 @@
 #include "capture/recording_format.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <utility>
@@ -84,21 +83,6 @@ std::optional<PixelFormat> pixel_format_from_name(std::string_view text) {
         }
     }
     return std::nullopt;
-}
-
-std::string to_text(double number) {
-    std::array<char, 32> text{};
-    const auto result = std::to_chars(text.data(), text.data() + text.size(), number);
-    return {text.data(), result.ptr};
-}
-
-std::optional<double> number_from_text(std::string_view text) {
-    double number = 0;
-    const auto result = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (result.ec != std::errc{} || result.ptr != text.data() + text.size()) {
-        return std::nullopt;
-    }
-    return number;
 }
 
 std::string calibration_identity(std::string_view calibration_text) {

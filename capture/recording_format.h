@@ -54,10 +54,6 @@ std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes);
 std::string_view name(PixelFormat format);
 std::optional<PixelFormat> pixel_format_from_name(std::string_view text);
 
-/// Shortest text that reads back to the same number, in any locale.
-std::string to_text(double number);
-std::optional<double> number_from_text(std::string_view text);
-
 /// 64-bit FNV-1a of the calibration's text, 16 hexadecimal digits.
 std::string calibration_identity(std::string_view calibration_text);
 

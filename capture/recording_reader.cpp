@@ -18,6 +18,7 @@ extern "C" {
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -174,7 +175,7 @@ void RecordingReader::read_tags() {
     if (whole_number(eye_width) != static_cast<std::uint64_t>(info_.eye_width)) {
         throw damaged(recording::tag_eye_width, eye_width);
     }
-    const auto rate = recording::number_from_text(required(recording::tag_rate));
+    const auto rate = parse_number(required(recording::tag_rate));
     if (!rate || (*rate != 0 && *rate != recording::plausible_rate(*rate))) {
         throw damaged(recording::tag_rate, required(recording::tag_rate));
     }

@@ -19,6 +19,7 @@ extern "C" {
 #include "capture/recording_format.h"
 #include "capture/recording_pixels.h"
 #include "capture/recording_segment.h"
+#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -92,7 +93,7 @@ AVDictionary* tags_of(const SourceInfo& info) {
     set(recording::tag_source, info.name);
     set(recording::tag_pixels, std::string(recording::name(info.format)));
     set(recording::tag_eye_width, std::to_string(info.eye_width));
-    set(recording::tag_rate, recording::to_text(recording::plausible_rate(info.rate)));
+    set(recording::tag_rate, number_text(recording::plausible_rate(info.rate)));
     set(recording::tag_frames, recording::frames_text(0));
     if (info.calibration) {
         const std::string text = to_text(*info.calibration);

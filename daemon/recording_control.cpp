@@ -9,22 +9,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "proto/record_message.h"
+
 namespace disparityd {
 namespace {
 
 namespace fs = std::filesystem;
-
-v1::RecordStatus to_message(const capture::Recorder::Status& status, const std::string& path, bool active) {
-    v1::RecordStatus message;
-    message.set_active(active);
-    message.set_path(path);
-    message.set_frames(status.frames);
-    message.set_lost(status.lost);
-    message.set_bytes(status.bytes);
-    message.set_seconds(status.seconds);
-    message.set_error(status.error);
-    return message;
-}
 
 /// The file that `path` stands for inside the folder.
 std::string target_path(const std::string& path, const std::string& directory) {
@@ -135,7 +125,7 @@ void RecordingControl::finish(const std::string& reason) {
                 "recording {} finished: {} frames, {} lost, {} bytes{}{}", path_, end.frames, end.lost, end.bytes,
                 end.error.empty() ? "" : "; ", end.error);
     const std::lock_guard lock(mutex_);
-    last_ = to_message(end, path_, false);
+    last_ = proto::record_message(end, path_, false);
 }
 
 void RecordingControl::check() {
@@ -147,7 +137,7 @@ void RecordingControl::check() {
 
 v1::RecordStatus RecordingControl::status() const {
     const std::lock_guard lock(mutex_);
-    return recorder_ ? to_message(recorder_->status(), path_, true) : last_;
+    return recorder_ ? proto::record_message(recorder_->status(), path_, true) : last_;
 }
 
 void RecordingControl::offer(const capture::RawFrame& frame) noexcept {

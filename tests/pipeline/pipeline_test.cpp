@@ -3,6 +3,7 @@
 
 #include <semaphore>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -30,24 +31,34 @@ struct Sink {
     }
 };
 
+/// A pipeline over the test's source and matcher, with all else that it borrows.
+struct Chain {
+    Chain(const PipelineConfig& config, fakes::Source& source, fakes::Matcher& matcher, int worker_count,
+          Pipeline::RawTap tap = {})
+        : workers(worker_count),
+          pipeline(config, source, matcher, workers, rectification, sink.function(), std::move(tap)) {}
+
+    WorkerPool workers;
+    const capture::Rectification rectification = fakes::rectification();
+    Sink sink;
+    Pipeline pipeline;
+};
+
 constexpr auto forever = 60s;
 
 TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
     fakes::Source source(200);
     fakes::Matcher matcher;
-    WorkerPool workers(2);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 3}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    ASSERT_EQ(sink.frames.size(), 200U);
-    for (std::size_t i = 0; i < sink.frames.size(); ++i) {
-        EXPECT_EQ(sink.frames[i].sequence, i);
-        EXPECT_EQ(sink.frames[i].disparity, static_cast<int>(i % 256));
-        EXPECT_EQ(sink.frames[i].dropped_before, 0U);
+    Chain chain({.policy = Policy::replay, .slots = 3}, source, matcher, 2);
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    ASSERT_EQ(chain.sink.frames.size(), 200U);
+    for (std::size_t i = 0; i < chain.sink.frames.size(); ++i) {
+        EXPECT_EQ(chain.sink.frames[i].sequence, i);
+        EXPECT_EQ(chain.sink.frames[i].disparity, static_cast<int>(i % 256));
+        EXPECT_EQ(chain.sink.frames[i].dropped_before, 0U);
     }
-    const PipelineStatus status = pipeline.status();
+    const PipelineStatus status = chain.pipeline.status();
     EXPECT_EQ(status.captured, 200U);
     EXPECT_EQ(status.published, 200U);
     EXPECT_EQ(status.dropped, 0U);
@@ -58,7 +69,7 @@ TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
     EXPECT_EQ(status.steps[2].name, "dsi");
     EXPECT_EQ(status.steps[2].time.count, 200U);
     EXPECT_EQ(status.steps[5].name, "total");
-    pipeline.stop();
+    chain.pipeline.stop();
     EXPECT_EQ(source.out(), 0U);
     EXPECT_EQ(source.wrong_returns(), 0);
 }
@@ -77,27 +88,24 @@ TEST(Pipeline, LiveDropsTheOldestAndCounts) {
             gate.acquire();
         }
     });
-    WorkerPool workers(1);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::live, .slots = 4}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
+    Chain chain({.policy = Policy::live, .slots = 4}, source, matcher, 1);
+    chain.pipeline.start();
     source.push(0);
     entered.acquire();
     for (std::uint64_t sequence = 1; sequence <= 20; ++sequence) {
         source.push(sequence, sequence == 7 ? 3 : 0);
     }
-    while (pipeline.status().captured < 21) {
+    while (chain.pipeline.status().captured < 21) {
         std::this_thread::yield();
     }
     source.end();
     gate.release(100);
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    ASSERT_EQ(sink.frames.size(), 2U);
-    EXPECT_EQ(sink.frames[0].sequence, 0U);
-    EXPECT_EQ(sink.frames[1].sequence, 20U);
-    EXPECT_EQ(sink.frames[1].dropped_before, 19U + 3U);
-    const PipelineStatus status = pipeline.status();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    ASSERT_EQ(chain.sink.frames.size(), 2U);
+    EXPECT_EQ(chain.sink.frames[0].sequence, 0U);
+    EXPECT_EQ(chain.sink.frames[1].sequence, 20U);
+    EXPECT_EQ(chain.sink.frames[1].dropped_before, 19U + 3U);
+    const PipelineStatus status = chain.pipeline.status();
     EXPECT_EQ(status.dropped, 19U);
     EXPECT_EQ(status.lost_before, 3U);
     EXPECT_EQ(status.published, 2U);
@@ -108,11 +116,8 @@ TEST(Pipeline, LiveDropsTheOldestAndCounts) {
 TEST(Pipeline, LiveAccountsForEveryFrameUnderLoad) {
     fakes::Source source;
     fakes::Matcher matcher([](int, const FrameView&) { std::this_thread::yield(); });
-    WorkerPool workers(2);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::live, .slots = 2}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
+    Chain chain({.policy = Policy::live, .slots = 2}, source, matcher, 2);
+    chain.pipeline.start();
     for (std::uint64_t sequence = 0; sequence < 2000; ++sequence) {
         while (source.in_use() > 50) {
             std::this_thread::yield();
@@ -120,53 +125,47 @@ TEST(Pipeline, LiveAccountsForEveryFrameUnderLoad) {
         source.push(sequence);
     }
     source.end();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
     std::uint64_t accounted = 0;
-    for (const Seen& seen : sink.frames) {
+    for (const Seen& seen : chain.sink.frames) {
         accounted += 1 + seen.dropped_before;
         EXPECT_EQ(accounted, seen.sequence + 1);
         EXPECT_EQ(seen.disparity, static_cast<int>(seen.sequence % 256));
     }
     EXPECT_EQ(accounted, 2000U) << "the last frame is never dropped";
-    EXPECT_EQ(pipeline.status().dropped + pipeline.status().published, 2000U);
+    EXPECT_EQ(chain.pipeline.status().dropped + chain.pipeline.status().published, 2000U);
     EXPECT_EQ(source.out(), 0U);
 }
 
 TEST(Pipeline, CorruptFramesAreCountedNotShown) {
     fakes::Source source;
     fakes::Matcher matcher;
-    WorkerPool workers(1);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    Chain chain({.policy = Policy::replay, .slots = 2}, source, matcher, 1);
     source.push(0);
     source.push(1, 0, capture::frame_flag_corrupt);
     source.push(2);
     source.end();
-    pipeline.start();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    ASSERT_EQ(sink.frames.size(), 2U);
-    EXPECT_EQ(sink.frames[1].sequence, 2U);
-    EXPECT_EQ(sink.frames[1].dropped_before, 1U);
-    EXPECT_EQ(pipeline.status().skipped_corrupt, 1U);
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    ASSERT_EQ(chain.sink.frames.size(), 2U);
+    EXPECT_EQ(chain.sink.frames[1].sequence, 2U);
+    EXPECT_EQ(chain.sink.frames[1].dropped_before, 1U);
+    EXPECT_EQ(chain.pipeline.status().skipped_corrupt, 1U);
     EXPECT_EQ(source.out(), 0U);
 }
 
 TEST(Pipeline, ASourceThatFailsLosesNothingThatCameBefore) {
     fakes::Source source;
     fakes::Matcher matcher;
-    WorkerPool workers(1);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
+    Chain chain({.policy = Policy::replay, .slots = 2}, source, matcher, 1);
     for (std::uint64_t sequence = 0; sequence < 3; ++sequence) {
         source.push(sequence);
     }
     source.fail();
-    pipeline.start();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    EXPECT_EQ(sink.frames.size(), 3U);
-    EXPECT_EQ(pipeline.status().error, "fake.mkv: truncated after 3 frames");
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    EXPECT_EQ(chain.sink.frames.size(), 3U);
+    EXPECT_EQ(chain.pipeline.status().error, "fake.mkv: truncated after 3 frames");
 }
 
 TEST(Pipeline, ASinkThatFailsEndsThePipeline) {
@@ -196,29 +195,23 @@ TEST(Pipeline, AStageThatFailsEndsThePipeline) {
             throw std::runtime_error("device lost");
         }
     });
-    WorkerPool workers(2);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 3}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    EXPECT_EQ(pipeline.status().error, "device lost");
-    EXPECT_LE(sink.frames.size(), 9U);
+    Chain chain({.policy = Policy::replay, .slots = 3}, source, matcher, 2);
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    EXPECT_EQ(chain.pipeline.status().error, "device lost");
+    EXPECT_LE(chain.sink.frames.size(), 9U);
     EXPECT_EQ(source.out(), 0U);
 }
 
 TEST(Pipeline, StopsWhileWaitingForFrames) {
     fakes::Source source;
     fakes::Matcher matcher;
-    WorkerPool workers(2);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::live, .slots = 2}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
+    Chain chain({.policy = Policy::live, .slots = 2}, source, matcher, 2);
+    chain.pipeline.start();
     source.push(1);
-    pipeline.stop();
-    pipeline.stop();
-    EXPECT_TRUE(pipeline.status().ended);
+    chain.pipeline.stop();
+    chain.pipeline.stop();
+    EXPECT_TRUE(chain.pipeline.status().ended);
     EXPECT_EQ(source.out(), 0U);
 }
 
@@ -232,35 +225,29 @@ TEST(Pipeline, TellsWhichStageIsStuck) {
             leave.acquire();
         }
     });
-    WorkerPool workers(1);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function());
-    pipeline.start();
+    Chain chain({.policy = Policy::replay, .slots = 2}, source, matcher, 1);
+    chain.pipeline.start();
     source.push(0);
     entered.acquire();
     const auto deadline = std::chrono::steady_clock::now() + forever;
-    while (pipeline.stuck_stage(1500ms).empty() && std::chrono::steady_clock::now() < deadline) {
+    while (chain.pipeline.stuck_stage(1500ms).empty() && std::chrono::steady_clock::now() < deadline) {
         std::this_thread::yield();
     }
-    EXPECT_EQ(pipeline.stuck_stage(1500ms), "match");
+    EXPECT_EQ(chain.pipeline.stuck_stage(1500ms), "match");
     leave.release();
     source.end();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
-    EXPECT_EQ(pipeline.stuck_stage(0ms), "");
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    EXPECT_EQ(chain.pipeline.stuck_stage(0ms), "");
 }
 
 TEST(Pipeline, RawTapSeesEveryFrame) {
     fakes::Source source(20);
     fakes::Matcher matcher;
-    WorkerPool workers(1);
-    const capture::Rectification rectification = fakes::rectification();
-    Sink sink;
     std::vector<std::uint64_t> tapped;
-    Pipeline pipeline({.policy = Policy::replay, .slots = 2}, source, matcher, workers, rectification, sink.function(),
-                      [&](const capture::RawFrame& frame) { tapped.push_back(frame.sequence); });
-    pipeline.start();
-    ASSERT_TRUE(pipeline.wait_until_ended(forever));
+    Chain chain({.policy = Policy::replay, .slots = 2}, source, matcher, 1,
+                [&](const capture::RawFrame& frame) { tapped.push_back(frame.sequence); });
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
     EXPECT_EQ(tapped.size(), 20U);
 }
 

@@ -7,6 +7,7 @@
 
 #include "capture/recorder.h"
 #include "capture/recording_writer.h"
+#include "proto/record_message.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
@@ -107,17 +108,6 @@ int record_with_daemon(const RecordArguments& arguments) {
     return report(now.active() ? stop_daemon_recording(client) : now, arguments.json);
 }
 
-v1::RecordStatus to_message(const capture::Recorder::Status& status, const std::string& path) {
-    v1::RecordStatus message;
-    message.set_path(path);
-    message.set_frames(status.frames);
-    message.set_lost(status.lost);
-    message.set_bytes(status.bytes);
-    message.set_seconds(status.seconds);
-    message.set_error(status.error);
-    return message;
-}
-
 /// The interface of capture::Recorder for sources that wait: writes in the caller's thread and loses nothing.
 class PatientRecorder {
 public:
@@ -174,7 +164,7 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
     if (done.error.empty()) {
         done.error = fault;
     }
-    return report(to_message(done, arguments.file), arguments.json);
+    return report(proto::record_message(done, arguments.file, false), arguments.json);
 }
 
 int record_source(const RecordArguments& arguments) {

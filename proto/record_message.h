@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "proto/disparity.pb.h"
+
+namespace disparityd::proto {
+
+/// The message about a recording. `numbers` are those of whoever records: anything with frames, lost, bytes, seconds
+/// and error.
+template <typename Numbers>
+v1::RecordStatus record_message(const Numbers& numbers, const std::string& path, bool active) {
+    v1::RecordStatus message;
+    message.set_active(active);
+    message.set_path(path);
+    message.set_frames(numbers.frames);
+    message.set_lost(numbers.lost);
+    message.set_bytes(numbers.bytes);
+    message.set_seconds(numbers.seconds);
+    message.set_error(numbers.error);
+    return message;
+}
+
+}  // namespace disparityd::proto
