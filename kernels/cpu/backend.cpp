@@ -11,7 +11,6 @@
 #include "kernels/cpu/sgm_matcher.h"
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/frame_stages.h"
-#include "kernels/step_matcher.h"
 
 namespace disparityd::cpu {
 
@@ -22,11 +21,6 @@ std::size_t last_level_cache_bytes() {
     constexpr std::size_t usual = std::size_t{8} << 20;
     const long found = sysconf(_SC_LEVEL3_CACHE_SIZE);
     return found > 0 ? static_cast<std::size_t>(found) : usual;
-}
-
-// What sums of four paths in bytes allow.
-bool in_byte_sums(const MatchOptions& options) {
-    return options.sgm.paths == 8 && options.sgm.p2 <= max_byte_p2;
 }
 
 }  // namespace
@@ -49,10 +43,7 @@ std::unique_ptr<Matcher> create(const MatcherConfig& config, const InstructionSe
         const int cores = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1U));
         return std::make_unique<BlockMatcher>(config, steps(target), target, cores);
     }
-    if (in_byte_sums(options)) {
-        return std::make_unique<SgmMatcher>(config, steps(target), target, last_level_cache_bytes());
-    }
-    return std::make_unique<StepMatcher>(config, steps(target), Spread::workers);
+    return std::make_unique<SgmMatcher>(config, steps(target), target, last_level_cache_bytes());
 }
 
 bool available() {

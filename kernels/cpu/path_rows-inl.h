@@ -2,7 +2,7 @@
 // Step 5 of docs/algorithm.md, the four paths of one sweep: one along the row and three from the row before.
 //
 // A path arrives at a pixel as N(d) = min(L(d) - min L, P2) of the pixel it comes from; M(d) = min(N(d), N(d-1) + P1,
-// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d). The sum of four M fits a byte while P2 <= 63.
+// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d).
 #if defined(DISPARITYD_CPU_PATH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_PATH_ROWS_INL_H_
 #undef DISPARITYD_CPU_PATH_ROWS_INL_H_
@@ -16,15 +16,21 @@
 #include "hwy/cache_control.h"
 #include "kernels/cpu/census_planes-inl.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
+#include "kernels/cpu/path_form.h"
+#include "kernels/cpu/path_sums-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-template <class Tag, int registers, int rows_at_once, bool streaming>
+template <class Tag, int registers, int rows_at_once, bool streaming, PathForm form>
 class PathRows {
     using V = hn::Vec<Tag>;
+    using Sums = PathSums<Tag, registers, form.word_sums>;
     static constexpr int candidates = registers * static_cast<int>(hn::MaxLanes(Tag()));
+    // Of the paths of PathRow those that there are.
+    static constexpr int paths_before = form.diagonals ? 3 : 1;
+    static constexpr int path_before(int i) { return form.diagonals ? i : 1; }
 
 public:
     PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
@@ -32,7 +38,13 @@ public:
           step_(pass.direction * candidates),
           p1_(hn::Set(tag_, static_cast<std::uint8_t>(pass.p1))),
           none_(hn::Set(tag_, std::uint8_t{255})),
-          before_(before) {}
+          before_(before) {
+        if constexpr (form.any_p2) {
+            set_padding(geometry.range.count);
+        } else {
+            padding_[0] = hn::Zero(tag_);
+        }
+    }
 
     /// What a row carries from one call to the next goes to `state`.
     void run(const SweepRow* rows, bool from_right, SweepSteps steps, std::uint8_t* state) {
@@ -83,23 +95,35 @@ private:
         std::uint8_t* sums;
         std::uint8_t* costs_copy;
         const std::uint8_t* prefetch[2];
+        std::ptrdiff_t prefetch_step;
         const std::uint8_t* jumps[4];
     };
 
     void begin(State& state, const SweepRow& row, bool from_right) {
         const std::ptrdiff_t first = from_right ? static_cast<std::ptrdiff_t>(width_ - 1) * candidates : 0;
         state.costs = row.costs + first;
-        state.sums = row.sums + first;
+        state.sums = row.sums + first * form.sum_bytes();
         state.costs_copy = row.costs_copy == nullptr ? nullptr : row.costs_copy + first;
-        for (int i = 0; i < 2; ++i) {
-            state.prefetch[i] = row.prefetch[i] == nullptr ? state.costs : row.prefetch[i] + first;
-        }
+        state.prefetch_step = row.prefetch[0] == nullptr ? 1 : form.sum_bytes();
+        state.prefetch[0] = row.prefetch[0] == nullptr ? state.costs : row.prefetch[0] + first * form.sum_bytes();
+        state.prefetch[1] = row.prefetch[1] == nullptr ? state.costs : row.prefetch[1] + first;
         std::copy_n(row.jumps, 4, state.jumps);
         state.least = hn::Zero(tag_);
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             state.along[r] = hn::Zero(tag_);
             state.diagonal[r] = hn::Zero(tag_);
+        }
+    }
+
+    // 255 where there is no candidate: out of reach of all others, and it stays there.
+    void set_padding(int count) {
+        for (int r = 0; r < registers; ++r) {
+            alignas(64) std::uint8_t lane_padding[hn::MaxLanes(Tag())];
+            for (int lane = 0; lane < lanes(); ++lane) {
+                lane_padding[lane] = registers * lane + r < count ? std::uint8_t{0} : std::uint8_t{255};
+            }
+            padding_[r] = hn::Load(tag_, lane_padding);
         }
     }
 
@@ -148,12 +172,21 @@ private:
 
     static constexpr int lanes() { return static_cast<int>(hn::MaxLanes(Tag())); }
 
-    HWY_INLINE void finish_path(int path, int p, const V* m, const V* cost, V* sum) const {
+    // L = M + C.
+    static HWY_INLINE V path_cost(V m, V cost) {
+        if constexpr (form.any_p2) {
+            return hn::SaturatedAdd(m, cost);
+        } else {
+            return hn::Add(m, cost);
+        }
+    }
+
+    HWY_INLINE void finish_path(int path, int p, const V* m, const V* cost, Sums& sums) const {
         std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            sum[r] = hn::Add(sum[r], m[r]);
-            hn::Store(hn::Add(m[r], cost[r]), tag_, costs + r * lanes());
+            sums.add(r, m[r]);
+            hn::Store(path_cost(m[r], cost[r]), tag_, costs + r * lanes());
         }
     }
 
@@ -162,44 +195,41 @@ private:
     template <int count>
     HWY_INLINE void pixels(State* states, const int* p) {
         V cost[count][registers];
-        V sum[count][registers];
+        Sums sums[count];
         V n[registers];
         V m[registers];
         DISPARITYD_UNROLL
         for (int j = 0; j < count; ++j) {
-            along_row(states[j], p[j], cost[j], sum[j]);
+            along_row(states[j], p[j], cost[j], sums[j]);
         }
         DISPARITYD_UNROLL
         for (int j = 0; j < count; ++j) {
             load_before(states[j], 1, p[j], p[j], n);
             continue_path(n, m);
-            finish_path(1, p[j], m, cost[j], sum[j]);
+            finish_path(1, p[j], m, cost[j], sums[j]);
         }
-        DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
-            load_before(states[j], 2, p[j] + 1, p[j], n);
-            continue_path(n, m);
-            finish_path(2, p[j], m, cost[j], sum[j]);
-        }
-        DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
-            // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
-            continue_path(states[j].diagonal, m);
-            load_before(states[j], 0, p[j], p[j] + 1, states[j].diagonal);
-            finish_path(0, p[j], m, cost[j], sum[j]);
-            std::uint8_t* sums = states[j].sums + static_cast<std::ptrdiff_t>(p[j]) * step_;
+        if constexpr (form.diagonals) {
             DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                if constexpr (streaming) {
-                    hn::Stream(sum[j][r], tag_, sums + r * lanes());
-                } else {
-                    hn::Store(sum[j][r], tag_, sums + r * lanes());
-                }
+            for (int j = 0; j < count; ++j) {
+                load_before(states[j], 2, p[j] + 1, p[j], n);
+                continue_path(n, m);
+                finish_path(2, p[j], m, cost[j], sums[j]);
             }
+        }
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            if constexpr (form.diagonals) {
+                // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
+                continue_path(states[j].diagonal, m);
+                load_before(states[j], 0, p[j], p[j] + 1, states[j].diagonal);
+                finish_path(0, p[j], m, cost[j], sums[j]);
+            }
+            sums[j].template store<streaming>(states[j].sums +
+                                              static_cast<std::ptrdiff_t>(p[j]) * step_ * form.sum_bytes());
         }
     }
 
-    HWY_INLINE void along_row(State& state, int p, V* cost, V* sum) const {
+    HWY_INLINE void along_row(State& state, int p, V* cost, Sums& sums) const {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p) * step_;
         V m[registers];
         continue_path(state.along, m);
@@ -212,15 +242,27 @@ private:
             if constexpr (streaming) {
                 hn::Stream(cost[r], tag_, state.costs_copy + offset);
             } else {
-                hwy::Prefetch(state.prefetch[0] + offset);
-                hwy::Prefetch(state.prefetch[1] + offset);
+                prefetch(state, offset);
             }
-            const V step = hn::Min(m[r], jump);
-            sum[r] = hn::Sub(step, state.least);
-            state.along[r] = hn::Add(sum[r], cost[r]);
+            if constexpr (form.any_p2) {
+                cost[r] = hn::Or(cost[r], padding_[r]);
+            }
+            const V step = hn::Sub(hn::Min(m[r], jump), state.least);
+            sums.set(r, step);
+            state.along[r] = path_cost(step, cost[r]);
             least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
         }
         state.least = broadcast_least(tag_, least);
+    }
+
+    static HWY_INLINE void prefetch(const State& state, std::ptrdiff_t offset) {
+        if constexpr (form.word_sums) {
+            hwy::Prefetch(state.prefetch[0] + offset * state.prefetch_step);
+            hwy::Prefetch(state.prefetch[0] + offset * state.prefetch_step + lanes());
+        } else {
+            hwy::Prefetch(state.prefetch[0] + offset);
+        }
+        hwy::Prefetch(state.prefetch[1] + offset);
     }
 
     // min L of the 16 pixels from p on.
@@ -241,7 +283,7 @@ private:
     template <int count>
     void blocks_inside(int first, int end) {
         const hn::FixedTag<std::uint8_t, 16> block;
-        constexpr int reductions = 3 * count;
+        constexpr int reductions = paths_before * count;
         constexpr int share = count == 1 ? 4 : 2;  // pixels per reduction
         // A copy that nobody else can see and that is not indexed at run time stays in registers.
         PathRows local = *this;
@@ -256,9 +298,10 @@ private:
                     }
                     local.template pixels<count>(local.states_, p);
                 }
-                const int p = t - least_block - row_lag * (i / 3);
+                const int p = t - least_block - row_lag * (i / paths_before);
                 if (i < reductions && p >= 0) {
-                    hn::StoreU(least_of(i % 3, p), block, before_.least[i % 3] + p);
+                    const int path = path_before(i % paths_before);
+                    hn::StoreU(least_of(path, p), block, before_.least[path] + p);
                 }
             }
         }
@@ -287,7 +330,8 @@ private:
             const int p = t - row_lag * j;
             const int first = std::max(p, 0);
             const int last = std::min(p + least_block, width_);
-            for (int path = 0; path < 3 && first < last; ++path) {
+            for (int i = 0; i < paths_before && first < last; ++i) {
+                const int path = path_before(i);
                 alignas(16) std::uint8_t least[least_block];
                 hn::Store(least_of(path, p), block, least);
                 std::copy(least + (first - p), least + (last - p), before_.least[path] + first);
@@ -300,6 +344,7 @@ private:
     std::ptrdiff_t step_;
     V p1_;
     V none_;
+    V padding_[form.any_p2 ? registers : 1];  // with any_p2
     PathRow before_;
     State states_[rows_at_once];
 };

@@ -9,10 +9,10 @@
 // reference.
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/aggregation-inl.h"
 #include "kernels/cpu/keyed_winner_row-inl.h"
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
-#include "kernels/cpu/path_rows-inl.h"
 #include "kernels/cpu/winner_row-inl.h"
 #endif
 
@@ -23,34 +23,12 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 template <class Tag, int registers>
 struct Kernels {
+    using Paths = Aggregation<Tag, registers, eight_paths_in_bytes>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    // Two rows side by side where registers suffice: measured 31 to 20 cycles per pixel with one register of 64 lanes.
-    static constexpr int rows_at_once = registers == 1 || (registers == 2 && lanes == 64) ? 2 : 1;
 
     static void matching_cost(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
                               std::uint8_t* costs) {
         MatchingCostRow<Tag, registers>(geometry, left, right, costs).run();
-    }
-
-    template <int count, bool streaming>
-    static void aggregate_rows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
-                               const SweepRow* rows, SweepSteps steps, std::uint8_t* state) {
-        PathRows<Tag, registers, count, streaming>(geometry, pass, before).run(rows, pass.direction < 0, steps, state);
-    }
-
-    static void aggregate(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
-                          const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state) {
-        if (count == rows_at_once) {
-            pass.store == Store::stream
-                ? aggregate_rows<rows_at_once, true>(geometry, pass, before, rows, steps, state)
-                : aggregate_rows<rows_at_once, false>(geometry, pass, before, rows, steps, state);
-            return;
-        }
-        // A row left over: how it is stored does not matter.
-        aggregate_rows<1, false>(geometry, pass, before, rows, steps, state);
-        if (pass.store == Store::stream && steps.end == steps_of(geometry.width, 1)) {
-            std::copy_n(rows->costs, geometry.row_bytes(), rows->costs_copy);
-        }
     }
 
     using SumTag = hn::Repartition<std::int16_t, Tag>;
@@ -127,12 +105,12 @@ struct Kernels {
     static SgmKernels table() {
         SgmKernels kernels;
         kernels.layout = {lanes, registers};
-        kernels.rows_at_once = rows_at_once;
+        kernels.rows_at_once = Paths::rows_at_once;
         kernels.census_layout = census_layout;
         kernels.census_left = census_left;
         kernels.census_right = census_right<registers>;
         kernels.matching_cost = matching_cost;
-        kernels.aggregate = aggregate;
+        kernels.aggregate = Paths::aggregate;
         kernels.jumps = adaptive_jumps;
         kernels.winner = winner;
         return kernels;

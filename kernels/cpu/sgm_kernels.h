@@ -21,10 +21,11 @@ struct DisparityLayout {
     std::size_t bytes() const { return static_cast<std::size_t>(candidates()); }
 };
 
-/// Least cost that is out of reach of all others: 62 (largest cost) + 63 (largest P2), and a little.
+/// Least cost that is out of reach of all others: 62 (largest cost) + 63 (largest P2), and a little. Kernels for a
+/// larger P2 see to padding themselves.
 constexpr std::uint8_t padding_cost = 128;
 
-/// The largest P2 for which sums of four paths fit a byte (4 * 63 = 252).
+/// The largest P2 of sgm_kernels(): sums of four paths fit a byte (4 * 63 = 252).
 constexpr int max_byte_p2 = 63;
 
 /// Census words of one image as planes of bytes: plane i holds some bits of every pixel's word. `bits_per_plane` is 8,
@@ -90,10 +91,10 @@ constexpr int max_sweep_state = 2 * (2 * 256 + 64);
 /// One row of a sweep, all arrays with the candidates of one pixel after the other.
 struct SweepRow {
     const std::uint8_t* costs = nullptr;   ///< matching costs of the row
-    std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the four paths
+    std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the paths of the sweep
     std::uint8_t* costs_copy = nullptr;    ///< out, when streaming: costs again, past the caches
     const std::uint8_t* jumps[4] = {};     ///< P2 by position, of PathRow's paths and of the one along the row
-    const std::uint8_t* prefetch[2] = {};  ///< rows that are needed soon; used when not null
+    const std::uint8_t* prefetch[2] = {};  ///< rows of sums and of costs that are needed soon; used when not null
 };
 
 enum class Store : std::uint8_t {
@@ -129,6 +130,7 @@ struct WinnerPlanes {
 /// The SGM kernels of one instruction set, for one number of candidates. All are pure functions on rows.
 struct SgmKernels {
     DisparityLayout layout;
+    int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
     int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
 
     /// Strides and sizes of census planes.
@@ -140,20 +142,21 @@ struct SgmKernels {
     /// Matching costs of one row from the row's planes.
     void (*matching_cost)(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
                           std::uint8_t* costs);
-    /// Four paths over `count` rows, the first of them first in the direction of the sweep: some of their steps, in
-    /// order. To reach position p, `before` must be done up to p + 1. `state`, max_sweep_state bytes aligned to 64, is
-    /// carried from one call to the next.
+    /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
+    /// steps, in order. To reach position p, `before` must be done up to p + 1. `state`, max_sweep_state bytes aligned
+    /// to 64, is carried from one call to the next.
     void (*aggregate)(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before, const SweepRow* rows,
                       int count, SweepSteps steps, std::uint8_t* state);
     /// Adaptive P2 of one row of the left image: SweepRow::jumps (to be rounded up to whole vectors).
     void (*jumps)(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
                   const std::uint8_t* row_before, std::uint8_t* const* jumps);
-    /// Winners of one row: S = down + up + 8 C.
+    /// Winners of one row: S = down + up + C once for each path.
     void (*winner)(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
                    const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
 };
 
-/// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()).
+/// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()): 8 paths, P2 up to max_byte_p2.
+/// path_kernels.h has those for other options.
 SgmKernels sgm_kernels(std::int64_t target, int disparities);
 
 }  // namespace disparityd::cpu

@@ -8,7 +8,7 @@
 
 namespace disparityd::cpu {
 
-/// The matching chain for SGM with 8 paths and P2 up to 63; cost, aggregation and winners are one step.
+/// The matching chain for SGM; cost, aggregation and winners are one step.
 class SgmMatcher final : public Matcher {
 public:
     /// `steps` (first and last stage) outlives the matcher; target and cache_bytes as SgmSweeps has them.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "kernels/cpu/path_kernels.h"
 #include "kernels/cpu/sweep_plan.h"
 #include "kernels/cpu/sweep_progress.h"
 
@@ -33,7 +34,7 @@ struct SgmSweeps::Frame {
 };
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, std::int64_t target, std::size_t cache_bytes)
-    : SgmSweeps(width, height, options, sgm_kernels(target, options.range.count), cache_bytes) {}
+    : SgmSweeps(width, height, options, path_kernels(target, options.range, options.sgm), cache_bytes) {}
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels,
                      std::size_t cache_bytes)
@@ -42,8 +43,12 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const S
       geometry_(geometry_of(width, height, options, kernels_)),
       keep_costs_(options.range.count == kernels_.layout.candidates()),
       // Half of the cache is what one program can hope for on a machine that does other things too.
-      stream_(keep_costs_ && 4 * geometry_.row_bytes() * static_cast<std::size_t>(height) > cache_bytes),
+      stream_(keep_costs_ && 2 * bytes_of_volumes() > cache_bytes),
       memory_(geometry_, kernels_, options.sgm, keep_costs_) {}
+
+std::size_t SgmSweeps::bytes_of_volumes() const {
+    return geometry_.row_bytes() * static_cast<std::size_t>((1 + kernels_.sum_bytes) * geometry_.height);
+}
 
 std::size_t SgmSweeps::census_bytes() const {
     return static_cast<std::size_t>(geometry_.height) * (geometry_.census.left_row() + geometry_.census.right_row());

@@ -22,7 +22,7 @@ class SgmSweeps {
 public:
     /// Allocates all memory. `cache_bytes`: volumes larger than this are written past the caches.
     SgmSweeps(int width, int height, const MatchOptions& options, std::int64_t target, std::size_t cache_bytes);
-    /// With other kernels than those that sgm_kernels() has for the target.
+    /// With other kernels than those that path_kernels() has for the target.
     SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels, std::size_t cache_bytes);
 
     /// What the census of a frame takes: bytes aligned to 64.
@@ -37,6 +37,7 @@ public:
 private:
     struct Frame;
 
+    std::size_t bytes_of_volumes() const;
     void work(Frame& frame, int groups) const;
     void leave_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;
     void find_winners(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;

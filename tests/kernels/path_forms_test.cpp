@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// SGM beyond 8 paths with sums in bytes: large P2, and 4 paths.
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "kernels/cpu/backend.h"
+#include "kernels/cpu/path_kernels.h"
+#include "tests/kernels/sgm_case.h"
+
+namespace disparityd::test {
+namespace {
+
+constexpr std::size_t in_cache = std::size_t{1} << 30;
+
+struct Form {
+    const char* name;
+    int paths;
+    int p2_least;
+    int p2_most;
+};
+
+constexpr Form forms[] = {{"EightPathsWide", 8, cpu::max_byte_p2 + 1, 193},
+                          {"FourPaths", 4, 2, cpu::max_byte_p2_of_4_paths},
+                          {"FourPathsWide", 4, cpu::max_byte_p2_of_4_paths + 1, 193}};
+
+class PathForms : public testing::TestWithParam<std::tuple<cpu::InstructionSet, Form>> {
+protected:
+    std::int64_t target() const { return std::get<0>(GetParam()).target; }
+    const Form& form() const { return std::get<1>(GetParam()); }
+    MatchOptions options(Random& random) const {
+        return random_sgm_options(random, form().paths, form().p2_least, form().p2_most);
+    }
+};
+
+TEST_P(PathForms, EqualTheReference) {
+    Random random(70);
+    for (int round = 0; round < 40; ++round) {
+        const int width = pick(random, 1, round % 2 == 0 ? 200 : 40);
+        ShuffledWorkers workers(pick(random, 1, 6), static_cast<unsigned>(random()));
+        random_case(random, width, pick(random, 1, 14), options(random))
+            .expect_from(target(), round % 3 == 0 ? in_cache : 0, workers);
+    }
+}
+
+TEST_P(PathForms, EqualTheReferenceForEveryNumberOfDisparities) {
+    Random random(71);
+    Serial serial;
+    for (int disparities = 16; disparities <= max_disparities; disparities += 16) {
+        MatchOptions how = options(random);
+        how.range = {-disparities / 2, disparities};
+        random_case(random, 130, 6, how).expect_from(target(), disparities % 32 == 0 ? 0 : in_cache, serial);
+    }
+}
+
+TEST_P(PathForms, EqualTheReferenceOnHostileSizes) {
+    Random random(72);
+    Serial serial;
+    for (const auto& [width, height] :
+         {std::pair{1, 1}, {1, 9}, {9, 1}, {2, 2}, {15, 3}, {16, 2}, {17, 3}, {33, 2}, {49, 3}, {64, 3}, {65, 2}}) {
+        for (const DisparityRange range : {DisparityRange{0, 16}, {0, 256}, {-256, 256}, {256, 16}, {-256, 16}}) {
+            MatchOptions how = options(random);
+            how.range = range;
+            random_case(random, width, height, how).expect_from(target(), 0, serial);
+        }
+    }
+}
+
+TEST_P(PathForms, TheLargestPenaltiesAndCostsDoNotOverflow) {
+    Serial serial;
+    MatchOptions how;
+    how.sgm.paths = form().paths;
+    how.sgm.p2 = form().p2_most;
+    // Census words that differ in as many bits as can be: rising on the left, falling on the right.
+    Image<std::uint8_t> left(140, 8);
+    Image<std::uint8_t> right(140, 8);
+    for (int x = 0; x < left.width(); ++x) {
+        for (int y = 0; y < left.height(); ++y) {
+            left.at(x, y) = static_cast<std::uint8_t>(x + y);
+            right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
+        }
+    }
+    for (const int p1 : {1, 10, how.sgm.p2 - 1}) {
+        for (const int disparities : {16, 48, 64, 80, 128, 144, 256}) {
+            how.sgm.p1 = p1;
+            how.range = {0, disparities};
+            SgmCase(left, right, how).expect_from(target(), 0, serial);
+        }
+    }
+}
+
+TEST_P(PathForms, ManyWorkersEqualTheReference) {
+    Random random(74);
+    for (const int count : {3, 8, 32}) {
+        ShuffledWorkers workers(count, static_cast<unsigned>(random()));
+        random_case(random, pick(random, 100, 300), pick(random, 10, 40), options(random))
+            .expect_from(target(), 0, workers);
+    }
+}
+
+TEST_P(PathForms, WholeMatcherEqualsTheReference) {
+    Random random(75);
+    Serial serial;
+    for (int round = 0; round < 4; ++round) {
+        const MatchOptions how = options(random);
+        const SgmCase images = random_case(random, pick(random, 1, 150), pick(random, 1, 20), how);
+        const MatcherConfig config{images.width(), images.height(), how};
+        const auto reference = backend("reference").create(config);
+        const auto matcher = cpu::create(config, std::get<0>(GetParam()));
+        Frame expected(*reference, images.left, images.right);
+        Frame found(*matcher, images.left, images.right);
+        match(*reference, expected.view, serial);
+        match(*matcher, found.view, serial);
+        ASSERT_EQ(found.disparity.pixels(), expected.disparity.pixels()) << images.width() << "x" << images.height();
+        ASSERT_EQ(found.confidence.pixels(), expected.confidence.pixels());
+        ASSERT_EQ(found.depth.pixels(), expected.depth.pixels());
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(CpuKernels, PathForms,
+                         testing::Combine(testing::ValuesIn(cpu::instruction_sets()), testing::ValuesIn(forms)),
+                         [](const auto& instance) {
+                             return std::get<0>(instance.param).name + "_" + std::get<1>(instance.param).name;
+                         });
+
+}  // namespace
+}  // namespace disparityd::test
