@@ -4,26 +4,14 @@
 #include <algorithm>
 #include <thread>
 
-#include <unistd.h>
-
 #include "hwy/targets.h"
 #include "kernels/cpu/block_matcher.h"
+#include "kernels/cpu/cache_size.h"
 #include "kernels/cpu/sgm_matcher.h"
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/frame_stages.h"
 
 namespace disparityd::cpu {
-
-namespace {
-
-// A volume that fits beside what else the machine does stays in the cache and is better not written past it.
-std::size_t last_level_cache_bytes() {
-    constexpr std::size_t usual = std::size_t{8} << 20;
-    const long found = sysconf(_SC_LEVEL3_CACHE_SIZE);
-    return found > 0 ? static_cast<std::size_t>(found) : usual;
-}
-
-}  // namespace
 
 std::vector<InstructionSet> instruction_sets() {
     std::vector<InstructionSet> found;

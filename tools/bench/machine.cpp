@@ -7,7 +7,7 @@
 #include <sched.h>
 
 #include "kernels/cpu/backend.h"
-#include "tools/bench/machine_rates.h"
+#include "kernels/cpu/cache_size.h"
 
 namespace disparityd::bench {
 namespace {
@@ -48,7 +48,7 @@ std::vector<std::string> describe_machine() {
         sets += ' ' + set.name;
     }
     return {processor() + ", " + std::to_string(allowed_cores()) + " cores for this process, last-level cache " +
-                std::to_string(last_level_cache_bytes() >> 20) +
+                std::to_string(cpu::last_level_cache_bytes() >> 20) +
                 " MiB; instruction sets:" + (sets.empty() ? " none that ours is built for" : sets),
             "built with " + compiler()};
 }

@@ -4,13 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <fstream>
 #include <numeric>
-#include <string>
 #include <vector>
 
-#include <unistd.h>
-
+#include "kernels/cpu/cache_size.h"
 #include "kernels/large_buffer.h"
 #include "tools/bench/vector_peak.h"
 #include "tools/eval/our_matcher.h"
@@ -87,22 +84,8 @@ double copy_rate(std::size_t bytes, int rounds, Parallel& workers) {
 
 }  // namespace
 
-// Not sysconf where the kernel says it: glibc 2.36 has been seen to count a cache once per thread that it thinks there
-// is (335 MB where there were 32).
-std::size_t last_level_cache_bytes() {
-    constexpr std::size_t usual = std::size_t{8} << 20;
-    std::ifstream file("/sys/devices/system/cpu/cpu0/cache/index3/size");
-    std::size_t size = 0;
-    char unit = 'K';
-    if (file >> size >> unit && size > 0) {
-        return size << (unit == 'M' ? 20 : 10);
-    }
-    const long found = sysconf(_SC_LEVEL3_CACHE_SIZE);
-    return found > 0 ? static_cast<std::size_t>(found) : usual;
-}
-
 MachineRates measure_machine(std::int64_t target, Parallel& workers) {
-    const std::size_t cache = last_level_cache_bytes();
+    const std::size_t cache = cpu::last_level_cache_bytes();
     const std::size_t beyond_cache = std::clamp(4 * cache, std::size_t{64} << 20, std::size_t{512} << 20);
     constexpr int cached_rounds = 16, operation_pieces = 40;
     return {read_rate(beyond_cache, workers), copy_rate(beyond_cache, 1, workers),

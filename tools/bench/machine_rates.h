@@ -25,6 +25,4 @@ struct MachineRates {
 /// With all workers together. Takes about half a second.
 MachineRates measure_machine(std::int64_t target, Parallel& workers);
 
-std::size_t last_level_cache_bytes();
-
 }  // namespace disparityd::bench

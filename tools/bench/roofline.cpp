@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "kernels/cpu/cache_size.h"
 #include "tools/bench/report.h"
 #include "tools/bench/step_work.h"
 #include "tools/eval/our_matcher.h"
@@ -23,7 +24,7 @@ std::string machine_line(const std::string& isa, int threads, const MachineRates
 std::vector<std::string> cells(const Measurement& one, const std::string& step, const StepWork& work,
                                const MachineRates& rates) {
     const double ms = eval::median(one.step_ms.at(step));
-    const bool in_cache = work.volume_bytes < static_cast<double>(last_level_cache_bytes());
+    const bool in_cache = work.volume_bytes < static_cast<double>(cpu::last_level_cache_bytes());
     const double by_bytes = 1e3 * rates.seconds_to_move(work.bytes, in_cache);
     const double by_operations = 1e3 * work.byte_operations / rates.byte_operations_per_second;
     const double bound = std::max(by_bytes, by_operations);
