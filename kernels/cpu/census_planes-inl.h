@@ -134,28 +134,42 @@ inline void mirror(const std::uint8_t* from, int count, std::uint8_t* to) {
     }
 }
 
-/// from[registers * i + r] to to[r * part + i].
-template <int registers>
-void split(const std::uint8_t* from, int count, std::uint8_t* to, int part) {
-    int i = 0;
-    if constexpr (registers == 2 || registers == 4) {
-        const hn::ScalableTag<std::uint8_t> tag;
-        const int lanes = static_cast<int>(hn::Lanes(tag));
-        for (; registers * i < count; i += lanes) {
-            hn::Vec<decltype(tag)> v[registers];
-            if constexpr (registers == 2) {
-                hn::LoadInterleaved2(tag, from + 2 * i, v[0], v[1]);
-            } else {
-                hn::LoadInterleaved4(tag, from + 4 * i, v[0], v[1], v[2], v[3]);
-            }
-            for (int r = 0; r < registers; ++r) {
-                hn::StoreU(v[r], tag, to + r * part + i);
-            }
+/// Lane i of out[r] is from[registers * i + r]. `registers` is 1, 2, 3 or 4 times a power of two.
+template <int registers, class Tag>
+HWY_INLINE void load_split(Tag tag, const std::uint8_t* from, hn::Vec<Tag>* out) {
+    if constexpr (registers == 1) {
+        out[0] = hn::LoadU(tag, from);
+    } else if constexpr (registers == 2) {
+        hn::LoadInterleaved2(tag, from, out[0], out[1]);
+    } else if constexpr (registers == 3) {
+        hn::LoadInterleaved3(tag, from, out[0], out[1], out[2]);
+    } else if constexpr (registers == 4) {
+        hn::LoadInterleaved4(tag, from, out[0], out[1], out[2], out[3]);
+    } else {
+        constexpr int half = registers / 2;
+        hn::Vec<Tag> first[half];
+        hn::Vec<Tag> second[half];
+        load_split<half>(tag, from, first);
+        load_split<half>(tag, from + half * hn::MaxLanes(tag), second);
+        DISPARITYD_UNROLL
+        for (int r = 0; r < half; ++r) {
+            out[r] = hn::ConcatEven(tag, second[r], first[r]);
+            out[half + r] = hn::ConcatOdd(tag, second[r], first[r]);
         }
     }
-    for (; registers * i < count; ++i) {
+}
+
+/// from[registers * i + r] to to[r * part + i]; whole vectors are read and written.
+template <int registers>
+void split(const std::uint8_t* from, int count, std::uint8_t* to, int part) {
+    const hn::ScalableTag<std::uint8_t> tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    for (int i = 0; registers * i < count; i += lanes) {
+        hn::Vec<decltype(tag)> v[registers];
+        load_split<registers>(tag, from + registers * i, v);
+        DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            to[r * part + i] = from[registers * i + r];
+            hn::StoreU(v[r], tag, to + r * part + i);
         }
     }
 }
@@ -181,9 +195,12 @@ void census_right(const SgmGeometry& geometry, Plane<const std::uint8_t> image, 
         for (int i = 0; i < census_planes; ++i) {
             std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row() + i * census.right_pitch;
             if (columns > 0) {
-                mirror(natural[i] + last_column + 1 - columns, columns, mirrored + first_entry);
+                std::uint8_t* whole = registers == 1 ? out : mirrored;
+                mirror(natural[i] + last_column + 1 - columns, columns, whole + first_entry);
             }
-            split<registers>(mirrored, entries, out, census.right_part);
+            if constexpr (registers > 1) {
+                split<registers>(mirrored, entries, out, census.right_part);
+            }
         }
     }
 }
