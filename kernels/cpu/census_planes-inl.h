@@ -46,80 +46,6 @@ inline CensusLayout census_layout(int width, DisparityLayout layout) {
     return census;
 }
 
-/// The seven rows around the row in work, with their borders replicated, as signed bytes (the order stays, and signed
-/// comparison is an instruction everywhere).
-class CensusWindow {
-public:
-    CensusWindow(Plane<const std::uint8_t> image, int first) : image_(image) {
-        for (int y = first - census_radius_y; y < first + census_radius_y; ++y) {
-            load(y);
-        }
-    }
-
-    /// To be called for y = first, first + 1, ..
-    void move_to(int y) { load(y + census_radius_y); }
-
-    const std::int8_t* row(int y) const { return &rows_[(y + rows) % rows][row_slack]; }
-
-private:
-    static constexpr int rows = 8;  // a ring, a power of two
-
-    void load(int y) {
-        const std::uint8_t* in = image_.row(std::clamp(y, 0, image_.height - 1));
-        std::int8_t* out = &rows_[(y + rows) % rows][row_slack];
-        for (int x = 0; x < image_.width; ++x) {
-            out[x] = static_cast<std::int8_t>(in[x] ^ 0x80);
-        }
-        std::fill_n(out - census_radius_x, census_radius_x, out[0]);
-        std::fill_n(out + image_.width, census_radius_x, out[image_.width - 1]);
-    }
-
-    Plane<const std::uint8_t> image_;
-    alignas(64) std::int8_t rows_[rows][max_side + 2 * row_slack] = {};
-};
-
-/// One row of all planes, natural order, `pitch` bytes from plane to plane; whole vectors are written.
-inline void census_row(const CensusWindow& window, int y, int width, std::uint8_t* planes, int pitch) {
-    const hn::ScalableTag<std::int8_t> tag;
-    const int lanes = static_cast<int>(hn::Lanes(tag));
-    const std::int8_t* rows[2 * census_radius_y + 1];
-    for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
-        rows[dy + census_radius_y] = window.row(y + dy);
-    }
-    for (int x = 0; x < width; x += lanes) {
-        const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
-        auto bits = hn::Zero(tag);
-        std::uint8_t* out = planes + x;
-        int count = 0;
-        for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
-            for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
-                if (dy == census_radius_y && dx == 0) {
-                    continue;
-                }
-                const auto less = hn::Lt(hn::LoadU(tag, rows[dy] + x + dx), centre);
-                const auto bit = hn::Set(tag, static_cast<std::int8_t>(1 << count));
-                bits = hn::Or(bits, hn::IfThenElseZero(less, bit));
-                if (++count == bits_per_plane) {
-                    hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
-                    out += pitch;
-                    bits = hn::Zero(tag);
-                    count = 0;
-                }
-            }
-        }
-        hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
-    }
-}
-
-inline void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
-    CensusWindow window(image, rows.first);
-    for (int y = rows.first; y < rows.last; ++y) {
-        window.move_to(y);
-        census_row(window, y, geometry.width, planes + static_cast<std::size_t>(y) * geometry.census.left_row(),
-                   geometry.census.left_pitch);
-    }
-}
-
 /// `from` backwards: to[0] = from[count - 1].
 inline void mirror(const std::uint8_t* from, int count, std::uint8_t* to) {
     const hn::FixedTag<std::uint8_t, 16> block;
@@ -131,6 +57,100 @@ inline void mirror(const std::uint8_t* from, int count, std::uint8_t* to) {
     }
     for (; i < count; ++i) {
         to[i] = from[count - 1 - i];
+    }
+}
+
+enum class Order : std::uint8_t {
+    natural,
+    mirrored,  ///< the last column of the image comes first
+};
+
+/// The seven rows around the row in work, with their borders replicated, as signed bytes (the order stays, and signed
+/// comparison is an instruction everywhere).
+template <Order order>
+class CensusWindow {
+public:
+    CensusWindow(Plane<const std::uint8_t> image, int first) : image_(image) {
+        for (int y = first - census_radius_y; y < first + census_radius_y; ++y) {
+            load(y);
+        }
+    }
+
+    /// To be called for y = first, first + 1, ..
+    void move_to(int y) { load(y + census_radius_y); }
+
+    const std::uint8_t* row(int y) const { return &rows_[(y + rows) % rows][row_slack]; }
+
+private:
+    static constexpr int rows = 8;  // a ring, a power of two
+
+    void load(int y) {
+        const hn::ScalableTag<std::uint8_t> tag;
+        const int lanes = static_cast<int>(hn::Lanes(tag));
+        const int width = image_.width;
+        const std::uint8_t* in = image_.row(std::clamp(y, 0, image_.height - 1));
+        std::uint8_t* out = &rows_[(y + rows) % rows][row_slack];
+        if constexpr (order == Order::mirrored) {
+            mirror(in, width, out);
+        } else {
+            std::copy_n(in, width, out);
+        }
+        std::fill_n(out - census_radius_x, census_radius_x, out[0]);
+        const auto last = hn::Set(tag, out[width - 1]);
+        for (int x = width; x < width + row_slack; x += lanes) {
+            hn::StoreU(last, tag, out + x);
+        }
+        const auto sign = hn::Set(tag, 0x80);
+        for (int x = -lanes; x < width + census_radius_x; x += lanes) {
+            hn::StoreU(hn::Xor(hn::LoadU(tag, out + x), sign), tag, out + x);
+        }
+    }
+
+    Plane<const std::uint8_t> image_;
+    alignas(64) std::uint8_t rows_[rows][max_side + 2 * row_slack] = {};
+};
+
+/// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
+/// vectors are written. Bits have the same order in both orders of columns.
+template <Order order>
+void census_row(const CensusWindow<order>& window, int y, int first, int count, std::uint8_t* planes, int pitch) {
+    const hn::ScalableTag<std::int8_t> tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    constexpr int right = order == Order::natural ? 1 : -1;
+    const std::int8_t* rows[2 * census_radius_y + 1];
+    for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
+        rows[dy + census_radius_y] = reinterpret_cast<const std::int8_t*>(window.row(y + dy) + first);
+    }
+    for (int x = 0; x < count; x += lanes) {
+        const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
+        auto bits = hn::Zero(tag);
+        std::uint8_t* out = planes + x;
+        int bit = 0;
+        for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
+            for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
+                if (dy == census_radius_y && dx == 0) {
+                    continue;
+                }
+                const auto less = hn::Lt(hn::LoadU(tag, rows[dy] + x + right * dx), centre);
+                bits = hn::Or(bits, hn::IfThenElseZero(less, hn::Set(tag, static_cast<std::int8_t>(1 << bit))));
+                if (++bit == bits_per_plane) {
+                    hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
+                    out += pitch;
+                    bits = hn::Zero(tag);
+                    bit = 0;
+                }
+            }
+        }
+        hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
+    }
+}
+
+inline void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+    CensusWindow<Order::natural> window(image, rows.first);
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
+        census_row(window, y, 0, geometry.width, planes + static_cast<std::size_t>(y) * geometry.census.left_row(),
+                   geometry.census.left_pitch);
     }
 }
 
@@ -179,27 +199,23 @@ void split(const std::uint8_t* from, int count, std::uint8_t* to, int part) {
 /// candidates are replaced.
 template <int registers>
 void census_right(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
-    const int width = geometry.width;
     const CensusLayout& census = geometry.census;
-    const int entries = width + geometry.layout.candidates();
+    const int entries = geometry.width + geometry.layout.candidates();
     const int first_entry = std::clamp(-geometry.range.first, 0, entries);  // of the last column inside
-    const int last_column = std::min(width - 1, width - 1 - geometry.range.first);
-    const int columns = std::clamp(last_column + 1, 0, entries - first_entry);
+    const int first_column = std::max(geometry.range.first, 0);             // mirrored
+    const int columns = std::clamp(geometry.width - first_column, 0, entries - first_entry);
     constexpr int longest = max_side + max_disparities + row_slack * 4;
-    alignas(64) std::uint8_t natural[census_planes][max_side + row_slack];
-    alignas(64) std::uint8_t mirrored[longest] = {};
-    CensusWindow window(image, rows.first);
+    alignas(64) std::uint8_t whole[registers == 1 ? 1 : census_planes][longest] = {};
+    CensusWindow<Order::mirrored> window(image, rows.first);
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
-        census_row(window, y, width, natural[0], max_side + row_slack);
-        for (int i = 0; i < census_planes; ++i) {
-            std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row() + i * census.right_pitch;
-            if (columns > 0) {
-                std::uint8_t* whole = registers == 1 ? out : mirrored;
-                mirror(natural[i] + last_column + 1 - columns, columns, whole + first_entry);
-            }
-            if constexpr (registers > 1) {
-                split<registers>(mirrored, entries, out, census.right_part);
+        std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row();
+        if constexpr (registers == 1) {
+            census_row(window, y, first_column, columns, out + first_entry, census.right_pitch);
+        } else {
+            census_row(window, y, first_column, columns, whole[0] + first_entry, longest);
+            for (int i = 0; i < census_planes; ++i) {
+                split<registers>(whole[i], entries, out + i * census.right_pitch, census.right_part);
             }
         }
     }
