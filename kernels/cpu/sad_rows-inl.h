@@ -123,32 +123,63 @@ private:
 
     HWY_INLINE static V difference(V a, V b) { return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)); }
 
+    // Entry of a pixel and register. `registers` pixels later the same register has the entry before, in the same part.
+    static constexpr int pixels_at_once = registers;
+
     template <bool take_old>
     void add_row(const std::uint8_t* added, const std::uint8_t* taken) {
+        const std::uint8_t* new_entries[2 * registers - 1];
+        const std::uint8_t* old_entries[2 * registers - 1];
+        const int width = geometry_.width;
+        int x = 0;
+        const auto point = [&](int count) {
+            for (int i = 0; i < registers + count - 1; ++i) {
+                new_entries[i] = new_.entry(width - x - count + i);
+                old_entries[i] = old_.entry(width - x - count + i);
+            }
+        };
+        if (width >= pixels_at_once) {
+            point(pixels_at_once);
+        }
+        for (std::ptrdiff_t block = 0; x + pixels_at_once <= width; x += pixels_at_once, ++block) {
+            DISPARITYD_UNROLL
+            for (int i = 0; i < pixels_at_once; ++i) {
+                const int first = pixels_at_once - 1 - i;
+                add_pixel<take_old>(x + i, added, taken, new_entries + first, old_entries + first, block);
+            }
+        }
+        for (; x < width; ++x) {
+            point(1);
+            add_pixel<take_old>(x, added, taken, new_entries, old_entries, 0);
+        }
+    }
+
+    // Register r's differences are to what stands `back` bytes before new_entries[r] and old_entries[r].
+    template <bool take_old>
+    HWY_INLINE void add_pixel(int x, const std::uint8_t* added, const std::uint8_t* taken,
+                              const std::uint8_t* const* new_entries, const std::uint8_t* const* old_entries,
+                              std::ptrdiff_t back) {
         const Tag bytes;
         const Words words;
         const hn::Repartition<std::uint16_t, Tag> unsigned_words;
         const auto low = hn::Set(unsigned_words, std::uint16_t{0x00ff});
-        for (int x = 0; x < geometry_.width; ++x) {
-            const V here = hn::Set(bytes, added[x]);
-            const V there = hn::Set(bytes, take_old ? taken[x] : std::uint8_t{0});
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                const int entry = geometry_.width - 1 - x + r;
-                const auto more = hn::BitCast(unsigned_words, difference(here, hn::LoadU(bytes, new_.entry(entry))));
-                auto even = hn::And(more, low);
-                auto odd = hn::ShiftRight<8>(more);
-                if constexpr (take_old) {
-                    const auto less =
-                        hn::BitCast(unsigned_words, difference(there, hn::LoadU(bytes, old_.entry(entry))));
-                    even = hn::Sub(even, hn::And(less, low));
-                    odd = hn::Sub(odd, hn::ShiftRight<8>(less));
-                }
-                std::int16_t* even_sums = column(x) + r * lanes;
-                std::int16_t* odd_sums = column(x) + (r + registers) * lanes;
-                hn::Store(hn::Add(hn::Load(words, even_sums), hn::BitCast(words, even)), words, even_sums);
-                hn::Store(hn::Add(hn::Load(words, odd_sums), hn::BitCast(words, odd)), words, odd_sums);
+        const V here = hn::Set(bytes, added[x]);
+        const V there = hn::Set(bytes, take_old ? taken[x] : std::uint8_t{0});
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const auto more = hn::BitCast(unsigned_words, difference(here, hn::LoadU(bytes, new_entries[r] - back)));
+            auto even = hn::And(more, low);
+            auto odd = hn::ShiftRight<8>(more);
+            if constexpr (take_old) {
+                const auto less =
+                    hn::BitCast(unsigned_words, difference(there, hn::LoadU(bytes, old_entries[r] - back)));
+                even = hn::Sub(even, hn::And(less, low));
+                odd = hn::Sub(odd, hn::ShiftRight<8>(less));
             }
+            std::int16_t* even_sums = column(x) + r * lanes;
+            std::int16_t* odd_sums = column(x) + (r + registers) * lanes;
+            hn::Store(hn::Add(hn::Load(words, even_sums), hn::BitCast(words, even)), words, even_sums);
+            hn::Store(hn::Add(hn::Load(words, odd_sums), hn::BitCast(words, odd)), words, odd_sums);
         }
     }
 
