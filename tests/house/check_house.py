@@ -19,10 +19,11 @@ ARROWS = {
     "kernels": set(),
     "proto": set(),
     "capture": {"kernels"},
+    "calibration": {"kernels", "capture"},
     "pipeline": {"kernels", "capture"},
     "clients": {"proto"},
-    "daemon": {"kernels", "capture", "pipeline", "proto"},
-    "tools": {"kernels", "capture", "pipeline", "proto", "clients"},
+    "daemon": {"kernels", "capture", "calibration", "pipeline", "proto"},
+    "tools": {"kernels", "capture", "calibration", "pipeline", "proto", "clients"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of capture that the pipeline may know.
