@@ -132,6 +132,11 @@ Parameters taken_over(const EpipolarFit& fit, const std::array<bool, parameters>
     return change;
 }
 
+Parameters as_change(const capture::CalibrationCorrection& correction) {
+    return {correction.pitch_nrad * 1e-9, correction.yaw_nrad * 1e-9, correction.roll_nrad * 1e-9,
+            correction.focal_ppb * 1e-9};
+}
+
 /// Why a fit is not good enough; empty when it is.
 std::string shortcoming(const EpipolarFit& fit, double f, double half_width) {
     if (!fit.solved || fit.blocks_used < least_blocks) {
@@ -156,7 +161,7 @@ std::string shortcoming(const EpipolarFit& fit, double f, double half_width) {
 
 }  // namespace
 
-SelfCalibrationResult SelfCalibration::solve() const {
+SelfCalibrationResult SelfCalibration::solve(const capture::CalibrationCorrection& in_use) const {
     SelfCalibrationResult result;
     result.frames = frames();
     result.matches = matches();
@@ -175,7 +180,6 @@ SelfCalibrationResult SelfCalibration::solve() const {
     const auto before = errors(all, VerticalError(factory_, f_, {}));
     result.offset_before = median(before);
     result.error_before = median_size(before);
-    result.offset_after = median(errors(all, VerticalError(factory_, f_, taken_over(fit, fixed))));
     result.reason = shortcoming(fit, f_, half_width_);
     if (!result.reason.empty()) {
         return result;
@@ -187,10 +191,10 @@ SelfCalibrationResult SelfCalibration::solve() const {
         const EpipolarFit half = fit_epipolar(factory_, f_, parts[i], blocks);
         const VerticalError corrected(factory_, f_, taken_over(half, fixed));
         const auto after = errors(parts[1 - i], corrected);
-        const double factory_error = median_size(errors(parts[1 - i], VerticalError(factory_, f_, {})));
-        if (!half.solved || median_size(after) > factory_error - least_gain) {
-            result.reason = text("the factory calibration is as good on unseen matches: %.3f px, corrected %.3f px",
-                                 factory_error, median_size(after));
+        const double now = median_size(errors(parts[1 - i], VerticalError(factory_, f_, as_change(in_use))));
+        if (!half.solved || median_size(after) > now - least_gain) {
+            result.reason = text("what is in use is as good on unseen matches: %.3f px, a new correction %.3f px", now,
+                                 median_size(after));
             return result;
         }
         unseen.insert(unseen.end(), after.begin(), after.end());
@@ -199,6 +203,7 @@ SelfCalibrationResult SelfCalibration::solve() const {
     result.correction = {billionths(change[pitch]), billionths(change[yaw]), billionths(change[roll]),
                          billionths(change[focal])};
     result.error_after = median_size(unseen);
+    result.offset_after = median(errors(all, VerticalError(factory_, f_, change)));
     result.accepted = true;
     result.reason = text("vertical error %.3f px, corrected %.3f px on matches that the fit has not seen",
                          result.error_before, result.error_after);

@@ -47,8 +47,8 @@ public:
     int frames() const { return static_cast<int>(frames_.size()); }
     int matches() const;
 
-    /// What all frames say together.
-    SelfCalibrationResult solve() const;
+    /// What all frames say together. A correction is accepted only when it is better than what is `in_use` as well.
+    SelfCalibrationResult solve(const capture::CalibrationCorrection& in_use = {}) const;
 
     void clear() { frames_.clear(); }
 

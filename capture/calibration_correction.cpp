@@ -7,6 +7,14 @@
 
 namespace disparityd::capture {
 
+bool is_plausible(const CalibrationCorrection& correction) {
+    constexpr std::int32_t most_turn = 52'359'878;
+    constexpr std::int32_t most_focal = 30'000'000;
+    const auto within = [](std::int32_t value, std::int32_t most) { return value >= -most && value <= most; };
+    return within(correction.pitch_nrad, most_turn) && within(correction.yaw_nrad, most_turn) &&
+           within(correction.roll_nrad, most_turn) && within(correction.focal_ppb, most_focal);
+}
+
 StereoCalibration corrected(const StereoCalibration& calibration, const CalibrationCorrection& correction) {
     if (!correction.any()) {
         return calibration;

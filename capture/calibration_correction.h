@@ -20,6 +20,10 @@ struct CalibrationCorrection {
     bool operator==(const CalibrationCorrection&) const = default;
 };
 
+/// Whether two cameras can have moved so much: at most 3 degrees about each axis and 3 % of the focal length. Files may
+/// say anything.
+bool is_plausible(const CalibrationCorrection& correction);
+
 /// The calibration with R' = exp(pitch, yaw, roll) R, T as it was, and right fx, fy times 1 + focal. `calibration` is
 /// of raw cameras (not `rectified`).
 StereoCalibration corrected(const StereoCalibration& calibration, const CalibrationCorrection& correction);

@@ -104,6 +104,18 @@ TEST(SelfCalibration, CorrectsWhatIsCorrectedAlready) {
     EXPECT_GT(result.error_before, 1);  // of the factory's, not of what is in use
 }
 
+TEST(SelfCalibration, WhatIsInUseStaysUnlessItGetsBetter) {
+    const capture::StereoCalibration factory = before({0.4, 0, -0.2});
+    SelfCalibration calibration(factory);
+    const test::Pair pair = test::rectified(scene().frame(0), factory);
+    calibration.add(pair.left.plane(), pair.right.plane(), pair.used, {}, range);
+    const SelfCalibrationResult first = calibration.solve();
+    ASSERT_TRUE(first.accepted) << first.reason;
+    const SelfCalibrationResult second = calibration.solve(first.correction);
+    EXPECT_FALSE(second.accepted);
+    EXPECT_THAT(second.reason, HasSubstr("in use"));
+}
+
 TEST(SelfCalibration, SameFramesSameResult) {
     const capture::StereoCalibration factory = before({0.2, 0, 0.1});
     const SelfCalibrationResult first = estimate(factory, 2);
