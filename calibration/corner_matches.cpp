@@ -118,7 +118,7 @@ private:
 }  // namespace
 
 std::vector<CornerMatch> match_corners(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
-                                       DisparityRange range, int rows) {
+                                       DisparityRange range, int rows, const std::atomic<bool>* give_up) {
     constexpr int squares_per_width = 40;
     constexpr int least_square = 12;
     const int square = std::max(least_square, left.width / squares_per_width);
@@ -126,6 +126,9 @@ std::vector<CornerMatch> match_corners(Plane<const std::uint8_t> left, Plane<con
     PatchSearch to_left(right, left);
     std::vector<CornerMatch> matches;
     for (const Pixel corner : find_corners(left, square, patch_radius + 1)) {
+        if (give_up != nullptr && give_up->load(std::memory_order_relaxed)) {
+            break;
+        }
         const int last_d = range.first + range.count - 1;
         const int up = std::min(rows, corner.y - patch_radius);
         const int down = std::min(rows, left.height - 1 - patch_radius - corner.y);

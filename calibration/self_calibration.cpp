@@ -86,13 +86,13 @@ SelfCalibration::SelfCalibration(capture::StereoCalibration factory) : factory_(
 
 void SelfCalibration::add(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
                           const capture::Rectification& used, const capture::CalibrationCorrection& already,
-                          DisparityRange range) {
+                          DisparityRange range, const std::atomic<bool>* give_up) {
     f_ = used.f;
     half_width_ = 0.5 * used.width;
     const int rows = std::max(4, static_cast<int>(std::lround(rows_of_focal_length * used.f)));
     const double grown = 1 + already.focal_ppb * 1e-9;
     std::vector<RayPair> pairs;
-    for (const CornerMatch& match : match_corners(left, right, range, rows)) {
+    for (const CornerMatch& match : match_corners(left, right, range, rows, give_up)) {
         const cv::Vec2d from_left =
             direction(used.left_rotation, (match.left_x - used.cx) / f_, (match.left_y - used.cy) / f_);
         const cv::Vec2d from_right =

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,9 +41,11 @@ public:
     explicit SelfCalibration(capture::StereoCalibration factory);
 
     /// Takes the matches of one more frame: a pair that `used` has rectified, with the calibration that `already`
-    /// corrects. `range`: the disparities that are looked at. Keeps nothing of the images.
+    /// corrects. `range`: the disparities that are looked at. Keeps nothing of the images. `give_up` as for
+    /// match_corners().
     void add(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, const capture::Rectification& used,
-             const capture::CalibrationCorrection& already, DisparityRange range);
+             const capture::CalibrationCorrection& already, DisparityRange range,
+             const std::atomic<bool>* give_up = nullptr);
 
     int frames() const { return static_cast<int>(frames_.size()); }
     int matches() const;

@@ -8,6 +8,8 @@
 #include <opencv2/calib3d.hpp>
 
 #include "capture/scene_camera.h"
+#include "image_fixture.h"
+#include "record_fixture.h"
 
 namespace disparityd::capture {
 namespace {
@@ -52,6 +54,17 @@ TEST(Correction, OfMoreThanThreeDegreesIsNone) {
     EXPECT_FALSE(is_plausible({0, std::numeric_limits<std::int32_t>::min(), 0, 0}));
     EXPECT_FALSE(is_plausible({0, 0, -53'000'000, 0}));
     EXPECT_FALSE(is_plausible({0, 0, 0, 31'000'000}));
+}
+
+TEST(Calibration, ComesBackFromYamlAsItWas) {
+    const test::TemporaryFolder folder;
+    StereoCalibration written = corrected(scene_calibration(672, 376), other);
+    written.left.distortion[4] = 1e-17 / 3;
+    test::write_file(folder.file("c.yml"), to_opencv_yaml(written));
+    const StereoCalibration read = read_calibration(folder.file("c.yml"), 672, 376);
+    written.origin = read.origin;
+    EXPECT_EQ(to_text(read), to_text(written));
+    EXPECT_THROW(read_calibration(folder.file("c.yml"), 640, 480), std::invalid_argument);
 }
 
 TEST(RectificationBook, AppliesFromTheNextFrameOn) {
