@@ -34,6 +34,10 @@ struct StereoCalibration {
 /// Throws std::invalid_argument with one line: file, key, what was found, what is allowed.
 StereoCalibration read_calibration(const std::string& path, int width, int height);
 
+/// The calibration of two raw cameras as OpenCV's YAML (M1 D1 M2 D2 R T, T in mm), which read_calibration() and OpenCV
+/// read; numbers come back as they were. The same calibration gives the same text.
+std::string to_opencv_yaml(const StereoCalibration& calibration);
+
 /// The calibration as text and back, without loss: what travels in a recording.
 std::string to_text(const StereoCalibration& calibration);
 StereoCalibration calibration_from_text(const std::string& text, const std::string& origin);

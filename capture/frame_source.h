@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "capture/calibration.h"
+#include "capture/calibration_correction.h"
 #include "kernels/raw_image.h"
 
 namespace disparityd::capture {
@@ -31,6 +32,8 @@ struct RawFrame {
     std::uint32_t flags = 0;           ///< FrameFlag bits
     std::uint32_t dropped_before = 0;  ///< frames known to be lost between the previous one and this
     int loan = -1;                     ///< the source's own number for the buffer
+    /// What the calibration was corrected by when this frame was rectified; of a source, what a recording says.
+    CalibrationCorrection correction;
 };
 
 /// What a source delivers. Constant from open to close.
@@ -45,6 +48,7 @@ struct SourceInfo {
     std::optional<std::uint64_t> frame_count;  ///< when known beforehand
     /// Empty: unknown; the frames can only be used unrectified.
     std::optional<StereoCalibration> calibration;
+    std::string serial;  ///< of the camera; empty = unknown
 };
 
 /// Where frames come from. One thread calls next(); give_back() and interrupt() may come from any thread.

@@ -10,6 +10,7 @@ namespace disparityd::capture::recording {
 namespace {
 
 constexpr std::array<std::uint8_t, 8> block_add_id{0, 0, 0, 0, 0, 0, 0, 1};
+constexpr std::size_t facts_without_correction = 48;
 constexpr std::array<std::uint8_t, 8> magic{'d', 'i', 's', 'p', 'f', 'r', 'm', '1'};
 
 constexpr std::array<std::pair<PixelFormat, std::string_view>, 3> pixel_format_names{{
@@ -51,11 +52,18 @@ void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> byte
     put_little_endian(&bytes[32], static_cast<std::uint64_t>(facts.realtime_ns), 8);
     put_little_endian(&bytes[40], facts.flags, 4);
     put_little_endian(&bytes[44], facts.dropped_before, 4);
+    const CalibrationCorrection& correction = facts.correction;
+    std::uint8_t* to = &bytes[facts_without_correction];
+    for (const std::int32_t value :
+         {correction.pitch_nrad, correction.yaw_nrad, correction.roll_nrad, correction.focal_ppb}) {
+        put_little_endian(to, static_cast<std::uint32_t>(value), 4);
+        to += 4;
+    }
 }
 
 std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes) {
-    // Later versions may add to the end.
-    if (bytes.size() < facts_size || !std::equal(magic.begin(), magic.end(), bytes.begin() + 8)) {
+    // Later versions may add to the end, and the first one had no correction.
+    if (bytes.size() < facts_without_correction || !std::equal(magic.begin(), magic.end(), bytes.begin() + 8)) {
         return std::nullopt;
     }
     FrameFacts facts;
@@ -64,6 +72,12 @@ std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes) {
     facts.realtime_ns = static_cast<std::int64_t>(get_little_endian(&bytes[32], 8));
     facts.flags = static_cast<std::uint32_t>(get_little_endian(&bytes[40], 4));
     facts.dropped_before = static_cast<std::uint32_t>(get_little_endian(&bytes[44], 4));
+    if (bytes.size() >= facts_size) {
+        const auto number = [&bytes](std::size_t index) {
+            return static_cast<std::int32_t>(get_little_endian(&bytes[facts_without_correction + 4 * index], 4));
+        };
+        facts.correction = {number(0), number(1), number(2), number(3)};
+    }
     return facts;
 }
 

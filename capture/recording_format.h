@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "capture/calibration_correction.h"
 #include "kernels/raw_image.h"
 
 /// What docs/recordings.md defines: the names and encodings that writer and reader share.
@@ -44,10 +45,11 @@ struct FrameFacts {
     std::int64_t realtime_ns = 0;
     std::uint32_t flags = 0;
     std::uint32_t dropped_before = 0;
+    CalibrationCorrection correction;
 };
 
 /// FFmpeg's packet side data: Matroska's BlockAddID (big endian, 1), then the block addition itself.
-inline constexpr std::size_t facts_size = 8 + 40;
+inline constexpr std::size_t facts_size = 8 + 56;
 void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> bytes);
 std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes);
 

@@ -201,6 +201,7 @@ private:
         frame.realtime_ns = buffer.facts.realtime_ns;
         frame.flags = buffer.facts.flags;
         frame.dropped_before = buffer.facts.dropped_before;
+        frame.correction = buffer.facts.correction;
         frame.loan = static_cast<int>(number);
     }
 

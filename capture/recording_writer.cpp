@@ -274,7 +274,8 @@ private:
         packet_->pts = packet_->dts = frame_->pts;
         std::uint8_t* side = or_bad_alloc(
             av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, recording::facts_size));
-        recording::put_facts({frame.sequence, frame.monotonic_ns, frame.realtime_ns, frame.flags, frame.dropped_before},
+        recording::put_facts({frame.sequence, frame.monotonic_ns, frame.realtime_ns, frame.flags, frame.dropped_before,
+                              frame.correction},
                              std::span<std::uint8_t, recording::facts_size>(side, recording::facts_size));
     }
 

@@ -92,6 +92,7 @@ void rectify_raw(Rectification& result, const StereoCalibration& calibration, co
     use_projection(result, f, left_projection.at<double>(0, 2), left_projection.at<double>(1, 2), geometry);
     result.baseline_mm = -shift / f;
     std::copy_n(left_turn.ptr<double>(), 9, result.left_rotation.begin());
+    std::copy_n(right_turn.ptr<double>(), 9, result.right_rotation.begin());
     result.left = make_maps(left, left_distortion, left_turn, left_projection, geometry);
     result.right = make_maps(right, right_distortion, right_turn, right_projection, geometry);
 }

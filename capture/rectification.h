@@ -35,8 +35,9 @@ public:
     double baseline_mm = 0;            ///< 0 = unknown
     double disparity_offset = 0;       ///< px, added to a disparity before depth = f B / d
     std::uint64_t calibration_id = 0;  ///< hash of maps and geometry; the same bytes, the same id
-    /// Row-major, from the captured left camera's axes to the rectified one's (OpenCV's R1); identity without maps.
+    /// Row-major, from the captured camera's axes to the rectified one's (OpenCV's R1, R2); identity without maps.
     std::array<double, 9> left_rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};
+    std::array<double, 9> right_rotation{1, 0, 0, 0, 1, 0, 0, 0, 1};
     bool unrectified = false;  ///< no calibration was known: pixels are as captured
 
     /// Views into this object; valid while it lives.

@@ -36,6 +36,8 @@ std::optional<CommandLine> read_command_line(int argc, const char* const* argv) 
     std::string source;
     std::string name;
     std::vector<std::string> settings;
+    bool self_calibrate = false;
+    bool no_self_calibration = false;
     app.add_option("--config", line.daemon.config_path,
                    std::string("Configuration file (default: ") + DISPARITYD_CONFIG_FILE + " if there is one)")
         ->type_name("FILE");
@@ -46,6 +48,9 @@ std::optional<CommandLine> read_command_line(int argc, const char* const* argv) 
         ->expected(1)
         ->take_all()
         ->allow_extra_args(false);
+    app.add_flag("--self-calibrate", self_calibrate,
+                 "Estimate corrections of the calibration from recordings too, instead of applying what they say");
+    app.add_flag("--no-self-calibration", no_self_calibration, "Use the calibration as it is");
     app.add_flag("--check", line.check, "Say whether the configuration is valid, and exit with 0 or 2");
     app.add_flag("--exit-at-end", line.daemon.exit_at_end, "Stop when the source has ended");
     app.add_flag("--print-address", line.daemon.print_address,
@@ -71,6 +76,12 @@ std::optional<CommandLine> read_command_line(int argc, const char* const* argv) 
     }
     if (app.count("--name") > 0) {
         line.daemon.overrides.push_back({"shared_memory", "name", name, "--name " + name});
+    }
+    if (self_calibrate) {
+        line.daemon.overrides.push_back({"self_calibration", "replays", "true", "--self-calibrate"});
+    }
+    if (no_self_calibration) {
+        line.daemon.overrides.push_back({"self_calibration", "enabled", "false", "--no-self-calibration"});
     }
     return line;
 }

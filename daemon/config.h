@@ -64,6 +64,13 @@ struct Config {
         bool enabled = true;
         std::string directory;  ///< empty = see resolved_record_directory()
     } record;
+
+    struct SelfCalibration {
+        bool enabled = true;
+        bool replays = false;
+        int interval_s = 10;
+        std::string directory;  ///< empty = see resolved_correction_directory()
+    } self_calibration;
 };
 
 /// A value from the command line; `origin` is what the user typed, for messages.
@@ -92,5 +99,8 @@ std::string resolved_unix_path(const Config& config);
 
 /// Where clients may record: the configured folder, $STATE_DIRECTORY, or the working directory.
 std::string resolved_record_directory(const Config& config);
+
+/// Where corrections of calibrations are kept: the configured folder, else $STATE_DIRECTORY; empty: nowhere.
+std::string resolved_correction_directory(const Config& config);
 
 }  // namespace disparityd

@@ -226,6 +226,10 @@ void add_output_keys(std::vector<ConfigKey>& keys) {
         FIELD(log.target)));
     keys.push_back(bool_key("record", "enabled", FIELD(record.enabled)));
     keys.push_back(text_key("record", "directory", "a folder, or \"\"", FIELD(record.directory)));
+    keys.push_back(bool_key("self_calibration", "enabled", FIELD(self_calibration.enabled)));
+    keys.push_back(bool_key("self_calibration", "replays", FIELD(self_calibration.replays)));
+    keys.push_back(range_key("self_calibration", "interval_s", 0, 86400, FIELD(self_calibration.interval_s)));
+    keys.push_back(text_key("self_calibration", "directory", "a folder, or \"\"", FIELD(self_calibration.directory)));
 }
 
 #undef FIELD

@@ -41,4 +41,9 @@ std::string resolved_record_directory(const Config& config) {
     return state.empty() ? std::filesystem::current_path().string() : state;
 }
 
+std::string resolved_correction_directory(const Config& config) {
+    const std::string& directory = config.self_calibration.directory;
+    return directory.empty() ? first_folder("STATE_DIRECTORY") : directory;
+}
+
 }  // namespace disparityd

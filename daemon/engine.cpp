@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "calibration/calibrating_schedule.h"
+#include "calibration/correction_file.h"
 #include "daemon/huge_pages.h"
 
 namespace disparityd {
@@ -39,15 +41,34 @@ std::uint32_t to_u32(int value) {
     return static_cast<std::uint32_t>(value);
 }
 
-StreamLayout make_layout(const Config& config, const capture::Rectification& rectification) {
-    StreamLayout layout;
-    proto::ShmFrame& geometry = layout.geometry;
+/// Corrections that live sources get in the background, replays from the recording or, when asked for, at fixed frames.
+std::unique_ptr<capture::RectificationSchedule> make_schedule(const Config& config, const capture::SourceInfo& source) {
+    using Follow = capture::RectificationBook::Follow;
+    const capture::RectifiedGeometry& geometry = config.rectify.geometry;
+    const Config::SelfCalibration& wanted = config.self_calibration;
+    if (wanted.enabled && wanted.replays && !source.live && source.calibration && !source.calibration->rectified) {
+        return std::make_unique<calibration::CalibratingSchedule>(source, geometry, config.match.options.range,
+                                                                  calibration::CalibratingSchedule::Plan{});
+    }
+    const bool recorded = wanted.enabled && !source.live;
+    return std::make_unique<capture::RectificationBook>(source, geometry,
+                                                        recorded ? Follow::recorded : Follow::applied);
+}
+
+/// The part of the geometry that a correction changes.
+void put_geometry(proto::ShmFrame& geometry, const capture::Rectification& rectification) {
     geometry.calibration_id = rectification.calibration_id;
     geometry.f = rectification.f;
     geometry.cx = rectification.cx;
     geometry.cy = rectification.cy;
     geometry.baseline_mm = rectification.baseline_mm;
     geometry.disparity_offset = rectification.disparity_offset;
+}
+
+StreamLayout make_layout(const Config& config, const capture::Rectification& rectification) {
+    StreamLayout layout;
+    proto::ShmFrame& geometry = layout.geometry;
+    put_geometry(geometry, rectification);
     geometry.d_min = config.match.options.range.first;
     geometry.disparities = to_u32(config.match.options.range.count);
     geometry.invalid = invalid_disparity(config.match.options.range);
@@ -93,13 +114,14 @@ Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product produ
 Engine::Engine(const Config& config, std::function<void(int, int)> progress)
     : config_(config),
       source_(open_source(config, std::move(progress))),
-      rectification_(capture::make_rectification(source_->info().calibration, source_->info().eye_width,
-                                                 source_->info().height, config.rectify.geometry)),
+      rectifications_(make_schedule(config, source_->info())),
+      book_(dynamic_cast<capture::RectificationBook*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
-      layout_(make_layout(config, rectification_)) {
-    matcher_ = make_matcher(config.match.backend, matcher_config(config, rectification_));
+      layout_(make_layout(config, rectifications_->factory())),
+      geometry_(layout_.geometry) {
+    matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
 }
 
 Engine::~Engine() {
@@ -107,11 +129,12 @@ Engine::~Engine() {
 }
 
 void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index) {
+    make_self_calibrator();
     sink_ = std::move(sink);
     next_index_ = first_index;
     note_activity();
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline_config(config_, source().live), *source_, *matcher_, workers_, rectification_,
+        pipeline_config(config_, source().live), *source_, *matcher_, workers_, *rectifications_,
         [this](const pipeline::FrameSlot& slot) { publish(slot); },
         [this, raw = std::move(raw)](const capture::RawFrame& frame) {
             note_activity();
@@ -126,6 +149,19 @@ void Engine::stop() {
     }
 }
 
+void Engine::make_self_calibrator() {
+    const capture::SourceInfo& info = source();
+    const Config::SelfCalibration& wanted = config_.self_calibration;
+    if (!wanted.enabled || !info.live || !info.calibration || info.calibration->rectified) {
+        return;
+    }
+    const std::string folder = resolved_correction_directory(config_);
+    self_calibrator_ = std::make_unique<SelfCalibrator>(
+        info, *book_, config_.match.options.range,
+        SelfCalibrator::Settings{std::chrono::seconds(wanted.interval_s),
+                                 folder.empty() ? "" : calibration::correction_path(folder, info)});
+}
+
 void Engine::note_activity() {
     last_activity_ns_.store(steady_clock::now().time_since_epoch().count(), std::memory_order_relaxed);
 }
@@ -137,7 +173,8 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     // A camera stamps its frames with our clock; a recording's times are those of another day.
     frame.captured =
         source().live ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns)) : slot.captured;
-    frame.info = layout_.geometry;
+    note_rectification(*slot.rectification);
+    frame.info = geometry_;
     frame.info.publish_index = next_index_++;
     frame.info.sequence = slot.raw.sequence;
     frame.info.monotonic_ns = slot.raw.monotonic_ns;
@@ -145,7 +182,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.info.age_ns = (frame.published - frame.captured).count();
     frame.info.dropped_before = slot.dropped_before;
     std::uint32_t flags = v1::FLAG_NONE;
-    flags |= rectification_.unrectified ? static_cast<std::uint32_t>(v1::UNRECTIFIED) : 0U;
+    flags |= slot.rectification->unrectified ? static_cast<std::uint32_t>(v1::UNRECTIFIED) : 0U;
     flags |= config_.match.options.post.interpolate ? static_cast<std::uint32_t>(v1::INTERPOLATED) : 0U;
     flags |= slot.dropped_before > 0 ? static_cast<std::uint32_t>(v1::DROPPED_BEFORE) : 0U;
     if (first_frame_ || (slot.raw.flags & capture::frame_flag_discontinuity) != 0) {
@@ -157,6 +194,17 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         frame.planes[i] = product_plane(slot.view, layout_.products[i]);
     }
     sink_(frame);
+    if (self_calibrator_) {
+        self_calibrator_->offer(slot);
+    }
+}
+
+/// Only this thread writes geometry_: it may read it without the lock.
+void Engine::note_rectification(const capture::Rectification& used) {
+    if (used.calibration_id != geometry_.calibration_id) {
+        const std::lock_guard lock(mutex_);
+        put_geometry(geometry_, used);
+    }
 }
 
 const char* name(Engine::State state) {
@@ -199,7 +247,11 @@ void Engine::fill(v1::Status& status) const {
     for (const std::string& notice : notices()) {
         status.add_notices(notice);
     }
-    *status.mutable_geometry() = to_message(layout_.geometry);
+    {
+        const std::lock_guard lock(mutex_);
+        *status.mutable_geometry() = to_message(geometry_);
+    }
+    fill_self_calibration(status);
     if (!pipeline_) {
         return;
     }
@@ -226,13 +278,22 @@ void Engine::fill(v1::Status& status) const {
     }
 }
 
+void Engine::fill_self_calibration(v1::Status& status) const {
+    if (self_calibrator_) {
+        self_calibrator_->fill(*status.mutable_self_calibration());
+    } else if (book_ != nullptr && book_->state().correction.any()) {
+        disparityd::fill(*status.mutable_self_calibration(), book_->state());
+        status.mutable_self_calibration()->set_detail("as recorded");
+    }
+}
+
 std::vector<std::string> Engine::notices() const {
     std::vector<std::string> notices;
     const auto placement = workers_.placement();
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
     }
-    const std::lock_guard lock(memory_mutex_);
+    const std::lock_guard lock(mutex_);
     if (!memory_notice_.empty()) {
         notices.push_back(memory_notice_);
     }
@@ -244,7 +305,7 @@ bool Engine::check_memory() {
         return false;
     }
     memory_checked_ = true;
-    const std::lock_guard lock(memory_mutex_);
+    const std::lock_guard lock(mutex_);
     memory_notice_ = huge_page_notice(huge_pages());
     return !memory_notice_.empty();
 }

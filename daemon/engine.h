@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
+#include "capture/rectification_schedule.h"
 #include "daemon/config.h"
 #include "daemon/published_frame.h"
+#include "daemon/self_calibrator.h"
 #include "kernels/matcher.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/worker_pool.h"
@@ -70,22 +71,28 @@ public:
 private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
+    void make_self_calibrator();
+    void note_rectification(const capture::Rectification& used);
+    void fill_self_calibration(v1::Status& status) const;
     void note_activity();
 
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
-    capture::Rectification rectification_;
+    std::unique_ptr<capture::RectificationSchedule> rectifications_;
+    capture::RectificationBook* book_ = nullptr;  ///< the same, where it is one
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     pipeline::WorkerPool workers_;
     StreamLayout layout_;
+    std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< none where there is nothing to estimate
     Sink sink_;
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
     bool first_frame_ = true;
     std::atomic<std::int64_t> last_activity_ns_{0};
     bool memory_checked_ = false;  ///< of the thread that calls check_memory()
-    mutable std::mutex memory_mutex_;
-    std::string memory_notice_;                     ///< under the lock
+    mutable std::mutex mutex_;     ///< the two below
+    std::string memory_notice_;
+    proto::ShmFrame geometry_{};                    ///< of the newest frame; written by the publish thread
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 

@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "capture/rectification.h"
 #include "kernels/matcher.h"
 #include "pipeline/aligned_buffer.h"
 
@@ -23,7 +25,9 @@ public:
 
     FrameSlot(const Matcher& matcher, Products products, std::size_t steps);
 
-    capture::RawFrame raw;             ///< its pixels are on loan from the source until rectification has read them
+    capture::RawFrame raw;  ///< its pixels are on loan from the source until rectification has read them
+    std::shared_ptr<const capture::Rectification> rectification;  ///< what the frame is rectified with
+    Rectifier rectifier;                                          ///< views of it
     FrameView view;                    ///< the planes of this slot, as the matcher and the sinks see them
     std::uint64_t dropped_before = 0;  ///< frames lost by source or pipeline since the one published before
 

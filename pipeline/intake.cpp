@@ -10,19 +10,20 @@ namespace disparityd::pipeline {
 using std::chrono::steady_clock;
 
 Intake::Intake(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-               Pipeline::RawTap raw_tap)
+               capture::RectificationSchedule& rectifications, Pipeline::RawTap raw_tap)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
       first_stage_(first_stage),
+      rectifications_(rectifications),
       raw_tap_(std::move(raw_tap)) {}
 
 void Intake::run(Pulse& pulse, Histogram& time, const std::atomic<bool>& stopping) {
     bool ended = false;
     while (!ended && !stopping.load(std::memory_order_relaxed)) {
-        capture::RawFrame frame;
+        Taken taken;
         pulse.beat();
-        const Got got = next_frame(frame, steady_clock::now() + pulse_interval);
+        const Got got = next_frame(taken, steady_clock::now() + pulse_interval);
         if (got == Got::end) {
             return;
         }
@@ -31,20 +32,21 @@ void Intake::run(Pulse& pulse, Histogram& time, const std::atomic<bool>& stoppin
         }
         const auto start = steady_clock::now();
         FrameSlot* slot =
-            policy_ == Policy::live ? slot_for_newest(frame, pulse, stopping, ended) : slot_for_replay(pulse, stopping);
+            policy_ == Policy::live ? slot_for_newest(taken, pulse, stopping, ended) : slot_for_replay(pulse, stopping);
         if (slot == nullptr) {
-            source_.give_back(frame);
+            source_.give_back(taken.frame);
             return;
         }
         const auto waited = policy_ == Policy::live ? steady_clock::duration::zero() : steady_clock::now() - start;
         slot->captured = start;
         slot->step_times[0] = steady_clock::now() - start - waited;
         time.record(slot->step_times[0]);
-        hand_on(slot, frame);
+        hand_on(slot, std::move(taken));
     }
 }
 
-Intake::Got Intake::next_frame(capture::RawFrame& frame, steady_clock::time_point deadline) {
+Intake::Got Intake::next_frame(Taken& taken, steady_clock::time_point deadline) {
+    capture::RawFrame& frame = taken.frame;
     switch (source_.next(frame, deadline)) {
         case capture::FrameSource::Next::timeout: return Got::nothing;
         case capture::FrameSource::Next::end:
@@ -54,6 +56,7 @@ Intake::Got Intake::next_frame(capture::RawFrame& frame, steady_clock::time_poin
     counters_.captured.fetch_add(1, std::memory_order_relaxed);
     counters_.lost_before.fetch_add(frame.dropped_before, std::memory_order_relaxed);
     lost_ += frame.dropped_before;
+    taken.rectification = rectifications_.for_frame(frame);
     if (raw_tap_) {
         raw_tap_(frame);
     }
@@ -79,8 +82,7 @@ FrameSlot* Intake::slot_for_replay(Pulse& pulse, const std::atomic<bool>& stoppi
 }
 
 // A slot for the frame at hand, or for a newer one that came while every slot was busy.
-FrameSlot* Intake::slot_for_newest(capture::RawFrame& frame, Pulse& pulse, const std::atomic<bool>& stopping,
-                                   bool& ended) {
+FrameSlot* Intake::slot_for_newest(Taken& taken, Pulse& pulse, const std::atomic<bool>& stopping, bool& ended) {
     using namespace std::chrono_literals;
     FrameSlot* slot = nullptr;
     for (;;) {
@@ -108,11 +110,11 @@ FrameSlot* Intake::slot_for_newest(capture::RawFrame& frame, Pulse& pulse, const
             }
             continue;
         }
-        capture::RawFrame newer;
+        Taken newer;
         const Got got = next_frame(newer, steady_clock::now() + 1ms);
         if (got == Got::frame) {
-            drop(frame);
-            frame = newer;
+            drop(taken.frame);
+            taken = std::move(newer);
         }
         ended = got == Got::end;
     }
@@ -124,9 +126,14 @@ void Intake::drop(const capture::RawFrame& frame) {
     ++lost_;
 }
 
-void Intake::hand_on(FrameSlot* slot, const capture::RawFrame& frame) {
-    slot->raw = frame;
-    slot->view.raw = frame.image;
+void Intake::hand_on(FrameSlot* slot, Taken&& taken) {
+    slot->raw = taken.frame;
+    slot->view.raw = taken.frame.image;
+    if (slot->rectification != taken.rectification) {
+        slot->rectification = std::move(taken.rectification);
+        slot->rectifier = slot->rectification->rectifier();
+        slot->view.depth_scale = slot->rectification->depth_scale();
+    }
     slot->dropped_before = lost_;
     lost_ = 0;
     first_stage_.put(slot);

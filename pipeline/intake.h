@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 
 #include "capture/frame_source.h"
+#include "capture/rectification_schedule.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/stage_queue.h"
 
@@ -22,7 +24,7 @@ public:
     };
 
     Intake(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-           Pipeline::RawTap raw_tap);
+           capture::RectificationSchedule& rectifications, Pipeline::RawTap raw_tap);
 
     /// Until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Pulse& pulse, Histogram& time, const std::atomic<bool>& stopping);
@@ -32,16 +34,23 @@ public:
 private:
     enum class Got { frame, nothing, end };
 
-    Got next_frame(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline);
+    /// A frame and what it will be rectified with.
+    struct Taken {
+        capture::RawFrame frame;
+        std::shared_ptr<const capture::Rectification> rectification;
+    };
+
+    Got next_frame(Taken& taken, std::chrono::steady_clock::time_point deadline);
     FrameSlot* slot_for_replay(Pulse& pulse, const std::atomic<bool>& stopping);
-    FrameSlot* slot_for_newest(capture::RawFrame& frame, Pulse& pulse, const std::atomic<bool>& stopping, bool& ended);
+    FrameSlot* slot_for_newest(Taken& taken, Pulse& pulse, const std::atomic<bool>& stopping, bool& ended);
     void drop(const capture::RawFrame& frame);
-    void hand_on(FrameSlot* slot, const capture::RawFrame& frame);
+    void hand_on(FrameSlot* slot, Taken&& taken);
 
     Policy policy_;
     capture::FrameSource& source_;
     FreeSlots& free_slots_;
     StageQueue& first_stage_;
+    capture::RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
     Counters counters_;
     std::uint64_t lost_ = 0;  ///< frames lost since the last one that was handed on

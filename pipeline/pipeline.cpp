@@ -38,17 +38,17 @@ int steps_of(const Matcher& matcher) {
 class Pipeline::Impl {
 public:
     Impl(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
-         const capture::Rectification& rectification, Sink sink, RawTap raw_tap)
-        : source_(source),
+         std::unique_ptr<capture::RectificationSchedule> own, capture::RectificationSchedule& rectifications, Sink sink,
+         RawTap raw_tap)
+        : own_rectifications_(std::move(own)),
+          source_(source),
           matcher_(matcher),
           workers_(workers),
-          rectifier_(rectification.rectifier()),
-          depth_scale_(rectification.depth_scale()),
           sink_(std::move(sink)),
           times_(static_cast<std::size_t>(steps_of(matcher)) + 3),
           pulses_(matcher.stages().size() + 2),
           free_slots_(static_cast<std::size_t>(config.slots)) {
-        check(config, rectification);
+        check(config, rectifications.factory());
         step_names_.emplace_back("capture");
         for (const StageInfo& stage : matcher.stages()) {
             first_step_.push_back(step_names_.size());
@@ -62,11 +62,11 @@ public:
         for (int i = 0; i < config.slots; ++i) {
             slots_.push_back(std::make_unique<FrameSlot>(matcher, FrameSlot::Products{config.depth, config.left_colour},
                                                          step_names_.size()));
-            slots_.back()->view.rectifier = &rectifier_;
-            slots_.back()->view.depth_scale = depth_scale_;
+            slots_.back()->view.rectifier = &slots_.back()->rectifier;
             free_slots_.put_back(slots_.back().get());
         }
-        intake_ = std::make_unique<Intake>(config.policy, source, free_slots_, *queues_[0], std::move(raw_tap));
+        intake_ = std::make_unique<Intake>(config.policy, source, free_slots_, *queues_[0], rectifications,
+                                           std::move(raw_tap));
     }
 
     ~Impl() { stop(); }
@@ -250,11 +250,10 @@ private:
         times_[step_names_.size() + 1].record(end - slot.captured);
     }
 
+    const std::unique_ptr<capture::RectificationSchedule> own_rectifications_;  // where the caller has one only
     capture::FrameSource& source_;
     Matcher& matcher_;
     WorkerPool& workers_;
-    const Rectifier rectifier_;
-    const DepthScale depth_scale_;
     const Sink sink_;
 
     std::vector<std::string> step_names_;
@@ -280,7 +279,16 @@ private:
 
 Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
                    const capture::Rectification& rectification, Sink sink, RawTap raw_tap)
-    : impl_(std::make_unique<Impl>(config, source, matcher, workers, rectification, std::move(sink),
+    : impl_([&] {
+          auto fixed = std::make_unique<capture::FixedRectification>(rectification);
+          capture::RectificationSchedule& schedule = *fixed;
+          return std::make_unique<Impl>(config, source, matcher, workers, std::move(fixed), schedule, std::move(sink),
+                                        std::move(raw_tap));
+      }()) {}
+
+Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
+                   capture::RectificationSchedule& rectifications, Sink sink, RawTap raw_tap)
+    : impl_(std::make_unique<Impl>(config, source, matcher, workers, nullptr, rectifications, std::move(sink),
                                    std::move(raw_tap))) {}
 
 Pipeline::~Pipeline() = default;

@@ -13,6 +13,7 @@
 
 #include "capture/frame_source.h"
 #include "capture/rectification.h"
+#include "capture/rectification_schedule.h"
 #include "kernels/matcher.h"
 #include "pipeline/frame_slot.h"
 #include "pipeline/histogram.h"
@@ -51,7 +52,7 @@ struct PipelineStatus {
 
 /// Frames from a source through a matcher to a sink: one thread per stage, a lock-free queue in front of each.
 ///
-/// Owns its threads and slots; borrows source, matcher, workers and rectification, which must outlive it. start(),
+/// Owns its threads and slots; borrows source, matcher, workers and rectifications, which must outlive it. start(),
 /// stop() and the destructor are called by one thread; the sink is called by the publish thread, one frame at a time
 /// in order of capture. An exception of the source, a stage or the sink ends the pipeline: status().error says why.
 class Pipeline {
@@ -63,6 +64,9 @@ public:
 
     Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
              const capture::Rectification& rectification, Sink sink, RawTap raw_tap = {});
+    /// The same where the rectification may change from one frame to the next.
+    Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
+             capture::RectificationSchedule& rectifications, Sink sink, RawTap raw_tap = {});
     ~Pipeline();
     Pipeline(const Pipeline&) = delete;
     Pipeline& operator=(const Pipeline&) = delete;

@@ -73,6 +73,8 @@ OwnedFrame make_frame(const SourceInfo& info, int number) {
     made.frame.realtime_ns = 1'790'000'000'123'456'789 + static_cast<std::int64_t>(number) * 33'366'699;
     made.frame.flags = number % 3 == 1 ? 0x8000'0000U | frame_flag_corrupt : 0;
     made.frame.dropped_before = number == 0 ? 0 : 2;
+    made.frame.correction =
+        number < 2 ? CalibrationCorrection{} : CalibrationCorrection{number, -2'147'483'647, 1 << 30, -1};
     return made;
 }
 
@@ -90,6 +92,7 @@ SeenFrame seen(const RawFrame& frame) {
     seen.realtime_ns = frame.realtime_ns;
     seen.flags = frame.flags;
     seen.dropped_before = frame.dropped_before;
+    seen.correction = frame.correction;
     return seen;
 }
 

@@ -43,6 +43,7 @@ struct SeenFrame {
     std::int64_t realtime_ns = 0;
     std::uint32_t flags = 0;
     std::uint32_t dropped_before = 0;
+    CalibrationCorrection correction;
 
     bool operator==(const SeenFrame&) const = default;
 };

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <limits>
+#include <span>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/recording_format.h"
 #include "capture/recording_writer.h"
 #include "record_fixture.h"
 
@@ -88,11 +91,28 @@ TEST(Record, ARecordingOfARecordingIsTheSame) {
             raw.realtime_ns = frame.realtime_ns;
             raw.flags = frame.flags;
             raw.dropped_before = frame.dropped_before;
+            raw.correction = frame.correction;
             writer.write(raw);
         }
         writer.close();
     }
     EXPECT_TRUE(replay(folder.file("2.mkv")).frames == first.frames);
+}
+
+// What an older version has written ends before the correction.
+TEST(Record, FactsWithoutACorrectionAreRead) {
+    recording::FrameFacts facts{7, -8, 9, 10, 11, {1, -2, 3, -4}};
+    std::array<std::uint8_t, recording::facts_size> bytes{};
+    recording::put_facts(facts, bytes);
+    const auto whole = recording::get_facts(bytes);
+    ASSERT_TRUE(whole);
+    EXPECT_EQ(whole->correction, facts.correction);
+    const auto old = recording::get_facts(std::span(bytes).first(bytes.size() - 16));
+    ASSERT_TRUE(old);
+    EXPECT_EQ(old->sequence, 7U);
+    EXPECT_EQ(old->dropped_before, 11U);
+    EXPECT_FALSE(old->correction.any());
+    EXPECT_FALSE(recording::get_facts(std::span(bytes).first(bytes.size() - 17)));
 }
 
 // Clocks that stand still, run backwards or hold extreme values are written down as they are.

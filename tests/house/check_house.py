@@ -19,14 +19,16 @@ ARROWS = {
     "kernels": set(),
     "proto": set(),
     "capture": {"kernels"},
+    "calibration": {"kernels", "capture"},
     "pipeline": {"kernels", "capture"},
     "clients": {"proto"},
-    "daemon": {"kernels", "capture", "pipeline", "proto"},
-    "tools": {"kernels", "capture", "pipeline", "proto", "clients"},
+    "daemon": {"kernels", "capture", "calibration", "pipeline", "proto"},
+    "tools": {"kernels", "capture", "calibration", "pipeline", "proto", "clients"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of capture that the pipeline may know.
-PIPELINE_SEES = {"capture/frame_source.h", "capture/rectification.h", "capture/calibration.h"}
+PIPELINE_SEES = {"capture/frame_source.h", "capture/rectification.h", "capture/rectification_schedule.h",
+                 "capture/calibration.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 

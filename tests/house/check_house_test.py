@@ -36,7 +36,8 @@ class CheckHouse(unittest.TestCase):
         for name, header in [("kernels/a.cpp", "pipeline/pipeline.h"), ("kernels/cuda/a.cu", "pipeline/pipeline.h"), ("kernels/a.cpp", "opencv2/core.hpp"),
                              ("proto/a.cpp", "kernels/image.h"), ("clients/cpp/a.cpp", "kernels/image.h"),
                              ("pipeline/a.cpp", "daemon/config.h"), ("pipeline/a.cpp", "capture/recorder.h"),
-                             ("tools/ctl/a.cpp", "daemon/config.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
+                             ("tools/ctl/a.cpp", "daemon/config.h"), ("calibration/a.cpp", "pipeline/pipeline.h"),
+                             ("capture/a.cpp", "calibration/patch.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
             with self.subTest(name=name, header=header):
                 self.assertEqual(len(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'})), 1)
 

@@ -46,6 +46,56 @@ struct Chain {
 
 constexpr auto forever = 60s;
 
+/// Another rectification for every frame, numbered as the frame is.
+class NumberedRectifications final : public capture::RectificationSchedule {
+public:
+    const capture::Rectification& factory() const override { return first_; }
+    std::shared_ptr<const capture::Rectification> for_frame(capture::RawFrame& frame) override {
+        frame.correction.pitch_nrad = static_cast<std::int32_t>(frame.sequence);
+        auto numbered = std::make_shared<capture::Rectification>(first_);
+        numbered->calibration_id = frame.sequence;
+        return numbered;
+    }
+
+private:
+    const capture::Rectification first_ = fakes::rectification();
+};
+
+// Also where newer frames take the place of older ones.
+TEST(Pipeline, EachFrameKeepsTheRectificationThatItWasGiven) {
+    for (const Policy policy : {Policy::replay, Policy::live}) {
+        fakes::Source source(500);
+        std::vector<std::uint64_t> used;
+        fakes::Matcher matcher([&used](int stage, const FrameView& view) {
+            if (stage == 0) {
+                used.push_back(view.rectifier->id);
+            }
+        });
+        NumberedRectifications rectifications;
+        WorkerPool workers(2);
+        std::vector<std::uint64_t> tapped;
+        std::vector<std::uint64_t> published;
+        Pipeline pipeline(
+            {.policy = policy, .slots = 3}, source, matcher, workers, rectifications,
+            [&published](const FrameSlot& slot) {
+                EXPECT_EQ(slot.rectification->calibration_id, slot.raw.sequence);
+                EXPECT_EQ(slot.raw.correction.pitch_nrad, static_cast<std::int32_t>(slot.raw.sequence));
+                published.push_back(slot.raw.sequence);
+            },
+            [&tapped](const capture::RawFrame& frame) {
+                EXPECT_EQ(frame.correction.pitch_nrad, static_cast<std::int32_t>(frame.sequence));
+                tapped.push_back(frame.sequence);
+            });
+        pipeline.start();
+        ASSERT_TRUE(pipeline.wait_until_ended(forever));
+        pipeline.stop();
+        EXPECT_EQ(used, published);
+        EXPECT_EQ(tapped.size(), 500U);
+        EXPECT_EQ(policy == Policy::replay ? published.size() : 500U, 500U);
+        EXPECT_EQ(published.back(), 499U);
+    }
+}
+
 TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
     fakes::Source source(200);
     fakes::Matcher matcher;

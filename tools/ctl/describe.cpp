@@ -68,12 +68,31 @@ Json to_json(const v1::Status& status) {
               {"uptime_s", status.uptime_s()},
               {"steps", list(status.steps())},
               {"clients", list(status.clients())},
-              {"record", to_json(status.record())}};
+              {"record", to_json(status.record())},
+              {"self_calibration", nullptr}};
+    if (status.has_self_calibration()) {
+        json["self_calibration"] = to_json(status.self_calibration());
+    }
     json["notices"] = Json::array();
     for (const std::string& notice : status.notices()) {
         json["notices"].push_back(notice);
     }
     return json;
+}
+
+Json to_json(const v1::SelfCalibration& status) {
+    return {{"estimating", status.estimating()},
+            {"corrected", status.corrected()},
+            {"since_sequence", status.since_sequence()},
+            {"pitch_degrees", status.pitch_degrees()},
+            {"yaw_degrees", status.yaw_degrees()},
+            {"roll_degrees", status.roll_degrees()},
+            {"focal_ratio", status.focal_ratio()},
+            {"vertical_error_before_px", status.error_before_px()},
+            {"vertical_error_after_px", status.error_after_px()},
+            {"frames", status.frames()},
+            {"matches", status.matches()},
+            {"detail", status.detail()}};
 }
 
 Json to_json(const v1::RecordStatus& status) {

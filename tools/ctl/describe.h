@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const v1::Status& status);
 Json to_json(const v1::RecordStatus& status);
+Json to_json(const v1::SelfCalibration& status);
 Json to_json(const capture::SourceInfo& source);
 Json to_json(const capture::StereoCalibration& calibration);
 Json to_json(const capture::Rectification& rectification);

@@ -4,7 +4,8 @@
 #include <span>
 #include <stdexcept>
 
-#include "capture/rectification.h"
+#include "calibration/calibrating_schedule.h"
+#include "capture/rectification_schedule.h"
 #include "pipeline/pipeline.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
@@ -34,6 +35,8 @@ struct ProcessArguments {
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
+    bool self_calibrate = false;
+    bool no_self_calibration = false;
     bool pfm = false;
     bool colour = false;
     bool force = false;
@@ -110,8 +113,53 @@ void run(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total
     pipeline.stop();
 }
 
-int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& status, std::uint64_t frames,
-           double seconds) {
+/// What each frame is rectified with: what --self-calibrate finds, what the recording says, or the calibration alone.
+struct Schedule {
+    std::unique_ptr<capture::RectificationSchedule> frames;
+    const calibration::CalibratingSchedule* calibrating = nullptr;  ///< the same where it estimates
+};
+
+Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInfo& info, DisparityRange range) {
+    const capture::RectifiedGeometry geometry = geometry_of(arguments);
+    if (arguments.self_calibrate) {
+        auto estimating = std::make_unique<calibration::CalibratingSchedule>(info, geometry, range,
+                                                                             calibration::CalibratingSchedule::Plan{});
+        const calibration::CalibratingSchedule* calibrating = estimating.get();
+        return {std::move(estimating), calibrating};
+    }
+    const auto follow = arguments.no_self_calibration ? capture::RectificationBook::Follow::applied
+                                                      : capture::RectificationBook::Follow::recorded;
+    return {std::make_unique<capture::RectificationBook>(info, geometry, follow), nullptr};
+}
+
+Json to_json(const calibration::CalibratingSchedule& calibrating) {
+    Json estimates = Json::array();
+    for (const auto& [sequence, result] : calibrating.estimates()) {
+        const capture::CalibrationCorrection& correction = result.correction;
+        estimates.push_back({{"sequence", sequence},
+                             {"accepted", result.accepted},
+                             {"reason", result.reason},
+                             {"frames", result.frames},
+                             {"matches", result.matches},
+                             {"vertical_error_before_px", result.error_before},
+                             {"vertical_error_after_px", result.accepted ? Json(result.error_after) : Json()},
+                             {"pitch_nrad", correction.pitch_nrad},
+                             {"yaw_nrad", correction.yaw_nrad},
+                             {"roll_nrad", correction.roll_nrad},
+                             {"focal_ppb", correction.focal_ppb}});
+    }
+    return estimates;
+}
+
+void report_estimates(const calibration::CalibratingSchedule& calibrating) {
+    for (const auto& [sequence, result] : calibrating.estimates()) {
+        std::cout << "self-calibration, frame " << sequence << ": "
+                  << (result.accepted ? "corrected" : "nothing changed") << ": " << result.reason << '\n';
+    }
+}
+
+int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& status,
+           const calibration::CalibratingSchedule* calibrating, std::uint64_t frames, double seconds) {
     const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
     if (arguments.json) {
         Json json{{"folder", arguments.folder},
@@ -121,8 +169,14 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
                   {"frames_per_second", rate},
                   {"complete", status.error.empty() && !interrupted()},
                   {"error", status.error}};
+        if (calibrating != nullptr) {
+            json["self_calibration"] = to_json(*calibrating);
+        }
         std::cout << to_text(json, 2) << '\n';
     } else {
+        if (calibrating != nullptr) {
+            report_estimates(*calibrating);
+        }
         std::cout << arguments.folder << ": " << frames << " frames in " << fixed(seconds, 1) << " s, "
                   << fixed(rate, 1) << " frames/s\n";
     }
@@ -150,7 +204,6 @@ int process(const ProcessArguments& arguments) {
     ProcessOutput::check(arguments.folder, arguments.force);
     const MatchOptions options = arguments.match.options(parse_method(arguments.method), default_disparities);
     const Backend& chosen = backend(arguments.backend);
-    const capture::RectifiedGeometry geometry = geometry_of(arguments);
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
@@ -158,8 +211,8 @@ int process(const ProcessArguments& arguments) {
     const auto source = open(arguments, config.slots + 2);
     const capture::SourceInfo& info = source->info();
     config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
-    const capture::Rectification rectification =
-        capture::make_rectification(info.calibration, info.eye_width, info.height, geometry);
+    const Schedule schedule = schedule_of(arguments, info, options.range);
+    const capture::Rectification& rectification = schedule.frames->factory();
     if (rectification.unrectified) {
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
@@ -167,7 +220,7 @@ int process(const ProcessArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
 
     std::optional<ProcessOutput> output;
-    pipeline::Pipeline pipeline(config, *source, *matcher, workers, rectification,
+    pipeline::Pipeline pipeline(config, *source, *matcher, workers, *schedule.frames,
                                 [&output](const pipeline::FrameSlot& slot) { output->write(slot); });
     output.emplace(arguments.folder, formats_of(arguments, options.range), info, options, std::string(chosen.name),
                    rectification, pipeline.steps());
@@ -175,7 +228,7 @@ int process(const ProcessArguments& arguments) {
     run(pipeline, info.frame_count);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     output->close();
-    return report(arguments, pipeline.status(), output->frames(), elapsed.count());
+    return report(arguments, pipeline.status(), schedule.calibrating, output->frames(), elapsed.count());
 }
 
 }  // namespace
@@ -200,18 +253,24 @@ void add_process(CLI::App& program, Action& action) {
     command.add_option("--region", arguments->region, "the part of it to match; default: all")->type_name("X,Y,W,H");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
+    CLI::Option& self_calibrate = *command.add_flag(
+        "--self-calibrate", arguments->self_calibrate,
+        "estimate from the frames how the cameras have turned, every 80 frames and sooner at the start");
+    command
+        .add_flag("--no-self-calibration", arguments->no_self_calibration,
+                  "leave out the corrections that a recording has")
+        ->excludes(&self_calibrate);
     command.add_flag("--pfm", arguments->pfm, "write PFM too (for ranges that a PNG cannot hold: instead)");
     command.add_flag("--colour", arguments->colour, "write the left image beside coloured disparity too");
     command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR");
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
     arguments->match.add_to(command, "default " + std::to_string(default_disparities));
     command.footer(
-        "DIR gets 000000.png, ... (16-bit, disparity x 256, 0 = rejected), times.csv (time of each step per frame) "
-        "and\n"
-        "geometry.json (calibration and options). The same input gives the same pictures, whatever --workers is.\n"
-        "Damaged input: what comes before is processed, exit status 1. Ctrl-C: the frames in flight are finished, "
-        "exit\n"
-        "status 130.\n"
+        "DIR gets 000000.png, ... (16-bit, disparity x 256, 0 = rejected), times.csv (time of each step per frame),\n"
+        "geometry.json (calibration and options) and, where self-calibration changes it, corrections.csv. The same\n"
+        "input gives the same pictures, whatever --workers is. Corrections of a recording are applied, not estimated.\n"
+        "Damaged input: what comes before is processed, exit status 1. Ctrl-C: the frames in flight are finished,\n"
+        "exit status 130.\n"
         "Example: disparityctl process walk.mkv --method sgm --disparities 128 -o out");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
 }

@@ -21,10 +21,11 @@ namespace fs = std::filesystem;
 
 constexpr const char* times_name = "times.csv";
 constexpr const char* geometry_name = "geometry.json";
+constexpr const char* corrections_name = "corrections.csv";
 
 /// Whether a file name is one that this class gives.
 bool is_ours(const std::string& name) {
-    if (name == times_name || name == geometry_name) {
+    if (name == times_name || name == geometry_name || name == corrections_name) {
         return true;
     }
     const auto digits_end =
@@ -98,7 +99,7 @@ void ProcessOutput::check(const std::string& folder, bool force) {
 ProcessOutput::ProcessOutput(std::string folder, OutputFormats formats, const capture::SourceInfo& source,
                              const MatchOptions& options, const std::string& backend,
                              const capture::Rectification& rectification, const std::vector<std::string>& steps)
-    : folder_(std::move(folder)), formats_(formats), options_(options), rectification_(rectification) {
+    : folder_(std::move(folder)), formats_(formats), options_(options) {
     make_room(folder_);
     Json match = to_json(options);
     match["backend"] = backend;
@@ -130,14 +131,37 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot) {
         images::write_disparity_pfm(path + ".pfm", map);
     }
     if (formats_.colour) {
-        const images::Metric metric{rectification_.f, rectification_.baseline_mm, rectification_.disparity_offset};
+        const capture::Rectification& used = *slot.rectification;
+        const images::Metric metric{used.f, used.baseline_mm, used.disparity_offset};
         const cv::Mat left =
             slot.view.left_colour ? images::colour_view(slot.view.left_colour) : images::grey_view(slot.view.left);
         images::write_png(path + "_colour.png",
                           images::picture(left, map, images::whole_range(options_.range), metric));
     }
     write_times(slot);
+    note_correction(slot);
     ++frames_;
+}
+
+void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
+    const capture::CalibrationCorrection& correction = slot.raw.correction;
+    if (correction == correction_) {
+        return;
+    }
+    correction_ = correction;
+    if (!corrections_.is_open()) {
+        corrections_.open(folder_ + '/' + corrections_name, std::ios::binary);
+        corrections_.precision(17);
+        corrections_ << "from_frame,from_sequence,pitch_nrad,yaw_nrad,roll_nrad,focal_ppb,f,cx,cy,baseline_mm,"
+                        "calibration_id\n";
+    }
+    const capture::Rectification& used = *slot.rectification;
+    corrections_ << frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad
+                 << ',' << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ','
+                 << used.cy << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
+    if (!corrections_.flush()) {
+        throw std::runtime_error(folder_ + '/' + corrections_name + ": cannot be written");
+    }
 }
 
 void ProcessOutput::write_times(const pipeline::FrameSlot& slot) {

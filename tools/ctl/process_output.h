@@ -21,7 +21,8 @@ struct OutputFormats {
 };
 
 /// The folder that `process` fills: NNNNNN.png, NNNNNN.pfm and NNNNNN_colour.png per frame, times.csv with a line per
-/// frame, geometry.json. One thread uses it at a time. Everything but times.csv depends on input and options alone.
+/// frame, geometry.json, and corrections.csv where self-calibration changed something. One thread uses it at a time.
+/// Everything but times.csv depends on input and options alone.
 class ProcessOutput {
 public:
     /// Throws std::invalid_argument when the folder holds anything and `force` is not set; changes nothing yet.
@@ -42,12 +43,14 @@ public:
 
 private:
     void write_times(const pipeline::FrameSlot& slot);
+    void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;
     OutputFormats formats_;
     MatchOptions options_;
-    const capture::Rectification& rectification_;
     std::ofstream times_;
+    std::ofstream corrections_;  // opened with the first of them
+    capture::CalibrationCorrection correction_;
     std::uint64_t frames_ = 0;
 };
 

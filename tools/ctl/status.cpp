@@ -44,6 +44,19 @@ std::string record_text(const v1::RecordStatus& record) {
            (record.error().empty() ? "" : ", error: " + record.error());
 }
 
+std::string self_calibration_text(const v1::SelfCalibration& status) {
+    std::string text = "nothing changed";
+    if (status.corrected()) {
+        text = "corrected since frame " + std::to_string(status.since_sequence()) + ": pitch " +
+               fixed(status.pitch_degrees(), 3) + ", roll " + fixed(status.roll_degrees(), 3) + " degrees";
+    }
+    if (status.error_before_px() > 0) {
+        text += "; vertical error " + fixed(status.error_before_px(), 2) + " px";
+        text += status.error_after_px() > 0 ? ", now " + fixed(status.error_after_px(), 2) + " px" : "";
+    }
+    return text + (status.detail().empty() ? "" : "; " + status.detail());
+}
+
 void print(const v1::Status& status) {
     print_row("state", status.state() + (status.detail().empty() ? "" : ": " + status.detail()));
     print_row("version", status.server_version());
@@ -58,6 +71,9 @@ void print(const v1::Status& status) {
                             std::to_string(status.lost_before()) + " lost by the source, " +
                             std::to_string(status.corrupt()) + " damaged");
     print_row("recording", record_text(status.record()));
+    if (status.has_self_calibration()) {
+        print_row("self-calibr.", self_calibration_text(status.self_calibration()));
+    }
     for (const std::string& notice : status.notices()) {
         print_row("notice", notice);
     }

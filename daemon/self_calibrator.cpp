@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/self_calibrator.h"
+
+#include <algorithm>
+#include <bit>
+#include <exception>
+#include <utility>
+
+#include <pthread.h>
+#include <sched.h>
+#include <spdlog/spdlog.h>
+
+#include "calibration/correction_file.h"
+
+namespace disparityd {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Frames that an estimate is made from: the first after half of them, then it starts again.
+constexpr int batch = 8;
+
+void copy(Plane<const std::uint8_t> plane, std::vector<std::uint8_t>& to) {
+    for (int y = 0; y < plane.height; ++y) {
+        std::copy_n(plane.row(y), plane.width, to.begin() + static_cast<std::ptrdiff_t>(y) * plane.width);
+    }
+}
+
+double degrees(std::int32_t nrad) {
+    return nrad * 1e-9 * 180 / 3.14159265358979323846;
+}
+
+}  // namespace
+
+SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, capture::RectificationBook& book,
+                               DisparityRange range, Settings settings)
+    : source_(source),
+      book_(book),
+      range_(range),
+      settings_(std::move(settings)),
+      calibration_(source.calibration.value()),
+      left_(static_cast<std::size_t>(book.factory().width) * static_cast<std::size_t>(book.factory().height)),
+      right_(left_.size()) {
+    if (!settings_.path.empty()) {
+        try {
+            if (const auto kept = calibration::read_correction(settings_.path, *source.calibration)) {
+                book_.apply(*kept, book_.made(*kept));
+                spdlog::info("self-calibration: the correction in {} is applied", settings_.path);
+            }
+        } catch (const std::exception& error) {
+            spdlog::warn("self-calibration: {}", error.what());
+        }
+    }
+    thread_ = std::thread([this] { run(); });
+}
+
+SelfCalibrator::~SelfCalibrator() {
+    stopping_.store(true);
+    // Whatever it waits for: the stage changes, and it looks.
+    stage_.store(filled);
+    stage_.notify_one();
+    thread_.join();
+}
+
+void SelfCalibrator::offer(const pipeline::FrameSlot& slot) noexcept {
+    if (stage_.load(std::memory_order_acquire) != wanted || steady_clock::now() < due_) {
+        return;
+    }
+    copy(slot.view.left, left_);
+    copy(slot.view.right, right_);
+    used_ = slot.rectification;
+    already_ = slot.raw.correction;
+    int expected = wanted;
+    if (stage_.compare_exchange_strong(expected, filled, std::memory_order_acq_rel)) {
+        stage_.notify_one();
+    }
+}
+
+void SelfCalibrator::run() {
+    pthread_setname_np(pthread_self(), "self-calibrate");
+    const sched_param none{};
+    pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
+    for (;;) {
+        due_ = steady_clock::now() + settings_.interval;
+        int before = busy;
+        stage_.compare_exchange_strong(before, wanted, std::memory_order_acq_rel);
+        stage_.wait(wanted, std::memory_order_acquire);
+        if (stopping_.load()) {
+            return;
+        }
+        stage_.store(busy, std::memory_order_relaxed);
+        try {
+            look();
+        } catch (const std::exception& error) {
+            // Out of memory, most likely: what is in use stays in use.
+            spdlog::warn("self-calibration: {}", error.what());
+            calibration_.clear();
+        }
+        if (stopping_.load()) {
+            return;
+        }
+    }
+}
+
+void SelfCalibrator::look() {
+    const int width = used_->width;
+    const int height = used_->height;
+    calibration_.add({left_.data(), width, height, width}, {right_.data(), width, height, width}, *used_, already_,
+                     range_, &stopping_);
+    used_.reset();
+    const int frames = calibration_.frames();
+    if (!stopping_.load() && (frames == batch / 2 || frames >= batch)) {
+        estimate();
+    }
+    if (frames >= batch) {
+        calibration_.clear();
+    }
+}
+
+void SelfCalibrator::estimate() {
+    const calibration::SelfCalibrationResult result = calibration_.solve(book_.state().correction);
+    spdlog::log(result.accepted ? spdlog::level::info : spdlog::level::debug, "self-calibration: {}: {}",
+                result.accepted ? "corrected" : "nothing changed", result.reason);
+    const auto rectification = result.accepted ? book_.made(result.correction) : nullptr;
+    {
+        // First what explains a correction, then the correction: a status that has one has the other.
+        const std::lock_guard lock(mutex_);
+        last_ = result;
+        if (result.accepted) {
+            accepted_ = result;
+        }
+    }
+    if (result.accepted) {
+        book_.apply(result.correction, rectification);
+        keep(result.correction);
+    }
+}
+
+void SelfCalibrator::keep(const capture::CalibrationCorrection& correction) const {
+    if (settings_.path.empty()) {
+        return;
+    }
+    try {
+        calibration::write_correction(settings_.path, *source_.calibration, correction);
+    } catch (const std::exception& error) {
+        spdlog::warn("self-calibration: {}", error.what());
+    }
+}
+
+void SelfCalibrator::fill(v1::SelfCalibration& message) const {
+    disparityd::fill(message, book_.state());
+    message.set_estimating(true);
+    const std::lock_guard lock(mutex_);
+    message.set_detail(last_.frames > 0 ? last_.reason : "collecting frames");
+    const bool found_here = accepted_.accepted;
+    message.set_error_before_px(found_here ? accepted_.error_before : last_.error_before);
+    message.set_error_after_px(found_here ? accepted_.error_after : 0);
+    message.set_frames(static_cast<std::uint32_t>(last_.frames));
+    message.set_matches(static_cast<std::uint32_t>(last_.matches));
+}
+
+void fill(v1::SelfCalibration& message, const capture::RectificationBook::State& state) {
+    message.set_corrected(state.correction.any());
+    message.set_pitch_degrees(degrees(state.correction.pitch_nrad));
+    message.set_yaw_degrees(degrees(state.correction.yaw_nrad));
+    message.set_roll_degrees(degrees(state.correction.roll_nrad));
+    message.set_focal_ratio(1 + state.correction.focal_ppb * 1e-9);
+    message.set_since_sequence(state.since.value_or(0));
+}
+
+}  // namespace disparityd

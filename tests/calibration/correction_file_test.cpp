@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/correction_file.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/scene_camera.h"
+
+namespace disparityd::calibration {
+namespace {
+
+using testing::HasSubstr;
+
+class CorrectionFile : public testing::Test {
+protected:
+    void SetUp() override {
+        std::string name = (std::filesystem::temp_directory_path() / "disparityd-correction-XXXXXX").string();
+        ASSERT_NE(mkdtemp(name.data()), nullptr);
+        folder_ = name;
+        source_.eye_width = 672;
+        source_.height = 376;
+        source_.calibration = capture::scene_calibration(672, 376);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::string refusal(const std::string& text) const {
+        const std::string path = folder_ + "/c.txt";
+        std::ofstream(path, std::ios::binary) << text;
+        try {
+            read_correction(path, *source_.calibration);
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+        return "(accepted)";
+    }
+
+    std::string folder_;
+    capture::SourceInfo source_;
+};
+
+TEST_F(CorrectionFile, ComesBackAsItWas) {
+    source_.serial = "SN12/../3";
+    const std::string path = correction_path(folder_, source_);
+    EXPECT_EQ(path, folder_ + "/self-calibration-SN12____3-672x376.txt");
+    EXPECT_FALSE(read_correction(path, *source_.calibration));
+    const capture::CalibrationCorrection correction{-1'817'963, 0, 403'723, -12};
+    write_correction(path, *source_.calibration, {1, 2, 3, 4});
+    write_correction(path, *source_.calibration, correction);
+    EXPECT_EQ(read_correction(path, *source_.calibration), correction);
+    EXPECT_FALSE(std::filesystem::exists(path + ".new"));
+}
+
+TEST_F(CorrectionFile, OfAnotherCalibrationIsNotUsed) {
+    const std::string path = correction_path(folder_, source_);
+    write_correction(path, *source_.calibration, {1, 2, 3, 4});
+    capture::StereoCalibration other = *source_.calibration;
+    other.left.fx += 1e-6;
+    EXPECT_FALSE(read_correction(path, other));
+    source_.calibration = other;
+    EXPECT_NE(correction_path(folder_, source_), path);
+}
+
+TEST_F(CorrectionFile, DamagedOnesAreRefused) {
+    const std::string path = correction_path(folder_, source_);
+    write_correction(path, *source_.calibration, {1, 2, 3, 4});
+    std::ifstream file(path);
+    const std::string good((std::istreambuf_iterator<char>(file)), {});
+    EXPECT_EQ(refusal(good), "(accepted)");
+    EXPECT_THAT(refusal(""), HasSubstr("begin with"));
+    EXPECT_THAT(refusal("disparityd-correction 1\n"), HasSubstr("which calibration"));
+    for (const char* bad : {"", "1.5", "99999999999", "x", "2000000000", "-60000000"}) {
+        std::string text = good;
+        text.replace(text.find("roll_nrad = 3"), 13, std::string("roll_nrad = ") + bad);
+        EXPECT_THAT(refusal(text), HasSubstr("delete the file")) << bad;
+    }
+    for (std::size_t length = 0; length + 1 < good.size(); ++length) {
+        EXPECT_NE(refusal(good.substr(0, length)), "(accepted)") << length;
+    }
+}
+
+TEST_F(CorrectionFile, WhereNothingCanBeWrittenItSaysSo) {
+    EXPECT_THROW(write_correction(folder_ + "/none/c.txt", *source_.calibration, {}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace disparityd::calibration
