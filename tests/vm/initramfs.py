@@ -28,11 +28,13 @@ class Archive:
             self.add_bytes(place, source.read_bytes(), 0o755 if os.access(source, os.X_OK) else 0o644)
 
     def add_program(self, place, source):
-        """A program and the libraries that it is linked with, which keep their places."""
+        """A program; the libraries that it is linked with go to /vm/lib, its interpreter keeps its place."""
         self.add_file(place, source)
-        listed = subprocess.run(["ldd", source], capture_output=True, text=True, check=False)
-        for library in re.findall(r"(/\S+) \(0x", listed.stdout):
-            self.add_file(os.path.normpath(library), library)
+        listed = subprocess.run(["ldd", source], capture_output=True, text=True, check=False).stdout
+        for name, library in re.findall(r"^\s*(\S+) => (/\S+) \(0x", listed, re.MULTILINE):
+            self.add_file(f"/vm/lib/{name}", library)
+        for interpreter in re.findall(r"^\s*(/\S+) \(0x", listed, re.MULTILINE):
+            self.add_file(interpreter, interpreter)
 
     def write(self, path):
         with open(path, "wb") as out:

@@ -33,6 +33,10 @@ void fill_pattern(std::uint32_t number, std::span<std::uint8_t> frame) {
     }
 }
 
+std::uint8_t pattern_byte(std::uint32_t number, std::size_t index) {
+    return group_at(number, index / 4)[index % 4];
+}
+
 std::uint32_t pattern_number(std::span<const std::uint8_t> frame) {
     std::uint32_t number = 0;
     for (std::size_t i = std::min<std::size_t>(4, frame.size()); i > 0; --i) {

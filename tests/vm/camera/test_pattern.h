@@ -12,6 +12,9 @@ namespace simulated_camera {
 /// same bytes, so who receives a frame can tell whether it is whole.
 void fill_pattern(std::uint32_t number, std::span<std::uint8_t> frame);
 
+/// One byte of such a frame.
+std::uint8_t pattern_byte(std::uint32_t number, std::size_t index);
+
 /// The number that a frame claims to have.
 std::uint32_t pattern_number(std::span<const std::uint8_t> frame);
 

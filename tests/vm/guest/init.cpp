@@ -73,6 +73,7 @@ int run(char** command) {
     if (child == 0) {
         ::setenv("HOME", "/tmp", 1);
         ::setenv("PATH", "/vm", 1);
+        ::setenv("LD_LIBRARY_PATH", "/vm/lib", 1);
         ::execv(command[0], command);
         std::printf("vm: %s cannot be run: %s\n", command[0], std::strerror(errno));
         std::fflush(stdout);
