@@ -3,7 +3,13 @@
 
 #include <stdexcept>
 
+#include "capture/source_condition.h"
+
 namespace disparityd::capture {
+
+SourceCondition FrameSource::condition() const {
+    return {};
+}
 
 std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {
     for (const SourceKind& kind : source_kinds()) {

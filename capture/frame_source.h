@@ -16,6 +16,8 @@
 
 namespace disparityd::capture {
 
+struct SourceCondition;
+
 /// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
 enum FrameFlag : std::uint32_t {
     frame_flag_none = 0,
@@ -75,6 +77,10 @@ public:
 
     /// Makes a waiting next() return at once.
     virtual void interrupt() noexcept = 0;
+
+    /// How the source stands at the moment (capture/source_condition.h); any thread. Only live cameras have more to
+    /// say than that they deliver.
+    virtual SourceCondition condition() const;
 };
 
 /// How frames are timed when they do not come from a camera.
@@ -89,6 +95,14 @@ struct SourceOptions {
     Pace pace = Pace::source;
     bool loop = false;             ///< start again after the last frame
     std::string calibration_path;  ///< overrides what the source brings; empty = the source's own
+    // Of cameras only:
+    bool wait_for_camera = false;   ///< one that is not there, or cannot be used yet, is waited for; else a refusal
+    bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
+    std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order
+    std::chrono::milliseconds stall_time{1000};    ///< a camera that gives no frame for so long is restarted
+    /// Hears, one line each, what happens to the camera and what is done about it, in the thread of next(); may be
+    /// empty.
+    std::function<void(const std::string& line)> report;
     /// Called while a source prepares itself (rendering ahead), with done/total; may be empty.
     std::function<void(int done, int total)> progress;
 };

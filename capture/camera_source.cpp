@@ -1,0 +1,383 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "capture/camera_recovery.h"
+#include "capture/camera_trouble.h"
+#include "capture/eye_joiner.h"
+#include "capture/frame_counter.h"
+#include "capture/source_condition.h"
+#include "capture/video_stream.h"
+
+namespace disparityd::capture {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+/// How long after a camera has come udev may take to let this user open it.
+constexpr std::chrono::milliseconds permission_time{1000};
+
+CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) {
+    CameraRecovery::Times times;
+    // A slow camera is not a stalled one.
+    const auto frames = std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(8 / rate));
+    times.silence = std::max<steady_clock::duration>(options.stall_time, frames);
+    times.first_frame = std::max(times.first_frame, 2 * times.silence);
+    times.steady = std::max(times.steady, 2 * times.silence);
+    times.longest = std::max(times.longest, 2 * times.first_frame);
+    return times;
+}
+
+bool same_plugging(const UsbCamera& a, const UsbCamera& b) {
+    return a.node == b.node && a.port == b.port && a.address == b.address && a.product == b.product;
+}
+
+class CameraSource final : public FrameSource {
+public:
+    CameraSource(VideoSystem& system, const SourceOptions& options);
+
+    const SourceInfo& info() const override { return info_; }
+    Next next(RawFrame& frame, steady_clock::time_point deadline) override;
+    void give_back(const RawFrame& frame) noexcept override;
+    void interrupt() noexcept override;
+    SourceCondition condition() const override;
+
+private:
+    using Step = CameraRecovery::Step;
+
+    void take_step(Step step);
+    void open_any();
+    std::optional<CameraTrouble> open_one(const UsbCamera& camera);
+    void opened(const UsbCamera& camera);
+    void restart();
+    void reset();
+    void stream_failed();
+    bool still_there();
+    VideoStream::Got take(RawFrame& frame, steady_clock::time_point deadline);
+    void fill(RawFrame& frame, const VideoFrame& captured);
+    void settle(CameraState state, const std::string& detail);
+    void stalled(const std::string& what_is_done);
+    void count(std::uint64_t CameraFacts::*attempts);
+    void report(const std::string& line) const;
+
+    VideoSystem& system_;
+    const SourceOptions options_;
+    const CameraRequest request_;
+    SourceInfo info_;
+    Waker waker_;
+    VideoStream stream_;
+    CameraRecovery recovery_;
+    std::optional<EyeJoiner> joiner_;
+    FrameCounter counter_;
+    bool after_reset_ = false;           ///< the next plugging is our own doing
+    bool broken_ = false;                ///< the stream has failed and waits for its next rung
+    std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
+    std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
+    steady_clock::time_point appeared_{};
+    std::atomic<bool> interrupted_{false};
+
+    mutable std::mutex mutex_;  ///< the two below
+    CameraFacts facts_;
+    std::string detail_;
+};
+
+CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
+    : system_(system),
+      options_(options),
+      request_(parse_camera_uri(options.uri)),
+      stream_(system, waker_),
+      recovery_(recovery_times(options, request_.rate), system.now()) {
+    info_.name = options.uri;
+    info_.eye_width = request_.eye_width();
+    info_.height = request_.eye_height();
+    info_.format = request_.format;
+    info_.rate = request_.rate;
+    info_.live = true;
+    info_.description =
+        request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
+    if (!options.calibration_path.empty()) {
+        info_.calibration = read_calibration(options.calibration_path, info_.eye_width, info_.height);
+    }
+    if (request_.top_bottom) {
+        const int bytes = bytes_per_pixel(request_.format);
+        joiner_.emplace(static_cast<std::size_t>(info_.eye_width * bytes), info_.height, std::max(1, options.loans));
+    }
+    if (!options.wait_for_camera) {
+        take_step(recovery_.due(system.now()));
+        if (!stream_.is_open()) {
+            throw std::runtime_error("source " + options.uri + ": " + detail_);
+        }
+    }
+}
+
+FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point deadline) {
+    while (!interrupted_.load()) {
+        const auto now = system_.now();
+        const Step step = recovery_.due(now);
+        if (step != Step::wait) {
+            // A step may take the kernel seconds: one for each call, so that the caller stays alive.
+            take_step(step);
+            return Next::timeout;
+        }
+        if (take(frame, std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
+            return Next::frame;
+        }
+        if (system_.now() >= deadline && !interrupted_.load()) {
+            return Next::timeout;
+        }
+    }
+    stream_.close();
+    return Next::interrupted;
+}
+
+/// A frame, or whatever else comes first.
+VideoStream::Got CameraSource::take(RawFrame& frame, steady_clock::time_point deadline) {
+    const bool no_room = joiner_ && !joiner_->has_room();
+    if (!stream_.is_open() || broken_ || no_room) {
+        stream_.collect();
+        system_.wait(-1, waker_, deadline);
+        return VideoStream::Got::nothing;
+    }
+    VideoFrame captured;
+    const VideoStream::Got got = stream_.take(captured, deadline);
+    if (got == VideoStream::Got::frame) {
+        fill(frame, captured);
+        recovery_.frame(system_.now());
+        streamed_ = camera_;
+        settle(CameraState::streaming, "");
+    } else if (got == VideoStream::Got::failed) {
+        stream_failed();
+    }
+    return got;
+}
+
+void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
+    const FrameCounter::Place place = counter_.place(captured.sequence);
+    frame = {};
+    frame.image = {captured.data, request_.format, info_.eye_width, info_.height, captured.stride};
+    frame.loan = captured.loan;
+    if (joiner_) {
+        frame.loan = joiner_->join(captured.data, captured.stride);
+        frame.image.data = joiner_->data(frame.loan);
+        frame.image.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
+        stream_.give_back(captured.loan);
+    }
+    frame.sequence = place.sequence;
+    frame.dropped_before = place.lost;
+    frame.flags = place.discontinuity ? frame_flag_discontinuity : frame_flag_none;
+    frame.monotonic_ns = captured.monotonic_ns;
+    const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - captured.monotonic_ns;
+    frame.realtime_ns = system_.realtime_ns() - age;
+}
+
+void CameraSource::give_back(const RawFrame& frame) noexcept {
+    if (joiner_) {
+        joiner_->give_back(frame.loan);
+        waker_.wake();
+    } else {
+        stream_.give_back(frame.loan);
+    }
+}
+
+void CameraSource::interrupt() noexcept {
+    interrupted_.store(true);
+    waker_.wake();
+}
+
+void CameraSource::take_step(Step step) {
+    switch (step) {
+        case Step::wait: break;
+        case Step::open: open_any(); break;
+        case Step::restart: restart(); break;
+        case Step::reopen:
+            stalled("the device is opened anew");
+            count(&CameraFacts::reopens);
+            stream_.close();
+            recovery_.reopen_at_once(system_.now());
+            break;
+        case Step::reset: reset(); break;
+    }
+}
+
+/// The first camera that is meant and can be used; what keeps the likeliest one from it becomes the condition.
+void CameraSource::open_any() {
+    const std::vector<UsbCamera> present = system_.cameras();
+    std::optional<CameraTrouble> trouble;
+    for (const UsbCamera& camera : candidates(present, request_)) {
+        if (!request_.serial.empty() && camera.serial != request_.serial) {
+            continue;
+        }
+        const auto found = open_one(camera);
+        if (!found) {
+            return;
+        }
+        trouble = trouble ? trouble : found;
+    }
+    recovery_.absent(system_.now());
+    if (!trouble) {
+        camera_.reset();
+        trouble = absent_trouble(request_, present);
+    }
+    // Why it went is said already.
+    if (trouble->state != CameraState::absent || facts_.state != CameraState::absent || detail_.empty()) {
+        settle(trouble->state, trouble->detail);
+    }
+}
+
+std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
+    if (!camera_ || !same_plugging(*camera_, camera)) {
+        camera_ = camera;
+        appeared_ = system_.now();
+        if (!after_reset_) {
+            recovery_.forget_attempts();
+        }
+    }
+    after_reset_ = false;
+    if (auto trouble = trouble_at_sight(camera, request_)) {
+        return trouble;
+    }
+    try {
+        stream_.open(camera.node,
+                     {request_.frame_width, request_.frame_height, request_.rate, request_.format, options_.loans});
+        stream_.start();
+    } catch (const VideoError& error) {
+        stream_.close();
+        CameraTrouble trouble = trouble_of(error, camera, camera.label());
+        if (options_.wait_for_camera && trouble.state == CameraState::no_permission &&
+            system_.now() < appeared_ + permission_time) {
+            return CameraTrouble{CameraState::starting, camera.label() + " has come and is being prepared by udev"};
+        }
+        return trouble;
+    }
+    opened(camera);
+    return std::nullopt;
+}
+
+void CameraSource::opened(const UsbCamera& camera) {
+    broken_ = false;
+    counter_.restarted();
+    recovery_.started(system_.now());
+    const bool stalled_before = facts_.state == CameraState::stalled;
+    {
+        const std::lock_guard lock(mutex_);
+        facts_.model = camera.model();
+        facts_.serial = camera.serial;
+        facts_.node = camera.node;
+        facts_.port = camera.port;
+        facts_.firmware = firmware_text(camera.firmware);
+        facts_.speed_mbit = camera.speed_mbit;
+        facts_.rate = stream_.rate();
+        facts_.arrivals += streamed_ && same_plugging(*streamed_, camera) ? 0 : 1;
+    }
+    if (!stalled_before) {
+        settle(CameraState::starting, "waiting for the first frame of " + camera.label());
+    }
+}
+
+void CameraSource::restart() {
+    stalled("the stream is restarted");
+    count(&CameraFacts::restarts);
+    stream_.stop();
+    try {
+        stream_.start();
+    } catch (const VideoError&) {
+        stream_failed();
+        return;
+    }
+    broken_ = false;
+    counter_.restarted();
+    recovery_.started(system_.now());
+}
+
+void CameraSource::reset() {
+    const UsbCamera camera = *camera_;
+    stream_.close();
+    recovery_.absent(system_.now());
+    if (camera.bus == 0) {
+        return;
+    }
+    stalled("the device is reset on the USB");
+    count(&CameraFacts::resets);
+    after_reset_ = true;
+    if (const int code = system_.reset_usb(camera.bus, camera.address); code != 0) {
+        report("the USB reset of " + camera.label() + " failed: " + error_text(code) +
+               (code == EACCES ? "; install disparityd's udev rule" : "; plug it in again"));
+    }
+    recovery_.absent(system_.now());
+}
+
+/// The device reported an error: it is gone, or needs help.
+void CameraSource::stream_failed() {
+    if (still_there()) {
+        broken_ = true;
+        recovery_.failed();
+        return;
+    }
+    stream_.close();
+    recovery_.absent(system_.now());
+    recovery_.forget_attempts();
+    settle(CameraState::absent, camera_->label() + " was unplugged: plug it in again; this goes on by itself");
+}
+
+bool CameraSource::still_there() {
+    const std::vector<UsbCamera> present = system_.cameras();
+    return std::any_of(present.begin(), present.end(),
+                       [this](const UsbCamera& camera) { return same_plugging(camera, *camera_); });
+}
+
+void CameraSource::stalled(const std::string& what_is_done) {
+    settle(CameraState::stalled, camera_->label() + " has stopped sending frames; " + what_is_done);
+}
+
+void CameraSource::settle(CameraState state, const std::string& detail) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (facts_.state == state && detail_ == detail) {
+            return;
+        }
+        facts_.state = state;
+        detail_ = detail;
+    }
+    report(state == CameraState::streaming ? "frames come from " + camera_->label() : detail);
+}
+
+void CameraSource::count(std::uint64_t CameraFacts::*attempts) {
+    const std::lock_guard lock(mutex_);
+    ++(facts_.*attempts);
+}
+
+void CameraSource::report(const std::string& line) const {
+    if (options_.report) {
+        options_.report(line);
+    }
+}
+
+SourceCondition CameraSource::condition() const {
+    SourceCondition condition;
+    const std::lock_guard lock(mutex_);
+    condition.delivering = facts_.state == CameraState::streaming;
+    condition.detail = detail_;
+    condition.camera = facts_;
+    condition.camera->damaged = stream_.damaged();
+    condition.camera->too_short = stream_.too_short();
+    return condition;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options) {
+    return std::make_unique<CameraSource>(system, options);
+}
+
+std::unique_ptr<FrameSource> open_camera(const SourceOptions& options) {
+    return open_camera_on(linux_video_system(), options);
+}
+
+}  // namespace disparityd::capture

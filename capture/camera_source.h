@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "capture/camera_uri.h"
+#include "capture/frame_source.h"
+#include "capture/video_system.h"
+
+namespace disparityd::capture {
+
+/// A live camera through V4L2 ("v4l2:..."), for the table of sources. With SourceOptions::wait_for_camera it opens
+/// whether the camera is there or not, and its next() recovers from whatever happens to the camera: condition() says
+/// what that is. Without, it throws std::invalid_argument or std::runtime_error when the camera cannot be used now.
+std::unique_ptr<FrameSource> open_camera(const SourceOptions& options);
+
+/// The same on another system; `system` must outlive the source.
+std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options);
+
+}  // namespace disparityd::capture

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace disparityd::capture {
+
+/// How a live camera stands.
+enum class CameraState : unsigned char {
+    starting,        ///< found, the first frame has not come yet
+    streaming,       ///< frames come
+    absent,          ///< not plugged in
+    stalled,         ///< no frames; being recovered
+    busy,            ///< another program has it
+    no_permission,   ///< this user may not open it
+    old_firmware,    ///< it gives no video
+    usb2_link,       ///< too slow for the mode
+    mode_refused,    ///< it does not offer what was asked for
+    no_calibration,  ///< none was found, and unrectified frames are not allowed
+    changed,         ///< another camera or calibration than info() says: open the source anew
+    failed,          ///< the system refuses it for another reason
+};
+
+/// "streaming", "no-permission": for clients and scripts.
+const char* name(CameraState state);
+
+/// The camera behind a live source, and what was done to keep it alive.
+struct CameraFacts {
+    CameraState state = CameraState::absent;
+    std::string model;  ///< empty: none was found yet
+    std::string serial;
+    std::string node;
+    std::string port;
+    std::string firmware;        ///< such as "1.42"
+    double speed_mbit = 0;       ///< of the USB link; 0 = unknown
+    double rate = 0;             ///< frames per second as agreed on; 0 = unknown
+    std::uint64_t arrivals = 0;  ///< how often it was found anew
+    std::uint64_t restarts = 0;
+    std::uint64_t reopens = 0;
+    std::uint64_t resets = 0;
+    std::uint64_t damaged = 0;  ///< frames flagged by the driver
+    std::uint64_t too_short = 0;
+};
+
+/// How a source stands, for people; a copy.
+struct SourceCondition {
+    bool delivering = true;            ///< false: no frames until the detail's matter is settled
+    bool reopen = false;               ///< info() no longer holds: the source must be opened anew
+    std::string detail;                ///< one line: what is wrong, what to do; empty when nothing is
+    std::vector<std::string> notices;  ///< what the user should know although frames come
+    std::optional<CameraFacts> camera;
+};
+
+}  // namespace disparityd::capture

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A stereo camera for tests, on the kernel's virtual USB controller. See usage().
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include <poll.h>
+
+#include "tests/vm/camera/command_socket.h"
+#include "tests/vm/camera/commands.h"
+#include "tests/vm/camera/virtual_port.h"
+
+namespace {
+
+using namespace simulated_camera;
+
+void usage() {
+    std::printf(
+        "usage: simulated_camera --socket PATH [--model MODEL] [--serial N] [--firmware BCD] [--usb2] [--isochronous]\n"
+        "                        [--frames FILE]\n"
+        "       simulated_camera --socket PATH --tell COMMAND\n"
+        "Plugs a camera into the virtual USB controller (module vhci-hcd) and serves it until it is ended.\n"
+        "  --model    zed, zed-old, mini, mini-old, zed2, zed2i\n"
+        "  --frames   raw YUYV frames of the mode in use, repeated; without: a numbered pattern\n"
+        "  --tell     gives a command to a running one: %s\n"
+        "example: simulated_camera --socket /run/camera --tell 'err 3'\n",
+        commands_help);
+}
+
+struct Arguments {
+    CameraOptions camera;
+    std::string socket;
+    std::string command;
+};
+
+class UsageError : public std::invalid_argument {
+    using std::invalid_argument::invalid_argument;
+};
+
+void take_value(Arguments& arguments, const std::string& option, const std::string& value) {
+    if (option == "--socket") {
+        arguments.socket = value;
+    } else if (option == "--tell") {
+        arguments.command = value;
+    } else if (option == "--frames") {
+        arguments.camera.frames_file = value;
+    } else if (option == "--serial") {
+        arguments.camera.serial = static_cast<std::uint32_t>(std::stoul(value));
+    } else if (option == "--firmware") {
+        arguments.camera.firmware = static_cast<std::uint16_t>(std::stoul(value, nullptr, 16));
+    } else if (option == "--model" && find_model(value) != nullptr) {
+        arguments.camera.model = find_model(value);
+    } else {
+        throw UsageError("found " + option + " " + value + "; see --help");
+    }
+}
+
+Arguments read_arguments(int argc, char** argv) {
+    Arguments arguments;
+    for (int i = 1; i < argc; ++i) {
+        const std::string option = argv[i];
+        if (option == "--help") {
+            usage();
+            std::exit(0);
+        } else if (option == "--usb2") {
+            arguments.camera.link = Link::usb2;
+        } else if (option == "--isochronous") {
+            arguments.camera.transfer = Transfer::isochronous;
+        } else if (i + 1 < argc) {
+            take_value(arguments, option, argv[++i]);
+        } else {
+            throw UsageError("found " + option + "; see --help");
+        }
+    }
+    if (arguments.socket.empty()) {
+        throw UsageError("--socket is missing; see --help");
+    }
+    return arguments;
+}
+
+[[noreturn]] void serve(const Arguments& arguments) {
+    Camera camera(arguments.camera, plug_into_virtual_port);
+    CommandSocket commands(arguments.socket);
+    camera.plug_in();
+    while (true) {
+        std::array<pollfd, 3> waiting{
+            {{commands.listener(), POLLIN, 0}, {camera.timer(), POLLIN, 0}, {camera.host_socket(), POLLIN, 0}}};
+        if (::poll(waiting.data(), waiting.size(), -1) < 0) {
+            continue;
+        }
+        // The host first: a command may end its connection.
+        if (waiting[2].revents != 0) {
+            camera.handle_host();
+        }
+        if (waiting[1].revents != 0) {
+            camera.handle_timer();
+        }
+        if (waiting[0].revents != 0) {
+            commands.serve([&](const std::string& line) { return carry_out(camera, line); });
+        }
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const Arguments arguments = read_arguments(argc, argv);
+        if (arguments.command.empty()) {
+            serve(arguments);
+        }
+        const std::string answer = send_command(arguments.socket, arguments.command);
+        std::puts(answer.c_str());
+        return answer.starts_with("error") ? 1 : 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "simulated_camera: error: %s\n", error.what());
+        return 2;
+    }
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace vm_guest {
+
+/// Lines of the kernel's log that tell of a fault in the kernel: warnings with a trace, bugs, oopses, stuck tasks.
+std::vector<std::string> kernel_complaints();
+
+}  // namespace vm_guest
