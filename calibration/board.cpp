@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/board.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace disparityd::calibration {
+
+namespace {
+
+// What a good set of views has beside corners in every part of the image.
+constexpr int cells = 3;  // per side
+constexpr std::size_t enough_tilted = 3;
+constexpr double tilted = 1.12;  // opposite sides of the board differ by so much
+constexpr double near = 0.35;    // of the image's width
+
+cv::Mat view_of(Plane<const std::uint8_t> image) {
+    return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
+            static_cast<std::size_t>(image.stride)};
+}
+
+bool find_in(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>& corners) {
+    const cv::Size size(board.columns, board.rows);
+    // No CALIB_CB_FAST_CHECK: it does not see boards with squares of less than some 20 pixels.
+    constexpr int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
+    if (!cv::findChessboardCorners(image, size, corners, flags)) {
+        return false;
+    }
+    // The window must not reach the next corner.
+    double nearest = image.cols;
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+        if (i % static_cast<std::size_t>(board.columns) != 0) {
+            nearest = std::min(nearest, cv::norm(corners[i] - corners[i - 1]));
+        }
+    }
+    const int half = std::clamp(static_cast<int>(nearest / 3), 2, 11);
+    cv::cornerSubPix(image, corners, {half, half}, {-1, -1},
+                     {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.001});
+    return true;
+}
+
+const char* cell_name(int column, int row) {
+    static constexpr const char* names[cells][cells] = {{"upper left", "upper middle", "upper right"},
+                                                        {"left", "middle", "right"},
+                                                        {"lower left", "lower middle", "lower right"}};
+    return names[row][column];
+}
+
+/// How much longer the longer of two opposite sides is.
+double tilt(const BoardView& view, const Board& board) {
+    const auto columns = static_cast<std::size_t>(board.columns);
+    const auto& corners = view.left;
+    const cv::Point2f a = corners.front();
+    const cv::Point2f b = corners[columns - 1];
+    const cv::Point2f c = corners[corners.size() - columns];
+    const cv::Point2f d = corners.back();
+    const auto ratio = [](double first, double second) { return std::max(first, second) / std::min(first, second); };
+    return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
+}
+
+std::vector<cv::Point3f> board_points(const Board& board) {
+    std::vector<cv::Point3f> points;
+    for (int y = 0; y < board.rows; ++y) {
+        for (int x = 0; x < board.columns; ++x) {
+            points.emplace_back(static_cast<float>(x * board.square_mm), static_cast<float>(y * board.square_mm), 0.0F);
+        }
+    }
+    return points;
+}
+
+capture::CameraModel camera_of(const cv::Mat& matrix, const cv::Mat& distortion) {
+    capture::CameraModel camera{
+        matrix.at<double>(0, 0), matrix.at<double>(1, 1), matrix.at<double>(0, 2), matrix.at<double>(1, 2), {}};
+    const cv::Mat flat = distortion.reshape(1, 1);
+    std::copy_n(flat.ptr<double>(), std::min<int>(5, flat.cols), camera.distortion.begin());
+    return camera;
+}
+
+/// What stereoCalibrate() works on and leaves behind.
+struct Cameras {
+    cv::Mat left, left_distortion, right, right_distortion, rotation, translation;
+};
+
+/// Mean difference of the rows of the corners after rectification, for each view.
+void measure_rows(const Cameras& cameras, const std::vector<BoardView>& views, cv::Size size,
+                  std::vector<BoardCalibration::View>& results) {
+    cv::Mat left_turn, right_turn, left_projection, right_projection, to_depth;
+    cv::stereoRectify(cameras.left, cameras.left_distortion, cameras.right, cameras.right_distortion, size,
+                      cameras.rotation, cameras.translation, left_turn, right_turn, left_projection, right_projection,
+                      to_depth, cv::CALIB_ZERO_DISPARITY, 0);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        std::vector<cv::Point2f> left;
+        std::vector<cv::Point2f> right;
+        cv::undistortPoints(views[i].left, left, cameras.left, cameras.left_distortion, left_turn, left_projection);
+        cv::undistortPoints(views[i].right, right, cameras.right, cameras.right_distortion, right_turn,
+                            right_projection);
+        double sum = 0;
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            sum += std::abs(left[k].y - right[k].y);
+        }
+        results[i].rows = sum / static_cast<double>(left.size());
+    }
+}
+
+}  // namespace
+
+std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+                                    const Board& board) {
+    BoardView view;
+    if (!find_in(view_of(left), board, view.left) || !find_in(view_of(right), board, view.right)) {
+        return std::nullopt;
+    }
+    // The two eyes see it the same way up; a board that looks the same upside down may have been read either way.
+    if ((view.left.back() - view.left.front()).dot(view.right.back() - view.right.front()) < 0) {
+        std::reverse(view.right.begin(), view.right.end());
+    }
+    return view;
+}
+
+double moved(const BoardView& before, const BoardView& after) {
+    double sum = 0;
+    for (std::size_t i = 0; i < before.left.size(); ++i) {
+        sum += cv::norm(after.left[i] - before.left[i]);
+    }
+    return sum / static_cast<double>(before.left.size());
+}
+
+std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height) {
+    bool covered[cells][cells] = {};
+    std::size_t tilted_views = 0;
+    double widest = 0;
+    for (const BoardView& view : views) {
+        for (const cv::Point2f& corner : view.left) {
+            const int column = std::clamp(static_cast<int>(corner.x) * cells / width, 0, cells - 1);
+            const int row = std::clamp(static_cast<int>(corner.y) * cells / height, 0, cells - 1);
+            covered[row][column] = true;
+        }
+        const cv::Rect2f box = cv::boundingRect(view.left);
+        widest = std::max(widest, static_cast<double>(box.width) / width);
+        tilted_views += tilt(view, board) > tilted ? 1 : 0;
+    }
+    std::vector<std::string> missing;
+    for (int row = 0; row < cells; ++row) {
+        for (int column = 0; column < cells; ++column) {
+            if (!covered[row][column]) {
+                missing.push_back("hold the board into the " + std::string(cell_name(column, row)) +
+                                  " part of the image");
+            }
+        }
+    }
+    if (widest < near) {
+        missing.emplace_back("hold the board nearer, until it fills two fifths of the width");
+    }
+    if (tilted_views < enough_tilted) {
+        missing.push_back("tilt the board by about 30 degrees: " + std::to_string(tilted_views) + " of " +
+                          std::to_string(enough_tilted) + " views show it tilted");
+    }
+    return missing;
+}
+
+BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height) {
+    if (views.size() < 3) {
+        throw std::invalid_argument("calibrate: the board is seen whole by both eyes in " +
+                                    std::to_string(views.size()) + " views, at least 3 are needed, 15 are better");
+    }
+    const std::vector<std::vector<cv::Point3f>> points(views.size(), board_points(board));
+    std::vector<std::vector<cv::Point2f>> left;
+    std::vector<std::vector<cv::Point2f>> right;
+    for (const BoardView& view : views) {
+        left.push_back(view.left);
+        right.push_back(view.right);
+    }
+    const cv::Size size(width, height);
+    Cameras cameras;
+    BoardCalibration result;
+    try {
+        std::vector<cv::Mat> turns;
+        std::vector<cv::Mat> shifts;
+        cv::calibrateCamera(points, left, size, cameras.left, cameras.left_distortion, turns, shifts);
+        cv::calibrateCamera(points, right, size, cameras.right, cameras.right_distortion, turns, shifts);
+        cv::Mat essential, fundamental, errors;
+        const cv::TermCriteria precise(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-6);
+        result.rms = cv::stereoCalibrate(points, left, right, cameras.left, cameras.left_distortion, cameras.right,
+                                         cameras.right_distortion, size, cameras.rotation, cameras.translation,
+                                         essential, fundamental, errors, cv::CALIB_USE_INTRINSIC_GUESS, precise);
+        for (int i = 0; i < errors.rows; ++i) {
+            result.views.push_back({errors.at<double>(i, 0), errors.at<double>(i, 1), 0});
+        }
+        measure_rows(cameras, views, size, result.views);
+    } catch (const cv::Exception&) {
+        throw std::invalid_argument(
+            "calibrate: the views do not determine the cameras: show the board from more sides, tilted, near and far");
+    }
+    result.calibration.width = width;
+    result.calibration.height = height;
+    result.calibration.left = camera_of(cameras.left, cameras.left_distortion);
+    result.calibration.right = camera_of(cameras.right, cameras.right_distortion);
+    std::copy_n(cameras.rotation.ptr<double>(), 9, result.calibration.rotation.begin());
+    std::copy_n(cameras.translation.ptr<double>(), 3, result.calibration.translation.begin());
+    result.calibration.origin = "calibrate";
+    return result;
+}
+
+}  // namespace disparityd::calibration

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include "calibration/board.h"
+#include "calibration/grey_eyes.h"
+#include "tools/ctl/calibration_report.h"
+#include "tools/ctl/commands.h"
+#include "tools/ctl/describe.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/ctl/source_arguments.h"
+#include "tools/ctl/table.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int default_views = 20;
+
+// Part of the image's width that the board must have moved by to be another view.
+constexpr double least_way = 0.02;
+
+struct CalibrateArguments {
+    std::string source;
+    std::string output;
+    std::string report;
+    std::optional<int> columns;
+    std::optional<int> rows;
+    double square_mm = 0;
+    std::optional<int> views;
+    std::optional<int> every;
+    bool force = false;
+    bool json = false;
+};
+
+calibration::Board board_of(const CalibrateArguments& arguments) {
+    const calibration::Board board{arguments.columns.value_or(9), arguments.rows.value_or(6), arguments.square_mm};
+    if (!(board.square_mm >= 1 && board.square_mm <= 1000)) {
+        throw std::invalid_argument("--square: found " + fixed(board.square_mm, 2) +
+                                    ", allowed: 1 to 1000, the side of a square in mm, measured on the board");
+    }
+    return board;
+}
+
+void check_output(const std::string& path, bool force) {
+    std::error_code error;
+    if (!force && fs::exists(path, error)) {
+        throw std::invalid_argument(path + ": exists already, allowed: a new file, or --force to replace it");
+    }
+}
+
+/// Views of a source, one after the other, with guidance for the person with the board.
+class Collector {
+public:
+    Collector(const CalibrateArguments& arguments, const capture::SourceInfo& info)
+        : arguments_(arguments), board_(board_of(arguments)), info_(info) {}
+
+    bool enough() const { return views_.size() >= static_cast<std::size_t>(wanted()); }
+
+    void look_at(const capture::RawFrame& frame) {
+        if (frame_number_++ % static_cast<std::uint64_t>(arguments_.every.value_or(1)) != 0) {
+            return;
+        }
+        const calibration::GreyEyes eyes(frame.image);
+        const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
+        if (!view) {
+            say(frame, "the board is not seen whole by both eyes");
+            return;
+        }
+        if (!views_.empty() && calibration::moved(views_.back(), *view) < least_way * info_.eye_width) {
+            say(frame, "the board has not moved");
+            return;
+        }
+        views_.push_back(*view);
+        pictures_.push_back(shrink(eyes.left(), eyes.right()));
+        const auto missing = missing_views();
+        say(frame, "view " + std::to_string(views_.size()) + " of " + std::to_string(wanted()) +
+                       (missing.empty() ? "" : "; " + missing.front()));
+    }
+
+    std::vector<std::string> missing_views() const {
+        return calibration::missing_views(views_, board_, info_.eye_width, info_.height);
+    }
+    const std::vector<calibration::BoardView>& views() const { return views_; }
+    const std::vector<ViewPicture>& pictures() const { return pictures_; }
+    const calibration::Board& board() const { return board_; }
+
+private:
+    int wanted() const { return arguments_.views.value_or(default_views); }
+
+    /// A line of guidance, unless it is the one that was said before.
+    void say(const capture::RawFrame& frame, const std::string& text) {
+        if (text != said_) {
+            std::cerr << "frame " << frame.sequence << ": " << text << '\n';
+            said_ = text;
+        }
+    }
+
+    const CalibrateArguments& arguments_;
+    const calibration::Board board_;
+    const capture::SourceInfo& info_;
+    std::uint64_t frame_number_ = 0;
+    std::string said_;
+    std::vector<calibration::BoardView> views_;
+    std::vector<ViewPicture> pictures_;
+};
+
+void collect(capture::FrameSource& source, Collector& collector) {
+    using Next = capture::FrameSource::Next;
+    catch_interrupts();
+    while (!collector.enough() && !interrupted()) {
+        capture::RawFrame frame;
+        switch (source.next(frame, std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) {
+            case Next::timeout: continue;
+            case Next::end:
+            case Next::interrupted: return;
+            case Next::frame: break;
+        }
+        try {
+            collector.look_at(frame);
+        } catch (...) {
+            source.give_back(frame);
+            throw;
+        }
+        source.give_back(frame);
+    }
+}
+
+void report(const CalibrateArguments& arguments, const calibration::BoardCalibration& found,
+            const std::vector<std::string>& missing) {
+    if (arguments.json) {
+        Json views = Json::array();
+        for (const auto& view : found.views) {
+            views.push_back({{"left_rms_px", view.left_rms}, {"right_rms_px", view.right_rms}, {"rows_px", view.rows}});
+        }
+        std::cout << to_text(Json{{"file", arguments.output},
+                                  {"rms_px", found.rms},
+                                  {"views", views},
+                                  {"missing", missing},
+                                  {"calibration", to_json(found.calibration)}},
+                             2)
+                  << '\n';
+        return;
+    }
+    Table table({"view", "left px", "right px", "rows px"});
+    for (std::size_t i = 0; i < found.views.size(); ++i) {
+        const auto& view = found.views[i];
+        table.add({std::to_string(i + 1), fixed(view.left_rms, 3), fixed(view.right_rms, 3), fixed(view.rows, 3)});
+    }
+    table.print(std::cout);
+    std::cout << arguments.output << ": RMS " << fixed(found.rms, 3) << " px over " << found.views.size()
+              << " views, baseline " << fixed(-found.calibration.translation[0], 2) << " mm\n";
+    for (const std::string& line : missing) {
+        print_note("it would be better to " + line);
+    }
+}
+
+int run_calibration(const CalibrateArguments& arguments) {
+    check_output(arguments.output, arguments.force);
+    if (!arguments.report.empty()) {
+        check_output(arguments.report, arguments.force);
+    }
+    board_of(arguments);
+    capture::SourceOptions options;
+    options.uri = arguments.source;
+    options.loans = 2;
+    options.pace = capture::Pace::fastest;
+    const auto source = open_with_progress(options);
+    const capture::SourceInfo& info = source->info();
+    Collector collector(arguments, info);
+    collect(*source, collector);
+    const calibration::BoardCalibration found =
+        calibration::calibrate(collector.views(), collector.board(), info.eye_width, info.height);
+    const std::string text = to_opencv_yaml(found.calibration);
+    images::write_file(arguments.output, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    // What was written must be what the daemon takes.
+    capture::read_calibration(arguments.output, info.eye_width, info.height);
+    if (!arguments.report.empty()) {
+        images::write_png(arguments.report, report_picture(collector.pictures(), collector.views(), found));
+    }
+    report(arguments, found, collector.missing_views());
+    return exit_done;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& program, Action& action) {
+    CLI::App& command = *program.add_subcommand(
+        "calibrate", "Calibrate a stereo camera with a chessboard, from images or live, into a file.");
+    const auto arguments = std::make_shared<CalibrateArguments>();
+    command
+        .add_option(
+            "SOURCE", arguments->source,
+            "raw pairs that show the board: a camera, a folder, a pattern, a recording; see disparityctl sources")
+        ->required();
+    command.add_option("-o,--output", arguments->output, "calibration file to write (OpenCV YAML)")
+        ->type_name("FILE")
+        ->required();
+    command.add_option("--square", arguments->square_mm, "side of a square in mm, as measured")
+        ->type_name("MM")
+        ->required();
+    add_integer(command, "--columns", arguments->columns, 3, 64, "inner corners along a row of the board; default 9");
+    add_integer(command, "--rows", arguments->rows, 3, 64, "inner corners along a column; default 6");
+    command.add_option("--report", arguments->report, "picture with every view, its corners and errors")
+        ->type_name("PNG");
+    add_integer(command, "--views", arguments->views, 3, 1000,
+                "stop after this many; default " + std::to_string(default_views));
+    add_integer(command, "--every", arguments->every, 1, 1000, "look at every Nth frame; default 1");
+    command.add_flag("--force", arguments->force, "replace the files");
+    command.add_flag("--json", arguments->json, "the result as one JSON object");
+    command.footer(
+        "While it runs, standard error says what the board should do next. Ctrl-C: calibrate with the views so far.\n"
+        "A board of 10 x 7 squares has 9 x 6 inner corners. Below 0.5 px the RMS is good; views far above the others\n"
+        "are blurred or misread.\n"
+        "Example: disparityctl calibrate 'left%02d.jpg,right%02d.jpg' --square 25 -o my.yml --report my.png");
+    command.callback([arguments, &action] { action = [arguments] { return run_calibration(*arguments); }; });
+}
+
+}  // namespace disparityd::tools
