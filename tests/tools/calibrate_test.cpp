@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/calibration/drawn_board.h"
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr int width = 640;
+constexpr int height = 360;
+const calibration::Board board{9, 6, 30};
+
+class CalibrateTest : public FolderTest {
+protected:
+    /// Views of a drawn board as left0.png, right0.png, ...; every view twice, as a person holds still.
+    void make_views(std::size_t count) {
+        const calibration::test::BoardPainter painter(capture::scene_calibration(width, height), board);
+        const auto poses = calibration::test::careful_poses(board);
+        for (std::size_t i = 0; i < 2 * count; ++i) {
+            auto picture = painter.draw(poses.at(i / 2));
+            const cv::Mat both(height, 2 * width, CV_8U, picture.data());
+            const std::string number = std::to_string(i) + ".png";
+            ASSERT_TRUE(cv::imwrite(path("left" + number), both(cv::Rect(0, 0, width, height))));
+            ASSERT_TRUE(cv::imwrite(path("right" + number), both(cv::Rect(width, 0, width, height))));
+        }
+    }
+
+    Outcome calibrate(std::vector<std::string> options) {
+        std::vector<std::string> arguments{"calibrate", path("left%d.png") + "," + path("right%d.png"), "-o",
+                                           path("out.yml")};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        return run(DISPARITYCTL, arguments);
+    }
+};
+
+TEST_F(CalibrateTest, WritesACalibrationThatIsRead) {
+    make_views(13);
+    const Outcome outcome = calibrate({"--square", "30", "--json", "--report", path("report.png")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto result = nlohmann::json::parse(outcome.out);
+    EXPECT_LT(result["rms_px"], 0.2);
+    EXPECT_GE(result["views"].size(), 11U);
+    EXPECT_LE(result["views"].size(), 13U) << "a board that is held still is one view";
+    EXPECT_THAT(outcome.err, HasSubstr("view 1 of 20; "));
+    EXPECT_THAT(outcome.err, HasSubstr("has not moved"));
+
+    const auto read = capture::read_calibration(path("out.yml"), width, height);
+    const auto truth = capture::scene_calibration(width, height);
+    EXPECT_NEAR(read.left.fx / truth.left.fx, 1, 0.01);
+    EXPECT_NEAR(read.translation[0], truth.translation[0], 1);
+    const cv::Mat report = cv::imread(path("report.png"));
+    EXPECT_EQ(report.cols, 4 * 320);
+    EXPECT_GT(report.rows, 6 * 180);
+
+    // Nothing is overwritten, and the same views give the same file.
+    EXPECT_EQ(calibrate({"--square", "30"}).exit_code, 2);
+    const std::string first = read_file(path("out.yml"));
+    ASSERT_EQ(calibrate({"--square", "30", "--force"}).exit_code, 0);
+    EXPECT_EQ(read_file(path("out.yml")), first);
+}
+
+TEST_F(CalibrateTest, SaysWhatIsMissing) {
+    make_views(2);
+    const Outcome few = calibrate({"--square", "30"});
+    EXPECT_EQ(few.exit_code, 2);
+    EXPECT_THAT(few.err, HasSubstr("at least 3 are needed"));
+    EXPECT_THAT(calibrate({"--square", "30", "--columns", "12"}).err, HasSubstr("not seen whole"));
+    EXPECT_EQ(calibrate({"--square", "0"}).exit_code, 2);
+    EXPECT_EQ(calibrate({}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace disparityd::test
