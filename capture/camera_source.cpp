@@ -9,15 +9,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "capture/camera_calibration.h"
 #include "capture/camera_controls.h"
+#include "capture/camera_identity.h"
 #include "capture/camera_recovery.h"
 #include "capture/camera_trouble.h"
 #include "capture/eye_joiner.h"
 #include "capture/frame_counter.h"
 #include "capture/source_condition.h"
 #include "capture/video_stream.h"
-#include "capture/zed_extension.h"
 
 namespace disparityd::capture {
 
@@ -39,10 +38,6 @@ CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) 
     return times;
 }
 
-bool same_plugging(const UsbCamera& a, const UsbCamera& b) {
-    return a.node == b.node && a.port == b.port && a.address == b.address && a.product == b.product;
-}
-
 class CameraSource final : public FrameSource {
 public:
     CameraSource(VideoSystem& system, const SourceOptions& options);
@@ -60,9 +55,6 @@ private:
     void take_step(Step step);
     void open_any();
     std::optional<CameraTrouble> open_one(const UsbCamera& camera);
-    std::optional<CameraTrouble> identify(UsbCamera& camera);
-    std::optional<CameraTrouble> check_calibration(const UsbCamera& camera);
-    std::optional<StereoCalibration> likely_calibration();
     void opened(const UsbCamera& camera);
     void set_controls(const UsbCamera& camera);
     void restart();
@@ -79,6 +71,7 @@ private:
     VideoSystem& system_;
     const SourceOptions options_;
     const CameraRequest request_;
+    CameraIdentity identity_;
     SourceInfo info_;
     Waker waker_;
     VideoStream stream_;
@@ -87,7 +80,6 @@ private:
     FrameCounter counter_;
     bool after_reset_ = false;           ///< the next plugging is our own doing
     bool broken_ = false;                ///< the stream has failed and waits for its next rung
-    std::optional<UsbCamera> asked_;     ///< with the serial number that it gave
     std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
     steady_clock::time_point appeared_{};
@@ -105,6 +97,7 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     : system_(system),
       options_(options),
       request_(parse_camera_uri(options.uri)),
+      identity_(system, request_, options_),
       stream_(system, waker_),
       recovery_(recovery_times(options, request_.rate), system.now()) {
     info_.name = options.uri;
@@ -119,7 +112,7 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     if (!options.calibration_path.empty()) {
         info_.calibration = read_calibration(options.calibration_path, info_.eye_width, info_.height);
     } else {
-        info_.calibration = likely_calibration();
+        info_.calibration = identity_.likely_calibration();
     }
     if (request_.top_bottom) {
         const int bytes = bytes_per_pixel(request_.format);
@@ -227,7 +220,7 @@ void CameraSource::open_any() {
     const std::vector<UsbCamera> present = system_.cameras();
     std::optional<CameraTrouble> trouble;
     for (UsbCamera& camera : candidates(present, request_)) {
-        auto found = identify(camera);
+        auto found = identity_.identify(camera);
         if (!found && !request_.serial.empty() && camera.serial != request_.serial) {
             continue;
         }
@@ -250,71 +243,6 @@ void CameraSource::open_any() {
     }
 }
 
-/// Puts in the serial number that the camera itself gives; the USB descriptors of ZED cameras may all say the same.
-/// Trouble only when the number is asked for and cannot be had.
-std::optional<CameraTrouble> CameraSource::identify(UsbCamera& camera) {
-    if (camera.zed() == nullptr || camera.node.empty() || camera.zed()->old_firmware) {
-        return std::nullopt;
-    }
-    if (asked_ && same_plugging(*asked_, camera)) {
-        camera.serial = asked_->serial;
-        return std::nullopt;
-    }
-    const ZedSerial answer = read_zed_serial(system_, camera.node);
-    if (!answer.text.empty()) {
-        camera.serial = answer.text;
-        asked_ = camera;
-        return std::nullopt;
-    }
-    const bool not_the_one = request_.serial.empty() || camera.serial == request_.serial;
-    const bool refused = answer.code == EACCES || answer.code == EPERM || answer.code == EBUSY;
-    if (not_the_one || !refused) {
-        return std::nullopt;
-    }
-    return trouble_of(VideoError(VideoError::Call::open, answer.code, camera.node), camera, camera.label());
-}
-
-/// What the camera that will probably be used brings; nothing when there is none or its file is damaged, which the
-/// first opening says.
-std::optional<StereoCalibration> CameraSource::likely_calibration() {
-    std::string serial = request_.serial;
-    if (serial.empty()) {
-        std::vector<UsbCamera> cameras = candidates(system_.cameras(), request_);
-        if (cameras.empty()) {
-            return std::nullopt;
-        }
-        identify(cameras.front());
-        serial = cameras.front().serial;
-    }
-    try {
-        return find_camera_calibration(serial, options_.calibration_folders, info_.eye_width, info_.height);
-    } catch (const std::invalid_argument&) {
-        return std::nullopt;
-    }
-}
-
-/// Whether this camera may run with info()'s calibration.
-std::optional<CameraTrouble> CameraSource::check_calibration(const UsbCamera& camera) {
-    if (!options_.calibration_path.empty()) {
-        return std::nullopt;
-    }
-    std::optional<StereoCalibration> found;
-    try {
-        found = find_camera_calibration(camera.serial, options_.calibration_folders, info_.eye_width, info_.height);
-    } catch (const std::invalid_argument& error) {
-        return CameraTrouble{CameraState::no_calibration, error.what()};
-    }
-    if (!found && !options_.allow_unrectified) {
-        return no_calibration_trouble(camera, options_.calibration_folders);
-    }
-    const auto text = [](const std::optional<StereoCalibration>& c) { return c ? to_text(*c) : std::string(); };
-    if (text(found) == text(info_.calibration)) {
-        return std::nullopt;
-    }
-    return CameraTrouble{CameraState::changed, camera.label() + " has another calibration than the camera before: " +
-                                                   (found ? found->origin : "none") + "; it is put to use"};
-}
-
 std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
     if (!camera_ || !same_plugging(*camera_, camera)) {
         camera_ = camera;
@@ -327,7 +255,7 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
     if (auto trouble = trouble_at_sight(camera, request_)) {
         return trouble;
     }
-    if (auto trouble = check_calibration(camera)) {
+    if (auto trouble = identity_.check_calibration(camera, info_.calibration)) {
         return trouble;
     }
     try {

@@ -93,6 +93,10 @@ std::string UsbCamera::label(const std::string& known_serial) const {
     return model() + (text.empty() ? "" : " (" + text + ")");
 }
 
+bool same_plugging(const UsbCamera& a, const UsbCamera& b) {
+    return a.node == b.node && a.port == b.port && a.address == b.address && a.product == b.product;
+}
+
 std::vector<UsbCamera> list_cameras(const std::string& sys, const std::string& dev) {
     std::vector<UsbCamera> cameras;
     for (const fs::path& video : folders(fs::path(sys) / "class/video4linux")) {

@@ -32,6 +32,9 @@ struct UsbCamera {
     std::string label(const std::string& known_serial = {}) const;
 };
 
+/// Whether both are the same camera, not unplugged in between.
+bool same_plugging(const UsbCamera& a, const UsbCamera& b);
+
 /// The first node of every video device, and ZED cameras without one. Folders that vanish meanwhile are left out.
 std::vector<UsbCamera> list_cameras(const std::string& sys = "/sys", const std::string& dev = "/dev");
 

@@ -160,6 +160,11 @@ void Engine::stop() {
     if (pipeline_) {
         pipeline_->stop();
     }
+    if (pipeline_ && source().live) {
+        // A camera lets go of its device in the first call after the interruption: the next engine may want it.
+        capture::RawFrame none;
+        source_->next(none, steady_clock::now());
+    }
 }
 
 void Engine::make_self_calibrator() {
