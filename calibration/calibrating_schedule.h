@@ -29,6 +29,9 @@ public:
     const capture::Rectification& factory() const override { return book_.factory(); }
     std::shared_ptr<const capture::Rectification> for_frame(capture::RawFrame& frame) override;
 
+    /// What is in use; its state() may be read from any thread at any time.
+    const capture::RectificationBook& book() const { return book_; }
+
     struct Estimate {
         std::uint64_t sequence = 0;  ///< of the frame it was made at, the first to have the correction
         SelfCalibrationResult result;

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "calibration/calibrating_schedule.h"
 #include "calibration/correction_file.h"
 #include "capture/camera_calibration.h"
 #include "capture/camera_controls.h"
@@ -129,6 +128,7 @@ Engine::Engine(const Config& config, std::function<void(int, int)> progress)
       source_(open_source(config, std::move(progress))),
       rectifications_(make_schedule(config, source_->info())),
       book_(dynamic_cast<capture::RectificationBook*>(rectifications_.get())),
+      calibrating_(dynamic_cast<const calibration::CalibratingSchedule*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
@@ -307,6 +307,10 @@ void Engine::fill(v1::Status& status) const {
 void Engine::fill_self_calibration(v1::Status& status) const {
     if (self_calibrator_) {
         self_calibrator_->fill(*status.mutable_self_calibration());
+    } else if (calibrating_ != nullptr) {
+        disparityd::fill(*status.mutable_self_calibration(), calibrating_->book().state());
+        status.mutable_self_calibration()->set_estimating(true);
+        status.mutable_self_calibration()->set_detail("estimated at fixed frames of the replay");
     } else if (book_ != nullptr && book_->state().correction.any()) {
         disparityd::fill(*status.mutable_self_calibration(), book_->state());
         status.mutable_self_calibration()->set_detail("as recorded");

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "calibration/calibrating_schedule.h"
 #include "capture/frame_source.h"
 #include "capture/rectification_schedule.h"
 #include "daemon/config.h"
@@ -85,7 +86,8 @@ private:
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
     std::unique_ptr<capture::RectificationSchedule> rectifications_;
-    capture::RectificationBook* book_ = nullptr;  ///< the same, where it is one
+    capture::RectificationBook* book_ = nullptr;                     ///< the same, where it is one
+    const calibration::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     pipeline::WorkerPool workers_;

@@ -9,6 +9,7 @@
 
 #include "capture/calibration_correction.h"
 #include "capture/frame_source.h"
+#include "capture/recording_writer.h"
 #include "tests/daemon/daemon_fixture.h"
 
 namespace disparityd::test {
@@ -148,6 +149,37 @@ TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysThe
     }
     EXPECT_GE(compared[corrected_id], 3);
     EXPECT_FALSE(status(frames).self_calibration().estimating());
+}
+
+TEST_F(SelfCalibrationTest, AReplayIsEstimatedAtFixedFramesWhenAskedFor) {
+    const std::string calibration = untrue_calibration();
+    capture::SourceOptions options;
+    options.uri = std::string(camera) + "&frames=8";
+    options.pace = capture::Pace::fastest;
+    options.calibration_path = calibration;
+    const auto source = capture::open_source(options);
+    {
+        capture::RecordingWriter writer(folder_.path() + "/r.mkv", source->info());
+        capture::RawFrame frame;
+        while (source->next(frame, std::chrono::steady_clock::now() + 1min) == capture::FrameSource::Next::frame) {
+            writer.write(frame);
+            source->give_back(frame);
+        }
+        writer.close();
+    }
+    std::map<std::int64_t, Seen> corrected;
+    {
+        const auto daemon =
+            start_ready(config(folder_.path() + "/r.mkv"), {"--self-calibrate", "--set", "source.loop=true"});
+        WireClient client = subscriber(daemon->address("unix:"), {v1::DISPARITY});
+        next_frame(client, corrected);
+        expect_found(status(client).self_calibration());
+    }
+    const auto factory = start_ready(config(folder_.path() + "/r.mkv"), {"--set", "source.loop=true"});
+    WireClient client = subscriber(factory->address("unix:"), {v1::DISPARITY});
+    std::map<std::int64_t, Seen> plain;
+    EXPECT_NE(next_frame(client, plain).calibration_id, corrected.begin()->second.calibration_id);
+    EXPECT_TRUE(kept().empty());
 }
 
 TEST_F(SelfCalibrationTest, SwitchedOffNothingIsEstimatedOrApplied) {
