@@ -52,8 +52,15 @@ public:
 private:
     using Step = CameraRecovery::Step;
 
+    struct Plugged {
+        UsbCamera camera;
+        steady_clock::time_point since;
+    };
+
     void take_step(Step step);
     void open_any();
+    void note_plugged(const std::vector<UsbCamera>& cameras);
+    steady_clock::time_point plugged_since(const UsbCamera& camera) const;
     std::optional<CameraTrouble> open_one(const UsbCamera& camera);
     void opened(const UsbCamera& camera);
     void set_controls(const UsbCamera& camera);
@@ -82,7 +89,7 @@ private:
     bool broken_ = false;                ///< the stream has failed and waits for its next rung
     std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
-    steady_clock::time_point appeared_{};
+    std::vector<Plugged> plugged_;       ///< those that are there and may be meant
     std::atomic<bool> interrupted_{false};
 
     mutable std::mutex mutex_;  ///< what follows
@@ -218,8 +225,11 @@ void CameraSource::take_step(Step step) {
 /// The first camera that is meant and can be used; what keeps the likeliest one from it becomes the condition.
 void CameraSource::open_any() {
     const std::vector<UsbCamera> present = system_.cameras();
+    std::vector<UsbCamera> meant = candidates(present, request_);
+    note_plugged(meant);
     std::optional<CameraTrouble> trouble;
-    for (UsbCamera& camera : candidates(present, request_)) {
+    bool zeds = false;
+    for (UsbCamera& camera : meant) {
         auto found = identity_.identify(camera);
         if (!found && !request_.serial.empty() && camera.serial != request_.serial) {
             continue;
@@ -230,7 +240,11 @@ void CameraSource::open_any() {
         if (!found) {
             return;
         }
-        trouble = trouble ? trouble : found;
+        // What is wrong with a ZED matters more than what is wrong with some other camera.
+        if (!trouble || (!zeds && camera.zed() != nullptr)) {
+            trouble = found;
+            zeds = camera.zed() != nullptr;
+        }
     }
     recovery_.absent(system_.now());
     if (!trouble) {
@@ -243,15 +257,30 @@ void CameraSource::open_any() {
     }
 }
 
-std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
-    if (!camera_ || !same_plugging(*camera_, camera)) {
-        camera_ = camera;
-        appeared_ = system_.now();
-        if (!after_reset_) {
-            recovery_.forget_attempts();
-        }
+void CameraSource::note_plugged(const std::vector<UsbCamera>& cameras) {
+    std::vector<Plugged> plugged;
+    bool came = false;
+    for (const UsbCamera& camera : cameras) {
+        const auto known = std::find_if(plugged_.begin(), plugged_.end(),
+                                        [&](const Plugged& p) { return same_plugging(p.camera, camera); });
+        came = came || known == plugged_.end();
+        plugged.push_back({camera, known == plugged_.end() ? system_.now() : known->since});
     }
-    after_reset_ = false;
+    plugged_ = std::move(plugged);
+    if (came && !after_reset_) {
+        recovery_.forget_attempts();
+    }
+    after_reset_ = after_reset_ && !came;
+}
+
+steady_clock::time_point CameraSource::plugged_since(const UsbCamera& camera) const {
+    const auto known = std::find_if(plugged_.begin(), plugged_.end(),
+                                    [&](const Plugged& p) { return same_plugging(p.camera, camera); });
+    return known == plugged_.end() ? steady_clock::time_point::min() : known->since;
+}
+
+std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
+    camera_ = camera;
     if (auto trouble = trouble_at_sight(camera, request_)) {
         return trouble;
     }
@@ -266,11 +295,12 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
         stream_.close();
         CameraTrouble trouble = trouble_of(error, camera, camera.label());
         if (options_.wait_for_camera && trouble.state == CameraState::no_permission &&
-            system_.now() < appeared_ + permission_time) {
+            system_.now() < plugged_since(camera) + permission_time) {
             return CameraTrouble{CameraState::starting, camera.label() + " has come and is being prepared by udev"};
         }
         return trouble;
     }
+    after_reset_ = false;
     set_controls(camera);
     opened(camera);
     return std::nullopt;

@@ -95,7 +95,8 @@ bool same_node(const std::string& node, const std::string& device) {
 }  // namespace
 
 std::string CameraRequest::wanted() const {
-    std::string text = "camera";
+    const bool zed = !mode.empty() && device.empty() && port.empty();
+    std::string text = zed ? "ZED camera" : "camera";
     text += serial.empty() ? "" : " with serial " + serial;
     text += device.empty() ? "" : " " + device;
     text += port.empty() ? "" : " at USB port " + port;
@@ -138,9 +139,11 @@ CameraRequest parse_camera_uri(const std::string& uri) {
 
 std::vector<UsbCamera> candidates(const std::vector<UsbCamera>& cameras, const CameraRequest& request) {
     std::vector<UsbCamera> list;
+    // A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
+    const bool zed_only = !request.mode.empty() && request.device.empty() && request.port.empty();
     std::copy_if(cameras.begin(), cameras.end(), std::back_inserter(list), [&](const UsbCamera& camera) {
         return (request.device.empty() || same_node(camera.node, request.device)) &&
-               (request.port.empty() || camera.port == request.port);
+               (request.port.empty() || camera.port == request.port) && (!zed_only || camera.zed() != nullptr);
     });
     // A camera that works comes before one that cannot.
     std::stable_partition(list.begin(), list.end(), [](const UsbCamera& camera) {

@@ -26,7 +26,7 @@ struct CameraRequest {
     int eye_width() const { return top_bottom ? frame_width : frame_width / 2; }
     int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
 
-    /// "camera with serial 12345", "camera /dev/video0", "camera"
+    /// "camera with serial 12345", "camera /dev/video0", "ZED camera"
     std::string wanted() const;
 };
 
@@ -35,7 +35,8 @@ bool is_camera(const std::string& uri);
 /// Throws std::invalid_argument with one line that says what was found and what is allowed.
 CameraRequest parse_camera_uri(const std::string& uri);
 
-/// Those of the cameras that may be meant, ZED cameras first; the serial number is not looked at, as some cameras tell
+/// Those of the cameras that may be meant, ZED cameras first; with a ZED mode's name and neither node nor port, ZED
+/// cameras only. The serial number is not looked at, as some cameras tell
 /// it only when they are asked.
 std::vector<UsbCamera> candidates(const std::vector<UsbCamera>& cameras, const CameraRequest& request);
 

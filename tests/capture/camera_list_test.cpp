@@ -139,15 +139,21 @@ TEST(CameraUriTest, MistakesAreRefusedWithWhatIsAllowed) {
     }
 }
 
-TEST(CameraUriTest, AnyCameraMeansAZedFirst) {
+TEST(CameraUriTest, AModeOfZedCamerasMeansAZedAndASizeAZedFirst) {
     UsbCamera webcam;
     webcam.node = "/dev/video0";
     UsbCamera zed;
     zed.node = "/dev/video2";
     zed.vendor = zed_vendor;
     zed.product = 0xf780;
-    EXPECT_EQ(candidates({webcam, zed}, parse_camera_uri("v4l2:"))[0].node, "/dev/video2");
-    EXPECT_EQ(candidates({webcam, zed}, parse_camera_uri("v4l2:?device=/dev/video0")).size(), 1U);
+    const std::vector<UsbCamera> both = {webcam, zed};
+    for (const char* uri : {"v4l2:", "v4l2:vga@15", "v4l2:vga?serial=12345"}) {
+        ASSERT_EQ(candidates(both, parse_camera_uri(uri)).size(), 1U) << uri;
+        EXPECT_EQ(candidates(both, parse_camera_uri(uri))[0].node, "/dev/video2");
+    }
+    ASSERT_EQ(candidates(both, parse_camera_uri("v4l2:2560x720")).size(), 2U);
+    EXPECT_EQ(candidates(both, parse_camera_uri("v4l2:2560x720"))[0].node, "/dev/video2");
+    EXPECT_EQ(candidates(both, parse_camera_uri("v4l2:?device=/dev/video0")).size(), 1U);
 }
 
 }  // namespace

@@ -290,6 +290,30 @@ TEST_F(CameraSourceTest, UdevGetsAMomentToGiveLeave) {
     EXPECT_EQ(reported("group video"), 0);
 }
 
+TEST_F(CameraSourceTest, WhatKeepsAZedComesBeforeWhatKeepsAnotherCamera) {
+    auto webcam = zed2("/dev/video0", "");
+    webcam.usb.vendor = 0x046d;
+    webcam.usb.name = "webcam";
+    webcam.usb.port = "1-1";
+    webcam.usb.address = 9;
+    webcam.open_error = EACCES;
+    system_.plug(webcam);
+    auto zed = zed2("/dev/video2");
+    zed.open_error = EACCES;
+    system_.plug(zed);
+    open();
+    run(600ms);
+    EXPECT_EQ(state(), CameraState::starting);
+    run(2s);
+    EXPECT_EQ(state(), CameraState::no_permission) << "each camera's time runs from its own plugging";
+    EXPECT_THAT(detail(), HasSubstr("ZED 2"));
+    system_.unplug("/dev/video2");
+    zed.usb.product = 0xf580;
+    system_.plug(zed);
+    run(3s);
+    EXPECT_EQ(state(), CameraState::old_firmware);
+}
+
 TEST_F(CameraSourceTest, AmongSeveralTheOneThatIsMeant) {
     auto other = zed2("/dev/video0", "111");
     other.usb.port = "1-1";
