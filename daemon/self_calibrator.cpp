@@ -7,8 +7,9 @@
 #include <utility>
 
 #include <pthread.h>
-#include <sched.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "calibration/correction_file.h"
 
@@ -78,8 +79,9 @@ void SelfCalibrator::offer(const pipeline::FrameSlot& slot) noexcept {
 
 void SelfCalibrator::run() {
     pthread_setname_np(pthread_self(), "self-calibrate");
-    const sched_param none{};
-    pthread_setschedparam(pthread_self(), SCHED_IDLE, &none);
+    // Not SCHED_IDLE: on a machine that is always busy nothing would ever be found.
+    constexpr int least_urgent = 19;
+    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_urgent);
     for (;;) {
         due_ = steady_clock::now() + settings_.interval;
         int before = busy;
