@@ -3,17 +3,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cerrno>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
+#include "capture/camera_calibration.h"
+#include "capture/camera_controls.h"
 #include "capture/camera_recovery.h"
 #include "capture/camera_trouble.h"
 #include "capture/eye_joiner.h"
 #include "capture/frame_counter.h"
 #include "capture/source_condition.h"
 #include "capture/video_stream.h"
+#include "capture/zed_extension.h"
 
 namespace disparityd::capture {
 
@@ -48,6 +52,7 @@ public:
     void give_back(const RawFrame& frame) noexcept override;
     void interrupt() noexcept override;
     SourceCondition condition() const override;
+    std::vector<CameraControl> control(const std::vector<CameraSetting>& settings) override;
 
 private:
     using Step = CameraRecovery::Step;
@@ -55,7 +60,11 @@ private:
     void take_step(Step step);
     void open_any();
     std::optional<CameraTrouble> open_one(const UsbCamera& camera);
+    std::optional<CameraTrouble> identify(UsbCamera& camera);
+    std::optional<CameraTrouble> check_calibration(const UsbCamera& camera);
+    std::optional<StereoCalibration> likely_calibration();
     void opened(const UsbCamera& camera);
+    void set_controls(const UsbCamera& camera);
     void restart();
     void reset();
     void stream_failed();
@@ -65,7 +74,7 @@ private:
     void settle(CameraState state, const std::string& detail);
     void stalled(const std::string& what_is_done);
     void count(std::uint64_t CameraFacts::*attempts);
-    void report(const std::string& line) const;
+    void report(const std::string& line, bool trouble) const;
 
     VideoSystem& system_;
     const SourceOptions options_;
@@ -78,14 +87,18 @@ private:
     FrameCounter counter_;
     bool after_reset_ = false;           ///< the next plugging is our own doing
     bool broken_ = false;                ///< the stream has failed and waits for its next rung
+    std::optional<UsbCamera> asked_;     ///< with the serial number that it gave
     std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
     steady_clock::time_point appeared_{};
     std::atomic<bool> interrupted_{false};
 
-    mutable std::mutex mutex_;  ///< the two below
+    mutable std::mutex mutex_;  ///< what follows
     CameraFacts facts_;
     std::string detail_;
+    std::vector<std::string> notices_;
+    std::optional<UsbCamera> controlled_;  ///< the camera whose controls can be set now
+    std::vector<CameraSetting> settings_;  ///< what it gets when it is opened
 };
 
 CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
@@ -102,8 +115,11 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     info_.live = true;
     info_.description =
         request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
+    settings_ = parse_camera_settings(options.controls, "source " + options.uri + ": controls");
     if (!options.calibration_path.empty()) {
         info_.calibration = read_calibration(options.calibration_path, info_.eye_width, info_.height);
+    } else {
+        info_.calibration = likely_calibration();
     }
     if (request_.top_bottom) {
         const int bytes = bytes_per_pixel(request_.format);
@@ -210,11 +226,14 @@ void CameraSource::take_step(Step step) {
 void CameraSource::open_any() {
     const std::vector<UsbCamera> present = system_.cameras();
     std::optional<CameraTrouble> trouble;
-    for (const UsbCamera& camera : candidates(present, request_)) {
-        if (!request_.serial.empty() && camera.serial != request_.serial) {
+    for (UsbCamera& camera : candidates(present, request_)) {
+        auto found = identify(camera);
+        if (!found && !request_.serial.empty() && camera.serial != request_.serial) {
             continue;
         }
-        const auto found = open_one(camera);
+        if (!found) {
+            found = open_one(camera);
+        }
         if (!found) {
             return;
         }
@@ -231,6 +250,71 @@ void CameraSource::open_any() {
     }
 }
 
+/// Puts in the serial number that the camera itself gives; the USB descriptors of ZED cameras may all say the same.
+/// Trouble only when the number is asked for and cannot be had.
+std::optional<CameraTrouble> CameraSource::identify(UsbCamera& camera) {
+    if (camera.zed() == nullptr || camera.node.empty() || camera.zed()->old_firmware) {
+        return std::nullopt;
+    }
+    if (asked_ && same_plugging(*asked_, camera)) {
+        camera.serial = asked_->serial;
+        return std::nullopt;
+    }
+    const ZedSerial answer = read_zed_serial(system_, camera.node);
+    if (!answer.text.empty()) {
+        camera.serial = answer.text;
+        asked_ = camera;
+        return std::nullopt;
+    }
+    const bool not_the_one = request_.serial.empty() || camera.serial == request_.serial;
+    const bool refused = answer.code == EACCES || answer.code == EPERM || answer.code == EBUSY;
+    if (not_the_one || !refused) {
+        return std::nullopt;
+    }
+    return trouble_of(VideoError(VideoError::Call::open, answer.code, camera.node), camera, camera.label());
+}
+
+/// What the camera that will probably be used brings; nothing when there is none or its file is damaged, which the
+/// first opening says.
+std::optional<StereoCalibration> CameraSource::likely_calibration() {
+    std::string serial = request_.serial;
+    if (serial.empty()) {
+        std::vector<UsbCamera> cameras = candidates(system_.cameras(), request_);
+        if (cameras.empty()) {
+            return std::nullopt;
+        }
+        identify(cameras.front());
+        serial = cameras.front().serial;
+    }
+    try {
+        return find_camera_calibration(serial, options_.calibration_folders, info_.eye_width, info_.height);
+    } catch (const std::invalid_argument&) {
+        return std::nullopt;
+    }
+}
+
+/// Whether this camera may run with info()'s calibration.
+std::optional<CameraTrouble> CameraSource::check_calibration(const UsbCamera& camera) {
+    if (!options_.calibration_path.empty()) {
+        return std::nullopt;
+    }
+    std::optional<StereoCalibration> found;
+    try {
+        found = find_camera_calibration(camera.serial, options_.calibration_folders, info_.eye_width, info_.height);
+    } catch (const std::invalid_argument& error) {
+        return CameraTrouble{CameraState::no_calibration, error.what()};
+    }
+    if (!found && !options_.allow_unrectified) {
+        return no_calibration_trouble(camera, options_.calibration_folders);
+    }
+    const auto text = [](const std::optional<StereoCalibration>& c) { return c ? to_text(*c) : std::string(); };
+    if (text(found) == text(info_.calibration)) {
+        return std::nullopt;
+    }
+    return CameraTrouble{CameraState::changed, camera.label() + " has another calibration than the camera before: " +
+                                                   (found ? found->origin : "none") + "; it is put to use"};
+}
+
 std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
     if (!camera_ || !same_plugging(*camera_, camera)) {
         camera_ = camera;
@@ -241,6 +325,9 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
     }
     after_reset_ = false;
     if (auto trouble = trouble_at_sight(camera, request_)) {
+        return trouble;
+    }
+    if (auto trouble = check_calibration(camera)) {
         return trouble;
     }
     try {
@@ -256,8 +343,44 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
         }
         return trouble;
     }
+    set_controls(camera);
     opened(camera);
     return std::nullopt;
+}
+
+/// What was configured and set since; a camera forgets it when it is unplugged. It streams even where that fails.
+void CameraSource::set_controls(const UsbCamera& camera) {
+    std::vector<CameraSetting> settings;
+    {
+        const std::lock_guard lock(mutex_);
+        settings = settings_;
+    }
+    if (settings.empty()) {
+        return;
+    }
+    try {
+        control_camera(system_, camera, request_.rate, settings);
+    } catch (const std::exception& error) {
+        report(error.what(), true);
+    }
+}
+
+std::vector<CameraControl> CameraSource::control(const std::vector<CameraSetting>& settings) {
+    std::optional<UsbCamera> camera;
+    {
+        const std::lock_guard lock(mutex_);
+        camera = controlled_;
+    }
+    if (!camera) {
+        throw std::runtime_error("camera: there is none at the moment; disparityctl status says why");
+    }
+    std::vector<CameraControl> controls = control_camera(system_, *camera, request_.rate, settings);
+    const std::lock_guard lock(mutex_);
+    for (const CameraSetting& setting : settings) {
+        std::erase_if(settings_, [&setting](const CameraSetting& old) { return old.name == setting.name; });
+        settings_.push_back(setting);
+    }
+    return controls;
 }
 
 void CameraSource::opened(const UsbCamera& camera) {
@@ -274,6 +397,11 @@ void CameraSource::opened(const UsbCamera& camera) {
         facts_.firmware = firmware_text(camera.firmware);
         facts_.speed_mbit = camera.speed_mbit;
         facts_.rate = stream_.rate();
+        controlled_ = camera;
+        notices_ = camera_notices(camera);
+        if (!info_.calibration) {
+            notices_.push_back("there is no calibration for " + camera.label() + ": frames are unrectified");
+        }
         facts_.arrivals += streamed_ && same_plugging(*streamed_, camera) ? 0 : 1;
     }
     if (!stalled_before) {
@@ -308,7 +436,8 @@ void CameraSource::reset() {
     after_reset_ = true;
     if (const int code = system_.reset_usb(camera.bus, camera.address); code != 0) {
         report("the USB reset of " + camera.label() + " failed: " + error_text(code) +
-               (code == EACCES ? "; install disparityd's udev rule" : "; plug it in again"));
+                   (code == EACCES ? "; install disparityd's udev rule" : "; plug it in again"),
+               true);
     }
     recovery_.absent(system_.now());
 }
@@ -323,7 +452,11 @@ void CameraSource::stream_failed() {
     stream_.close();
     recovery_.absent(system_.now());
     recovery_.forget_attempts();
-    settle(CameraState::absent, camera_->label() + " was unplugged: plug it in again; this goes on by itself");
+    {
+        const std::lock_guard lock(mutex_);
+        controlled_.reset();
+    }
+    settle(CameraState::absent, camera_->label() + " was unplugged: plug it in again");
 }
 
 bool CameraSource::still_there() {
@@ -345,7 +478,8 @@ void CameraSource::settle(CameraState state, const std::string& detail) {
         facts_.state = state;
         detail_ = detail;
     }
-    report(state == CameraState::streaming ? "frames come from " + camera_->label() : detail);
+    const bool well = state == CameraState::streaming || state == CameraState::starting;
+    report(state == CameraState::streaming ? "frames come from " + camera_->label() : detail, !well);
 }
 
 void CameraSource::count(std::uint64_t CameraFacts::*attempts) {
@@ -353,9 +487,9 @@ void CameraSource::count(std::uint64_t CameraFacts::*attempts) {
     ++(facts_.*attempts);
 }
 
-void CameraSource::report(const std::string& line) const {
+void CameraSource::report(const std::string& line, bool trouble) const {
     if (options_.report) {
-        options_.report(line);
+        options_.report(line, trouble);
     }
 }
 
@@ -363,7 +497,9 @@ SourceCondition CameraSource::condition() const {
     SourceCondition condition;
     const std::lock_guard lock(mutex_);
     condition.delivering = facts_.state == CameraState::streaming;
+    condition.reopen = facts_.state == CameraState::changed;
     condition.detail = detail_;
+    condition.notices = notices_;
     condition.camera = facts_;
     condition.camera->damaged = stream_.damaged();
     condition.camera->too_short = stream_.too_short();

@@ -52,15 +52,15 @@ std::optional<CameraTrouble> trouble_at_sight(const UsbCamera& camera, const Cam
 CameraTrouble trouble_of(const VideoError& error, const UsbCamera& camera, const std::string& label) {
     switch (error.code) {
         case EBUSY:
-            return {CameraState::busy, label + " is in use by another program: end that (fuser -v " + camera.node +
-                                           " names it); this goes on by itself"};
+            return {CameraState::busy,
+                    label + " is in use by another program: end that (fuser -v " + camera.node + " names it)"};
         case EACCES:
         case EPERM:
             return {CameraState::no_permission,
                     label +
                         " may not be opened by this user: add the user to the group video (usermod -aG video "
-                        "USER) and install disparityd's udev rule; this goes on by itself when " +
-                        camera.node + " is accessible"};
+                        "USER) and install disparityd's udev rule; the device is " +
+                        camera.node};
         case ENOENT:
         case ENODEV:
         case ENXIO: return {CameraState::absent, label + " went away while it was opened: check plug and cable"};
@@ -82,12 +82,25 @@ CameraTrouble trouble_of(const VideoError& error, const UsbCamera& camera, const
 }
 
 CameraTrouble absent_trouble(const CameraRequest& request, const std::vector<UsbCamera>& present) {
-    std::string detail = "no " + request.wanted() + ": plug it in; this goes on by itself";
+    std::string detail = "no " + request.wanted() + ": plug it in";
     std::string list;
     for (const UsbCamera& camera : present) {
         list += (list.empty() ? "" : ", ") + camera.label();
     }
     return {CameraState::absent, detail + (list.empty() ? "" : " (there: " + list + ")")};
+}
+
+CameraTrouble no_calibration_trouble(const UsbCamera& camera, const std::vector<std::string>& folders) {
+    std::string list;
+    for (const std::string& folder : folders) {
+        list += (list.empty() ? "" : " or ") + folder;
+    }
+    const std::string file = "SN" + (camera.serial.empty() ? "<serial>" : camera.serial) + ".conf";
+    return {CameraState::no_calibration,
+            "there is no calibration for " + camera.label() + ": " +
+                (list.empty() ? "set [source] calibration_folders" : "put " + file + " into " + list) +
+                ", name a file with [source] calibration, or allow pixels as captured with [source] "
+                "allow_unrectified = true"};
 }
 
 std::vector<std::string> camera_notices(const UsbCamera& camera) {

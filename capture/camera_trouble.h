@@ -26,6 +26,9 @@ CameraTrouble trouble_of(const VideoError& error, const UsbCamera& camera, const
 /// No camera is what was asked for; `present` are those that are there.
 CameraTrouble absent_trouble(const CameraRequest& request, const std::vector<UsbCamera>& present);
 
+/// No calibration was found in these folders, and there has to be one.
+CameraTrouble no_calibration_trouble(const UsbCamera& camera, const std::vector<std::string>& folders);
+
 /// What does not hinder: autosuspend, a USB 2 link. Empty when all is well.
 std::vector<std::string> camera_notices(const UsbCamera& camera);
 

@@ -3,12 +3,17 @@
 
 #include <stdexcept>
 
+#include "capture/camera_controls.h"
 #include "capture/source_condition.h"
 
 namespace disparityd::capture {
 
 SourceCondition FrameSource::condition() const {
     return {};
+}
+
+std::vector<CameraControl> FrameSource::control(const std::vector<CameraSetting>&) {
+    throw std::invalid_argument("camera: the source " + info().name + " is no camera, allowed: v4l2:");
 }
 
 std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {

@@ -16,6 +16,8 @@
 namespace disparityd::capture {
 
 struct SourceCondition;
+struct CameraControl;
+struct CameraSetting;
 
 /// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
 enum FrameFlag : std::uint32_t {
@@ -77,6 +79,11 @@ public:
     /// How the source stands at the moment (capture/source_condition.h); any thread. Only live cameras have more to
     /// say than that they deliver.
     virtual SourceCondition condition() const;
+
+    /// Sets controls of a live camera in this order and says how all of them stand then (capture/camera_controls.h).
+    /// Any thread; takes milliseconds for each. Throws std::invalid_argument when a name or value is not allowed or the
+    /// source is no camera, std::runtime_error when the camera is not there or refuses.
+    virtual std::vector<CameraControl> control(const std::vector<CameraSetting>& settings);
 };
 
 /// How frames are timed when they do not come from a camera.
@@ -95,10 +102,11 @@ struct SourceOptions {
     bool wait_for_camera = false;   ///< one that is not there, or cannot be used yet, is waited for; else a refusal
     bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
     std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order
-    std::chrono::milliseconds stall_time{1000};    ///< a camera that gives no frame for so long is restarted
+    std::string controls;  ///< "gain-left=30 auto-exposure=0": set in this order whenever the camera is opened
+    std::chrono::milliseconds stall_time{1000};  ///< a camera that gives no frame for so long is restarted
     /// Hears, one line each, what happens to the camera and what is done about it, in the thread of next(); may be
     /// empty.
-    std::function<void(const std::string& line)> report;
+    std::function<void(const std::string& line, bool trouble)> report;
     /// Called while a source prepares itself (rendering ahead), with done/total; may be empty.
     std::function<void(int done, int total)> progress;
 };

@@ -18,8 +18,7 @@ namespace disparityd::capture {
 class VideoError : public std::runtime_error {
 public:
     enum class Call { open, capabilities, format, buffers, stream };
-    VideoError(Call which, int number, const std::string& what)
-        : std::runtime_error(what), call(which), code(number) {}
+    VideoError(Call which, int number, const std::string& what) : std::runtime_error(what), call(which), code(number) {}
     const Call call;
     const int code;  ///< errno; 0: the device works, but not as asked
 };

@@ -79,7 +79,7 @@ std::string ClientSession::label() const {
 }
 
 void ClientSession::read_length() {
-    if (closed_ || closing_ || reading_ || recording_asked_ || answers_.size() >= max_answers) {
+    if (closed_ || closing_ || reading_ || answer_pending_ || answers_.size() >= max_answers) {
         return;
     }
     reading_ = true;
@@ -154,7 +154,7 @@ void ClientSession::handle(const v1::Envelope& message) {
             break;
         }
         case v1::Envelope::kRecordStart:
-            recording_asked_ = true;
+            answer_pending_ = true;
             host_.start_recording(
                 message.record_start().path(),
                 [self = shared_from_this()](const v1::RecordStatus& status, const std::string& refusal) {
@@ -162,15 +162,16 @@ void ClientSession::handle(const v1::Envelope& message) {
                 });
             break;
         case v1::Envelope::kRecordStop:
-            recording_asked_ = true;
+            answer_pending_ = true;
             host_.stop_recording(
                 [self = shared_from_this()](const v1::RecordStatus& status, const std::string& refusal) {
                     self->answer_recording(status, refusal);
                 });
             break;
+        case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
         default:
             send_error(fmt::format("message {} of Envelope is not for clients to send, allowed: hello, subscribe, "
-                                   "status_request, record_start, record_stop",
+                                   "status_request, record_start, record_stop, camera_request",
                                    static_cast<int>(message.body_case())),
                        true);
     }
@@ -272,12 +273,33 @@ void ClientSession::send_status_every(double seconds) {
 }
 
 void ClientSession::answer_recording(const v1::RecordStatus& status, const std::string& refusal) {
-    recording_asked_ = false;
+    v1::Envelope answer;
+    *answer.mutable_record_status() = status;
+    answer_later(std::move(answer), refusal);
+}
+
+void ClientSession::control_camera(const v1::CameraRequest& request) {
+    constexpr int most_settings = 64;
+    if (request.settings_size() > most_settings) {
+        send_error(
+            fmt::format("camera: found {} settings, allowed: at most {}", request.settings_size(), most_settings),
+            false);
+        return;
+    }
+    answer_pending_ = true;
+    host_.control_camera(request,
+                         [self = shared_from_this()](const v1::CameraControls& controls, const std::string& refusal) {
+                             v1::Envelope answer;
+                             *answer.mutable_camera_controls() = controls;
+                             self->answer_later(std::move(answer), refusal);
+                         });
+}
+
+void ClientSession::answer_later(v1::Envelope answer, const std::string& refusal) {
+    answer_pending_ = false;
     if (!refusal.empty()) {
         send_error(refusal, false);
     } else {
-        v1::Envelope answer;
-        *answer.mutable_record_status() = status;
         send(std::move(answer));
     }
     read_length();

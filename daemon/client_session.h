@@ -34,6 +34,9 @@ public:
     /// The answer to a request about recordings: the state, or why it was refused.
     using RecordAnswer = std::function<void(const v1::RecordStatus& status, const std::string& refusal)>;
 
+    /// The same for requests about the camera.
+    using CameraAnswer = std::function<void(const v1::CameraControls& controls, const std::string& refusal)>;
+
     virtual ~SessionHost() = default;
     virtual const StreamLayout& layout() const = 0;
     virtual FrameRing& frames() = 0;
@@ -41,6 +44,7 @@ public:
     virtual v1::Status status() = 0;
     virtual void start_recording(const std::string& path, RecordAnswer answer) = 0;
     virtual void stop_recording(RecordAnswer answer) = 0;
+    virtual void control_camera(const v1::CameraRequest& request, CameraAnswer answer) = 0;
     virtual void subscription_changed() = 0;
     virtual void closed(std::uint64_t id) = 0;
 };
@@ -82,6 +86,8 @@ private:
     void subscribe(const v1::Subscribe& subscribe);
     void send_status_every(double seconds);
     void answer_recording(const v1::RecordStatus& status, const std::string& refusal);
+    void control_camera(const v1::CameraRequest& request);
+    void answer_later(v1::Envelope answer, const std::string& refusal);
     void send(v1::Envelope message);
     void send_error(const std::string& why, bool closing);
     void pump();
@@ -108,7 +114,7 @@ private:
     std::array<std::uint8_t, 4> length_{};
     std::vector<std::uint8_t> incoming_;
     bool reading_ = false;
-    bool recording_asked_ = false;  ///< nothing more is read until that is answered
+    bool answer_pending_ = false;  ///< nothing more is read until that is answered
 
     std::deque<std::vector<std::uint8_t>> answers_;
     std::vector<std::uint8_t> head_;  ///< being written, with planes_ behind it

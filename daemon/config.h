@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/camera_calibration.h"
 #include "capture/frame_source.h"
 #include "capture/rectification.h"
 #include "kernels/options.h"
@@ -21,6 +22,11 @@ struct Config {
         capture::Pace pace = capture::Pace::source;
         bool loop = false;
         std::string calibration;  ///< empty = what the source brings
+        /// Folders with calibrations by serial number of cameras, between colons.
+        std::string calibration_folders = capture::standard_calibration_folders;
+        bool allow_unrectified = false;  ///< cameras only
+        std::string controls;            ///< cameras only; see capture::parse_camera_settings()
+        int stall_ms = 1000;             ///< cameras only
         PolicyChoice policy = PolicyChoice::automatic;
     } source;
 

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <stdexcept>
 #include <utility>
+
+#include "capture/camera_controls.h"
 
 namespace disparityd {
 namespace {
@@ -146,6 +149,15 @@ bool is_not_empty(const std::string& text) {
     return !text.empty();
 }
 
+bool is_camera_settings(const std::string& text) {
+    try {
+        capture::parse_camera_settings(text, "");
+        return true;
+    } catch (const std::invalid_argument&) {
+        return false;
+    }
+}
+
 bool is_socket_path(const std::string& text) {
     return text.size() < 108;
 }
@@ -164,6 +176,12 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
                                            FIELD(source.pace)));
     keys.push_back(bool_key("source", "loop", FIELD(source.loop)));
     keys.push_back(text_key("source", "calibration", "a file name, or \"\"", FIELD(source.calibration)));
+    keys.push_back(text_key("source", "calibration_folders", "folders with ':' between them, or \"\"",
+                            FIELD(source.calibration_folders)));
+    keys.push_back(bool_key("source", "allow_unrectified", FIELD(source.allow_unrectified)));
+    keys.push_back(text_key("source", "controls", "NAME=NUMBER with spaces between, or \"\"", FIELD(source.controls),
+                            is_camera_settings));
+    keys.push_back(range_key("source", "stall_ms", 200, 60000, FIELD(source.stall_ms)));
     keys.push_back(name_key<PolicyChoice>(
         "source", "policy",
         {{"auto", PolicyChoice::automatic}, {"live", PolicyChoice::live}, {"replay", PolicyChoice::replay}},

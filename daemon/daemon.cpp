@@ -40,11 +40,15 @@ Daemon::Daemon(DaemonOptions options, Config config)
       signals_(control_, SIGTERM, SIGINT, SIGHUP),
       tick_timer_(control_),
       config_(std::move(config)),
-      server_(
-          server_config(config_),
-          {[this] { return status(); },
-           [this](std::string path, SessionHost::RecordAnswer answer) { recording_.start(path, std::move(answer)); },
-           [this](SessionHost::RecordAnswer answer) { recording_.stop(std::move(answer)); }}) {
+      server_(server_config(config_), {[this] { return status(); },
+                                       [this](std::string path, SessionHost::RecordAnswer answer) {
+                                           recording_.start(path, std::move(answer));
+                                       },
+                                       [this](SessionHost::RecordAnswer answer) { recording_.stop(std::move(answer)); },
+                                       [this](const v1::CameraRequest& request, SessionHost::CameraAnswer answer) {
+                                           camera_.ask(request, std::move(answer));
+                                       }}),
+      camera_([this] { return engine(); }) {
     recording_.configure(config_.record.enabled, resolved_record_directory(config_));
 }
 
@@ -138,12 +142,15 @@ void Daemon::build_engine(Config config) {
 
 void Daemon::engine_built(Config config, std::shared_ptr<Engine> engine, std::exception_ptr failure) {
     building_ = false;
+    const bool for_source = std::exchange(building_for_source_, false);
     if (stopping_.load(std::memory_order_relaxed)) {
         return;
     }
     if (failure && !serving_) {
         fatal_ = failure;
         begin_stop();
+    } else if (failure && for_source) {
+        spdlog::error("the source cannot be opened anew: {}", what(failure));
     } else if (failure) {
         refuse_reload(what(failure));
     } else {
@@ -179,7 +186,8 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     }
     std::uint64_t index = 0;
     if (const auto old = this->engine()) {
-        recording_.set_source(std::nullopt, "the configuration was loaded again");
+        recording_.set_source(std::nullopt, old->source_changed() ? "the camera or its calibration has changed"
+                                                                  : "the configuration was loaded again");
         old->stop();
         index = old->next_index();
     }

@@ -16,6 +16,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "daemon/camera_control.h"
 #include "daemon/config.h"
 #include "daemon/engine.h"
 #include "daemon/recording_control.h"
@@ -75,11 +76,14 @@ private:
     ServiceManager manager_;
     std::chrono::steady_clock::time_point next_status_;
     std::chrono::steady_clock::time_point next_alive_;
+    std::chrono::steady_clock::time_point next_reopen_;
+    std::string announced_;  ///< state and detail that the service manager knows
 
     // The control thread's.
     Config config_;
     std::thread builder_;
     bool building_ = false;
+    bool building_for_source_ = false;  ///< the configuration stays, the source has changed
     bool reload_again_ = false;
     bool serving_ = false;
     bool end_seen_ = false;
@@ -96,6 +100,7 @@ private:
     std::unique_ptr<SharedMemoryPublisher> shared_memory_;  ///< the publish thread's while an engine runs
     SocketServer server_;                                   ///< outlives recording_, which answers through it
     RecordingControl recording_;
+    CameraControlService camera_;  ///< answers through the server too
 };
 
 }  // namespace disparityd

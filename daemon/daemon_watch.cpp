@@ -16,6 +16,9 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds tick_interval{200};
 constexpr std::chrono::seconds status_interval{3};
 
+/// Between two attempts to open a source anew that has changed.
+constexpr std::chrono::seconds reopen_interval{2};
+
 /// A thread that has not answered for so long is stuck, where no watchdog says otherwise.
 constexpr std::chrono::seconds default_stuck_limit{10};
 
@@ -56,6 +59,17 @@ void Daemon::watch_source() {
         return;
     }
     const Engine::Condition condition = current->condition();
+    const std::string announcement = std::string(name(condition.state)) + condition.detail;
+    if (announcement != announced_) {
+        announced_ = announcement;
+        next_status_ = {};
+    }
+    const auto now = steady_clock::now();
+    if (current->source_changed() && !building_ && now >= next_reopen_) {
+        next_reopen_ = now + reopen_interval;
+        building_for_source_ = true;
+        build_engine(config_);
+    }
     if (condition.state != Engine::State::ended) {
         return;
     }

@@ -5,7 +5,12 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include "capture/camera_calibration.h"
+#include "capture/camera_controls.h"
+#include "capture/source_condition.h"
+#include "daemon/camera_message.h"
 #include "daemon/huge_pages.h"
 
 namespace disparityd {
@@ -27,6 +32,14 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, std::fun
     options.pace = config.source.pace;
     options.loop = config.source.loop;
     options.calibration_path = config.source.calibration;
+    options.wait_for_camera = true;
+    options.allow_unrectified = config.source.allow_unrectified;
+    options.calibration_folders = capture::folder_list(config.source.calibration_folders);
+    options.controls = config.source.controls;
+    options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
+    options.report = [](const std::string& line, bool trouble) {
+        spdlog::log(trouble ? spdlog::level::warn : spdlog::level::info, "{}", line);
+    };
     options.progress = std::move(progress);
     return capture::open_source(options);
 }
@@ -176,6 +189,9 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
         return {State::ended,
                 fmt::format("the source has ended after {} frames; reload to play it again", status.published), false};
     }
+    if (const auto source = source_->condition(); !source.delivering) {
+        return {State::waiting, source.detail, false};
+    }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
     const bool in_flight = status.captured > status.published + status.dropped + status.skipped_corrupt;
@@ -214,6 +230,11 @@ void Engine::fill(v1::Status& status) const {
     status.set_dropped(now.dropped);
     status.set_lost_before(now.lost_before);
     status.set_corrupt(now.skipped_corrupt);
+    if (const auto camera = source_->condition().camera) {
+        *status.mutable_camera() = to_message(*camera);
+        // The source keeps damaged frames to itself.
+        status.set_corrupt(now.skipped_corrupt + camera->damaged + camera->too_short);
+    }
     for (const auto& step : now.steps) {
         v1::StepTime& time = *status.add_steps();
         time.set_name(step.name);
@@ -227,7 +248,7 @@ void Engine::fill(v1::Status& status) const {
 }
 
 std::vector<std::string> Engine::notices() const {
-    std::vector<std::string> notices;
+    std::vector<std::string> notices = source_->condition().notices;
     const auto placement = workers_.placement();
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
@@ -237,6 +258,14 @@ std::vector<std::string> Engine::notices() const {
         notices.push_back(memory_notice_);
     }
     return notices;
+}
+
+bool Engine::source_changed() const {
+    return source_->condition().reopen;
+}
+
+std::vector<capture::CameraControl> Engine::control_camera(const std::vector<capture::CameraSetting>& settings) {
+    return source_->control(settings);
 }
 
 bool Engine::check_memory() {

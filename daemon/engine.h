@@ -55,6 +55,12 @@ public:
     };
     Condition condition() const;
 
+    /// The source is no longer what this engine was built for, such as another camera: build a new one.
+    bool source_changed() const;
+
+    /// See capture::FrameSource::control().
+    std::vector<capture::CameraControl> control_camera(const std::vector<capture::CameraSetting>& settings);
+
     /// State, source, method, counters, step times and notices; the rest of the message is left alone.
     void fill(v1::Status& status) const;
 

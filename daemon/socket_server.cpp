@@ -193,6 +193,13 @@ void SocketServer::stop_recording(RecordAnswer answer) {
     services_.stop_recording(in_server_thread(std::move(answer)));
 }
 
+void SocketServer::control_camera(const v1::CameraRequest& request, CameraAnswer answer) {
+    services_.control_camera(
+        request, [this, answer = std::move(answer)](const v1::CameraControls& controls, const std::string& refusal) {
+            asio::post(io_, [answer, controls, refusal] { answer(controls, refusal); });
+        });
+}
+
 void SocketServer::subscription_changed() {
     std::uint32_t wanted = 0;
     for (const auto& [_, client] : clients_) {

@@ -35,6 +35,7 @@ struct SocketServices {
     /// May answer from any thread, later.
     std::function<void(std::string path, SessionHost::RecordAnswer answer)> start_recording;
     std::function<void(SessionHost::RecordAnswer answer)> stop_recording;
+    std::function<void(const v1::CameraRequest& request, SessionHost::CameraAnswer answer)> control_camera;
 };
 
 /// Serves frames and status over TCP and a Unix socket, in one thread of its own. Whoever publishes never waits for it:
@@ -82,6 +83,7 @@ private:
     v1::Status status() override;
     void start_recording(const std::string& path, RecordAnswer answer) override;
     void stop_recording(RecordAnswer answer) override;
+    void control_camera(const v1::CameraRequest& request, CameraAnswer answer) override;
     void subscription_changed() override;
     void closed(std::uint64_t id) override;
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #define DISPARITY_API __attribute__((visibility("default")))
@@ -122,6 +123,11 @@ public:
     /// Starts or stops a recording on the daemon's machine; the answer is a serialized disparityd.v1.RecordStatus.
     std::string start_recording(const std::string& path, std::chrono::milliseconds timeout);
     std::string stop_recording(std::chrono::milliseconds timeout);
+
+    /// Sets controls of the daemon's live camera, in this order (none: only asks); the answer is a serialized
+    /// disparityd.v1.CameraControls.
+    std::string control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,
+                               std::chrono::milliseconds timeout);
 
 private:
     class Impl;

@@ -90,6 +90,12 @@ public:
         return ask(request, v1::Envelope::kStatus, "a status request", timeout).status().SerializeAsString();
     }
 
+    std::string control_camera(const v1::Envelope& request, milliseconds timeout) {
+        return ask(request, v1::Envelope::kCameraControls, "a camera request", timeout)
+            .camera_controls()
+            .SerializeAsString();
+    }
+
     std::string record(const v1::Envelope& request, milliseconds timeout) {
         return ask(request, v1::Envelope::kRecordStatus, "a recording request", timeout)
             .record_status()
@@ -215,6 +221,18 @@ std::string SocketClient::stop_recording(milliseconds timeout) {
     v1::Envelope request;
     request.mutable_record_stop();
     return impl_->record(request, timeout);
+}
+
+std::string SocketClient::control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,
+                                         milliseconds timeout) {
+    v1::Envelope request;
+    request.mutable_camera_request();
+    for (const auto& [name, value] : settings) {
+        v1::CameraSetting& setting = *request.mutable_camera_request()->add_settings();
+        setting.set_name(name);
+        setting.set_value(value);
+    }
+    return impl_->control_camera(request, timeout);
 }
 
 }  // namespace disparity

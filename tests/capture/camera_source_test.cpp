@@ -24,12 +24,11 @@ class CameraSourceTest : public ::testing::Test {
 protected:
     FakeVideoSystem::Camera& camera() { return system_.camera("/dev/video0"); }
 
-    void open(const std::string& uri = "v4l2:64x16@30") {
-        SourceOptions options;
+    void open(const std::string& uri = "v4l2:64x16@30", SourceOptions options = {}) {
         options.uri = uri;
         options.loans = 4;
         options.wait_for_camera = true;
-        options.report = [this](const std::string& line) { reports_.push_back(line); };
+        options.report = [this](const std::string& line, bool) { reports_.push_back(line); };
         source_ = open_camera_on(system_, options);
     }
 
@@ -323,6 +322,23 @@ TEST_F(CameraSourceTest, EyesOneAboveTheOtherComeSideBySide) {
     EXPECT_EQ(source_->info().height, 8);
     EXPECT_GT(run(2s), 40) << "buffers go back to the driver";
     EXPECT_EQ(last_.image.stride, 256);
+}
+
+TEST_F(CameraSourceTest, TheSerialNumberIsTheOneInTheCamera) {
+    system_.plug(zed2("/dev/video0", "OV0001")).flash_serial = "10028000";
+    system_.plug(zed2("/dev/video2", "OV0001")).flash_serial = "4711";
+    open("v4l2:64x16?serial=4711");
+    EXPECT_GT(run(1s), 0);
+    EXPECT_EQ(facts().node, "/dev/video2");
+    EXPECT_EQ(facts().serial, "4711");
+}
+
+TEST_F(CameraSourceTest, ACameraThatMayNotBeAskedForItsNumberSaysSo) {
+    system_.plug(zed2("/dev/video0", "OV0001")).open_error = EACCES;
+    open("v4l2:64x16?serial=4711");
+    run(3s);
+    EXPECT_EQ(state(), CameraState::no_permission);
+    EXPECT_THAT(detail(), HasSubstr("group video"));
 }
 
 TEST_F(CameraSourceTest, StopsInEveryState) {

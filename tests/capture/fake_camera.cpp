@@ -6,6 +6,8 @@
 #include <utility>
 
 #include <gtest/gtest.h>
+#include <linux/usb/video.h>
+#include <linux/uvcvideo.h>
 #include <linux/videodev2.h>
 #include <poll.h>
 
@@ -152,8 +154,78 @@ int FakeVideoSystem::control(int number, unsigned long request, void* argument) 
             device.queued.clear();
             device.done.clear();
             return 0;
-        default: return ENOTTY;
+        case UVCIOC_CTRL_QUERY: return ask_extension_unit(*camera, argument);
+        case VIDIOC_QUERYCTRL:
+        case VIDIOC_G_CTRL:
+        case VIDIOC_S_CTRL: return control_brightness(*camera, request, argument);
+        default: return enumerate(*camera, request, argument);
     }
+}
+
+/// One format, of one size, at one rate.
+int FakeVideoSystem::enumerate(const Camera& camera, unsigned long request, void* argument) const {
+    if (request == VIDIOC_ENUM_FMT) {
+        auto& format = *static_cast<v4l2_fmtdesc*>(argument);
+        format.pixelformat = camera.format;
+        return format.index == 0 ? 0 : EINVAL;
+    }
+    if (request == VIDIOC_ENUM_FRAMESIZES) {
+        auto& size = *static_cast<v4l2_frmsizeenum*>(argument);
+        size.type = V4L2_FRMSIZE_TYPE_DISCRETE;
+        size.discrete = {static_cast<std::uint32_t>(camera.width), static_cast<std::uint32_t>(camera.height)};
+        return size.index == 0 && size.pixel_format == camera.format ? 0 : EINVAL;
+    }
+    if (request == VIDIOC_ENUM_FRAMEINTERVALS) {
+        auto& interval = *static_cast<v4l2_frmivalenum*>(argument);
+        interval.type = V4L2_FRMIVAL_TYPE_DISCRETE;
+        interval.discrete = {static_cast<std::uint32_t>(camera.period.count()), 1'000'000};
+        return interval.index == 0 ? 0 : EINVAL;
+    }
+    return ENOTTY;
+}
+
+int FakeVideoSystem::control_brightness(Camera& camera, unsigned long request, void* argument) const {
+    if (request == VIDIOC_QUERYCTRL) {
+        auto& query = *static_cast<v4l2_queryctrl*>(argument);
+        if (query.id != V4L2_CTRL_FLAG_NEXT_CTRL) {
+            return EINVAL;
+        }
+        query = {};
+        query.id = V4L2_CID_BRIGHTNESS;
+        query.type = V4L2_CTRL_TYPE_INTEGER;
+        query.maximum = 8;
+        query.default_value = 4;
+        const std::string name = "Brightness (Auto)";
+        std::copy(name.begin(), name.end(), query.name);
+        return 0;
+    }
+    auto& value = *static_cast<v4l2_control*>(argument);
+    if (request == VIDIOC_S_CTRL) {
+        camera.brightness = value.value;
+    }
+    value.value = camera.brightness;
+    return value.id == V4L2_CID_BRIGHTNESS ? 0 : EINVAL;
+}
+
+/// A ZED's extension unit as far as serial number and registers go.
+int FakeVideoSystem::ask_extension_unit(Camera& camera, void* argument) {
+    auto& query = *static_cast<uvc_xu_control_query*>(argument);
+    if (camera.flash_serial.empty() || query.unit != 4 || query.selector != 2) {
+        return ENOENT;
+    }
+    if (query.query == UVC_GET_LEN) {
+        EXPECT_EQ(query.size, 2);
+        query.data[0] = 0x80;
+        query.data[1] = 0x01;
+        return 0;
+    }
+    EXPECT_EQ(query.size, 384);
+    if (query.query == UVC_SET_CUR) {
+        answer_command(camera, std::vector<std::uint8_t>(query.data, query.data + query.size));
+        return 0;
+    }
+    std::copy(camera.unit_answer.begin(), camera.unit_answer.end(), query.data);
+    return camera.unit_answer.empty() ? EIO : 0;
 }
 
 int FakeVideoSystem::request_buffers(Device& device, Camera& camera, void* argument) {
@@ -244,6 +316,37 @@ void FakeVideoSystem::run_until(steady_clock::time_point time) {
         const auto action = std::move(script_.begin()->second);
         script_.erase(script_.begin());
         action();
+    }
+}
+
+void FakeVideoSystem::answer_command(Camera& camera, const std::vector<std::uint8_t>& command) {
+    const std::uint8_t part = command[1];
+    if (part == 0xa1) {
+        EXPECT_EQ(std::vector<std::uint8_t>(command.begin(), command.begin() + 17),
+                  (std::vector<std::uint8_t>{0x51, 0xa1, 3, 0, 0, 0, 1, 0x80, 0, 0x90, 64, 0, 64, 0, 0, 0, 0}));
+        const std::string digits = std::string(8 - camera.flash_serial.size(), '0') + camera.flash_serial;
+        camera.unit_answer.assign(384, 0xff);
+        camera.unit_answer[17] = 'O';
+        camera.unit_answer[18] = 'V';
+        for (std::size_t i = 0; i < 4; ++i) {
+            camera.unit_answer[19 + i] = static_cast<std::uint8_t>(std::stoi(digits.substr(2 * i, 2), nullptr, 16));
+        }
+        return;
+    }
+    const std::vector<std::uint8_t> shape(command.begin() + 2, command.begin() + 5);
+    const std::vector<std::uint8_t> lengths(command.begin() + 9, command.begin() + 13);
+    EXPECT_EQ(shape, part == 0xa2 ? (std::vector<std::uint8_t>{0, 4, 1}) : (std::vector<std::uint8_t>{0x6c, 2, 1}));
+    EXPECT_EQ(lengths,
+              part == 0xa2 ? (std::vector<std::uint8_t>{0, 1, 0, 1}) : (std::vector<std::uint8_t>{0x90, 1, 0, 1}));
+    std::uint32_t address = 0;
+    for (std::size_t i = 5; i < 9; ++i) {
+        address = (address << 8U) | command[i];
+    }
+    if (command[0] == 0x50) {
+        camera.registers[{part, address}] = command[16];
+    } else {
+        camera.unit_answer.assign(384, 0);
+        camera.unit_answer[17] = camera.registers[{part, address}];
     }
 }
 

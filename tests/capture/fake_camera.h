@@ -36,7 +36,11 @@ public:
         int heal_by = 0;          ///< a frozen camera thaws by: 1 stream start, 2 opening, 3 USB reset
         std::uint32_t first_sequence = 0;
         std::chrono::microseconds period{33'333};
-        bool old_clock = false;  ///< stamps with another clock
+        std::string flash_serial;  ///< digits; empty: no extension unit
+        std::vector<std::uint8_t> unit_answer{};
+        std::map<std::pair<std::uint8_t, std::uint32_t>, std::uint8_t> registers{};  ///< behind the unit, by part
+        std::int32_t brightness = 4;                                                 ///< a control of V4L2, 0 .. 8
+        bool old_clock = false;                                                      ///< stamps with another clock
     };
     struct Fault {
         bool flagged = false;
@@ -106,6 +110,10 @@ private:
     int start(Device& device, Camera& camera);
     int dequeue(Device& device, Camera& camera, void* argument);
     int request_buffers(Device& device, Camera& camera, void* argument);
+    int enumerate(const Camera& camera, unsigned long request, void* argument) const;
+    int control_brightness(Camera& camera, unsigned long request, void* argument) const;
+    int ask_extension_unit(Camera& camera, void* argument);
+    void answer_command(Camera& camera, const std::vector<std::uint8_t>& command);
     std::size_t frame_bytes(const Camera& camera) const;
 
     std::chrono::steady_clock::time_point now_{std::chrono::hours(1)};

@@ -156,6 +156,34 @@ TEST_F(EndToEndTest, ReloadBringsAnotherGeometryToConnectedClients) {
     EXPECT_EQ(frame.width, 96U);
 }
 
+TEST_F(EndToEndTest, ClientsOutliveACameraThatIsNotThere) {
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
+    ASSERT_TRUE(client.receive_frame());
+    folder_.write("d.toml", config_text("v4l2:64x16?device=/dev/there-is-none"));
+    daemon->send_signal(SIGHUP);
+    ASSERT_TRUE(daemon->wait_for_log("no camera /dev/there-is-none: plug it in")) << daemon->log();
+    v1::Status now = status(client);
+    while (!now.has_camera()) {
+        now = status(client);
+    }
+    EXPECT_EQ(now.state(), "waiting");
+    EXPECT_EQ(now.camera().state(), "absent");
+    v1::Envelope request;
+    request.mutable_camera_request();
+    ASSERT_TRUE(client.send(request));
+    auto answer = client.receive();
+    while (answer && !answer->envelope.has_error()) {
+        answer = client.receive();
+    }
+    ASSERT_TRUE(answer);
+    EXPECT_THAT(answer->envelope.error().message(), HasSubstr("camera: there is none at the moment"));
+    EXPECT_FALSE(answer->envelope.error().closing());
+    folder_.write("d.toml", config_text());
+    daemon->send_signal(SIGHUP);
+    EXPECT_TRUE(client.receive_frame(30s)) << daemon->log();
+}
+
 TEST_F(EndToEndTest, BadReloadChangesNothing) {
     const auto daemon = start_ready(config_text());
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});

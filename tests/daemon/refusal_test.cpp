@@ -53,6 +53,10 @@ TEST_F(RefusalTest, MissingSource) {
     expect_refusal(config_text(), {"--source", "/nowhere/at/all.mkv"}, 2, {"/nowhere/at/all.mkv"});
 }
 
+TEST_F(RefusalTest, CameraModeThatDoesNotExist) {
+    expect_refusal(config_text("v4l2:hd960"), {}, 2, {"v4l2:hd960", "found 'hd960'", "hd720"});
+}
+
 TEST_F(RefusalTest, CalibrationThatIsAWebPage) {
     const std::string page = folder_.write("SN1234.conf", "<!DOCTYPE html>\n<html><body>Not found</body></html>\n");
     expect_refusal(config_text(), {"--set", "source.calibration=" + page}, 2, {page});

@@ -34,6 +34,15 @@ protected:
             answer(status, path.empty() ? "record: no path" : "");
         };
         services.stop_recording = [](const SessionHost::RecordAnswer& answer) { answer({}, ""); };
+        services.control_camera = [](const v1::CameraRequest& request, const SessionHost::CameraAnswer& answer) {
+            v1::CameraControls controls;
+            for (const v1::CameraSetting& setting : request.settings()) {
+                v1::CameraControl& control = *controls.add_controls();
+                control.set_name(setting.name());
+                control.set_value(setting.value());
+            }
+            answer(controls, request.settings_size() == 0 ? "camera: nothing asked for" : "");
+        };
         server_ = std::make_unique<SocketServer>(config_, services);
         server_->set_layout(feed_.layout());
         server_->start();

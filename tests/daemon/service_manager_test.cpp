@@ -86,6 +86,25 @@ TEST_F(ServiceManagerTest, HearsEveryStepOfALife) {
     EXPECT_EQ(daemon->wait_for_exit(2s), 0);
 }
 
+TEST_F(ServiceManagerTest, ACameraThatIsNotThereIsWaitedFor) {
+    NotifySocket manager(folder_.path() + "/notify");
+    const auto daemon = start(config_text("v4l2:64x16?device=/dev/there-is-none"), {},
+                              {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "2000000"}});
+    ASSERT_TRUE(daemon->wait_until_ready()) << daemon->log();
+    EXPECT_NE(
+        manager.wait_for("STATUS=waiting, v4l2:64x16?device=/dev/there-is-none: no camera /dev/there-is-none: plug"),
+        "");
+    WireClient client(daemon->address("tcp:"));
+    ASSERT_TRUE(client.hello("test"));
+    const v1::Status now = status(client);
+    EXPECT_EQ(now.state(), "waiting");
+    EXPECT_EQ(now.camera().state(), "absent");
+    EXPECT_THAT(now.detail(), HasSubstr("plug it in"));
+    EXPECT_EQ(manager.wait_for("WATCHDOG=1"), "WATCHDOG=1") << "waiting is an answer";
+    daemon->send_signal(SIGTERM);
+    EXPECT_EQ(daemon->wait_for_exit(20s), 0);
+}
+
 TEST_F(ServiceManagerTest, AStoppedDaemonDoesNotFeedTheWatchdog) {
     NotifySocket manager(folder_.path() + "/notify");
     const auto daemon = start(config_text(), {}, {{"NOTIFY_SOCKET", manager.path()}, {"WATCHDOG_USEC", "1000000"}});

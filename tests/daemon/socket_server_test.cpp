@@ -298,6 +298,33 @@ TEST_F(SocketServerTest, LeftOverUnixSocketIsReplacedAndOwnRemoved) {
     EXPECT_EQ(errno, ENOENT);
 }
 
+TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
+    start();
+    WireClient client = connect(tcp_);
+    v1::Envelope request;
+    v1::CameraSetting& gain = *request.mutable_camera_request()->add_settings();
+    gain.set_name("gain-left");
+    gain.set_value(30);
+    ASSERT_TRUE(client.send(request));
+    auto answer = client.receive();
+    ASSERT_TRUE(answer && answer->envelope.has_camera_controls());
+    EXPECT_EQ(answer->envelope.camera_controls().controls(0).name(), "gain-left");
+    EXPECT_EQ(answer->envelope.camera_controls().controls(0).value(), 30);
+    for (int i = 0; i < 64; ++i) {
+        request.mutable_camera_request()->add_settings();
+    }
+    ASSERT_TRUE(client.send(request));
+    answer = client.receive();
+    ASSERT_TRUE(answer && answer->envelope.has_error());
+    EXPECT_THAT(answer->envelope.error().message(), HasSubstr("found 65 settings, allowed: at most 64"));
+    request.mutable_camera_request()->clear_settings();
+    ASSERT_TRUE(client.send(request));
+    answer = client.receive();
+    ASSERT_TRUE(answer && answer->envelope.has_error());
+    EXPECT_EQ(answer->envelope.error().message(), "camera: nothing asked for");
+    EXPECT_FALSE(answer->envelope.error().closing());
+}
+
 TEST_F(SocketServerTest, AFileInPlaceOfTheSocketIsRefused) {
     const std::string path = "/tmp/disparityd-file-" + std::to_string(getpid());
     FILE* file = fopen(path.c_str(), "w");

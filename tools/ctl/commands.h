@@ -14,6 +14,7 @@ void add_watch(CLI::App& program, Action& action);
 void add_snapshot(CLI::App& program, Action& action);
 void add_record(CLI::App& program, Action& action);
 void add_process(CLI::App& program, Action& action);
+void add_camera(CLI::App& program, Action& action);
 void add_sources(CLI::App& program, Action& action);
 
 }  // namespace disparityd::tools

@@ -3,6 +3,8 @@
 
 #include <cstdio>
 
+#include "capture/camera_trouble.h"
+
 namespace disparityd::tools {
 namespace {
 
@@ -69,6 +71,9 @@ Json to_json(const v1::Status& status) {
               {"steps", list(status.steps())},
               {"clients", list(status.clients())},
               {"record", to_json(status.record())}};
+    if (status.has_camera()) {
+        json["camera"] = to_json(status.camera());
+    }
     json["notices"] = Json::array();
     for (const std::string& notice : status.notices()) {
         json["notices"].push_back(notice);
@@ -80,6 +85,59 @@ Json to_json(const v1::RecordStatus& status) {
     return {{"active", status.active()}, {"path", status.path()},   {"frames", status.frames()},
             {"lost", status.lost()},     {"bytes", status.bytes()}, {"seconds", status.seconds()},
             {"error", status.error()}};
+}
+
+Json to_json(const v1::CameraStatus& camera) {
+    return {{"state", camera.state()},
+            {"model", camera.model()},
+            {"serial", camera.serial()},
+            {"node", camera.node()},
+            {"port", camera.port()},
+            {"firmware", camera.firmware()},
+            {"speed_mbit", camera.speed_mbit()},
+            {"frames_per_second", camera.rate()},
+            {"arrivals", camera.arrivals()},
+            {"restarts", camera.restarts()},
+            {"reopens", camera.reopens()},
+            {"resets", camera.resets()},
+            {"damaged", camera.damaged()},
+            {"too_short", camera.too_short()}};
+}
+
+Json to_json(const v1::CameraControls& controls) {
+    Json list = Json::array();
+    for (const v1::CameraControl& control : controls.controls()) {
+        list.push_back({{"name", control.name()},
+                        {"value", control.value()},
+                        {"least", control.least()},
+                        {"most", control.most()},
+                        {"usual", control.usual()}});
+    }
+    return list;
+}
+
+Json to_json(const capture::CameraSurvey& survey) {
+    const capture::UsbCamera& camera = survey.camera;
+    Json json{{"model", camera.model()},
+              {"name", camera.name},
+              {"serial", camera.serial},
+              {"node", camera.node},
+              {"port", camera.port},
+              {"vendor", camera.vendor},
+              {"product", camera.product},
+              {"firmware", capture::firmware_text(camera.firmware)},
+              {"speed_mbit", camera.speed_mbit},
+              {"usable", survey.problem.empty()},
+              {"problem", survey.problem},
+              {"notices", survey.notices},
+              {"modes", Json::array()}};
+    for (const capture::VideoMode& mode : survey.modes) {
+        json["modes"].push_back({{"format", mode.format},
+                                 {"width", mode.width},
+                                 {"height", mode.height},
+                                 {"frames_per_second", mode.rates}});
+    }
+    return json;
 }
 
 Json to_json(const capture::SourceInfo& source) {

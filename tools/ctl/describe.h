@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "capture/camera_survey.h"
 #include "capture/frame_source.h"
 #include "capture/rectification.h"
 #include "kernels/options.h"
@@ -17,6 +18,9 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const v1::Status& status);
 Json to_json(const v1::RecordStatus& status);
+Json to_json(const v1::CameraStatus& camera);
+Json to_json(const v1::CameraControls& controls);
+Json to_json(const capture::CameraSurvey& camera);
 Json to_json(const capture::SourceInfo& source);
 Json to_json(const capture::StereoCalibration& calibration);
 Json to_json(const capture::Rectification& rectification);

@@ -16,12 +16,13 @@ int main(int argc, char** argv) {
     add_snapshot(program, action);
     add_record(program, action);
     add_process(program, action);
+    add_camera(program, action);
     add_sources(program, action);
     return run_program(program, argc, argv, [&action] {
         if (!action) {
             throw std::invalid_argument(
-                "found no sub-command, allowed: status, watch, snapshot, record, process, sources; see disparityctl "
-                "--help");
+                "found no sub-command, allowed: status, watch, snapshot, record, process, camera, sources; see "
+                "disparityctl --help");
         }
         return action();
     });

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "capture/camera_calibration.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/progress.h"
 #include "tools/ctl/table.h"
@@ -19,6 +20,7 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
         }
         bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
     };
+    options.calibration_folders = capture::folder_list(capture::standard_calibration_folders);
     return capture::open_source(options);
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 
+#include "capture/camera_survey.h"
+#include "capture/camera_trouble.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/source_arguments.h"
+#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 namespace {
@@ -14,11 +17,56 @@ struct SourcesArguments {
     bool json = false;
 };
 
+/// "2560x720 at 60, 30, 15 frames/s"; only formats that can be used.
+std::vector<std::string> mode_lines(const capture::CameraSurvey& survey) {
+    std::vector<std::string> lines;
+    for (const capture::VideoMode& mode : survey.modes) {
+        if (mode.format != "YUYV" && mode.format != "GREY") {
+            continue;
+        }
+        std::string line = mode.format + " " + std::to_string(mode.width) + "x" + std::to_string(mode.height);
+        for (std::size_t i = 0; i < mode.rates.size(); ++i) {
+            line += (i == 0 ? " at " : ", ") + fixed(mode.rates[i], 0);
+        }
+        lines.push_back(line + (mode.rates.empty() ? "" : " frames/s"));
+    }
+    return lines;
+}
+
+void print_cameras(const std::vector<capture::CameraSurvey>& cameras) {
+    std::cout << '\n' << (cameras.empty() ? "no cameras" : "cameras") << '\n';
+    for (const capture::CameraSurvey& survey : cameras) {
+        const capture::UsbCamera& camera = survey.camera;
+        std::cout << "  " << camera.label();
+        if (camera.speed_mbit > 0) {
+            std::cout << ", USB " << fixed(camera.speed_mbit, 0) << " Mbit/s, firmware "
+                      << capture::firmware_text(camera.firmware);
+        }
+        std::cout << '\n';
+        if (!survey.problem.empty()) {
+            std::cout << "    cannot be used: " << survey.problem << '\n';
+        }
+        for (const std::string& notice : survey.notices) {
+            std::cout << "    notice: " << notice << '\n';
+        }
+        for (const std::string& line : mode_lines(survey)) {
+            std::cout << "    " << line << '\n';
+        }
+    }
+}
+
 void list_kinds(bool json) {
     Json list = Json::array();
+    const auto cameras = capture::survey_cameras(capture::linux_video_system());
     for (const capture::SourceKind& kind : capture::source_kinds()) {
         if (json) {
             list.push_back({{"name", kind.name}, {"description", kind.description}});
+            if (kind.name == "v4l2") {
+                list.back()["cameras"] = Json::array();
+                for (const capture::CameraSurvey& survey : cameras) {
+                    list.back()["cameras"].push_back(to_json(survey));
+                }
+            }
         } else {
             std::cout << kind.name << std::string(kind.name.size() < 12 ? 12 - kind.name.size() : 1, ' ')
                       << kind.description << '\n';
@@ -26,6 +74,8 @@ void list_kinds(bool json) {
     }
     if (json) {
         std::cout << to_text(list, 2) << '\n';
+    } else {
+        print_cameras(cameras);
     }
 }
 
@@ -51,12 +101,14 @@ int sources(const SourcesArguments& arguments) {
 
 void add_sources(CLI::App& program, Action& action) {
     CLI::App& command =
-        *program.add_subcommand("sources", "List where frames can come from, or open one source and describe it.");
+        *program.add_subcommand("sources",
+                                "List where frames can come from and which cameras there are, or open one source and "
+                                "describe it.");
     const auto arguments = std::make_shared<SourcesArguments>();
     command.add_option("URI", arguments->uri, "a source to open and describe");
     command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
         ->type_name("FILE");
-    command.add_flag("--json", arguments->json, "a list of objects; with a URI one object");
+    command.add_flag("--json", arguments->json, "a list of objects, cameras in that of v4l2; with a URI one object");
     command.footer(
         "Examples: disparityctl sources\n"
         "          disparityctl sources scene:hd720@30");

@@ -44,11 +44,26 @@ std::string record_text(const v1::RecordStatus& record) {
            (record.error().empty() ? "" : ", error: " + record.error());
 }
 
+std::string camera_text(const v1::CameraStatus& camera) {
+    if (camera.model().empty()) {
+        return camera.state();
+    }
+    std::string text = camera.state() + ", " + camera.model() + (camera.serial().empty() ? "" : ", serial ") +
+                       camera.serial() + ", " + camera.node();
+    if (camera.speed_mbit() > 0) {
+        text += ", USB " + fixed(camera.speed_mbit(), 0) + " Mbit/s";
+    }
+    return text + "; came " + std::to_string(camera.arrivals()) + " times, " + std::to_string(camera.restarts()) +
+           " restarts, " + std::to_string(camera.reopens()) + " reopened, " + std::to_string(camera.resets()) +
+           " USB resets";
+}
+
 void print(const v1::Status& status) {
     print_row("state", status.state() + (status.detail().empty() ? "" : ": " + status.detail()));
     print_row("version", status.server_version());
     print_row("uptime", fixed(status.uptime_s(), 0) + " s");
     print_row("source", status.source());
+    print_row("camera", status.has_camera() ? camera_text(status.camera()) : "");
     print_row("matching",
               status.method() + " on " + status.backend() + ", " + std::to_string(status.workers()) + " workers");
     print_row("geometry", geometry_text(status.geometry()));

@@ -33,4 +33,9 @@ v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client) {
     return parsed<v1::RecordStatus>(client.stop_recording(patience_for_files));
 }
 
+v1::CameraControls control_daemon_camera(disparity::SocketClient& client,
+                                         const std::vector<std::pair<std::string, std::int64_t>>& settings) {
+    return parsed<v1::CameraControls>(client.control_camera(settings, patience));
+}
+
 }  // namespace disparityd::tools

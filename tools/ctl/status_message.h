@@ -12,4 +12,7 @@ v1::Status daemon_status(disparity::SocketClient& client);
 v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path);
 v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client);
 
+v1::CameraControls control_daemon_camera(disparity::SocketClient& client,
+                                         const std::vector<std::pair<std::string, std::int64_t>>& settings);
+
 }  // namespace disparityd::tools

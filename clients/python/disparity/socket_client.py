@@ -102,6 +102,12 @@ class SocketClient:
         request = pb.Envelope(record_stop=pb.RecordStop())
         return self._ask(request, "record_status", "a recording request", timeout)
 
+    def control_camera(self, settings=None, timeout=5.0):
+        """Sets controls of the daemon's live camera, {name: value} (none: only asks): a disparity_pb2.CameraControls."""
+        wanted = [pb.CameraSetting(name=name, value=value) for name, value in (settings or {}).items()]
+        request = pb.Envelope(camera_request=pb.CameraRequest(settings=wanted))
+        return self._ask(request, "camera_controls", "a camera request", timeout)
+
     def _ask(self, request, answer, question, timeout):
         deadline = time.monotonic() + timeout
         # What has arrived before the question cannot be its answer.

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/camera_control.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+#include "daemon/camera_message.h"
+
+namespace disparityd {
+
+void CameraControlService::ask(const v1::CameraRequest& request, Answer answer) {
+    boost::asio::post(worker_, [this, request, answer = std::move(answer)] {
+        v1::CameraControls controls;
+        std::string refusal;
+        try {
+            const auto engine = engine_();
+            if (!engine) {
+                throw std::runtime_error("camera: the source is being prepared");
+            }
+            controls = to_message(engine->control_camera(to_settings(request)));
+        } catch (const std::exception& error) {
+            refusal = error.what();
+        }
+        answer(controls, refusal);
+    });
+}
+
+}  // namespace disparityd

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/camera_message.h"
+
+namespace disparityd {
+
+v1::CameraStatus to_message(const capture::CameraFacts& camera) {
+    v1::CameraStatus message;
+    message.set_state(capture::name(camera.state));
+    message.set_model(camera.model);
+    message.set_serial(camera.serial);
+    message.set_node(camera.node);
+    message.set_port(camera.port);
+    message.set_firmware(camera.firmware);
+    message.set_speed_mbit(camera.speed_mbit);
+    message.set_rate(camera.rate);
+    message.set_arrivals(camera.arrivals);
+    message.set_restarts(camera.restarts);
+    message.set_reopens(camera.reopens);
+    message.set_resets(camera.resets);
+    message.set_damaged(camera.damaged);
+    message.set_too_short(camera.too_short);
+    return message;
+}
+
+v1::CameraControls to_message(const std::vector<capture::CameraControl>& controls) {
+    v1::CameraControls message;
+    for (const capture::CameraControl& control : controls) {
+        v1::CameraControl& to = *message.add_controls();
+        to.set_name(control.name);
+        to.set_value(control.value);
+        to.set_least(control.least);
+        to.set_most(control.most);
+        to.set_usual(control.usual);
+    }
+    return message;
+}
+
+std::vector<capture::CameraSetting> to_settings(const v1::CameraRequest& request) {
+    std::vector<capture::CameraSetting> settings;
+    for (const v1::CameraSetting& setting : request.settings()) {
+        settings.push_back({setting.name(), setting.value()});
+    }
+    return settings;
+}
+
+}  // namespace disparityd
