@@ -3,18 +3,16 @@
 // Each fault of the simulated camera, as it shows to a user of V4L2: that the faults are what they claim to be, before
 // the daemon is tested against them.
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 #include <linux/usbdevice_fs.h>
 #include <linux/videodev2.h>
 #include <sys/ioctl.h>
 
 #include "tests/vm/camera/test_pattern.h"
 #include "tests/vm/guest/camera_process.h"
-#include "tests/vm/guest/kernel_log.h"
 #include "tests/vm/guest/video_reader.h"
 
 namespace vm_guest {
@@ -205,18 +203,6 @@ TEST(Replug, TenTimes) {
     ASSERT_TRUE(reader.read(frame));
     EXPECT_EQ(first_difference_from_pattern(frame.bytes), -1);
 }
-
-class NoKernelComplaints : public testing::Environment {
-public:
-    void TearDown() override {
-        EXPECT_THAT(kernel_complaints(), testing::IsEmpty());
-        // That a complaint would have been seen.
-        std::ofstream("/dev/kmsg") << "a test writes WARNING: CPU" << std::endl;
-        EXPECT_THAT(kernel_complaints(), testing::SizeIs(1));
-    }
-};
-
-const auto* const environment = testing::AddGlobalTestEnvironment(new NoKernelComplaints);
 
 }  // namespace
 }  // namespace vm_guest

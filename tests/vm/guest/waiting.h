@@ -11,7 +11,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 /// Long enough for anything on a machine that is emulated, on a host that has other work.
-inline constexpr seconds patience{60};
+inline constexpr seconds patience{30};
 
 /// Whether the condition comes true before the patience ends.
 inline bool eventually(const std::function<bool()>& condition, std::chrono::steady_clock::duration limit = patience) {
