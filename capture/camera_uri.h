@@ -26,6 +26,9 @@ struct CameraRequest {
     int eye_width() const { return top_bottom ? frame_width : frame_width / 2; }
     int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
 
+    /// A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
+    bool zed_only() const { return !mode.empty() && device.empty() && port.empty(); }
+
     /// "camera with serial 12345", "camera /dev/video0", "ZED camera"
     std::string wanted() const;
 };

@@ -31,4 +31,14 @@ constexpr const ZedMode* zed_mode_of_size(int width, int height) {
     return nullptr;
 }
 
+/// The mode of this name, in lower case, or nullptr.
+constexpr const ZedMode* zed_mode_of_name(std::string_view name) {
+    for (const ZedMode& mode : zed_modes) {
+        if (mode.name == name) {
+            return &mode;
+        }
+    }
+    return nullptr;
+}
+
 }  // namespace disparityd::capture
