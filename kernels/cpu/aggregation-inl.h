@@ -20,6 +20,9 @@ struct Aggregation {
     // Two rows side by side where registers suffice: measured 31 to 20 cycles per pixel with one register of 64 lanes.
     static constexpr int rows_at_once = registers == 1 || (registers == 2 && lanes == 64) ? 2 : 1;
 
+    // Elsewhere Highway has plain stores in their place.
+    static constexpr bool streams = HWY_ARCH_X86;
+
     template <int count, bool streaming>
     static void steps_of_rows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
                               const SweepRow* rows, SweepSteps steps, std::uint8_t* state) {
@@ -30,13 +33,17 @@ struct Aggregation {
     static void aggregate(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before,
                           const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state) {
         if (count == rows_at_once) {
-            pass.store == Store::stream
-                ? steps_of_rows<rows_at_once, true>(geometry, pass, before, rows, steps, state)
-                : steps_of_rows<rows_at_once, false>(geometry, pass, before, rows, steps, state);
-            return;
+            if constexpr (streams) {
+                if (pass.store == Store::stream) {
+                    steps_of_rows<rows_at_once, true>(geometry, pass, before, rows, steps, state);
+                    return;
+                }
+            }
+            steps_of_rows<rows_at_once, false>(geometry, pass, before, rows, steps, state);
+        } else {
+            // A row left over: how it is stored does not matter.
+            steps_of_rows<1, false>(geometry, pass, before, rows, steps, state);
         }
-        // A row left over: how it is stored does not matter.
-        steps_of_rows<1, false>(geometry, pass, before, rows, steps, state);
         if (pass.store == Store::stream && steps.end == steps_of(geometry.width, 1)) {
             std::copy_n(rows->costs, geometry.row_bytes(), rows->costs_copy);
         }

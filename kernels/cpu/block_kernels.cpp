@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/block_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
@@ -83,24 +84,8 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::cpu {
 
 BlockKernels block_kernels(std::int64_t target, int disparities) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::block_kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::block_kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::block_kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::block_kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::block_kernels_of(disparities);
-#endif
-        default: return {};
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, block_kernels_of);
+    return built != nullptr ? built(disparities) : BlockKernels{};
 }
 
 }  // namespace disparityd::cpu

@@ -61,15 +61,13 @@ struct FormKernels {
         }
     }
 
-    static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
-                       const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
+    /// Always from the left: what the sweep left in the caches counts for less than code for both directions.
+    static void winner(const SgmGeometry& geometry, const PostOptions& options, int /*direction*/,
+                       const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
+                       const WinnerRow& out) {
         const auto sums = [=](int x, hn::Vec<SumTag>* of_pixel) { sums_of(x, down, up, costs, of_pixel); };
         Minima minima;
-        if (direction > 0) {
-            WinnerSearch<SumTag, classes, 1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
-        } else {
-            WinnerSearch<SumTag, classes, -1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
-        }
+        WinnerSearch<SumTag, classes, 1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
         LeftResults(geometry, options).row(minima, geometry.width, out);
     }
 };

@@ -15,15 +15,21 @@ std::int64_t target_for_words(std::int64_t target, int disparities) {
     return much_padding && other_there ? HWY_AVX2 : target;
 }
 
+SgmKernels kernels_of_form(std::int64_t target, int disparities, bool eight_paths, bool words) {
+    if (words) {
+        return eight_paths ? wide_kernels(target, disparities) : wide_four_path_kernels(target, disparities);
+    }
+    return eight_paths ? sgm_kernels(target, disparities) : four_path_kernels(target, disparities);
+}
+
 }  // namespace
 
 SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options) {
-    const bool eight = options.paths == 8;
-    if (options.p2 <= (eight ? max_byte_p2 : max_byte_p2_of_4_paths)) {
-        return eight ? sgm_kernels(target, range.count) : four_path_kernels(target, range.count);
-    }
-    const std::int64_t wide_target = target_for_words(target, range.count);
-    return eight ? wide_kernels(wide_target, range.count) : wide_four_path_kernels(wide_target, range.count);
+    const bool eight_paths = options.paths == 8;
+    const bool words = options.p2 > (eight_paths ? max_byte_p2 : max_byte_p2_of_4_paths);
+    const std::int64_t fitting = words ? target_for_words(target, range.count) : target;
+    const SgmKernels kernels = kernels_of_form(fitting, range.count, eight_paths, words);
+    return kernels.layout.lanes != 0 ? kernels : kernels_of_form(HWY_AVX2, range.count, eight_paths, words);
 }
 
 }  // namespace disparityd::cpu

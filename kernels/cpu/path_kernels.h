@@ -8,11 +8,11 @@
 
 namespace disparityd::cpu {
 
-/// The kernels that the options ask for, of sgm_kernels() or of those below. Nothing (no lanes) where an instruction
-/// set is not built.
+/// The kernels that the options ask for, of sgm_kernels() or of those below; those of AVX2 where they are not built for
+/// `target`, and nothing (no lanes) where not for AVX2 either.
 SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options);
 
-/// 8 paths, any P2.
+/// 8 paths, any P2. Like the next two: nothing (no lanes) where they are not built for `target`.
 SgmKernels wide_kernels(std::int64_t target, int disparities);
 
 /// 4 paths, P2 up to max_byte_p2_of_4_paths.

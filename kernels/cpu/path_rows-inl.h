@@ -57,11 +57,13 @@ public:
         }
         // While all rows are inside the image. At the left border they begin one after the other.
         const int end_inside = std::min(steps.end, width_ / least_block * least_block);
-        const int end_of_first = std::min(end_inside, row_lag * (rows_at_once - 1));
         int t = steps.first;
-        if (t < end_of_first) {
-            blocks_inside<1>(t, end_of_first);
-            t = end_of_first;
+        if constexpr (rows_at_once > 1) {
+            const int end_of_first = std::min(end_inside, row_lag * (rows_at_once - 1));
+            if (t < end_of_first) {
+                blocks_inside<1>(t, end_of_first);
+                t = end_of_first;
+            }
         }
         if (t < end_inside) {
             blocks_inside<rows_at_once>(t, end_inside);
@@ -313,7 +315,6 @@ private:
             reduce_at_border(t - least_block);
         }
         for (int i = 0; i < least_block; ++i) {
-            DISPARITYD_UNROLL
             for (int j = 0; j < rows_at_once; ++j) {
                 const int p = t + i - row_lag * j;
                 if (p >= 0 && p < width_) {
@@ -325,7 +326,6 @@ private:
 
     void reduce_at_border(int t) const {
         const hn::FixedTag<std::uint8_t, 16> block;
-        DISPARITYD_UNROLL
         for (int j = 0; j < rows_at_once; ++j) {
             const int p = t - row_lag * j;
             const int first = std::max(p, 0);

@@ -6,6 +6,7 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/rectify_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
@@ -39,24 +40,10 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::cpu {
 
 RectifyKernels rectify_kernels(std::int64_t target) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return {N_AVX3_DL::rectify, N_AVX3_DL::rectify_colour};
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return {N_AVX3::rectify, N_AVX3::rectify_colour};
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return {N_AVX2::rectify, N_AVX2::rectify_colour};
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return {N_SSE4::rectify, N_SSE4::rectify_colour};
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return {N_NEON::rectify, N_NEON::rectify_colour};
-#endif
-        default: return {reference::rectify, reference::rectify_colour};
-    }
+    const auto luma = DISPARITYD_FUNCTION_FOR(target, rectify);
+    const auto colour = DISPARITYD_FUNCTION_FOR(target, rectify_colour);
+    return luma != nullptr ? RectifyKernels{luma, colour}
+                           : RectifyKernels{reference::rectify, reference::rectify_colour};
 }
 
 }  // namespace disparityd::cpu

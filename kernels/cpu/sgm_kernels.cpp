@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/sgm_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 // Highway's emulation of vectors (SCALAR, EMU128), which the compiler's baseline counts as, is slower than the
 // reference.
@@ -14,12 +15,9 @@
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
 #include "kernels/cpu/winner_row-inl.h"
-#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
-
-#if DISPARITYD_CPU_VECTORS
 
 template <class Tag, int registers>
 struct Kernels {
@@ -106,6 +104,7 @@ struct Kernels {
         SgmKernels kernels;
         kernels.layout = {lanes, registers};
         kernels.rows_at_once = Paths::rows_at_once;
+        kernels.streams = Paths::streams;
         kernels.census_layout = census_layout;
         kernels.census_left = census_left;
         kernels.census_right = census_right<registers>;
@@ -122,39 +121,16 @@ inline SgmKernels kernels_of(int disparities) {
                        [](auto tag, auto registers) { return Kernels<decltype(tag), registers()>::table(); });
 }
 
-#else
-
-inline SgmKernels kernels_of(int) {
-    return {};
-}
-
-#endif
-
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
+#endif
 
 #if HWY_ONCE
 namespace disparityd::cpu {
 
 SgmKernels sgm_kernels(std::int64_t target, int disparities) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::kernels_of(disparities);
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::kernels_of(disparities);
-#endif
-        default: return {};
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, kernels_of);
+    return built != nullptr ? built(disparities) : SgmKernels{};
 }
 
 }  // namespace disparityd::cpu

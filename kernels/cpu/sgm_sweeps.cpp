@@ -43,7 +43,7 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const S
       geometry_(geometry_of(width, height, options, kernels_)),
       keep_costs_(options.range.count == kernels_.layout.candidates()),
       // Half of the cache is what one program can hope for on a machine that does other things too.
-      stream_(keep_costs_ && 2 * bytes_of_volumes() > cache_bytes),
+      stream_(keep_costs_ && kernels.streams && 2 * bytes_of_volumes() > cache_bytes),
       memory_(geometry_, kernels_, options.sgm, keep_costs_) {}
 
 std::size_t SgmSweeps::bytes_of_volumes() const {

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/step_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
@@ -46,24 +47,8 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::cpu {
 
 const KernelSteps& steps(std::int64_t target) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::steps();
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::steps();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::steps();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::steps();
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::steps();
-#endif
-        default: return reference::steps;
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, steps);
+    return built != nullptr ? built() : reference::steps;
 }
 
 }  // namespace disparityd::cpu

@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/wide_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
@@ -24,25 +25,8 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::cpu {
 
 SgmKernels wide_kernels(std::int64_t target, int disparities) {
-    const SgmKernels kernels = sgm_kernels(target, disparities);
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::wide_kernels_of(disparities, kernels);
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::wide_kernels_of(disparities, kernels);
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::wide_kernels_of(disparities, kernels);
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::wide_kernels_of(disparities, kernels);
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::wide_kernels_of(disparities, kernels);
-#endif
-        default: return {};
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, wide_kernels_of);
+    return built != nullptr ? built(disparities, sgm_kernels(target, disparities)) : SgmKernels{};
 }
 
 }  // namespace disparityd::cpu

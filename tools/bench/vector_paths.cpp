@@ -8,6 +8,7 @@
 #define HWY_TARGET_INCLUDE "tools/bench/vector_paths.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_BENCH_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_BENCH_VECTORS
@@ -91,24 +92,8 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::bench {
 
 VectorPaths vector_paths(std::int64_t target) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::paths();
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::paths();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::paths();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::paths();
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::paths();
-#endif
-        default: return {};
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, paths);
+    return built != nullptr ? built() : VectorPaths{};
 }
 
 }  // namespace disparityd::bench

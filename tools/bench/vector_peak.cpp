@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "tools/bench/vector_peak.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+#include "kernels/cpu/instruction_sets.h"
 
 #define DISPARITYD_BENCH_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_BENCH_VECTORS
@@ -60,24 +61,8 @@ HWY_AFTER_NAMESPACE();
 namespace disparityd::bench {
 
 double do_byte_operations(std::int64_t target) {
-    switch (target) {
-#if HWY_TARGETS & HWY_AVX3_DL
-        case HWY_AVX3_DL: return N_AVX3_DL::do_operations();
-#endif
-#if HWY_TARGETS & HWY_AVX3
-        case HWY_AVX3: return N_AVX3::do_operations();
-#endif
-#if HWY_TARGETS & HWY_AVX2
-        case HWY_AVX2: return N_AVX2::do_operations();
-#endif
-#if HWY_TARGETS & HWY_SSE4
-        case HWY_SSE4: return N_SSE4::do_operations();
-#endif
-#if HWY_TARGETS & HWY_NEON
-        case HWY_NEON: return N_NEON::do_operations();
-#endif
-        default: return 0;
-    }
+    const auto built = DISPARITYD_FUNCTION_FOR(target, do_operations);
+    return built != nullptr ? built() : 0;
 }
 
 }  // namespace disparityd::bench
