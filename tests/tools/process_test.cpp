@@ -128,8 +128,8 @@ TEST_F(ProcessTest, AFolderWithFilesIsLeftAlone) {
 }
 
 TEST_F(ProcessTest, CtrlCLeavesWholeFiles) {
-    make_recording(path("in.mkv"), 400, 320, 240);
-    Program program(DISPARITYCTL, {"process", path("in.mkv"), "-o", path("out"), "--disparities", "128", "--backend",
+    make_recording(path("in.mkv"), 400, 160, 120);
+    Program program(DISPARITYCTL, {"process", path("in.mkv"), "-o", path("out"), "--disparities", "64", "--backend",
                                    "reference", "--workers", "1"});
     ASSERT_TRUE(eventually([&] { return std::filesystem::exists(path("out/000001.png")) || !program.running(); }));
     program.send(SIGINT);
@@ -141,7 +141,7 @@ TEST_F(ProcessTest, CtrlCLeavesWholeFiles) {
     ASSERT_GE(files.size(), 3U);
     for (const auto& [name, bytes] : files) {
         if (name != "geometry.json") {
-            EXPECT_EQ(images::read_disparity_png(path("out/" + name)).height, 240) << name;
+            EXPECT_EQ(images::read_disparity_png(path("out/" + name)).height, 120) << name;
         }
     }
     EXPECT_EQ(timed_frames(path("out")), files.size() - 1);

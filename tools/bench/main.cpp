@@ -5,6 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "tools/bench/ideas.h"
 #include "tools/bench/line_up.h"
 #include "tools/bench/machine.h"

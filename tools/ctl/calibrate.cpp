@@ -3,6 +3,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "calibration/board.h"
 #include "calibration/grey_eyes.h"
 #include "tools/ctl/calibration_report.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 
+#include <CLI/CLI.hpp>
+
 #include "capture/camera_controls.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <CLI/CLI.hpp>
-
 #include "tools/ctl/program.h"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 /// The sub-commands of disparityctl. Each adds itself and its options to the program, and sets `action` when it is the
 /// one that the user has chosen.

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 namespace disparityd::tools {

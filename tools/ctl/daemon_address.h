@@ -4,9 +4,11 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "clients/cpp/disparity_client.hpp"
+
+namespace CLI {
+class App;
+}  // namespace CLI
 
 namespace disparityd::tools {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "tools/ctl/commands.h"
 
 int main(int argc, char** argv) {

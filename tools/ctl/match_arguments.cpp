@@ -3,6 +3,8 @@
 
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "kernels/matcher.h"
 #include "tools/ctl/number_argument.h"
 

@@ -5,6 +5,8 @@
 #include <charconv>
 #include <vector>
 
+#include <CLI/CLI.hpp>
+
 namespace disparityd::tools {
 
 CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,

@@ -4,6 +4,8 @@
 #include <span>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "calibration/calibrating_schedule.h"
 #include "capture/rectification_schedule.h"
 #include "pipeline/pipeline.h"

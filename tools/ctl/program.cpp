@@ -6,6 +6,7 @@
 #include <new>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 namespace disparityd::tools {

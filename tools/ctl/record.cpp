@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <CLI/CLI.hpp>
+
 #include "capture/recorder.h"
 #include "capture/recording_writer.h"
 #include "proto/record_message.h"

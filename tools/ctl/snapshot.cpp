@@ -4,6 +4,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
 #include "tools/ctl/number_argument.h"

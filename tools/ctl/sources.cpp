@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <iostream>
 
+#include <CLI/CLI.hpp>
+
 #include "capture/camera_survey.h"
 #include "capture/camera_trouble.h"
 #include "tools/ctl/commands.h"

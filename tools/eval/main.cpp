@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <CLI/CLI.hpp>
+
 #include "pipeline/worker_pool.h"
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/match_arguments.h"

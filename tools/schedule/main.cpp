@@ -4,6 +4,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <CLI/CLI.hpp>
+
 #include "kernels/cpu/backend.h"
 #include "pipeline/worker_pool.h"
 #include "tools/ctl/number_argument.h"
