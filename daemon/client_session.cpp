@@ -203,7 +203,7 @@ void ClientSession::hello(const v1::Hello& hello) {
     }
     welcome.set_shared_memory(layout.shared_memory);
     send(std::move(answer));
-    host_.log().came_and_went.write(spdlog::level::info, label() + ": connected");
+    host_.log().came_and_went.write(LogLevel::info, label() + ": connected");
 }
 
 void ClientSession::subscribe(const v1::Subscribe& subscribe) {
@@ -321,8 +321,8 @@ void ClientSession::close(const std::string& why) {
     if (closed_) {
         return;
     }
-    host_.log().came_and_went.write(spdlog::level::info, fmt::format("{}: {}; {} frames sent, {} skipped", label(), why,
-                                                                     frames_sent_, frames_skipped_));
+    host_.log().came_and_went.write(
+        LogLevel::info, fmt::format("{}: {}; {} frames sent, {} skipped", label(), why, frames_sent_, frames_skipped_));
     stop();
     host_.closed(id_);
 }

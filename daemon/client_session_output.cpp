@@ -38,7 +38,7 @@ void ClientSession::send_error(const std::string& why, bool closing) {
     message.mutable_error()->set_message(why);
     message.mutable_error()->set_closing(closing);
     proto::encode(message, answers_.emplace_back());
-    host_.log().broke_the_protocol.write(spdlog::level::warn,
+    host_.log().broke_the_protocol.write(LogLevel::warning,
                                          fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
     if (closing) {
         closing_ = true;
@@ -59,8 +59,8 @@ void ClientSession::frame_arrived() {
         std::chrono::steady_clock::now() - write_started_ > stall_limit) {
         stall_logged_ = true;
         host_.log().fell_behind.write(
-            spdlog::level::warn, fmt::format("{}: has not read for {} s: it stays connected, frames are skipped for it",
-                                             label(), stall_limit.count()));
+            LogLevel::warning, fmt::format("{}: has not read for {} s: it stays connected, frames are skipped for it",
+                                           label(), stall_limit.count()));
     }
     pump();
 }

@@ -9,7 +9,6 @@
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "daemon/log.h"
@@ -84,7 +83,7 @@ void Daemon::wait_for_signal() {
         if (signal == SIGHUP) {
             reload();
         } else {
-            spdlog::info("stopping: {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+            log_info(fmt::format("stopping: {}", signal == SIGTERM ? "SIGTERM" : "SIGINT"));
             begin_stop();
         }
         wait_for_signal();
@@ -96,7 +95,7 @@ void Daemon::reload() {
         reload_again_ = true;
         return;
     }
-    spdlog::info("loading the configuration again");
+    log_info("loading the configuration again");
     manager_.reloading();
     try {
         build_engine(load_config(options_.config_path, options_.overrides));
@@ -106,7 +105,7 @@ void Daemon::reload() {
 }
 
 void Daemon::refuse_reload(const std::string& why) {
-    spdlog::error("nothing is changed, the new configuration is refused: {}", why);
+    log_error(fmt::format("nothing is changed, the new configuration is refused: {}", why));
     {
         const std::lock_guard lock(mutex_);
         notices_ = {"the configuration was refused at the last reload: " + why};
@@ -116,7 +115,7 @@ void Daemon::refuse_reload(const std::string& why) {
 
 void Daemon::build_engine(Config config) {
     building_ = true;
-    spdlog::info("preparing {}", config.source.uri);
+    log_info(fmt::format("preparing {}", config.source.uri));
     if (builder_.joinable()) {
         builder_.join();
     }
@@ -150,7 +149,7 @@ void Daemon::engine_built(Config config, std::shared_ptr<Engine> engine, std::ex
         fatal_ = failure;
         begin_stop();
     } else if (failure && for_source) {
-        spdlog::error("the source cannot be opened anew: {}", what(failure));
+        log_error(fmt::format("the source cannot be opened anew: {}", what(failure)));
     } else if (failure) {
         refuse_reload(what(failure));
     } else {
@@ -216,8 +215,8 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     if (!serving_) {
         start_serving();
     }
-    spdlog::info("serving {}: {} x {}, {}", engine->source().name, layout.geometry.width, layout.geometry.height,
-                 engine->workers());
+    log_info(fmt::format("serving {}: {} x {}, {}", engine->source().name, layout.geometry.width,
+                         layout.geometry.height, engine->workers()));
     manager_.ready(status_line());
 }
 
@@ -238,7 +237,7 @@ void Daemon::serve_shared_memory(const Config& config, const StreamLayout& layou
             throw;
         }
         shared_memory_.reset();
-        spdlog::error("shared memory is off: {}", error.what());
+        log_error(fmt::format("shared memory is off: {}", error.what()));
         const std::lock_guard lock(mutex_);
         notices_.push_back(std::string("shared memory is off: ") + error.what());
     }
@@ -252,7 +251,7 @@ void Daemon::start_serving() {
         addresses.push_back("shm:" + shared_memory_->object_name());
     }
     for (const std::string& address : addresses) {
-        spdlog::info("serving at {}", address);
+        log_info(fmt::format("serving at {}", address));
         if (options_.print_address) {
             std::printf("%s\n", address.c_str());
         }

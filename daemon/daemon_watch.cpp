@@ -4,9 +4,9 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "daemon/daemon.h"
+#include "daemon/log.h"
 
 namespace disparityd {
 namespace {
@@ -74,7 +74,7 @@ void Daemon::watch_source() {
         return;
     }
     end_seen_ = true;
-    spdlog::log(condition.failed ? spdlog::level::err : spdlog::level::info, "{}", condition.detail);
+    log_line(condition.failed ? LogLevel::error : LogLevel::info, condition.detail);
     recording_.set_source(std::nullopt, "");
     if (options_.exit_at_end) {
         ended_well_ = !condition.failed;
@@ -85,7 +85,7 @@ void Daemon::watch_source() {
 void Daemon::watch_memory() {
     const auto current = engine();
     if (current && current->check_memory()) {
-        spdlog::info("{}", current->notices().back());
+        log_info(current->notices().back());
     }
 }
 
@@ -101,8 +101,8 @@ void Daemon::watch_threads() {
     }
     if (!stuck.empty()) {
         if (!stuck_logged_) {
-            spdlog::error("stage \"{}\" has not answered for {} ms{}", stuck, limit.count(),
-                          watchdog.count() > 0 ? ": the watchdog is no longer fed" : "");
+            log_error(fmt::format("stage \"{}\" has not answered for {} ms{}", stuck, limit.count(),
+                                  watchdog.count() > 0 ? ": the watchdog is no longer fed" : ""));
         }
         stuck_logged_ = true;
         return;

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include "calibration/correction_file.h"
 #include "capture/camera_calibration.h"
@@ -13,6 +12,7 @@
 #include "capture/source_condition.h"
 #include "daemon/camera_message.h"
 #include "daemon/huge_pages.h"
+#include "daemon/log.h"
 
 namespace disparityd {
 namespace {
@@ -39,7 +39,7 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, std::fun
     options.controls = config.source.controls;
     options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
     options.report = [](const std::string& line, bool trouble) {
-        spdlog::log(trouble ? spdlog::level::warn : spdlog::level::info, "{}", line);
+        log_line(trouble ? LogLevel::warning : LogLevel::info, line);
     };
     options.progress = std::move(progress);
     return capture::open_source(options);

@@ -14,6 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "daemon/log.h"
 #include "daemon/socket_address.h"
 
 namespace disparityd {
@@ -70,8 +71,8 @@ private:
             }
             if (error) {
                 // Out of descriptors or memory: the connection waits in the system's queue until there are some.
-                self->limiter_.write(spdlog::level::warn, fmt::format("{}: cannot accept a client: {}; trying again",
-                                                                      self->address(), error.message()));
+                self->limiter_.write(LogLevel::warning, fmt::format("{}: cannot accept a client: {}; trying again",
+                                                                    self->address(), error.message()));
                 self->retry_.expires_after(std::chrono::milliseconds(100));
                 self->retry_.async_wait([self](error_code stopped) {
                     if (!stopped) {
@@ -180,7 +181,7 @@ private:
         if (unlink(path_.c_str()) != 0) {
             refuse(address(), key(), error_code(errno, boost::system::system_category()));
         }
-        spdlog::warn("{}: left over from a daemon that is gone; replaced", address());
+        log_warning(fmt::format("{}: left over from a daemon that is gone; replaced", address()));
     }
 
     /// Only our own: another daemon may have taken the place meanwhile.

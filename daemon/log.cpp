@@ -5,9 +5,11 @@
 #include <cstdlib>
 #include <memory>
 
+#include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 namespace disparityd {
 namespace {
@@ -65,6 +67,10 @@ void set_log_level(LogLevel level) {
     spdlog::default_logger_raw()->set_level(spdlog_level(level));
 }
 
+void log_line(LogLevel level, const std::string& line) {
+    spdlog::default_logger_raw()->log(spdlog_level(level), spdlog::string_view_t(line));
+}
+
 bool LogLimiter::allows(std::uint64_t& left_out) {
     const std::lock_guard lock(mutex_);
     const auto now = std::chrono::steady_clock::now();
@@ -83,15 +89,11 @@ bool LogLimiter::allows(std::uint64_t& left_out) {
     return true;
 }
 
-void LogLimiter::write(spdlog::level::level_enum level, const std::string& line) {
+void LogLimiter::write(LogLevel level, const std::string& line) {
     std::uint64_t left_out = 0;
-    if (!allows(left_out)) {
-        return;
-    }
-    if (left_out > 0) {
-        spdlog::log(level, "{} ({} lines of this kind left out before)", line, left_out);
-    } else {
-        spdlog::log(level, "{}", line);
+    if (allows(left_out)) {
+        log_line(level,
+                 left_out > 0 ? fmt::format("{} ({} lines of this kind left out before)", line, left_out) : line);
     }
 }
 

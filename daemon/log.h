@@ -7,8 +7,6 @@
 #include <mutex>
 #include <string>
 
-#include <spdlog/spdlog.h>
-
 #include "daemon/config.h"
 
 namespace disparityd {
@@ -21,6 +19,19 @@ void set_up_log(const Config::Log& config);
 /// What a reload may change while others log.
 void set_log_level(LogLevel level);
 
+/// A line of the log. Any thread. No template of the logging library, whose every use takes seconds to compile: lines
+/// are made with fmt::format.
+void log_line(LogLevel level, const std::string& line);
+inline void log_info(const std::string& line) {
+    log_line(LogLevel::info, line);
+}
+inline void log_warning(const std::string& line) {
+    log_line(LogLevel::warning, line);
+}
+inline void log_error(const std::string& line) {
+    log_line(LogLevel::error, line);
+}
+
 /// Keeps what clients can provoke from flooding the log: `burst` lines, then one more every `interval`. Any thread.
 class LogLimiter {
 public:
@@ -31,7 +42,7 @@ public:
     bool allows(std::uint64_t& left_out);
 
     /// Writes the line at the given level, or counts it.
-    void write(spdlog::level::level_enum level, const std::string& line);
+    void write(LogLevel level, const std::string& line);
 
 private:
     const int burst_;

@@ -7,8 +7,8 @@
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "daemon/log.h"
 #include "proto/record_message.h"
 
 namespace disparityd {
@@ -100,7 +100,7 @@ void RecordingControl::start_now(const std::string& path) {
     }
     const std::string target = target_path(path, directory);
     auto recorder = std::make_shared<capture::Recorder>(target, source);
-    spdlog::info("recording to {}", target);
+    log_info(fmt::format("recording to {}", target));
     const std::lock_guard lock(mutex_);
     path_ = target;
     recorder_ = std::move(recorder);
@@ -121,9 +121,9 @@ void RecordingControl::finish(const std::string& reason) {
     if (end.error.empty()) {
         end.error = reason;
     }
-    spdlog::log(end.error.empty() ? spdlog::level::info : spdlog::level::warn,
-                "recording {} finished: {} frames, {} lost, {} bytes{}{}", path_, end.frames, end.lost, end.bytes,
-                end.error.empty() ? "" : "; ", end.error);
+    log_line(end.error.empty() ? LogLevel::info : LogLevel::warning,
+             fmt::format("recording {} finished: {} frames, {} lost, {} bytes{}{}", path_, end.frames, end.lost,
+                         end.bytes, end.error.empty() ? "" : "; ", end.error));
     const std::lock_guard lock(mutex_);
     last_ = proto::record_message(end, path_, false);
 }

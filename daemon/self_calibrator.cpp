@@ -6,12 +6,13 @@
 #include <exception>
 #include <utility>
 
+#include <fmt/format.h>
 #include <pthread.h>
-#include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "calibration/correction_file.h"
+#include "daemon/log.h"
 
 namespace disparityd {
 namespace {
@@ -46,10 +47,10 @@ SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, capture::Recti
         try {
             if (const auto kept = calibration::read_correction(settings_.path, *source.calibration)) {
                 book_.apply(*kept, book_.made(*kept));
-                spdlog::info("self-calibration: the correction in {} is applied", settings_.path);
+                log_info(fmt::format("self-calibration: the correction in {} is applied", settings_.path));
             }
         } catch (const std::exception& error) {
-            spdlog::warn("self-calibration: {}", error.what());
+            log_warning(fmt::format("self-calibration: {}", error.what()));
         }
     }
     thread_ = std::thread([this] { run(); });
@@ -95,7 +96,7 @@ void SelfCalibrator::run() {
             look();
         } catch (const std::exception& error) {
             // Out of memory, most likely: what is in use stays in use.
-            spdlog::warn("self-calibration: {}", error.what());
+            log_warning(fmt::format("self-calibration: {}", error.what()));
             calibration_.clear();
         }
         if (stopping_.load()) {
@@ -121,8 +122,8 @@ void SelfCalibrator::look() {
 
 void SelfCalibrator::estimate() {
     const calibration::SelfCalibrationResult result = calibration_.solve(book_.state().correction);
-    spdlog::log(result.accepted ? spdlog::level::info : spdlog::level::debug, "self-calibration: {}: {}",
-                result.accepted ? "corrected" : "nothing changed", result.reason);
+    log_line(result.accepted ? LogLevel::info : LogLevel::debug,
+             fmt::format("self-calibration: {}: {}", result.accepted ? "corrected" : "nothing changed", result.reason));
     const auto rectification = result.accepted ? book_.made(result.correction) : nullptr;
     {
         // First what explains a correction, then the correction: a status that has one has the other.
@@ -145,7 +146,7 @@ void SelfCalibrator::keep(const capture::CalibrationCorrection& correction) cons
     try {
         calibration::write_correction(settings_.path, *source_.calibration, correction);
     } catch (const std::exception& error) {
-        spdlog::warn("self-calibration: {}", error.what());
+        log_warning(fmt::format("self-calibration: {}", error.what()));
     }
 }
 

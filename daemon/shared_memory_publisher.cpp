@@ -5,7 +5,7 @@
 #include <chrono>
 #include <span>
 
-#include <spdlog/spdlog.h>
+#include "daemon/log.h"
 
 namespace disparityd {
 namespace {
@@ -28,7 +28,7 @@ proto::ShmLayout to_shm(const StreamLayout& layout) {
 SharedMemoryPublisher::SharedMemoryPublisher(const std::string& name, const StreamLayout& layout, std::uint32_t slots)
     : layout_(layout), writer_(name, to_shm(layout), slots) {
     if (!writer_.note().empty()) {
-        spdlog::warn("{}", writer_.note());
+        log_warning(writer_.note());
     }
     thread_ = std::thread([this] { wake_readers(); });
 }

@@ -7,6 +7,8 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
+#include "daemon/log.h"
+
 namespace disparityd {
 namespace {
 
@@ -228,7 +230,7 @@ void SocketServer::accepted(ClientSession::Socket socket, std::string address) {
                                     clients_.size(), max_clients_));
     } else {
         log_.broke_the_protocol.write(
-            spdlog::level::warn, fmt::format("{}: closed at once: too many clients that cannot be served", address));
+            LogLevel::warning, fmt::format("{}: closed at once: too many clients that cannot be served", address));
     }
 }
 
