@@ -109,7 +109,7 @@ std::optional<capture::CalibrationCorrection> read_correction(const std::string&
         const std::string found = value_of(text, key).value_or("");
         const auto [end, problem] = std::from_chars(found.data(), found.data() + found.size(), correction.*field);
         if (problem != std::errc() || end != found.data() + found.size()) {
-            refuse(path, std::string(key) + ": found '" + found.substr(0, 40) + "', expected a whole number");
+            refuse(path, std::string(key) + ": found '" + capture::shown(found) + "', expected a whole number");
         }
     }
     if (!is_plausible(correction)) {

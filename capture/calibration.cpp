@@ -160,7 +160,7 @@ StereoCalibration calibration_from_text(const std::string& text, const std::stri
         if (first) {
             first = false;
             if (trim(line) != text_version) {
-                throw std::invalid_argument("calibration of " + origin + ": found '" + std::string(line.substr(0, 40)) +
+                throw std::invalid_argument("calibration of " + origin + ": found '" + shown(line) +
                                             "', this version reads '" + std::string(text_version) + "'");
             }
             continue;

@@ -33,7 +33,7 @@ public:
             }
             if (line[0] == '[') {
                 if (line.back() != ']') {
-                    fail(number, "found '" + std::string(line) + "', expected a section such as [LEFT_CAM_HD]");
+                    fail(number, "found '" + shown(line) + "', expected a section such as [LEFT_CAM_HD]");
                 }
                 section = lower_case(trim(line.substr(1, line.size() - 2)));
                 sections_[section];
@@ -41,7 +41,7 @@ public:
             }
             const auto equals = line.find('=');
             if (equals == std::string_view::npos || section.empty()) {
-                fail(number, "found '" + std::string(line.substr(0, 40)) +
+                fail(number, "found '" + shown(line) +
                                  "', expected key=value within a section: this is no factory calibration");
             }
             sections_[section][lower_case(trim(line.substr(0, equals)))] = {std::string(trim(line.substr(equals + 1))),
@@ -102,7 +102,7 @@ private:
         const auto number = parse_number(value.text);
         if (!number) {
             const bool comma = value.text.find(',') != std::string::npos;
-            fail(value.line, "[" + upper(section) + "] " + key + ": found '" + value.text +
+            fail(value.line, "[" + upper(section) + "] " + key + ": found '" + shown(value.text) +
                                  "', allowed is a number with a decimal point" +
                                  (comma ? " (the file was written under a locale with a decimal comma: fetch the "
                                           "original again)"

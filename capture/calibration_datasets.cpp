@@ -31,7 +31,7 @@ std::vector<double> numbers(const Entries& entries, const std::string& path, std
     const auto values = parse_numbers(found->second, "[]; \t\r");
     if (!values || values->size() != count) {
         throw std::invalid_argument("calibration " + path + ": " + std::string(key) + ": found '" +
-                                    found->second.substr(0, 60) + "', expected " + std::to_string(count) +
+                                    shown(found->second) + "', expected " + std::to_string(count) +
                                     (count == 1 ? " number" : " numbers"));
     }
     return *values;

@@ -1,97 +1,72 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
+#include <algorithm>
 #include <initializer_list>
-#include <stdexcept>
 #include <string>
 
-#include <opencv2/core.hpp>
-
 #include "capture/calibration_formats.h"
+#include "capture/opencv_storage.h"
 #include "capture/text_file.h"
 
 namespace disparityd::capture {
 
 namespace {
 
+using Matrix = OpencvStorage::Matrix;
+
 // The names that OpenCV's own programs and users give the same matrix.
 using Names = std::initializer_list<const char*>;
 
-class Storage {
+class CalibrationFile {
 public:
-    explicit Storage(const std::string& path) : path_(path) {
-        read_text_file(path, "calibration");  // for its messages
-        try {
-            file_.open(path, cv::FileStorage::READ);
-        } catch (const cv::Exception&) {
-            file_.release();
-        }
-        if (!file_.isOpened()) {
-            throw std::invalid_argument("calibration " + path + ": is no OpenCV YAML or XML file, or a damaged one");
-        }
-    }
+    explicit CalibrationFile(const std::string& path)
+        : path_(path), storage_(path, read_text_file(path, "calibration")) {}
 
-    cv::Mat matrix(Names names, bool required = true) const {
+    Matrix matrix(Names names) const {
         for (const char* name : names) {
-            cv::Mat matrix;
-            try {
-                file_[name] >> matrix;
-            } catch (const cv::Exception&) {
-                throw std::invalid_argument("calibration " + path_ + ": " + name + " is no matrix");
-            }
-            if (!matrix.empty()) {
-                cv::Mat numbers;
-                matrix.convertTo(numbers, CV_64F);
-                if (!cv::checkRange(numbers)) {
-                    throw std::invalid_argument("calibration " + path_ + ": " + name +
-                                                " has values that are no numbers");
-                }
-                return numbers;
+            if (const auto matrix = storage_.matrix(name)) {
+                return *matrix;
             }
         }
-        if (required) {
-            throw std::invalid_argument("calibration " + path_ + ": has no matrix " + *names.begin() +
-                                        "; M1, D1, M2, D2, R and T are needed, in one file or as "
-                                        "intrinsics.yml,extrinsics.yml");
-        }
-        return {};
+        fail("has no matrix " + std::string(*names.begin()) +
+             "; M1, D1, M2, D2, R and T are needed, in one file or as intrinsics.yml,extrinsics.yml");
     }
 
     void check_size(int width, int height) const {
         for (const auto& [width_key, height_key] :
              {std::pair("image_width", "image_height"), std::pair("imageWidth", "imageHeight")}) {
-            const cv::FileNode found_width = file_[width_key];
-            const cv::FileNode found_height = file_[height_key];
-            if (found_width.isInt() && found_height.isInt() &&
-                (static_cast<int>(found_width) != width || static_cast<int>(found_height) != height)) {
-                refuse_other_size(path_,
-                                  std::to_string(static_cast<int>(found_width)) + "x" +
-                                      std::to_string(static_cast<int>(found_height)),
-                                  width, height);
+            const auto found_width = storage_.integer(width_key);
+            const auto found_height = storage_.integer(height_key);
+            if (found_width && found_height && (*found_width != width || *found_height != height)) {
+                refuse_other_size(path_, std::to_string(*found_width) + "x" + std::to_string(*found_height), width,
+                                  height);
             }
         }
     }
 
-    void fail(const std::string& what) const { throw std::invalid_argument("calibration " + path_ + ": " + what); }
+    [[noreturn]] void fail(const std::string& what) const { storage_.fail(what); }
 
 private:
     std::string path_;
-    cv::FileStorage file_;
+    OpencvStorage storage_;
 };
 
-CameraModel camera_of(const Storage& file, const cv::Mat& matrix, const cv::Mat& distortion, const std::string& names) {
-    if (matrix.rows != 3 || matrix.cols != 3) {
-        file.fail(names + ": found a camera matrix of " + std::to_string(matrix.rows) + "x" +
-                  std::to_string(matrix.cols) + ", expected 3x3");
+std::string size_text(const Matrix& matrix) {
+    return std::to_string(matrix.rows) + "x" + std::to_string(matrix.columns);
+}
+
+CameraModel camera_of(const CalibrationFile& file, const Matrix& matrix, const Matrix& distortion,
+                      const std::string& names) {
+    if (matrix.rows != 3 || matrix.columns != 3) {
+        file.fail(names + ": found a camera matrix of " + size_text(matrix) + ", expected 3x3");
     }
-    CameraModel camera{
-        matrix.at<double>(0, 0), matrix.at<double>(1, 1), matrix.at<double>(0, 2), matrix.at<double>(1, 2), {}};
-    const cv::Mat flat = distortion.reshape(1, 1);
-    for (int i = 0; i < flat.cols; ++i) {
-        const double value = flat.at<double>(0, i);
-        if (i < 5) {
-            camera.distortion[static_cast<std::size_t>(i)] = value;
-        } else if (value != 0) {
-            file.fail(names + ": found " + std::to_string(flat.cols) +
+    const auto& m = matrix.numbers;
+    CameraModel camera{m[0], m[4], m[2], m[5], {}};
+    const auto& k = distortion.numbers;
+    for (std::size_t i = 0; i < k.size(); ++i) {
+        if (i < camera.distortion.size()) {
+            camera.distortion[i] = k[i];
+        } else if (k[i] != 0) {
+            file.fail(names + ": found " + std::to_string(k.size()) +
                       " distortion coefficients, allowed are the five of the Brown model (k1 k2 p1 p2 k3): calibrate "
                       "without the rational model");
         }
@@ -103,8 +78,8 @@ CameraModel camera_of(const Storage& file, const cv::Mat& matrix, const cv::Mat&
 
 StereoCalibration read_opencv_calibration(const std::string& path, const std::string& extrinsics, int width,
                                           int height) {
-    const Storage intrinsic_file(path);
-    const Storage extrinsic_file(extrinsics.empty() ? path : extrinsics);
+    const CalibrationFile intrinsic_file(path);
+    const CalibrationFile extrinsic_file(extrinsics.empty() ? path : extrinsics);
     intrinsic_file.check_size(width, height);
     extrinsic_file.check_size(width, height);
     StereoCalibration calibration;
@@ -117,17 +92,16 @@ StereoCalibration read_opencv_calibration(const std::string& path, const std::st
     calibration.right = camera_of(
         intrinsic_file, intrinsic_file.matrix({"M2", "cameraMatrix2", "CM2", "K2", "camera_matrix_2", "RIGHT_K"}),
         intrinsic_file.matrix({"D2", "distCoeffs2", "distortion_coefficients_2", "RIGHT_D"}), "M2, D2");
-    const cv::Mat rotation = extrinsic_file.matrix({"R", "rotation"});
-    const cv::Mat translation = extrinsic_file.matrix({"T", "translation"});
-    if (rotation.total() != 9) {
-        extrinsic_file.fail("R: found " + std::to_string(rotation.rows) + "x" + std::to_string(rotation.cols) +
-                            ", expected a rotation matrix of 3x3");
+    const Matrix rotation = extrinsic_file.matrix({"R", "rotation"});
+    const Matrix translation = extrinsic_file.matrix({"T", "translation"});
+    if (rotation.numbers.size() != calibration.rotation.size()) {
+        extrinsic_file.fail("R: found " + size_text(rotation) + ", expected a rotation matrix of 3x3");
     }
-    if (translation.total() != 3) {
-        extrinsic_file.fail("T: found " + std::to_string(translation.total()) + " numbers, expected 3, in mm");
+    if (translation.numbers.size() != calibration.translation.size()) {
+        extrinsic_file.fail("T: found " + std::to_string(translation.numbers.size()) + " numbers, expected 3, in mm");
     }
-    std::copy_n(rotation.ptr<double>(), 9, calibration.rotation.begin());
-    std::copy_n(translation.ptr<double>(), 3, calibration.translation.begin());
+    std::copy(rotation.numbers.begin(), rotation.numbers.end(), calibration.rotation.begin());
+    std::copy(translation.numbers.begin(), translation.numbers.end(), calibration.translation.begin());
     return calibration;
 }
 

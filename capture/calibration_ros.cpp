@@ -29,13 +29,14 @@ public:
     int integer(const char* key) const {
         const auto number = parse_number(scalar(root_[key], key));
         if (!number || *number < 1 || *number > 65535 || *number != static_cast<int>(*number)) {
-            fail(std::string(key) + ": found '" + scalar(root_[key], key) + "', expected a number of pixels");
+            fail(std::string(key) + ": found '" + shown(scalar(root_[key], key)) + "', expected a number of pixels");
         }
         return static_cast<int>(*number);
     }
 
     std::vector<double> matrix(const char* key, std::size_t least) const {
-        const YAML::Node data = root_[key] ? root_[key]["data"] : YAML::Node();
+        const YAML::Node entry = root_[key];
+        const YAML::Node data = entry && entry.IsMap() ? entry["data"] : YAML::Node();
         if (!data || !data.IsSequence() || data.size() < least) {
             fail(std::string(key) + ": has no data of " + std::to_string(least) + " numbers");
         }
@@ -43,7 +44,7 @@ public:
         for (const YAML::Node& node : data) {
             const auto number = parse_number(scalar(node, key));
             if (!number) {
-                fail(std::string(key) + ": found '" + scalar(node, key) + "', expected a number");
+                fail(std::string(key) + ": found '" + shown(scalar(node, key)) + "', expected a number");
             }
             numbers.push_back(*number);
         }
@@ -73,7 +74,7 @@ private:
 CameraModel camera_of(const CameraInfo& file) {
     const std::string model = file.text("distortion_model");
     if (!model.empty() && model != "plumb_bob" && model != "rational_polynomial") {
-        file.fail("distortion_model: found '" + model + "', allowed is plumb_bob");
+        file.fail("distortion_model: found '" + shown(model) + "', allowed is plumb_bob");
     }
     const auto k = file.matrix("camera_matrix", 9);
     CameraModel camera{k[0], k[4], k[2], k[5], {}};

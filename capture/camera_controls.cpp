@@ -99,7 +99,7 @@ void check(const CameraSetting& setting, const std::vector<V4l2Control>& control
         for (const V4l2Control& control : controls) {
             names += (names.empty() ? "" : ", ") + control.control.name;
         }
-        throw std::invalid_argument("camera: found '" + setting.name + "', allowed: " + names);
+        throw std::invalid_argument("camera: found '" + shown(setting.name) + "', allowed: " + names);
     }
     if (setting.value < known->control.least || setting.value > known->control.most) {
         throw std::invalid_argument("camera: " + setting.name + ": found " + std::to_string(setting.value) +
@@ -121,7 +121,7 @@ std::vector<CameraSetting> parse_camera_settings(const std::string& text, const 
         constexpr double most = 1e9;
         if (equals == 0 || !value || *value < -most || *value > most ||
             *value != static_cast<double>(static_cast<std::int64_t>(*value))) {
-            throw std::invalid_argument(where + ": found '" + std::string(word) +
+            throw std::invalid_argument(where + ": found '" + shown(word) +
                                         "', allowed: NAME=NUMBER with spaces between, such as \"auto-exposure=0 "
                                         "gain-left=30\"");
         }

@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "capture/text_file.h"
+
 namespace disparityd::capture {
 
 namespace {
@@ -85,7 +87,7 @@ std::vector<std::int64_t> read_image_times(const std::string& path, std::size_t 
             line.find(':') != std::string::npos ? parse_date(line) : parse_seconds(line);
         const std::string where = path + ": time " + std::to_string(times.size() + 1);
         if (!time) {
-            throw std::invalid_argument(where + ": found '" + line.substr(0, 60) +
+            throw std::invalid_argument(where + ": found '" + shown(line) +
                                         "', expected seconds or a date such as 2011-09-26 13:02:25.964389445");
         }
         if (!times.empty() && *time < times.back()) {

@@ -32,8 +32,9 @@ std::vector<SourceUri::Parameter> SourceUri::parameters() const {
 }
 
 void SourceUri::fail(const std::string& what, std::string_view found, const std::string& allowed) const {
-    throw std::invalid_argument("source " + uri_ + ": " + what + ": found '" + std::string(found) + "', allowed is " +
-                                allowed);
+    constexpr std::size_t longest_uri = 300;
+    throw std::invalid_argument("source " + shown(uri_, longest_uri) + ": " + what + ": found '" + shown(found) +
+                                "', allowed is " + allowed);
 }
 
 double SourceUri::number(const std::string& what, std::string_view text, double least, double most) const {

@@ -60,6 +60,13 @@ std::string number_text(double number) {
     return {text.data(), end};
 }
 
+std::string shown(std::string_view text, std::size_t longest) {
+    std::string line(text.substr(0, longest));
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    return text.size() > longest ? line + "..." : line;
+}
+
 std::string_view trim(std::string_view text) {
     constexpr std::string_view blank = " \t\r\n\f\v";
     const auto first = text.find_first_not_of(blank);

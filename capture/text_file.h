@@ -18,6 +18,10 @@ std::optional<double> parse_number(std::string_view text);
 /// The shortest text that parse_number() turns into the same number.
 std::string number_text(double number);
 
+/// Text from outside as a message shows it: cut after so many bytes, and no byte in it ends the line or moves the
+/// cursor of a terminal.
+std::string shown(std::string_view text, std::size_t longest = 60);
+
 std::string_view trim(std::string_view text);
 std::string lower_case(std::string_view text);
 std::vector<std::string_view> split(std::string_view text, char separator);

@@ -13,8 +13,8 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <toml++/toml.h>
-
+#include "capture/text_file.h"
+#include "daemon/checked_toml.h"
 #include "daemon/config_keys.h"
 #include "daemon/socket_address.h"
 
@@ -28,8 +28,10 @@ struct Assignment {
     std::string where;
 };
 
+/// Keys and values are shown as far as they are text for people.
 [[noreturn]] void refuse(const std::string& line) {
-    throw std::invalid_argument(line);
+    constexpr std::size_t longest = 800;
+    throw std::invalid_argument(capture::shown(line, longest));
 }
 
 std::string key_name(std::string_view section, std::string_view name) {
@@ -73,7 +75,7 @@ void check_section(std::string_view section, const std::string& where) {
         sections.insert(key.section);
     }
     if (!sections.contains(section)) {
-        refuse(where + ": unknown section [" + std::string(section) + "]; " + suggestion(section, sections));
+        refuse(where + ": unknown section [" + capture::shown(section) + "]; " + suggestion(section, sections));
     }
 }
 
@@ -88,7 +90,7 @@ const ConfigKey& find_key(std::string_view section, std::string_view name, const
             names.insert(key.name);
         }
     }
-    refuse(where + ": unknown key " + key_name(section, name) + "; " + suggestion(name, names));
+    refuse(where + ": unknown key " + key_name(section, capture::shown(name)) + "; " + suggestion(name, names));
 }
 
 std::optional<ConfigValue> to_value(const toml::node& node) {
@@ -126,7 +128,8 @@ std::string found_text(const toml::node& node) {
 }
 
 [[noreturn]] void refuse_value(const std::string& where, const ConfigKey& key, const std::string& found) {
-    refuse(where + ": " + key_name(key.section, key.name) + ": found " + found + ", allowed: " + key.allowed);
+    refuse(where + ": " + key_name(key.section, key.name) + ": found " + capture::shown(found) +
+           ", allowed: " + key.allowed);
 }
 
 Assignment to_assignment(const ConfigKey& key, const toml::node& node, const std::string& where) {
@@ -142,11 +145,13 @@ std::string position(const std::string& name, const toml::source_region& source)
 }
 
 toml::table parse_toml(const std::string& text, const std::string& name) {
+    const std::string allowed = "; allowed: [section] lines and key = value lines";
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& error) {
-        refuse(position(name, error.source()) + ": this is not TOML: " + std::string(error.description()) +
-               "; allowed: [section] lines and key = value lines");
+        refuse(position(name, error.source()) + ": this is not TOML: " + std::string(error.description()) + allowed);
+    } catch (const TomlAssertion&) {
+        refuse(name + ": this is not TOML" + allowed);
     }
 }
 
@@ -156,7 +161,7 @@ std::vector<Assignment> read_assignments(const toml::table& file, const std::str
         const std::string where = position(name, section.source());
         const auto* table = content.as_table();
         if (table == nullptr) {
-            refuse(where + ": key " + std::string(section.str()) +
+            refuse(where + ": key " + capture::shown(section.str()) +
                    " stands outside of a section; allowed: [section] first");
         }
         check_section(section.str(), where);
@@ -181,7 +186,8 @@ Assignment to_assignment(const Override& given) {
             return to_assignment(key, *parsed.get("value"), given.origin);
         }
     } catch (const toml::parse_error&) {
-        // Falls through to the refusal below, which names the key and what it takes.
+    } catch (const TomlAssertion&) {
+        // Both fall through to the refusal below, which names the key and what it takes.
     }
     refuse_value(given.origin, key, '"' + given.text + '"');
 }

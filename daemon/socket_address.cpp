@@ -7,6 +7,8 @@
 
 #include <boost/asio/ip/address.hpp>
 
+#include "capture/text_file.h"
+
 namespace disparityd {
 namespace {
 
@@ -46,7 +48,7 @@ std::string tcp_address_problem(const std::string& text, bool insecure) {
     }
     const auto address = parse(text);
     if (!address) {
-        return "found \"" + text + "\"" + form;
+        return "found \"" + capture::shown(text) + "\"" + form;
     }
     if (!insecure && !boost::asio::ip::make_address(address->host).is_loopback()) {
         return "found \"" + text +

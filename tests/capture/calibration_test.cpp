@@ -149,6 +149,35 @@ TEST_F(CalibrationFiles, OpenCvInOneFileAndInTwo) {
     EXPECT_THAT(refusal([&] { read_calibration(inner, 640, 480); }), HasSubstr("has no matrix R"));
 }
 
+std::string xml_matrix(const std::string& name, int rows, int columns, const std::string& numbers) {
+    return "<" + name + " type_id=\"opencv-matrix\">\n  <rows>" + std::to_string(rows) + "</rows>\n  <cols>" +
+           std::to_string(columns) + "</cols>\n  <dt>d</dt>\n  <data>\n    " + numbers + "</data></" + name + ">\n";
+}
+
+TEST_F(CalibrationFiles, OpenCvInXml) {
+    const std::string text =
+        "<?xml version=\"1.0\"?>\n<opencv_storage>\n<!-- <M1> of a comment -->\n"
+        "<image_width>640</image_width>\n<image_height>480</image_height>\n" +
+        xml_matrix("M1", 3, 3, "534.5 0. 335.75\n 0. 535. 240.5 0. 0. 1.") +
+        xml_matrix("D1", 1, 5, "-0.29 0.1 0.001 -0.002 0.03") +
+        xml_matrix("M2", 3, 3, "536. 0. 334. 0. 537. 241. 0. 0. 1.") + xml_matrix("D2", 1, 4, "-2.8e-01 0.11 0. 0.") +
+        xml_matrix("R", 3, 3, "1. 0. 0. 0. 1. 0. 0. 0. 1.") + xml_matrix("T", 3, 1, "-60.5 0.25 0.125") +
+        "</opencv_storage>\n";
+    const StereoCalibration read = read_calibration(write("stereo.xml", text), 640, 480);
+    expect_equal(
+        read, read_calibration(
+                  write("stereo.yml", "%YAML:1.0\n---\n" + replaced(intrinsics(), "-0.28", "-2.8e-01") + extrinsics()),
+                  640, 480));
+    const auto said = [&](const std::string& damaged) {
+        const std::string path = write("damaged.xml", damaged);
+        return refusal([&] { read_calibration(path, 640, 480); });
+    };
+    EXPECT_THAT(said(text.substr(0, text.size() - 20)), HasSubstr("no whole <opencv_storage>"));
+    EXPECT_THAT(said(replaced(text, "</D1>", "")), HasSubstr("not closed"));
+    EXPECT_THAT(said(replaced(text, "<rows>1</rows>", "<rows>1000000</rows>")), HasSubstr("D1 is no matrix"));
+    EXPECT_THAT(said(replaced(text, "0.03", "o.o3")), HasSubstr("'o.o3'"));
+}
+
 TEST_F(CalibrationFiles, OpenCvThatCannotBeMeant) {
     const std::string head = "%YAML:1.0\n---\n";
     const auto said = [&](const std::string& text) {

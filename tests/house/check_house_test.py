@@ -24,6 +24,7 @@ class CheckHouse(unittest.TestCase):
             "kernels/a.h": SPDX_LINE + "#include <vector>\n",
             "pipeline/b.cpp": SPDX_LINE + '#include "kernels/a.h"\n#include "capture/frame_source.h"\n',
             "docs/c.md": "no licence line needed\n",
+            "tests/fuzz/corpus/target/input": "bytes\n",
         }), [])
 
     def test_finds_missing_licence_line(self):

@@ -58,6 +58,17 @@ suite() {
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
+# fuzz: every target for a minute, several at a time.
+fuzz() {
+    step "fuzz"
+    tests/fuzz/run 60 -j "$jobs" | tee "$results/fuzz.txt"
+    case ${PIPESTATUS[0]} in
+        0) note passed "fuzz" ;;
+        77) note skipped "$(grep '^fuzz: skipped' "$results/fuzz.txt")" ;;
+        *) note failed "fuzz: $(grep -m1 FAILED "$results/fuzz.txt")" ;;
+    esac
+}
+
 check_format() {
     project_sources '*.h' '*.hpp' '*.c' '*.cpp' '*.cu' | xargs clang-format --dry-run --Werror
 }
@@ -68,7 +79,7 @@ check_style() {
     else
         note skipped "formatting: clang-format 14 is the one that counts, here is $(clang-format --version)"
     fi
-    check "shell scripts (shellcheck)" shellcheck -x tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
+    check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
 }
 
 tidy_sources() {
