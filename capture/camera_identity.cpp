@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/camera_identity.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <stdexcept>
 
@@ -23,53 +24,74 @@ std::optional<CameraTrouble> CameraIdentity::identify(UsbCamera& camera) {
         asked_ = camera;
         return std::nullopt;
     }
-    const bool not_needed = request_.serial.empty() || camera.serial == request_.serial;
     const bool refused = answer.code == EACCES || answer.code == EPERM || answer.code == EBUSY;
-    if (not_needed || !refused) {
+    if (!refused || camera.serial == request_.serial) {
         return std::nullopt;
     }
     return trouble_of(VideoError(VideoError::Call::open, answer.code, camera.node), camera, camera.label());
 }
 
-std::optional<StereoCalibration> CameraIdentity::likely_calibration() {
-    std::string serial = request_.serial;
-    if (serial.empty()) {
-        std::vector<UsbCamera> cameras = candidates(system_.cameras(), request_);
-        if (cameras.empty()) {
-            return std::nullopt;
+std::string CameraIdentity::likely_serial(const std::string& port) {
+    if (!request_.serial.empty()) {
+        return request_.serial;
+    }
+    std::vector<UsbCamera> cameras = candidates(system_.cameras(), request_);
+    if (cameras.empty()) {
+        return "";
+    }
+    auto likely = std::find_if(cameras.begin(), cameras.end(), [&port](const UsbCamera& camera) {
+        return !camera.port.empty() && camera.port == port;
+    });
+    likely = likely == cameras.end() ? cameras.begin() : likely;
+    identify(*likely);
+    return likely->serial;
+}
+
+std::optional<StereoCalibration> CameraIdentity::calibration_of(const std::string& serial) const {
+    return find_camera_calibration(serial, options_.calibration_folders, request_.eye_width(), request_.eye_height());
+}
+
+void CameraIdentity::expect_likely(SourceInfo& info, const std::string& port) {
+    const std::string serial = likely_serial(port);
+    if (!options_.calibration_path.empty()) {
+        info.calibration = read_calibration(options_.calibration_path, info.eye_width, info.height);
+    } else {
+        try {
+            info.calibration = calibration_of(serial);
+        } catch (const std::invalid_argument&) {
+            info.calibration.reset();
         }
-        identify(cameras.front());
-        serial = cameras.front().serial;
     }
-    try {
-        return find_camera_calibration(serial, options_.calibration_folders, request_.eye_width(),
-                                       request_.eye_height());
-    } catch (const std::invalid_argument&) {
-        return std::nullopt;
-    }
+    info.serial = info.calibration ? serial : "";
 }
 
 std::optional<CameraTrouble> CameraIdentity::check_calibration(const UsbCamera& camera,
-                                                               const std::optional<StereoCalibration>& in_use) const {
-    if (!options_.calibration_path.empty()) {
-        return std::nullopt;
+                                                               const SourceInfo& in_use) const {
+    if (options_.calibration_path.empty()) {
+        std::optional<StereoCalibration> found;
+        try {
+            found = calibration_of(camera.serial);
+        } catch (const std::invalid_argument& error) {
+            return CameraTrouble{CameraState::no_calibration, error.what()};
+        }
+        if (!found && !options_.allow_unrectified) {
+            return no_calibration_trouble(camera, options_.calibration_folders);
+        }
+        const auto text = [](const std::optional<StereoCalibration>& c) { return c ? to_text(*c) : std::string(); };
+        if (text(found) != text(in_use.calibration)) {
+            return CameraTrouble{CameraState::changed, camera.label() +
+                                                           " has another calibration than the camera before: " +
+                                                           (found ? found->origin : "none") + "; it is put to use"};
+        }
     }
-    std::optional<StereoCalibration> found;
-    try {
-        found = find_camera_calibration(camera.serial, options_.calibration_folders, request_.eye_width(),
-                                        request_.eye_height());
-    } catch (const std::invalid_argument& error) {
-        return CameraTrouble{CameraState::no_calibration, error.what()};
+    // What was learned about one camera, such as the correction of its calibration, is not for another.
+    if (in_use.calibration && camera.serial != in_use.serial) {
+        return CameraTrouble{CameraState::changed,
+                             camera.label() + " is not the camera " +
+                                 (in_use.serial.empty() ? "that was expected" : "with serial " + in_use.serial) +
+                                 "; the chain is built anew for it"};
     }
-    if (!found && !options_.allow_unrectified) {
-        return no_calibration_trouble(camera, options_.calibration_folders);
-    }
-    const auto text = [](const std::optional<StereoCalibration>& c) { return c ? to_text(*c) : std::string(); };
-    if (text(found) == text(in_use)) {
-        return std::nullopt;
-    }
-    return CameraTrouble{CameraState::changed, camera.label() + " has another calibration than the camera before: " +
-                                                   (found ? found->origin : "none") + "; it is put to use"};
+    return std::nullopt;
 }
 
 }  // namespace disparityd::capture

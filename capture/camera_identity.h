@@ -19,18 +19,22 @@ public:
         : system_(system), request_(request), options_(options) {}
 
     /// Puts in the serial number that the camera itself gives; the USB descriptors of ZED cameras may all say the same.
-    /// Trouble only when the number is asked for and cannot be had.
+    /// Trouble when the number cannot be had now: without it a camera would pass for another one.
     std::optional<CameraTrouble> identify(UsbCamera& camera);
 
-    /// What the camera that will probably be used brings; nothing when there is none or its file is damaged, which
-    /// check_calibration() says.
-    std::optional<StereoCalibration> likely_calibration();
+    /// Puts in calibration and serial number of the camera that will probably be used: that of the URI, the one at this
+    /// USB port (may be empty), the first that is there. No calibration when there is none or its file is damaged,
+    /// which check_calibration() says, and no number without calibration.
+    void expect_likely(SourceInfo& info, const std::string& port);
 
-    /// Whether this camera may run with the calibration in use.
-    std::optional<CameraTrouble> check_calibration(const UsbCamera& camera,
-                                                   const std::optional<StereoCalibration>& in_use) const;
+    /// Whether this camera may run as what the source was opened for: the same calibration and, where there is one, the
+    /// same serial number.
+    std::optional<CameraTrouble> check_calibration(const UsbCamera& camera, const SourceInfo& in_use) const;
 
 private:
+    std::string likely_serial(const std::string& port);
+    std::optional<StereoCalibration> calibration_of(const std::string& serial) const;
+
     VideoSystem& system_;
     const CameraRequest& request_;
     const SourceOptions& options_;

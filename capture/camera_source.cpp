@@ -15,6 +15,7 @@
 #include "capture/camera_trouble.h"
 #include "capture/eye_joiner.h"
 #include "capture/frame_counter.h"
+#include "capture/set_controls.h"
 #include "capture/source_condition.h"
 #include "capture/video_stream.h"
 
@@ -64,6 +65,7 @@ private:
     std::optional<CameraTrouble> open_one(const UsbCamera& camera);
     void opened(const UsbCamera& camera);
     void set_controls(const UsbCamera& camera);
+    bool try_controls(const UsbCamera& camera, const std::vector<CameraSetting>& settings) const;
     void restart();
     void reset();
     void stream_failed();
@@ -78,6 +80,8 @@ private:
     VideoSystem& system_;
     const SourceOptions options_;
     const CameraRequest request_;
+    const std::vector<CameraSetting> configured_controls_;
+    const std::shared_ptr<SetControls> set_controls_;
     CameraIdentity identity_;
     SourceInfo info_;
     Waker waker_;
@@ -97,13 +101,14 @@ private:
     std::string detail_;
     std::vector<std::string> notices_;
     std::optional<UsbCamera> controlled_;  ///< the camera whose controls can be set now
-    std::vector<CameraSetting> settings_;  ///< what it gets when it is opened
 };
 
 CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     : system_(system),
       options_(options),
       request_(parse_camera_uri(options.uri)),
+      configured_controls_(parse_camera_settings(options.controls, "source " + options.uri + ": controls")),
+      set_controls_(options.set_controls ? options.set_controls : std::make_shared<SetControls>()),
       identity_(system, request_, options_),
       stream_(system, waker_),
       recovery_(recovery_times(options, request_.rate), system.now()) {
@@ -115,18 +120,18 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     info_.live = true;
     info_.description =
         request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
-    settings_ = parse_camera_settings(options.controls, "source " + options.uri + ": controls");
-    if (!options.calibration_path.empty()) {
-        info_.calibration = read_calibration(options.calibration_path, info_.eye_width, info_.height);
-    } else {
-        info_.calibration = identity_.likely_calibration();
-    }
+    identity_.expect_likely(info_, options.likely_port);
     if (request_.top_bottom) {
         const int bytes = bytes_per_pixel(request_.format);
         joiner_.emplace(static_cast<std::size_t>(info_.eye_width * bytes), info_.height, std::max(1, options.loans));
     }
     if (!options.wait_for_camera) {
         take_step(recovery_.due(system.now()));
+        if (!stream_.is_open() && facts_.state == CameraState::changed) {
+            // Another one than the likeliest can be used, and nobody has seen info() yet.
+            identity_.expect_likely(info_, facts_.port);
+            open_any();
+        }
         if (!stream_.is_open()) {
             throw std::runtime_error("source " + options.uri + ": " + detail_);
         }
@@ -228,6 +233,7 @@ void CameraSource::open_any() {
     std::vector<UsbCamera> meant = candidates(present, request_);
     note_plugged(meant);
     std::optional<CameraTrouble> trouble;
+    std::string port;
     bool zeds = false;
     for (UsbCamera& camera : meant) {
         auto found = identity_.identify(camera);
@@ -240,9 +246,15 @@ void CameraSource::open_any() {
         if (!found) {
             return;
         }
-        // What is wrong with a ZED matters more than what is wrong with some other camera.
-        if (!trouble || (!zeds && camera.zed() != nullptr)) {
+        if (found->state == CameraState::no_permission && options_.wait_for_camera &&
+            system_.now() < plugged_since(camera) + permission_time) {
+            found = {CameraState::starting, camera.label() + " has come and is being prepared by udev"};
+        }
+        // One that could be used at once matters most, and a ZED's trouble more than some other camera's.
+        const bool usable = found->state == CameraState::changed;
+        if (!trouble || (trouble->state != CameraState::changed && (usable || (!zeds && camera.zed() != nullptr)))) {
             trouble = found;
+            port = camera.port;
             zeds = camera.zed() != nullptr;
         }
     }
@@ -250,6 +262,10 @@ void CameraSource::open_any() {
     if (!trouble) {
         camera_.reset();
         trouble = absent_trouble(request_, present);
+    }
+    if (trouble->state == CameraState::changed) {
+        const std::lock_guard lock(mutex_);
+        facts_.port = port;
     }
     // Why it went is said already.
     if (trouble->state != CameraState::absent || facts_.state != CameraState::absent || detail_.empty()) {
@@ -284,7 +300,7 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
     if (auto trouble = trouble_at_sight(camera, request_)) {
         return trouble;
     }
-    if (auto trouble = identity_.check_calibration(camera, info_.calibration)) {
+    if (auto trouble = identity_.check_calibration(camera, info_)) {
         return trouble;
     }
     try {
@@ -293,12 +309,7 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
         stream_.start();
     } catch (const VideoError& error) {
         stream_.close();
-        CameraTrouble trouble = trouble_of(error, camera, camera.label());
-        if (options_.wait_for_camera && trouble.state == CameraState::no_permission &&
-            system_.now() < plugged_since(camera) + permission_time) {
-            return CameraTrouble{CameraState::starting, camera.label() + " has come and is being prepared by udev"};
-        }
-        return trouble;
+        return trouble_of(error, camera, camera.label());
     }
     after_reset_ = false;
     set_controls(camera);
@@ -308,19 +319,30 @@ std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
 
 /// What was configured and set since; a camera forgets it when it is unplugged. It streams even where that fails.
 void CameraSource::set_controls(const UsbCamera& camera) {
-    std::vector<CameraSetting> settings;
-    {
-        const std::lock_guard lock(mutex_);
-        settings = settings_;
-    }
-    if (settings.empty()) {
+    std::vector<CameraSetting> settings = configured_controls_;
+    const std::vector<CameraSetting> later = set_controls_->in_force(configured_controls_);
+    settings.insert(settings.end(), later.begin(), later.end());
+    if (settings.empty() || try_controls(camera, settings)) {
         return;
     }
+    // One that another mode or camera does not take must not keep the others away.
+    for (const CameraSetting& setting : settings) {
+        try_controls(camera, {setting});
+    }
+}
+
+bool CameraSource::try_controls(const UsbCamera& camera, const std::vector<CameraSetting>& settings) const {
     try {
         control_camera(system_, camera, request_.rate, settings);
+    } catch (const std::invalid_argument& error) {
+        if (settings.size() == 1) {
+            report(error.what(), true);
+        }
+        return settings.size() == 1;
     } catch (const std::exception& error) {
         report(error.what(), true);
     }
+    return true;
 }
 
 std::vector<CameraControl> CameraSource::control(const std::vector<CameraSetting>& settings) {
@@ -333,11 +355,7 @@ std::vector<CameraControl> CameraSource::control(const std::vector<CameraSetting
         throw std::runtime_error("camera: there is none at the moment; disparityctl status says why");
     }
     std::vector<CameraControl> controls = control_camera(system_, *camera, request_.rate, settings);
-    const std::lock_guard lock(mutex_);
-    for (const CameraSetting& setting : settings) {
-        std::erase_if(settings_, [&setting](const CameraSetting& old) { return old.name == setting.name; });
-        settings_.push_back(setting);
-    }
+    set_controls_->note(settings, configured_controls_);
     return controls;
 }
 

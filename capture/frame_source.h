@@ -19,6 +19,7 @@ namespace disparityd::capture {
 struct SourceCondition;
 struct CameraControl;
 struct CameraSetting;
+class SetControls;
 
 /// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
 enum FrameFlag : std::uint32_t {
@@ -52,7 +53,7 @@ struct SourceInfo {
     std::optional<std::uint64_t> frame_count;  ///< when known beforehand
     /// Empty: unknown; the frames can only be used unrectified.
     std::optional<StereoCalibration> calibration;
-    std::string serial;  ///< of the camera; empty = unknown
+    std::string serial;  ///< of the camera that the calibration is used for; empty = unknown
 };
 
 /// Where frames come from. One thread calls next(); give_back() and interrupt() may come from any thread.
@@ -85,8 +86,9 @@ public:
     virtual SourceCondition condition() const;
 
     /// Sets controls of a live camera in this order and says how all of them stand then (capture/camera_controls.h).
-    /// Any thread; takes milliseconds for each. Throws std::invalid_argument when a name or value is not allowed or the
-    /// source is no camera, std::runtime_error when the camera is not there or refuses.
+    /// They hold until the source ends, also for a camera that is opened anew (capture/set_controls.h). Any thread;
+    /// takes milliseconds for each. Throws std::invalid_argument when a name or value is not allowed or the source is
+    /// no camera, std::runtime_error when the camera is not there or refuses.
     virtual std::vector<CameraControl> control(const std::vector<CameraSetting>& settings);
 };
 
@@ -107,6 +109,10 @@ struct SourceOptions {
     bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
     std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order
     std::string controls;  ///< "gain-left=30 auto-exposure=0": set in this order whenever the camera is opened
+    /// What FrameSource::control() has set on sources before this one, which are to hold here too; this one adds its
+    /// own. Empty: it keeps them for itself.
+    std::shared_ptr<SetControls> set_controls;
+    std::string likely_port;  ///< USB port of the camera that was used before, the likeliest of several; may be empty
     std::chrono::milliseconds stall_time{1000};  ///< a camera that gives no frame for so long is restarted
     /// Hears, one line each, what happens to the camera and what is done about it, in the thread of next(); may be
     /// empty.

@@ -119,11 +119,13 @@ void Daemon::build_engine(Config config) {
     if (builder_.joinable()) {
         builder_.join();
     }
-    builder_ = std::thread([this, config = std::move(config)]() mutable {
+    const auto current = engine();
+    Engine::Heritage heritage{set_controls_, current ? current->camera_port() : ""};
+    builder_ = std::thread([this, config = std::move(config), heritage = std::move(heritage)]() mutable {
         std::shared_ptr<Engine> engine;
         std::exception_ptr failure;
         try {
-            engine = std::make_shared<Engine>(config, [this](int, int) {
+            engine = std::make_shared<Engine>(config, heritage, [this](int, int) {
                 if (stopping_.load(std::memory_order_relaxed)) {
                     throw Cancelled();
                 }

@@ -16,6 +16,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "capture/set_controls.h"
 #include "daemon/camera_control.h"
 #include "daemon/config.h"
 #include "daemon/engine.h"
@@ -82,6 +83,7 @@ private:
     // The control thread's.
     Config config_;
     std::thread builder_;
+    const std::shared_ptr<capture::SetControls> set_controls_ = std::make_shared<capture::SetControls>();
     bool building_ = false;
     bool building_for_source_ = false;  ///< the configuration stays, the source has changed
     bool reload_again_ = false;

@@ -26,7 +26,8 @@ constexpr std::chrono::seconds silence_limit{2};
 /// compares with.
 constexpr int spare_loans = 2;
 
-std::unique_ptr<capture::FrameSource> open_source(const Config& config, std::function<void(int, int)> progress) {
+std::unique_ptr<capture::FrameSource> open_source(const Config& config, const Engine::Heritage& heritage,
+                                                  std::function<void(int, int)> progress) {
     capture::SourceOptions options;
     options.uri = config.source.uri;
     options.loans = config.pipeline.slots + spare_loans;
@@ -37,6 +38,8 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, std::fun
     options.allow_unrectified = config.source.allow_unrectified;
     options.calibration_folders = capture::folder_list(config.source.calibration_folders);
     options.controls = config.source.controls;
+    options.set_controls = heritage.set_controls;
+    options.likely_port = heritage.camera_port;
     options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
     options.report = [](const std::string& line, bool trouble) {
         log_line(trouble ? LogLevel::warning : LogLevel::info, line);
@@ -123,9 +126,9 @@ Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product produ
 
 }  // namespace
 
-Engine::Engine(const Config& config, std::function<void(int, int)> progress)
+Engine::Engine(const Config& config, const Heritage& heritage, std::function<void(int, int)> progress)
     : config_(config),
-      source_(open_source(config, std::move(progress))),
+      source_(open_source(config, heritage, std::move(progress))),
       rectifications_(make_schedule(config, source_->info())),
       book_(dynamic_cast<capture::RectificationBook*>(rectifications_.get())),
       calibrating_(dynamic_cast<const calibration::CalibratingSchedule*>(rectifications_.get())),
@@ -332,6 +335,11 @@ std::vector<std::string> Engine::notices() const {
 
 bool Engine::source_changed() const {
     return source_->condition().reopen;
+}
+
+std::string Engine::camera_port() const {
+    const auto camera = source_->condition().camera;
+    return camera ? camera->port : "";
 }
 
 std::vector<capture::CameraControl> Engine::control_camera(const std::vector<capture::CameraSetting>& settings) {

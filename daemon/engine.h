@@ -26,10 +26,16 @@ namespace disparityd {
 /// started and stopped by one thread at a time; the rest from any.
 class Engine {
 public:
+    /// What an engine is told of those before it; see SourceOptions.
+    struct Heritage {
+        std::shared_ptr<capture::SetControls> set_controls;
+        std::string camera_port;
+    };
+
     /// Opens and allocates everything. `progress` hears how far the source is with preparing itself and may throw to
     /// give up. Throws std::invalid_argument when the user must change something, std::runtime_error when the system
     /// refuses.
-    Engine(const Config& config, std::function<void(int done, int total)> progress);
+    Engine(const Config& config, const Heritage& heritage, std::function<void(int done, int total)> progress);
     ~Engine();
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
@@ -59,6 +65,9 @@ public:
 
     /// The source is no longer what this engine was built for, such as another camera: build a new one.
     bool source_changed() const;
+
+    /// Where the live camera is plugged in, or the one that it changed to; empty for other sources.
+    std::string camera_port() const;
 
     /// See capture::FrameSource::control().
     std::vector<capture::CameraControl> control_camera(const std::vector<capture::CameraSetting>& settings);

@@ -47,20 +47,34 @@ protected:
             << "\nRX_VGA=0.001\nRZ_VGA=0.002\n";
     }
 
-    void plug(const std::string& serial) {
-        auto camera = zed2("/dev/video0", serial);
+    FakeVideoSystem::Camera& plug(const std::string& serial, const std::string& node = "/dev/video0",
+                                  const std::string& port = "2-1") {
+        auto camera = zed2(node, serial);
+        camera.usb.port = port;
         camera.width = 1344;
         camera.height = 376;
-        system_.plug(camera);
+        return system_.plug(camera);
     }
 
     void open(bool allow_unrectified = false) {
         SourceOptions options;
-        options.uri = "v4l2:vga@30";
-        options.wait_for_camera = true;
         options.allow_unrectified = allow_unrectified;
         options.calibration_folders = {folder_ + "/none", folder_};
+        open_with(options);
+    }
+
+    void open_with(SourceOptions options) {
+        options.uri = "v4l2:vga@30";
+        options.wait_for_camera = true;
+        source_.reset();
         source_ = open_camera_on(system_, options);
+    }
+
+    /// As the daemon does when the source wants to be opened anew.
+    void open_anew(SourceOptions options) {
+        ASSERT_TRUE(source_->condition().reopen);
+        options.likely_port = source_->condition().camera->port;
+        open_with(options);
     }
 
     int run(std::chrono::milliseconds time) {
@@ -119,6 +133,93 @@ TEST_F(CameraCalibrationTest, AnotherCameraInItsPlaceAsksForItsOwn) {
     EXPECT_EQ(run(1s), 0);
     EXPECT_TRUE(source_->condition().reopen);
     EXPECT_THAT(source_->condition().detail, HasSubstr("SN999.conf"));
+}
+
+TEST_F(CameraCalibrationTest, ASourceIsThatOfOneSerialNumberThoughAnotherHasTheSameCalibration) {
+    write("12345");
+    SourceOptions options;
+    options.calibration_path = folder_ + "/SN12345.conf";
+    open_with(options);
+    EXPECT_EQ(source_->info().serial, "") << "not there yet";
+    plug("12345");
+    EXPECT_EQ(run(1s), 0) << "not with what is known of any other camera";
+    open_anew(options);
+    EXPECT_EQ(source_->info().serial, "12345");
+    EXPECT_GT(run(1s), 0);
+    system_.unplug("/dev/video0");
+    run(1s);
+    plug("12345");
+    EXPECT_GT(run(1s), 0) << "the same one again";
+    system_.unplug("/dev/video0");
+    run(1s);
+    plug("999");
+    EXPECT_EQ(run(1s), 0);
+    EXPECT_EQ(source_->info().serial, "12345");
+    EXPECT_THAT(source_->condition().detail, HasSubstr("is not the camera with serial 12345"));
+    open_anew(options);
+    EXPECT_EQ(source_->info().serial, "999");
+    EXPECT_GT(run(1s), 0);
+}
+
+TEST_F(CameraCalibrationTest, WithoutCalibrationAnotherCameraNeedsNothingNew) {
+    plug("12345");
+    open(true);
+    EXPECT_GT(run(1s), 0);
+    EXPECT_EQ(source_->info().serial, "");
+    system_.unplug("/dev/video0");
+    run(1s);
+    plug("999");
+    EXPECT_GT(run(1s), 0);
+}
+
+TEST_F(CameraCalibrationTest, OfTwoCamerasTheOneThatCanBeUsedSettlesIt) {
+    write("12345");
+    write("999", "63");
+    plug("12345").buffers_error = EBUSY;
+    plug("999", "/dev/video2", "2-2");
+    SourceOptions options;
+    options.calibration_folders = {folder_};
+    open_with(options);
+    EXPECT_EQ(source_->info().serial, "12345");
+    EXPECT_EQ(run(1s), 0);
+    open_anew(options);
+    EXPECT_EQ(source_->info().serial, "999");
+    EXPECT_GT(run(1s), 0);
+    system_.camera("/dev/video0").buffers_error = 0;
+    options.likely_port = source_->condition().camera->port;
+    open_with(options);
+    EXPECT_EQ(source_->info().serial, "999") << "a reload stays with the camera that was in use";
+}
+
+TEST_F(CameraCalibrationTest, WithoutWaitingTheCameraThatCanBeUsedIsUsed) {
+    write("12345");
+    write("999", "63");
+    plug("12345").buffers_error = EBUSY;
+    plug("999", "/dev/video2", "2-2");
+    SourceOptions options;
+    options.uri = "v4l2:vga@30";
+    options.calibration_folders = {folder_};
+    source_ = open_camera_on(system_, options);
+    EXPECT_EQ(source_->info().serial, "999");
+    EXPECT_GT(run(1s), 0);
+}
+
+TEST_F(CameraCalibrationTest, ACameraThatUdevHasNotPreparedYetIsNoOtherCamera) {
+    write("12345");
+    plug("OV0001").flash_serial = "12345";
+    open(true);
+    EXPECT_EQ(source_->info().serial, "12345");
+    EXPECT_GT(run(1s), 0);
+    system_.unplug("/dev/video0");
+    run(1s);
+    auto& again = plug("OV0001");
+    again.flash_serial = "12345";
+    again.open_error = EACCES;
+    EXPECT_EQ(run(500ms), 0);
+    EXPECT_EQ(state(), CameraState::starting);
+    EXPECT_FALSE(source_->condition().reopen);
+    again.open_error = 0;
+    EXPECT_GT(run(1s), 0);
 }
 
 TEST_F(CameraCalibrationTest, MissingIsRefusedUnlessUnrectifiedIsAllowed) {

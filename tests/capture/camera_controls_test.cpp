@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/camera_source.h"
+#include "capture/set_controls.h"
 #include "capture/zed_controls.h"
 #include "tests/capture/fake_camera.h"
 
@@ -117,35 +118,102 @@ TEST_F(CameraControlsTest, ACameraThatCannotBeOpenedSaysWhy) {
     EXPECT_THROW(control({}), std::runtime_error);
 }
 
-TEST_F(CameraControlsTest, ConfiguredAndSetControlsSurviveAReplug) {
-    SourceOptions options;
-    options.uri = "v4l2:64x16@30";
-    options.wait_for_camera = true;
-    options.controls = "brightness-auto=6 gain-left=30";
-    const auto source = open_camera_on(system_, options);
-    const auto run = [&] {
+/// Sources that follow one another on a camera, as those of a daemon do that loads its configuration again.
+class CameraSettingsKeptTest : public CameraControlsTest {
+protected:
+    void open(const std::string& controls, const std::string& uri = "v4l2:64x16@30") {
+        SourceOptions options;
+        options.uri = uri;
+        options.wait_for_camera = true;
+        options.controls = controls;
+        options.set_controls = kept_;
+        options.report = [this](const std::string& line, bool trouble) {
+            troubles_ += trouble ? line + "\n" : std::string();
+        };
+        source_.reset();
+        source_ = open_camera_on(system_, options);
+    }
+
+    void run() {
         for (int i = 0; i < 20; ++i) {
             RawFrame frame;
-            if (source->next(frame, system_.now() + 100ms) == FrameSource::Next::frame) {
-                source->give_back(frame);
+            if (source_->next(frame, system_.now() + 100ms) == FrameSource::Next::frame) {
+                source_->give_back(frame);
             }
         }
-    };
-    EXPECT_THROW(source->control({}), std::runtime_error) << "not opened yet";
+    }
+
+    void replug() {
+        system_.unplug("/dev/video0");
+        run();
+        EXPECT_THROW(source_->control({}), std::runtime_error);
+        auto again = zed2();
+        again.flash_serial = "4711";
+        system_.plug(again);
+        run();
+    }
+
+    std::shared_ptr<SetControls> kept_ = std::make_shared<SetControls>();
+    std::unique_ptr<FrameSource> source_;
+    std::string troubles_;
+};
+
+TEST_F(CameraSettingsKeptTest, ConfiguredAndSetControlsSurviveAReplug) {
+    open("brightness-auto=6 gain-left=30");
+    EXPECT_THROW(source_->control({}), std::runtime_error) << "not opened yet";
     run();
     EXPECT_EQ(camera().brightness, 6);
     EXPECT_EQ(value(0xa3, 0x3509), 30);
-    source->control({{"brightness-auto", 1}});
+    source_->control({{"brightness-auto", 1}});
     EXPECT_EQ(camera().brightness, 1);
-    system_.unplug("/dev/video0");
-    run();
-    EXPECT_THROW(source->control({}), std::runtime_error);
-    auto again = zed2();
-    again.flash_serial = "4711";
-    system_.plug(again);
-    run();
+    replug();
     EXPECT_EQ(camera().brightness, 1) << "what was set last";
     EXPECT_EQ(value(0xa3, 0x3509), 30);
+}
+
+TEST_F(CameraSettingsKeptTest, WhatWasSetSurvivesAReloadAndAReplugAfterIt) {
+    open("brightness-auto=6");
+    run();
+    source_->control({{"brightness-auto", 1}, {"gain-left", 77}});
+    open("brightness-auto=6 gain-right=40");
+    run();
+    replug();
+    EXPECT_EQ(camera().brightness, 1);
+    EXPECT_EQ(value(0xa3, 0x3509), 77);
+    EXPECT_EQ(value(0xa5, 0x3509), 40) << "newly configured, never set";
+}
+
+TEST_F(CameraSettingsKeptTest, AConfigurationThatChangesTheControlWins) {
+    open("brightness-auto=6");
+    run();
+    source_->control({{"brightness-auto", 1}, {"gain-left", 77}});
+    open("brightness-auto=3 gain-left=30");
+    run();
+    EXPECT_EQ(camera().brightness, 3);
+    EXPECT_EQ(value(0xa3, 0x3509), 30);
+    open("brightness-auto=6");
+    run();
+    EXPECT_EQ(camera().brightness, 6) << "what was overruled does not come back";
+}
+
+TEST_F(CameraSettingsKeptTest, AControlThatIsNoLongerConfiguredKeepsWhatWasSet) {
+    open("brightness-auto=6");
+    run();
+    source_->control({{"brightness-auto", 1}});
+    open("");
+    replug();
+    EXPECT_EQ(camera().brightness, 1);
+}
+
+TEST_F(CameraSettingsKeptTest, OneThatTheNewModeDoesNotTakeLeavesTheOthers) {
+    open("");
+    run();
+    source_->control({{"exposure-left", 1100}, {"gain-left", 77}});
+    open("brightness-auto=2", "v4l2:64x16@60");
+    replug();
+    EXPECT_EQ(camera().brightness, 2);
+    EXPECT_EQ(value(0xa3, 0x3509), 77);
+    EXPECT_THAT(troubles_, HasSubstr("exposure-left: found 1100, allowed: 2 .. 880 lines"));
 }
 
 TEST(CameraSettingsTest, AreNamesAndWholeNumbers) {

@@ -7,23 +7,53 @@ import stat
 import subprocess
 
 
+# As Debian has it: these folders are in /usr.
+IN_USR = ("bin", "sbin", "lib", "lib64")
+
+
 class Archive:
     """Collects files by their place in the guest, each once; folders above them come by themselves."""
 
     def __init__(self):
-        self._entries = {}
+        self._entries = {f"/{name}": (stat.S_IFLNK | 0o777, f"usr/{name}".encode()) for name in IN_USR}
+        self._libraries = set()  # names of those that a tree brought
+        for name in IN_USR:
+            self._add_folders(f"/usr/{name}/.")
+
+    @staticmethod
+    def _place(place):
+        first = str(place).split("/")[1]
+        return f"/usr{place}" if first in IN_USR else str(place)
 
     def _add_folders(self, place):
         for folder in reversed(pathlib.PurePosixPath(place).parents):
-            if str(folder) != "/":
+            if str(folder) not in ("/", "//"):
                 self._entries.setdefault(str(folder), (stat.S_IFDIR | 0o755, b""))
 
-    def add_bytes(self, place, content, mode=0o644):
+    def _add(self, place, mode, content):
+        place = self._place(place)
         self._add_folders(place)
-        self._entries.setdefault(str(place), (stat.S_IFREG | mode, content))
+        self._entries.setdefault(place, (mode, content))
+
+    def add_bytes(self, place, content, mode=0o644):
+        self._add(place, stat.S_IFREG | mode, content)
+
+    def add_link(self, place, target):
+        self._add(place, stat.S_IFLNK | 0o777, target.encode())
+
+    def add_tree(self, folder):
+        """All files and links of a folder; its libraries take the place of this machine's."""
+        for path in sorted(folder.rglob("*")):
+            place = f"/{path.relative_to(folder)}"
+            if path.is_symlink():
+                self.add_link(place, os.readlink(path))
+            elif path.is_file():
+                self.add_file(place, path)
+            if ".so" in path.name:
+                self._libraries.add(path.name)
 
     def add_file(self, place, source):
-        if str(place) not in self._entries:
+        if self._place(place) not in self._entries:
             source = pathlib.Path(source)
             self.add_bytes(place, source.read_bytes(), 0o755 if os.access(source, os.X_OK) else 0o644)
 
@@ -32,7 +62,8 @@ class Archive:
         self.add_file(place, source)
         listed = subprocess.run(["ldd", source], capture_output=True, text=True, check=False).stdout
         for name, library in re.findall(r"^\s*(\S+) => (/\S+) \(0x", listed, re.MULTILINE):
-            self.add_file(f"/vm/lib/{name}", library)
+            if name not in self._libraries:
+                self.add_file(f"/vm/lib/{name}", library)
         for interpreter in re.findall(r"^\s*(/\S+) \(0x", listed, re.MULTILINE):
             self.add_file(interpreter, interpreter)
 

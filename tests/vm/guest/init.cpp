@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The guest's first process: makes the file systems, loads the kernel modules of /vm/modules, runs the program that the
-// kernel's command line names after "--", says how it ended and switches the machine off.
+// kernel's command line names after "--", says how it ended and switches the machine off. Where that name is "systemd",
+// systemd becomes the first process instead, makes the file systems itself and starts this program again for the rest.
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
@@ -88,9 +89,18 @@ int run(char** command) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    mount_all();
-    load_modules();
-    start_loopback();
+    if (::getpid() == 1) {
+        const bool systemd = argc > 1 && std::string(argv[1]) == "systemd";
+        if (!systemd) {
+            mount_all();
+        }
+        load_modules();
+        if (systemd) {
+            ::execl("/usr/lib/systemd/systemd", "systemd", nullptr);
+            std::printf("vm: systemd cannot be run: %s\n", std::strerror(errno));
+        }
+        start_loopback();
+    }
     std::printf("vm: up\n");
     std::fflush(stdout);
     if (argc > 1) {

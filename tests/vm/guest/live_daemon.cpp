@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/vm/guest/live_daemon.h"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <ostream>
@@ -84,6 +85,26 @@ bool LiveDaemon::wait_for_new_frame() {
         read_once();
         return frames_ > frames && frame_.monotonic_ns > begin;
     });
+}
+
+void LiveDaemon::reload() {
+    const std::string taken_over = " serving v4l2";
+    const auto chains = [&] {
+        const std::string log = process_.log();
+        int count = 0;
+        for (auto at = log.find(taken_over); at != std::string::npos; at = log.find(taken_over, at + 1)) {
+            ++count;
+        }
+        return count;
+    };
+    const int before = chains();
+    process_.send_signal(SIGHUP);
+    if (!eventually([&] {
+            read_once();
+            return chains() > before;
+        })) {
+        throw std::runtime_error("the daemon did not load its configuration again: " + process_.log());
+    }
 }
 
 LiveDaemon::Status LiveDaemon::status() {

@@ -31,12 +31,16 @@ public:
     /// Whether a frame comes that was captured after this call.
     bool wait_for_new_frame();
 
+    /// Has the configuration loaded again; throws std::runtime_error unless the new chain takes over.
+    void reload();
+
     /// Asks for it.
     Status status();
 
     const disparity::Frame& frame() const { return frame_; }
     disparity::SocketClient& client() { return *client_; }
     const std::string& name() const { return name_; }
+    std::string address() const { return process_.address("tcp:"); }
     std::string log() const { return process_.log(); }
     const std::string& folder() const { return folder_.path(); }
 

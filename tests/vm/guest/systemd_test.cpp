@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The unit and the udev rules as they are installed, under Debian's systemd and udev, with a camera that goes and
+// comes.
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <grp.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "clients/cpp/disparity_client.hpp"
+#include "proto/disparity.pb.h"
+#include "tests/vm/guest/camera_process.h"
+#include "tests/vm/guest/system_unit.h"
+#include "tests/vm/guest/waiting.h"
+
+namespace vm_guest {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr const char* address = "unix:/run/disparityd/disparityd.sock";
+
+std::int64_t monotonic_ns() {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+/// The unit's configuration, with this many candidates of disparity.
+void configure(int disparities) {
+    fs::create_directories(fs::path(DISPARITYD_CONFIG_FILE).parent_path());
+    std::ofstream(DISPARITYD_CONFIG_FILE)
+        << "[source]\nuri = \"v4l2:vga@15\"\nallow_unrectified = true\n"
+           "stall_ms = 15000\n[match]\nmethod = \"sad\"\ndepth = false\ndisparities = "
+        << disparities << '\n';
+}
+
+/// Mode and group, such as "0660 video".
+std::string access_to(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+        return "missing";
+    }
+    char mode[8];
+    std::snprintf(mode, sizeof mode, "%04o", status.st_mode & 07777U);
+    const group* const owner = ::getgrgid(status.st_gid);
+    return std::string(mode) + ' ' + (owner != nullptr ? owner->gr_name : "nobody's");
+}
+
+std::string content(const std::string& path) {
+    std::string text;
+    std::getline(std::ifstream(path) >> std::ws, text);
+    return text;
+}
+
+/// One camera and the unit for all tests, in the order in which they stand here.
+class Systemd : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        std::printf("seconds from the kernel's start to this test: %.1f\n", static_cast<double>(monotonic_ns()) * 1e-9);
+        configure(16);
+        camera_ = std::make_unique<CameraProcess>();
+    }
+    static void TearDownTestSuite() { camera_.reset(); }
+
+    void TearDown() override {
+        if (HasFailure()) {
+            std::printf("%s\n", unit_.journal().c_str());
+        }
+    }
+
+    /// A client that is connected for the whole of a test.
+    static disparity::SocketClient connected() {
+        disparity::SocketClient client(address, "test of the unit", patience);
+        disparity::Subscription subscription;
+        subscription.products = {disparity::Product::left};
+        client.subscribe(subscription);
+        return client;
+    }
+
+    /// Whether a frame comes that was captured after this call.
+    static bool new_frame(disparity::SocketClient& client) {
+        const std::int64_t begin = monotonic_ns();
+        disparity::Frame frame;
+        return eventually([&] {
+            return client.read(frame, milliseconds(100)) == disparity::ReadResult::frame && frame.monotonic_ns > begin;
+        });
+    }
+
+    static std::unique_ptr<CameraProcess> camera_;
+    const SystemUnit unit_{"disparityd.service"};
+};
+
+std::unique_ptr<CameraProcess> Systemd::camera_;
+
+TEST_F(Systemd, UdevGivesTheCameraToItsGroupAndKeepsItAwake) {
+    const std::string node = camera_->node().path;
+    EXPECT_TRUE(eventually([&] { return access_to(node) == "0660 video"; })) << access_to(node);
+    const std::string device = usb_node(camera_->node());
+    EXPECT_TRUE(eventually([&] { return access_to(device) == "0660 video"; })) << access_to(device);
+    EXPECT_EQ(content(camera_->node().usb_path + "/power/control"), "on");
+    // The name that stays the same, which docs/operations.md tells users of.
+    EXPECT_TRUE(eventually([&] {
+        std::error_code none;
+        return std::any_of(fs::directory_iterator("/dev/v4l/by-path", none), fs::directory_iterator(),
+                           [&](const fs::path& link) { return fs::canonical(link, none) == node; });
+    }));
+}
+
+TEST_F(Systemd, TheUnitIsReadyAndSaysHowItStands) {
+    const Said started = unit_.order("start");
+    ASSERT_EQ(started.status, 0) << started.text;
+    EXPECT_EQ(unit_.property("ActiveState"), "active");
+    EXPECT_TRUE(unit_.comes_to_say("running, ")) << unit_.property("StatusText");
+    EXPECT_EQ(content("/proc/" + std::to_string(unit_.main_process()) + "/comm"), "disparityd");
+    EXPECT_EQ(access_to("/run/disparityd/disparityd.sock"), "0660 disparityd");
+    auto client = connected();
+    EXPECT_TRUE(new_frame(client));
+}
+
+TEST_F(Systemd, ACameraThatGoesAndComesIsSeenAtOnce) {
+    auto client = connected();
+    const int process = unit_.main_process();
+    std::vector<double> seconds_to_a_frame;
+    for (int i = 0; i < 5; ++i) {
+        camera_->unplug();
+        ASSERT_TRUE(unit_.comes_to_say("waiting")) << unit_.property("StatusText");
+        EXPECT_THAT(unit_.property("StatusText"), HasSubstr("plug it in"));
+        camera_->plug();
+        const std::int64_t back = monotonic_ns();
+        ASSERT_TRUE(new_frame(client));
+        seconds_to_a_frame.push_back(static_cast<double>(monotonic_ns() - back) * 1e-9);
+        ASSERT_TRUE(unit_.comes_to_say("running, "));
+    }
+    EXPECT_EQ(unit_.main_process(), process);
+    // A host with other work may hold up some of them.
+    std::sort(seconds_to_a_frame.begin(), seconds_to_a_frame.end());
+    std::printf("seconds to the first frame: median %.2f, most %.2f\n", seconds_to_a_frame[2],
+                seconds_to_a_frame.back());
+    EXPECT_LT(seconds_to_a_frame[2], 2.0);
+}
+
+TEST_F(Systemd, ReloadTakesTheNewConfigurationAndKeepsClients) {
+    auto client = connected();
+    const int process = unit_.main_process();
+    configure(32);
+    const Said reloaded = unit_.order("reload");
+    EXPECT_EQ(reloaded.status, 0) << reloaded.text;
+    EXPECT_TRUE(eventually([&] {
+        disparityd::v1::Status status;
+        return status.ParseFromString(client.status(patience)) && status.geometry().disparities() == 32;
+    }));
+    EXPECT_TRUE(new_frame(client));
+    EXPECT_EQ(unit_.main_process(), process);
+}
+
+TEST_F(Systemd, TheWatchdogEndsADaemonThatStandsStillAndStartsAnother) {
+    const int process = unit_.main_process();
+    ASSERT_EQ(::kill(process, SIGSTOP), 0);
+    EXPECT_TRUE(eventually([&] { return unit_.property("NRestarts") == "1" && unit_.comes_to_say("running, "); }));
+    EXPECT_NE(unit_.main_process(), process);
+    EXPECT_THAT(unit_.journal(), HasSubstr("Watchdog timeout"));
+    auto client = connected();
+    EXPECT_TRUE(new_frame(client));
+}
+
+TEST_F(Systemd, StopIsCleanAndLeavesNothing) {
+    const int process = unit_.main_process();
+    const Said stopped = unit_.order("stop");
+    EXPECT_EQ(stopped.status, 0) << stopped.text;
+    EXPECT_EQ(unit_.property("ActiveState"), "inactive");
+    // Neither "timeout" nor "signal".
+    EXPECT_EQ(unit_.property("Result"), "success");
+    EXPECT_EQ(unit_.property("ExecMainStatus"), "0");
+    EXPECT_FALSE(fs::exists("/proc/" + std::to_string(process)));
+    EXPECT_FALSE(fs::exists("/run/disparityd/disparityd.sock"));
+    EXPECT_FALSE(fs::exists("/dev/shm/disparityd.default"));
+    EXPECT_EQ(camera_->counter("streaming"), 0);
+}
+
+}  // namespace
+}  // namespace vm_guest
