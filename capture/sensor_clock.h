@@ -22,7 +22,10 @@ public:
     /// that jumps (a restarted camera) begins anew.
     std::optional<std::int64_t> map(std::int64_t camera_ns, std::int64_t arrived_ns);
 
-    /// How often the camera's clock has begun anew, its first time not counted.
+    /// The next sample is of another clock, such as one of another camera. Times go on rising.
+    void forget() { begun_ = false; }
+
+    /// How often the camera's clock has begun anew, its first time and forget() not counted.
     std::uint64_t jumps() const { return jumps_; }
 
     /// By how much the host's clock runs faster than the camera's, as far as it is known: 1e-6 is a microsecond in a

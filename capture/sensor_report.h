@@ -29,9 +29,8 @@ std::optional<SensorSample> parse_sensor_report(std::span<const std::uint8_t> re
 /// Feature reports, number first.
 using SensorRequest = std::array<std::uint8_t, 2>;
 
-/// Lets the camera send input reports. It stops some seconds after the last sensor_ping.
+/// Lets the camera send input reports. It stops about six seconds after the last sensor_ping.
 inline constexpr SensorRequest sensor_stream_on{0x32, 1};
-inline constexpr SensorRequest sensor_stream_off{0x32, 0};
 inline constexpr SensorRequest sensor_ping{0x21, 0xf2};
 
 }  // namespace disparityd::capture
