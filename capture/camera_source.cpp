@@ -15,6 +15,7 @@
 #include "capture/camera_trouble.h"
 #include "capture/eye_joiner.h"
 #include "capture/frame_counter.h"
+#include "capture/sensor_reader.h"
 #include "capture/set_controls.h"
 #include "capture/source_condition.h"
 #include "capture/video_stream.h"
@@ -41,7 +42,7 @@ CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) 
 
 class CameraSource final : public FrameSource {
 public:
-    CameraSource(VideoSystem& system, const SourceOptions& options);
+    CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors);
 
     const SourceInfo& info() const override { return info_; }
     Next next(RawFrame& frame, steady_clock::time_point deadline) override;
@@ -71,6 +72,7 @@ private:
     void stream_failed();
     bool still_there();
     VideoStream::Got take(RawFrame& frame, steady_clock::time_point deadline);
+    void follow_sensors_of(const std::optional<UsbCamera>& camera);
     void fill(RawFrame& frame, const VideoFrame& captured);
     void settle(CameraState state, const std::string& detail);
     void stalled(const std::string& what_is_done);
@@ -95,6 +97,8 @@ private:
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
     std::vector<Plugged> plugged_;       ///< those that are there and may be meant
     std::atomic<bool> interrupted_{false};
+    std::vector<SensorSample> samples_;  ///< of the frame that was handed out last
+    std::optional<SensorReader> sensors_;
 
     mutable std::mutex mutex_;  ///< what follows
     CameraFacts facts_;
@@ -103,7 +107,7 @@ private:
     std::optional<UsbCamera> controlled_;  ///< the camera whose controls can be set now
 };
 
-CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
+CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors)
     : system_(system),
       options_(options),
       request_(parse_camera_uri(options.uri)),
@@ -124,6 +128,10 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options)
     if (request_.top_bottom) {
         const int bytes = bytes_per_pixel(request_.format);
         joiner_.emplace(static_cast<std::size_t>(info_.eye_width * bytes), info_.height, std::max(1, options.loans));
+    }
+    if (options.sensors && sensors != nullptr) {
+        samples_.resize(RawFrame::most_samples);
+        sensors_.emplace(*sensors, [this](const std::string& line, bool trouble) { report(line, trouble); });
     }
     if (!options.wait_for_camera) {
         take_step(recovery_.due(system.now()));
@@ -155,6 +163,7 @@ FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point d
         }
     }
     stream_.close();
+    follow_sensors_of(std::nullopt);
     return Next::interrupted;
 }
 
@@ -196,6 +205,9 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     frame.monotonic_ns = captured.monotonic_ns;
     const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - captured.monotonic_ns;
     frame.realtime_ns = system_.realtime_ns() - age;
+    if (sensors_) {
+        frame.sensors = std::span(samples_).first(sensors_->take(samples_));
+    }
 }
 
 void CameraSource::give_back(const RawFrame& frame) noexcept {
@@ -360,6 +372,7 @@ std::vector<CameraControl> CameraSource::control(const std::vector<CameraSetting
 }
 
 void CameraSource::opened(const UsbCamera& camera) {
+    follow_sensors_of(camera);
     broken_ = false;
     counter_.restarted();
     recovery_.started(system_.now());
@@ -382,6 +395,12 @@ void CameraSource::opened(const UsbCamera& camera) {
     }
     if (!stalled_before) {
         settle(CameraState::starting, "waiting for the first frame of " + camera.label());
+    }
+}
+
+void CameraSource::follow_sensors_of(const std::optional<UsbCamera>& camera) {
+    if (sensors_) {
+        sensors_->follow(camera);
     }
 }
 
@@ -432,6 +451,7 @@ void CameraSource::stream_failed() {
         const std::lock_guard lock(mutex_);
         controlled_.reset();
     }
+    follow_sensors_of(std::nullopt);
     settle(CameraState::absent, camera_->label() + " was unplugged: plug it in again");
 }
 
@@ -479,17 +499,18 @@ SourceCondition CameraSource::condition() const {
     condition.camera = facts_;
     condition.camera->damaged = stream_.damaged();
     condition.camera->too_short = stream_.too_short();
+    condition.sensors = sensors_ ? sensors_->facts() : std::nullopt;
     return condition;
 }
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options) {
-    return std::make_unique<CameraSource>(system, options);
+std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors) {
+    return std::make_unique<CameraSource>(system, options, sensors);
 }
 
 std::unique_ptr<FrameSource> open_camera(const SourceOptions& options) {
-    return open_camera_on(linux_video_system(), options);
+    return open_camera_on(linux_video_system(), options, &linux_sensor_system());
 }
 
 }  // namespace disparityd::capture

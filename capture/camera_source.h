@@ -6,6 +6,7 @@
 
 #include "capture/camera_uri.h"
 #include "capture/frame_source.h"
+#include "capture/sensor_system.h"
 #include "capture/video_system.h"
 
 namespace disparityd::capture {
@@ -15,7 +16,8 @@ namespace disparityd::capture {
 /// what that is. Without, it throws std::invalid_argument or std::runtime_error when the camera cannot be used now.
 std::unique_ptr<FrameSource> open_camera(const SourceOptions& options);
 
-/// The same on another system; `system` must outlive the source.
-std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options);
+/// The same on another system; `system` and `sensors` must outlive the source. No `sensors`: they are not read.
+std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options,
+                                            SensorSystem* sensors = nullptr);
 
 }  // namespace disparityd::capture

@@ -6,12 +6,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "capture/calibration.h"
 #include "capture/calibration_correction.h"
+#include "capture/sensor_sample.h"
 #include "kernels/raw_image.h"
 
 namespace disparityd::capture {
@@ -39,6 +41,11 @@ struct RawFrame {
     int loan = -1;                     ///< the source's own number for the buffer
     /// What the calibration was corrected by when this frame was rectified; of a source, what a recording says.
     CalibrationCorrection correction;
+    /// What the camera's sensors measured and sent since the frame before, in order; a frame carries at most
+    /// most_samples. Valid until the next call of next() or until this frame is given back, whichever comes first.
+    std::span<const SensorSample> sensors{};
+
+    static constexpr std::size_t most_samples = 1024;
 };
 
 /// What a source delivers. Constant from open to close.
@@ -108,14 +115,15 @@ struct SourceOptions {
     bool wait_for_camera = false;   ///< one that is not there, or cannot be used yet, is waited for; else a refusal
     bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
     std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order
+    bool sensors = true;                           ///< read the camera's sensors, if it has some
     std::string controls;  ///< "gain-left=30 auto-exposure=0": set in this order whenever the camera is opened
     /// What FrameSource::control() has set on sources before this one, which are to hold here too; this one adds its
     /// own. Empty: it keeps them for itself.
     std::shared_ptr<SetControls> set_controls;
     std::string likely_port;  ///< USB port of the camera that was used before, the likeliest of several; may be empty
     std::chrono::milliseconds stall_time{1000};  ///< a camera that gives no frame for so long is restarted
-    /// Hears, one line each, what happens to the camera and what is done about it, in the thread of next(); may be
-    /// empty.
+    /// Hears, one line each, what happens to the camera and what is done about it; may be empty. Called in the thread
+    /// of next(), and about the sensors in theirs.
     std::function<void(const std::string& line, bool trouble)> report;
     /// Called while a source prepares itself (rendering ahead), with done/total; may be empty.
     std::function<void(int done, int total)> progress;

@@ -10,6 +10,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "capture/recording_writer.h"
@@ -63,6 +64,7 @@ public:
           full_(buffers) {
         for (std::size_t i = 0; i < buffers_.size(); ++i) {
             buffers_[i].pixels.resize(row_bytes_ * static_cast<std::size_t>(height_));
+            buffers_[i].sensors.reserve(RawFrame::most_samples);
             free_.push(i);
         }
         status_.bytes = writer_.bytes();
@@ -82,6 +84,7 @@ public:
             if (!fits || failed_ || finishing_ || free_.empty()) {
                 ++status_.lost;
                 ++lost_before_next_;
+                samples_lost_before_next_ += count_of(frame.sensors);
                 return false;
             }
             number = free_.pop();
@@ -95,6 +98,9 @@ public:
         buffer.frame = frame;
         buffer.frame.image.data = buffer.pixels.data();
         buffer.frame.image.stride = static_cast<std::ptrdiff_t>(row_bytes_);
+        const auto samples = frame.sensors.first(std::min(frame.sensors.size(), RawFrame::most_samples));
+        buffer.sensors.assign(samples.begin(), samples.end());
+        buffer.frame.sensors = buffer.sensors;
         const std::lock_guard lock(mutex_);
         copying_ = false;
         if (ended_) {
@@ -105,6 +111,9 @@ public:
         buffer.frame.dropped_before =
             static_cast<std::uint32_t>(std::min<std::uint64_t>(dropped, std::numeric_limits<std::uint32_t>::max()));
         lost_before_next_ = 0;
+        if (!buffer.sensors.empty()) {
+            buffer.sensors.front().lost_before += std::exchange(samples_lost_before_next_, 0);
+        }
         full_.push(number);
         changed_.notify_one();
         return true;
@@ -137,8 +146,17 @@ public:
 private:
     struct Buffer {
         std::vector<std::uint8_t> pixels;
+        std::vector<SensorSample> sensors;
         RawFrame frame;
     };
+
+    static std::uint32_t count_of(std::span<const SensorSample> samples) {
+        std::uint32_t count = 0;
+        for (const SensorSample& sample : samples) {
+            count += 1 + sample.lost_before;
+        }
+        return count;
+    }
 
     void run() {
         std::string error;
@@ -201,6 +219,7 @@ private:
     NumberRing full_;
     Status status_;
     std::uint64_t lost_before_next_ = 0;
+    std::uint32_t samples_lost_before_next_ = 0;
     std::uint64_t taken_ = 0;  ///< given to the writer
     bool copying_ = false;     ///< offer() fills a buffer that is in neither ring
     bool finishing_ = false;

@@ -8,8 +8,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "capture/calibration_correction.h"
+#include "capture/sensor_sample.h"
 #include "kernels/raw_image.h"
 
 /// What docs/recordings.md defines: the names and encodings that writer and reader share.
@@ -46,10 +48,12 @@ struct FrameFacts {
     std::uint32_t flags = 0;
     std::uint32_t dropped_before = 0;
     CalibrationCorrection correction;
+    std::vector<SensorSample> sensors{};  ///< stand behind the rest: recording_sensors.h
 };
 
 /// FFmpeg's packet side data: Matroska's BlockAddID (big endian, 1), then the block addition itself.
 inline constexpr std::size_t facts_size = 8 + 56;
+/// All but the sensors.
 void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> bytes);
 std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes);
 

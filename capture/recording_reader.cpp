@@ -18,6 +18,7 @@ extern "C" {
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "capture/recording_sensors.h"
 #include "capture/text_file.h"
 
 namespace disparityd::capture {
@@ -319,18 +320,30 @@ void RecordingReader::check_packet() {
     for (int i = 0; i < packet_->side_data_elems; ++i) {
         const AVPacketSideData& side = packet_->side_data[i];
         if (side.type == AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL) {
-            facts = recording::get_facts({side.data, static_cast<std::size_t>(side.size)});
+            facts = facts_of({side.data, static_cast<std::size_t>(side.size)});
         }
     }
     if (!facts) {
         fail_truncated("the next one has no times");
     }
-    facts_.push_back(*facts);
+    facts_.push_back(std::move(*facts));
+}
+
+std::optional<recording::FrameFacts> RecordingReader::facts_of(std::span<const std::uint8_t> bytes) const {
+    auto facts = recording::get_facts(bytes);
+    if (facts && bytes.size() > recording::facts_size) {
+        auto sensors = recording::get_sensors(bytes.subspan(recording::facts_size));
+        if (!sensors) {
+            throw std::runtime_error(path_ + ": damaged after " + frames_read() + ": bad samples of the sensors");
+        }
+        facts->sensors = std::move(*sensors);
+    }
+    return facts;
 }
 
 recording::FrameFacts RecordingReader::take_facts() {
     if (info_.ours) {
-        const recording::FrameFacts facts = facts_.front();
+        recording::FrameFacts facts = std::move(facts_.front());
         facts_.pop_front();
         return facts;
     }

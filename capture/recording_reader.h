@@ -5,6 +5,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "capture/recording_ffmpeg.h"
@@ -58,6 +59,7 @@ private:
     bool receive_frame();
     void send_packet();
     void check_packet();
+    std::optional<recording::FrameFacts> facts_of(std::span<const std::uint8_t> bytes) const;
     recording::FrameFacts take_facts();
     void check_picture() const;
     void check_end() const;

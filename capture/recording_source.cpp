@@ -202,6 +202,7 @@ private:
         frame.flags = buffer.facts.flags;
         frame.dropped_before = buffer.facts.dropped_before;
         frame.correction = buffer.facts.correction;
+        frame.sensors = buffer.facts.sensors;
         frame.loan = static_cast<int>(number);
     }
 

@@ -19,6 +19,7 @@ extern "C" {
 #include "capture/recording_format.h"
 #include "capture/recording_pixels.h"
 #include "capture/recording_segment.h"
+#include "capture/recording_sensors.h"
 #include "capture/text_file.h"
 
 namespace disparityd::capture {
@@ -272,11 +273,19 @@ private:
         }
         packet_->stream_index = 0;
         packet_->pts = packet_->dts = frame_->pts;
-        std::uint8_t* side = or_bad_alloc(
-            av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, recording::facts_size));
-        recording::put_facts({frame.sequence, frame.monotonic_ns, frame.realtime_ns, frame.flags, frame.dropped_before,
-                              frame.correction},
+        const std::size_t size = recording::facts_size + recording::sensors_size(frame.sensors);
+        std::uint8_t* side =
+            or_bad_alloc(av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, size));
+        recording::put_facts({frame.sequence,
+                              frame.monotonic_ns,
+                              frame.realtime_ns,
+                              frame.flags,
+                              frame.dropped_before,
+                              frame.correction,
+                              {}},
                              std::span<std::uint8_t, recording::facts_size>(side, recording::facts_size));
+        recording::put_sensors(frame.sensors, std::span(side, size).subspan(recording::facts_size));
+        pending_bytes_ += size - recording::facts_size;
     }
 
     /// Ends the cluster: everything up to here survives the end of this process.

@@ -21,4 +21,16 @@ const char* name(CameraState state) {
     return "";
 }
 
+const char* name(SensorState state) {
+    switch (state) {
+        case SensorState::starting: return "starting";
+        case SensorState::streaming: return "streaming";
+        case SensorState::absent: return "absent";
+        case SensorState::silent: return "silent";
+        case SensorState::no_permission: return "no-permission";
+        case SensorState::failed: return "failed";
+    }
+    return "";
+}
+
 }  // namespace disparityd::capture

@@ -45,6 +45,31 @@ struct CameraFacts {
     std::uint64_t too_short = 0;
 };
 
+/// How the sensors of a camera stand.
+enum class SensorState : unsigned char {
+    starting,       ///< their camera has come; the first sample has not
+    streaming,      ///< samples come
+    absent,         ///< their camera has come, they have not, or have gone
+    silent,         ///< they send nothing; being opened anew
+    no_permission,  ///< this user may not open them
+    failed,         ///< the system refuses them for another reason
+};
+
+/// "streaming", "no-permission": for clients and scripts.
+const char* name(SensorState state);
+
+/// The sensors of a live camera that has some.
+struct SensorFacts {
+    SensorState state = SensorState::absent;
+    std::string detail;  ///< one line: what is wrong, what to do; empty when nothing is
+    std::string node;    ///< empty: none was opened yet
+    std::uint64_t samples = 0;
+    std::uint64_t lost = 0;         ///< samples that nobody took in time
+    std::uint64_t refused = 0;      ///< reports that were none
+    std::uint64_t clock_jumps = 0;  ///< of the camera's clock
+    double drift = 0;               ///< by how much the host's clock runs faster; 1e-6: a microsecond in a second
+};
+
 /// How a source stands, for people; a copy.
 struct SourceCondition {
     bool delivering = true;            ///< false: no frames until the detail's matter is settled
@@ -52,6 +77,7 @@ struct SourceCondition {
     std::string detail;                ///< one line: what is wrong, what to do; empty when nothing is
     std::vector<std::string> notices;  ///< what the user should know although frames come
     std::optional<CameraFacts> camera;
+    std::optional<SensorFacts> sensors;
 };
 
 }  // namespace disparityd::capture

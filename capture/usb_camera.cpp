@@ -2,10 +2,9 @@
 #include "capture/usb_camera.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
-#include <fstream>
 
+#include "capture/sysfs.h"
 #include "capture/text_file.h"
 
 namespace disparityd::capture {
@@ -13,34 +12,8 @@ namespace disparityd::capture {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string attribute(const fs::path& folder, const char* name) {
-    std::ifstream file(folder / name);
-    std::string line;
-    std::getline(file, line);
-    return std::string(trim(line));
-}
-
-int number(const std::string& text, int base) {
-    int value = 0;
-    std::from_chars(text.data(), text.data() + text.size(), value, base);
-    return value;
-}
-
-/// The USB device that a video device is an interface of; empty for others.
-fs::path usb_folder(const fs::path& video) {
-    std::error_code error;
-    const fs::path interface = fs::canonical(video / "device", error);
-    if (error) {
-        return {};
-    }
-    for (const fs::path& folder : {interface, interface.parent_path()}) {
-        if (fs::exists(folder / "idVendor", error)) {
-            return folder;
-        }
-    }
-    return {};
-}
+using sysfs::attribute;
+using sysfs::number;
 
 void read_usb(const fs::path& folder, UsbCamera& camera) {
     camera.port = folder.filename().string();
@@ -55,16 +28,6 @@ void read_usb(const fs::path& folder, UsbCamera& camera) {
     if (camera.name.empty()) {
         camera.name = attribute(folder, "product");
     }
-}
-
-/// Folders of a class or bus; none when it is not there.
-std::vector<fs::path> folders(const fs::path& parent) {
-    std::vector<fs::path> list;
-    std::error_code error;
-    for (fs::directory_iterator entry(parent, error), end; !error && entry != end; entry.increment(error)) {
-        list.push_back(entry->path());
-    }
-    return list;
 }
 
 /// "video10" after "video9".
@@ -99,7 +62,7 @@ bool same_plugging(const UsbCamera& a, const UsbCamera& b) {
 
 std::vector<UsbCamera> list_cameras(const std::string& sys, const std::string& dev) {
     std::vector<UsbCamera> cameras;
-    for (const fs::path& video : folders(fs::path(sys) / "class/video4linux")) {
+    for (const fs::path& video : sysfs::entries(fs::path(sys) / "class/video4linux")) {
         const std::string node = video.filename().string();
         const std::string index = attribute(video, "index");
         // Further nodes of a camera carry metadata, no pictures.
@@ -109,13 +72,13 @@ std::vector<UsbCamera> list_cameras(const std::string& sys, const std::string& d
         UsbCamera camera;
         camera.node = (fs::path(dev) / node).string();
         camera.name = attribute(video, "name");
-        if (const fs::path usb = usb_folder(video); !usb.empty()) {
+        if (const fs::path usb = sysfs::usb_device(video / "device"); !usb.empty()) {
             read_usb(usb, camera);
         }
         cameras.push_back(std::move(camera));
     }
     std::sort(cameras.begin(), cameras.end(), node_before);
-    for (const fs::path& usb : folders(fs::path(sys) / "bus/usb/devices")) {
+    for (const fs::path& usb : sysfs::entries(fs::path(sys) / "bus/usb/devices")) {
         if (number(attribute(usb, "idVendor"), 16) != zed_vendor) {
             continue;
         }

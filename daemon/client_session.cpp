@@ -243,6 +243,10 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
         return;
     }
     selection_ = std::move(selection);
+    if (subscribe.sensors() && !wants_sensors_) {
+        next_sample_ = host_.sensors().end();
+    }
+    wants_sensors_ = subscribe.sensors();
     max_rate_ = subscribe.max_rate();
     next_due_ = {};
     next_index_ = host_.frames().end();

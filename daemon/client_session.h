@@ -18,6 +18,7 @@
 #include "daemon/frame_ring.h"
 #include "daemon/log.h"
 #include "daemon/published_frame.h"
+#include "daemon/sensor_ring.h"
 
 namespace disparityd {
 
@@ -40,6 +41,7 @@ public:
     virtual ~SessionHost() = default;
     virtual const StreamLayout& layout() const = 0;
     virtual FrameRing& frames() = 0;
+    virtual const SensorRing& sensors() = 0;
     virtual ClientLog& log() = 0;
     virtual v1::Status status() = 0;
     virtual void start_recording(const std::string& path, RecordAnswer answer) = 0;
@@ -67,6 +69,9 @@ public:
     /// There is a new frame in the ring.
     void frame_arrived();
 
+    /// There are new samples in the ring.
+    void sensors_arrived();
+
     /// The frames look different from now on; products may be gone.
     void layout_changed();
 
@@ -75,6 +80,7 @@ public:
 
     bool greeted() const { return greeted_; }
     std::uint32_t wanted() const { return closing_ ? 0 : selection_.product_bits(); }
+    bool wants_sensors() const { return !closing_ && wants_sensors_; }
     v1::ClientStatus status() const;
 
 private:
@@ -91,6 +97,7 @@ private:
     void send(v1::Envelope message);
     void send_error(const std::string& why, bool closing);
     void pump();
+    bool take_sensors();
     bool take_frame();
     FrameHandle next_frame();
     bool clamp_region(const FrameCopy& frame, Selection& selection);
@@ -124,6 +131,8 @@ private:
     std::chrono::steady_clock::time_point write_started_;
 
     Selection selection_;
+    bool wants_sensors_ = false;
+    std::uint64_t next_sample_ = 0;
     double max_rate_ = 0;
     std::chrono::steady_clock::time_point next_due_;
     std::uint64_t next_index_ = 0;  ///< first publish index not yet looked at

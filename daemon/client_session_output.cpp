@@ -65,6 +65,10 @@ void ClientSession::frame_arrived() {
     pump();
 }
 
+void ClientSession::sensors_arrived() {
+    pump();
+}
+
 void ClientSession::pump() {
     if (closed_ || writing_) {
         return;
@@ -75,9 +79,20 @@ void ClientSession::pump() {
         write();
     } else if (closing_) {
         drain();
-    } else if (take_frame()) {
+    } else if (take_sensors() || take_frame()) {
         write();
     }
+}
+
+/// They are small: whoever reads frames too slowly gets all samples between two of them.
+bool ClientSession::take_sensors() {
+    if (!wants_sensors() || next_sample_ == host_.sensors().end()) {
+        return false;
+    }
+    v1::Envelope message;
+    next_sample_ = host_.sensors().fill(next_sample_, *message.mutable_sensors());
+    proto::encode(message, head_);
+    return true;
 }
 
 /// The next frame that the client wants now, by products and rate; the rest is left behind.

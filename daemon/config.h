@@ -25,6 +25,7 @@ struct Config {
         /// Folders with calibrations by serial number of cameras, between colons.
         std::string calibration_folders = capture::standard_calibration_folders;
         bool allow_unrectified = false;  ///< cameras only
+        bool sensors = true;             ///< cameras only
         std::string controls;            ///< cameras only; see capture::parse_camera_settings()
         int stall_ms = 1000;             ///< cameras only
         PolicyChoice policy = PolicyChoice::automatic;

@@ -179,6 +179,7 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(text_key("source", "calibration_folders", "folders with ':' between them, or \"\"",
                             FIELD(source.calibration_folders)));
     keys.push_back(bool_key("source", "allow_unrectified", FIELD(source.allow_unrectified)));
+    keys.push_back(bool_key("source", "sensors", FIELD(source.sensors)));
     keys.push_back(text_key("source", "controls", "NAME=NUMBER with spaces between, or \"\"", FIELD(source.controls),
                             is_camera_settings));
     keys.push_back(range_key("source", "stall_ms", 200, 60000, FIELD(source.stall_ms)));

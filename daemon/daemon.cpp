@@ -209,7 +209,11 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     config_ = config;
     end_seen_ = false;
     engine->start([this](const PublishedFrame& frame) { publish(frame); },
-                  [this](const capture::RawFrame& frame) { recording_.offer(frame); }, index);
+                  [this, live = engine->source().live](const capture::RawFrame& frame) {
+                      recording_.offer(frame);
+                      publish_sensors(frame, live);
+                  },
+                  index);
     {
         const std::lock_guard lock(mutex_);
         engine_ = engine;
@@ -283,6 +287,15 @@ void Daemon::shut_down() {
 std::shared_ptr<Engine> Daemon::engine() const {
     const std::lock_guard lock(mutex_);
     return engine_;
+}
+
+/// A recording's times are those of another day.
+void Daemon::publish_sensors(const capture::RawFrame& frame, bool live) {
+    if (!frame.sensors.empty()) {
+        const std::chrono::nanoseconds measured(frame.sensors.back().monotonic_ns);
+        server_.publish_sensors(
+            frame.sensors, live ? std::chrono::steady_clock::time_point(measured) : std::chrono::steady_clock::now());
+    }
 }
 
 void Daemon::publish(const PublishedFrame& frame) {

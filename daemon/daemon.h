@@ -68,6 +68,7 @@ private:
     v1::Status status() const;
     std::shared_ptr<Engine> engine() const;
     void publish(const PublishedFrame& frame);
+    void publish_sensors(const capture::RawFrame& frame, bool live);
 
     const DaemonOptions options_;
     const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

@@ -13,6 +13,7 @@
 #include "daemon/camera_message.h"
 #include "daemon/huge_pages.h"
 #include "daemon/log.h"
+#include "daemon/sensor_message.h"
 
 namespace disparityd {
 namespace {
@@ -40,6 +41,7 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, const En
     options.controls = config.source.controls;
     options.set_controls = heritage.set_controls;
     options.likely_port = heritage.camera_port;
+    options.sensors = config.source.sensors;
     options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
     options.report = [](const std::string& line, bool trouble) {
         log_line(trouble ? LogLevel::warning : LogLevel::info, line);
@@ -290,7 +292,11 @@ void Engine::fill(v1::Status& status) const {
     status.set_dropped(now.dropped);
     status.set_lost_before(now.lost_before);
     status.set_corrupt(now.skipped_corrupt);
-    if (const auto camera = source_->condition().camera) {
+    const capture::SourceCondition source = source_->condition();
+    if (source.sensors) {
+        *status.mutable_sensors() = to_message(*source.sensors);
+    }
+    if (const auto& camera = source.camera) {
         *status.mutable_camera() = to_message(*camera);
         // The source keeps damaged frames to itself.
         status.set_corrupt(now.skipped_corrupt + camera->damaged + camera->too_short);

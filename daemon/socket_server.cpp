@@ -151,6 +151,20 @@ void SocketServer::publish(const PublishedFrame& frame) {
     asio::post(io_, [this, copy = std::move(copy)]() mutable { frame_arrived(std::move(copy)); });
 }
 
+void SocketServer::publish_sensors(std::span<const capture::SensorSample> samples, SensorRing::Time newest) {
+    if (samples.empty() || !sensors_wanted_.load(std::memory_order_acquire)) {
+        return;
+    }
+    if (samples_on_the_way_.load(std::memory_order_relaxed) + samples.size() > SensorRing::capacity) {
+        samples_lost_ += static_cast<std::uint32_t>(samples.size());
+        return;
+    }
+    samples_on_the_way_.fetch_add(samples.size(), std::memory_order_relaxed);
+    std::vector<capture::SensorSample> copy(samples.begin(), samples.end());
+    copy.front().lost_before += std::exchange(samples_lost_, 0);
+    asio::post(io_, [this, copy = std::move(copy), newest] { sensors_arrived(copy, newest); });
+}
+
 std::vector<std::string> SocketServer::addresses() const {
     std::vector<std::string> addresses;
     for (const auto& listener : listeners_) {
@@ -204,9 +218,12 @@ void SocketServer::control_camera(const v1::CameraRequest& request, CameraAnswer
 
 void SocketServer::subscription_changed() {
     std::uint32_t wanted = 0;
+    bool sensors = false;
     for (const auto& [_, client] : clients_) {
         wanted |= client->wanted();
+        sensors = sensors || client->wants_sensors();
     }
+    sensors_wanted_.store(sensors, std::memory_order_release);
     wanted_.store(wanted, std::memory_order_release);
 }
 
@@ -238,6 +255,14 @@ void SocketServer::frame_arrived(FrameHandle frame) {
     ring_.put(std::move(frame));
     for (const auto& session : sessions()) {
         session->frame_arrived();
+    }
+}
+
+void SocketServer::sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest) {
+    samples_on_the_way_.fetch_sub(samples.size(), std::memory_order_relaxed);
+    sensors_.put(samples, newest);
+    for (const auto& session : sessions()) {
+        session->sensors_arrived();
     }
 }
 

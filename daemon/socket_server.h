@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,6 +19,7 @@
 #include "daemon/frame_pool.h"
 #include "daemon/frame_ring.h"
 #include "daemon/listener.h"
+#include "daemon/sensor_ring.h"
 
 namespace disparityd {
 
@@ -65,6 +67,11 @@ public:
     /// Hands over a frame of that layout. One thread at a time; allocates nothing while no client wants frames.
     void publish(const PublishedFrame& frame);
 
+    /// Hands over samples of the camera's sensors, the last one measured at `newest`. One thread at a time; never
+    /// waits, allocates nothing while no client wants them. What the server is too busy for is lost and counted in the
+    /// sample that follows.
+    void publish_sensors(std::span<const capture::SensorSample> samples, SensorRing::Time newest);
+
     /// The addresses that are served, ports as bound. Same thread as reconfigure().
     std::vector<std::string> addresses() const;
 
@@ -79,6 +86,7 @@ private:
 
     const StreamLayout& layout() const override { return layout_; }
     FrameRing& frames() override { return ring_; }
+    const SensorRing& sensors() override { return sensors_; }
     ClientLog& log() override { return log_; }
     v1::Status status() override;
     void start_recording(const std::string& path, RecordAnswer answer) override;
@@ -90,6 +98,7 @@ private:
     Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
     void accepted(ClientSession::Socket socket, std::string address);
     void frame_arrived(FrameHandle frame);
+    void sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest);
     std::vector<std::shared_ptr<ClientSession>> sessions() const;
     RecordAnswer in_server_thread(RecordAnswer answer);
 
@@ -106,14 +115,20 @@ private:
     // The publisher's, changed by the configuring thread while nobody publishes.
     std::unique_ptr<FramePool> pool_;
 
+    // Of the thread that publishes sensors.
+    std::uint32_t samples_lost_ = 0;
+
     // Between threads.
     std::atomic<std::uint32_t> wanted_{0};
+    std::atomic<bool> sensors_wanted_{false};
+    std::atomic<std::size_t> samples_on_the_way_{0};
     std::atomic<std::uint64_t> lost_{0};
     std::atomic<bool> answered_{true};
 
     // The server thread's.
     StreamLayout layout_;
     FrameRing ring_;
+    SensorRing sensors_;
     ClientLog log_;
     std::size_t max_clients_;
     std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;

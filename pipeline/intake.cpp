@@ -60,6 +60,7 @@ Intake::Got Intake::next_frame(Taken& taken, steady_clock::time_point deadline) 
     if (raw_tap_) {
         raw_tap_(frame);
     }
+    frame.sensors = {};  // they do not live as long as the frame
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
         counters_.corrupt.fetch_add(1, std::memory_order_relaxed);
         ++lost_;

@@ -17,6 +17,8 @@ struct disparity_shared_memory {
 struct disparity_socket {
     disparity::SocketClient client;
     std::string status;
+    disparity::SensorBatch sensors;
+    std::size_t sensors_read = 0;
 };
 
 struct disparity_frame {
@@ -26,7 +28,7 @@ struct disparity_frame {
 namespace {
 
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
-                  sizeof(disparity_subscription) == 56,
+                  sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104,
               "part of the binary interface");
 
 std::string& error_text() {
@@ -89,6 +91,44 @@ int describe(const disparity::PlaneData* from, disparity_plane* plane) {
     plane->data = from->bytes.data();
     plane->bytes = from->bytes.size();
     return 1;
+}
+
+void put_vector(const disparity::SensorVector& from, float (&to)[3]) {
+    to[0] = from.x;
+    to[1] = from.y;
+    to[2] = from.z;
+}
+
+disparity_sensor_sample in_c(const disparity::SensorSample& from) {
+    disparity_sensor_sample to{};
+    to.monotonic_ns = from.monotonic_ns;
+    to.realtime_ns = from.realtime_ns;
+    to.camera_ns = from.camera_ns;
+    to.lost_before = from.lost_before;
+    to.frame_syncs = from.frame_syncs;
+    to.holds = from.frame_sync ? DISPARITY_SENSOR_FRAME_SYNC : 0;
+    if (from.inertial) {
+        to.holds |= DISPARITY_SENSOR_INERTIAL;
+        put_vector(from.inertial->angular_velocity, to.angular_velocity);
+        put_vector(from.inertial->acceleration, to.acceleration);
+        to.imu_celsius = from.inertial->celsius;
+    }
+    if (from.magnetic_field) {
+        to.holds |= DISPARITY_SENSOR_MAGNETIC;
+        put_vector(*from.magnetic_field, to.magnetic_field);
+    }
+    if (from.environment) {
+        to.holds |= DISPARITY_SENSOR_ENVIRONMENT;
+        to.celsius = from.environment->celsius;
+        to.hectopascal = from.environment->hectopascal;
+        to.humidity_percent = from.environment->humidity_percent;
+    }
+    if (from.eye_temperatures) {
+        to.holds |= DISPARITY_SENSOR_EYE_TEMPERATURE;
+        to.left_celsius = from.eye_temperatures->left_celsius;
+        to.right_celsius = from.eye_temperatures->right_celsius;
+    }
+    return to;
 }
 
 }  // namespace
@@ -179,6 +219,7 @@ disparity_socket* disparity_socket_open(const char* address, const char* client_
         return new disparity_socket{
             disparity::SocketClient(address, client_name == nullptr ? "disparity-client" : client_name,
                                     std::chrono::milliseconds(timeout_ms)),
+            {},
             {}};
     });
 }
@@ -201,6 +242,7 @@ int disparity_socket_subscribe(disparity_socket* client, const disparity_subscri
         wanted.max_rate = from.max_rate;
         wanted.status_interval_s = from.status_interval_s;
         wanted.compressed = from.compressed != 0;
+        wanted.sensors = from.sensors != 0;
         wanted.region_x = from.region_x;
         wanted.region_y = from.region_y;
         wanted.region_width = from.region_width;
@@ -214,6 +256,33 @@ int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int 
     return guarded<int>(DISPARITY_ERROR, [&] {
         return code(
             given(client, "client").client.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms)));
+    });
+}
+
+int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sample* samples, size_t sample_bytes,
+                                  size_t capacity, size_t* count, int timeout_ms) {
+    return guarded<int>(DISPARITY_ERROR, [&]() -> int {
+        disparity_socket& from = given(client, "client");
+        auto* to = reinterpret_cast<unsigned char*>(&given(samples, "samples"));
+        given(count, "count") = 0;
+        if (sample_bytes == 0 || capacity == 0) {
+            throw std::invalid_argument("samples have no room");
+        }
+        while (from.sensors_read == from.sensors.samples.size()) {
+            from.sensors_read = 0;
+            from.sensors.samples.clear();
+            const int result = code(from.client.read_sensors(from.sensors, std::chrono::milliseconds(timeout_ms)));
+            if (result != DISPARITY_FRAME) {
+                return result;
+            }
+        }
+        for (; *count < capacity && from.sensors_read < from.sensors.samples.size(); ++*count, to += sample_bytes) {
+            disparity_sensor_sample sample = in_c(from.sensors.samples[from.sensors_read]);
+            sample.skipped = from.sensors_read == 0 ? static_cast<std::uint32_t>(from.sensors.skipped) : 0;
+            ++from.sensors_read;
+            std::memcpy(to, &sample, std::min(sample_bytes, sizeof sample));
+        }
+        return DISPARITY_FRAME;
     });
 }
 

@@ -128,7 +128,7 @@ typedef struct disparity_subscription {
     uint32_t region_y;
     uint32_t region_width; /* 0 = the whole image */
     uint32_t region_height;
-    uint32_t reserved;
+    uint32_t sensors; /* not 0: for disparity_socket_read_sensors() */
 } disparity_subscription;
 
 /* 0, or DISPARITY_ERROR. A refusal of the daemon comes out of the next read. */
@@ -136,6 +136,43 @@ DISPARITY_API int disparity_socket_subscribe(disparity_socket* client, const dis
 
 /* Waits for the next frame. */
 DISPARITY_API int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms);
+
+/* Bits of disparity_sensor_sample.holds; the fields of others are 0. */
+enum {
+    DISPARITY_SENSOR_INERTIAL = 1,        /* angular_velocity, acceleration, imu_celsius */
+    DISPARITY_SENSOR_MAGNETIC = 2,        /* magnetic_field */
+    DISPARITY_SENSOR_ENVIRONMENT = 4,     /* celsius, hectopascal, humidity_percent */
+    DISPARITY_SENSOR_EYE_TEMPERATURE = 8, /* left_celsius, right_celsius */
+    DISPARITY_SENSOR_FRAME_SYNC = 16      /* measured at the instant of a frame's exposure */
+};
+
+/* What the camera's sensors measured at one instant, along the axes of the sensor, as the camera sends it. As for
+ * disparity_frame_info, fields are only added at the end. */
+typedef struct disparity_sensor_sample {
+    int64_t monotonic_ns;
+    int64_t realtime_ns;
+    int64_t camera_ns; /* the camera's clock, which starts anywhere */
+    uint32_t holds;
+    uint32_t lost_before;      /* samples that the daemon lost since the one before */
+    uint32_t frame_syncs;      /* the camera's count of frames that its sensors were synchronised with */
+    uint32_t skipped;          /* samples that this client missed before this one, because it read too slowly */
+    float angular_velocity[3]; /* rad/s */
+    float acceleration[3];     /* m/s2, gravity included */
+    float magnetic_field[3];   /* microtesla */
+    float imu_celsius;
+    float celsius; /* inside the camera */
+    float hectopascal;
+    float humidity_percent;
+    float left_celsius; /* of the left image sensor */
+    float right_celsius;
+    uint32_t reserved;
+} disparity_sensor_sample;
+
+/* Waits for samples and writes them into an array of `capacity` elements of sample_bytes each; pass
+ * sizeof(disparity_sensor_sample). *count: how many there are now. What finds no room comes with the next call. Frames
+ * that arrive meanwhile are kept for disparity_socket_read(), 8 of them. DISPARITY_FRAME: there are samples. */
+DISPARITY_API int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sample* samples,
+                                                size_t sample_bytes, size_t capacity, size_t* count, int timeout_ms);
 
 /* Asks for the status: a serialized disparityd.v1.Status, owned by the client and valid until its next call of this
  * function. NULL on failure. */

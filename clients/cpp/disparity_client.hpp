@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,6 +87,49 @@ struct Subscription {
     bool compressed = false;
     std::uint32_t region_x = 0, region_y = 0, region_width = 0, region_height = 0;  ///< width 0 = whole image
     double status_interval_s = 0;
+    bool sensors = false;  ///< for SocketClient::read_sensors()
+};
+
+/// Along the axes of the camera's sensor, as it sends them: nothing is rotated or calibrated.
+struct SensorVector {
+    float x = 0, y = 0, z = 0;
+};
+
+struct Inertial {
+    SensorVector angular_velocity;  ///< rad/s
+    SensorVector acceleration;      ///< m/s², gravity included
+    float celsius = 0;              ///< of the inertial sensor
+};
+
+struct Environment {
+    float celsius = 0;           ///< inside the camera
+    float hectopascal = 0;       ///< pressure of the air
+    float humidity_percent = 0;  ///< relative
+};
+
+/// Of the image sensors.
+struct EyeTemperatures {
+    float left_celsius = 0, right_celsius = 0;
+};
+
+/// What the camera's sensors measured at one instant; what is absent was not measured.
+struct SensorSample {
+    std::int64_t monotonic_ns = 0;  ///< of that instant, the daemon's CLOCK_MONOTONIC; of a replay, as recorded
+    std::int64_t realtime_ns = 0;
+    std::int64_t camera_ns = 0;     ///< on the camera's clock, which starts anywhere
+    std::uint32_t lost_before = 0;  ///< samples that the daemon lost since the one before
+    bool frame_sync = false;        ///< measured at the instant of a frame's exposure
+    std::uint32_t frame_syncs = 0;  ///< the camera's count of such instants
+    std::optional<Inertial> inertial;
+    std::optional<SensorVector> magnetic_field;  ///< microtesla
+    std::optional<Environment> environment;
+    std::optional<EyeTemperatures> eye_temperatures;
+};
+
+struct SensorBatch {
+    std::vector<SensorSample> samples;  ///< in order
+    std::uint64_t skipped = 0;          ///< samples that this client missed before them, because it read too slowly
+    std::int64_t age_ns = 0;            ///< of the last one when it was sent
 };
 
 /// Reads frames and status from a socket: "tcp:HOST:PORT" or "unix:PATH".
@@ -110,6 +154,11 @@ public:
     /// when it refuses or closes with an error, or when what it sends is no valid frame. What is in `frame` counts only
     /// when the result is ReadResult::frame.
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout);
+
+    /// Waits for samples of the camera's sensors (Subscription::sensors): those that came while frames or answers were
+    /// waited for first, up to 8192 of which are kept, the newest win. Of the frames that come meanwhile up to 8 are
+    /// kept for read(). Returns and throws as read(), with ReadResult::frame for samples.
+    ReadResult read_sensors(SensorBatch& batch, std::chrono::milliseconds timeout);
 
     /// Asks for the daemon's status; the answer is the serialized disparityd.v1.Status message of proto/. Up to 8
     /// frames that arrive meanwhile are kept for read(), the newest win. Throws std::runtime_error when no answer comes

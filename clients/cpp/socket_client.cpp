@@ -7,6 +7,7 @@
 #include "clients/cpp/frame_message.h"
 #include "clients/cpp/message_stream.h"
 #include "clients/cpp/missed.h"
+#include "clients/cpp/sensor_message.h"
 
 namespace disparity {
 namespace {
@@ -53,6 +54,7 @@ public:
         message.set_max_rate(wanted.max_rate);
         message.set_encoding(wanted.compressed ? v1::ZSTD : v1::RAW);
         message.set_status_interval_s(wanted.status_interval_s);
+        message.set_sensors(wanted.sensors);
         if (wanted.region_width != 0) {
             message.mutable_region()->set_x(wanted.region_x);
             message.mutable_region()->set_y(wanted.region_y);
@@ -82,6 +84,18 @@ public:
             }
             keep();
         }
+    }
+
+    ReadResult read_sensors(SensorBatch& batch, milliseconds timeout) {
+        const Deadline deadline = after(timeout);
+        while (!sensors_.take(batch)) {
+            const auto outcome = receive(deadline);
+            if (outcome != MessageStream::Outcome::done) {
+                return outcome == MessageStream::Outcome::timeout ? ReadResult::timeout : ReadResult::gone;
+            }
+            keep();
+        }
+        return ReadResult::frame;
     }
 
     std::string status(milliseconds timeout) {
@@ -141,7 +155,8 @@ private:
         }
     }
 
-    /// A message that is not what we wait for: frames and status are for later, anything else is of a newer daemon.
+    /// A message that is not what we wait for: frames, samples and status are for later, anything else is of a newer
+    /// daemon.
     void keep() {
         if (stream_.envelope().has_frame()) {
             if (pending_.size() == most_pending) {
@@ -150,6 +165,8 @@ private:
             unpack(pending_.emplace_back());
         } else if (stream_.envelope().has_status()) {
             pushed_status_ = stream_.envelope().status().SerializeAsString();
+        } else if (stream_.envelope().has_sensors()) {
+            sensors_.put(batch_of(stream_.envelope().sensors()));
         }
     }
 
@@ -186,6 +203,7 @@ private:
     std::string welcome_;
     std::string pushed_status_;
     std::deque<Frame> pending_;
+    SensorBacklog sensors_;
     MissedCounter missed_;
 };
 
@@ -203,6 +221,9 @@ void SocketClient::subscribe(const Subscription& subscription) {
 }
 ReadResult SocketClient::read(Frame& frame, milliseconds timeout) {
     return impl_->read(frame, timeout);
+}
+ReadResult SocketClient::read_sensors(SensorBatch& batch, milliseconds timeout) {
+    return impl_->read_sensors(batch, timeout);
 }
 std::string SocketClient::status(milliseconds timeout) {
     return impl_->status(timeout);

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 #include <stdexcept>
 
@@ -53,6 +54,27 @@ StereoCalibration make_calibration(int width, int height) {
     return calibration;
 }
 
+SensorSample make_sample(int number) {
+    SensorSample sample;
+    sample.camera_ns = 2'500'000 * static_cast<std::int64_t>(number);
+    sample.monotonic_ns = -number;
+    sample.realtime_ns = std::numeric_limits<std::int64_t>::max() - number;
+    sample.flags = 0xffff'ffffU - static_cast<std::uint32_t>(number);
+    sample.lost_before = 0x8000'0000U;
+    sample.frame_syncs = static_cast<std::uint32_t>(number);
+    const auto value = static_cast<float>(number);
+    sample.angular_velocity = {value, value + 0.1F, -value};
+    sample.acceleration = {value + 0.2F, 0, std::numeric_limits<float>::infinity()};
+    sample.magnetic_field = {value + 0.3F, value + 0.4F, value + 0.5F};
+    sample.imu_celsius = value + 1;
+    sample.celsius = value + 2;
+    sample.hectopascal = value + 3;
+    sample.humidity_percent = value + 4;
+    sample.left_celsius = value + 5;
+    sample.right_celsius = value + 6;
+    return sample;
+}
+
 OwnedFrame make_frame(const SourceInfo& info, int number) {
     OwnedFrame made;
     const int row = 2 * info.eye_width * bytes_per_pixel(info.format);
@@ -75,6 +97,10 @@ OwnedFrame make_frame(const SourceInfo& info, int number) {
     made.frame.dropped_before = number == 0 ? 0 : 2;
     made.frame.correction =
         number < 2 ? CalibrationCorrection{} : CalibrationCorrection{number, -2'147'483'647, 1 << 30, -1};
+    for (int i = 0; i < number % 3; ++i) {
+        made.sensors.push_back(make_sample(100 * number + i));
+    }
+    made.frame.sensors = made.sensors;
     return made;
 }
 
@@ -93,6 +119,7 @@ SeenFrame seen(const RawFrame& frame) {
     seen.flags = frame.flags;
     seen.dropped_before = frame.dropped_before;
     seen.correction = frame.correction;
+    seen.sensors.assign(frame.sensors.begin(), frame.sensors.end());
     return seen;
 }
 

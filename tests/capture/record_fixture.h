@@ -32,7 +32,10 @@ StereoCalibration make_calibration(int width, int height);
 struct OwnedFrame {
     RawFrame frame;
     std::vector<std::uint8_t> bytes;  ///< with the gaps
+    std::vector<SensorSample> sensors;
 };
+/// Every field another value; odd ones among them.
+SensorSample make_sample(int number);
 OwnedFrame make_frame(const SourceInfo& info, int number);
 
 /// A frame as it was delivered, rows without gaps.
@@ -44,6 +47,7 @@ struct SeenFrame {
     std::uint32_t flags = 0;
     std::uint32_t dropped_before = 0;
     CalibrationCorrection correction;
+    std::vector<SensorSample> sensors;
 
     bool operator==(const SeenFrame&) const = default;
 };

@@ -92,6 +92,7 @@ TEST(Record, ARecordingOfARecordingIsTheSame) {
             raw.flags = frame.flags;
             raw.dropped_before = frame.dropped_before;
             raw.correction = frame.correction;
+            raw.sensors = frame.sensors;
             writer.write(raw);
         }
         writer.close();

@@ -62,6 +62,28 @@ static int check_errors(void) {
     return 0;
 }
 
+/* What came before the frame was kept: two samples, into an array of one. */
+static int check_sensors(disparity_socket* client) {
+    disparity_sensor_sample sample;
+    size_t count = 0;
+    if (disparity_socket_read_sensors(client, &sample, sizeof sample, 1, &count, 0) != DISPARITY_FRAME || count != 1 ||
+        sample.monotonic_ns != 1000 || sample.holds != DISPARITY_SENSOR_INERTIAL || sample.skipped != 3 ||
+        sample.acceleration[2] != 9.75f || sample.hectopascal != 0) {
+        return fail("first sample");
+    }
+    if (disparity_socket_read_sensors(client, &sample, sizeof sample, 1, &count, 0) != DISPARITY_FRAME || count != 1 ||
+        sample.holds != (DISPARITY_SENSOR_ENVIRONMENT | DISPARITY_SENSOR_FRAME_SYNC) || sample.skipped != 0 ||
+        sample.hectopascal != 1013.25f || sample.acceleration[2] != 0) {
+        return fail("second sample");
+    }
+    if (disparity_socket_read_sensors(NULL, &sample, sizeof sample, 1, &count, 0) != DISPARITY_ERROR ||
+        disparity_socket_read_sensors(client, NULL, sizeof sample, 1, &count, 0) != DISPARITY_ERROR ||
+        disparity_socket_read_sensors(client, &sample, sizeof sample, 0, &count, 0) != DISPARITY_ERROR) {
+        return fail("samples without room");
+    }
+    return 0;
+}
+
 int main(int argc, char** argv) {
     const uint32_t products[] = {DISPARITY_PRODUCT_DISPARITY, DISPARITY_PRODUCT_CONFIDENCE,
                                  DISPARITY_PRODUCT_LEFT_COLOUR};
@@ -77,11 +99,15 @@ int main(int argc, char** argv) {
     memset(&subscription, 0, sizeof subscription);
     subscription.products = products;
     subscription.product_count = 3;
+    subscription.sensors = 1;
     if (client == NULL || disparity_socket_subscribe(client, &subscription) != 0 ||
         disparity_socket_read(client, frame, 20000) != DISPARITY_FRAME) {
         return fail("socket");
     }
     print_frame("socket", frame);
+    if (check_sensors(client) != 0) {
+        return 1;
+    }
     disparity_socket_close(client);
 
     reader = disparity_shared_memory_open(argv[2]);

@@ -92,6 +92,15 @@ def check_limits():
         raise AssertionError(f"accepted: payload {payload}, {bad}")
 
 
+def check_sensors(sensors):
+    """What came before the frame was kept."""
+    assert sensors.skipped_for_client == 3 and sensors.age_ns == 5000 and len(sensors.samples) == 2
+    first, second = sensors.samples
+    assert first.monotonic_ns == 1000 and first.HasField("inertial") and not first.HasField("environment")
+    assert first.inertial.acceleration.z == 9.75
+    assert second.environment.hectopascal == 1013.25 and second.frame_sync and not second.HasField("inertial")
+
+
 def check_compressed(address, products, raw):
     """The same planes come out when they travel compressed."""
     try:
@@ -112,9 +121,10 @@ def main():
     check_limits()
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
     with disparity.SocketClient(address) as client:
-        client.subscribe(products)
+        client.subscribe(products, sensors=True)
         frame = client.read(timeout=20)
         print_frame("socket", frame)
+        check_sensors(client.read_sensors(timeout=0))
         raw = dict(frame.planes)
         check_arrays(frame)
         try:

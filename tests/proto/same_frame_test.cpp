@@ -12,6 +12,7 @@
 
 #include "tests/proto/fake_daemon.h"
 #include "tests/proto/pattern.h"
+#include "tests/proto/sensor_pattern.h"
 
 namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
@@ -70,6 +71,9 @@ protected:
         v1::Envelope subscribe;
         end.receive(subscribe);
         EXPECT_EQ(subscribe.subscribe().products_size(), 3);
+        if (subscribe.subscribe().sensors()) {
+            end.send(sensor_message());
+        }
         const proto::ShmFrame head = pattern::head(sequence, layout_);
         v1::Envelope envelope;
         v1::Frame& frame = *envelope.mutable_frame();

@@ -114,7 +114,7 @@ TEST_F(BadInputTest, NoDaemonIsExitCode1) {
 }
 
 TEST_F(BadInputTest, EveryHelpHasAnExample) {
-    for (const char* command : {"status", "watch", "snapshot", "record", "process", "camera", "sources"}) {
+    for (const char* command : {"status", "watch", "snapshot", "record", "process", "camera", "sensors", "sources"}) {
         const Outcome outcome = run(DISPARITYCTL, {command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0);
         EXPECT_THAT(outcome.out, HasSubstr(std::string("disparityctl ") + command)) << "an example";

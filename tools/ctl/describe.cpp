@@ -78,6 +78,9 @@ Json to_json(const v1::Status& status) {
     if (status.has_camera()) {
         json["camera"] = to_json(status.camera());
     }
+    if (status.has_sensors()) {
+        json["sensors"] = to_json(status.sensors());
+    }
     json["notices"] = Json::array();
     for (const std::string& notice : status.notices()) {
         json["notices"].push_back(notice);
@@ -121,6 +124,17 @@ Json to_json(const v1::CameraStatus& camera) {
             {"resets", camera.resets()},
             {"damaged", camera.damaged()},
             {"too_short", camera.too_short()}};
+}
+
+Json to_json(const v1::SensorStatus& sensors) {
+    return {{"state", sensors.state()},
+            {"detail", sensors.detail()},
+            {"node", sensors.node()},
+            {"samples", sensors.samples()},
+            {"lost", sensors.lost()},
+            {"refused", sensors.refused()},
+            {"clock_jumps", sensors.clock_jumps()},
+            {"drift_ppm", sensors.drift_ppm()}};
 }
 
 Json to_json(const v1::CameraControls& controls) {

@@ -20,6 +20,7 @@ Json to_json(const v1::Status& status);
 Json to_json(const v1::RecordStatus& status);
 Json to_json(const v1::SelfCalibration& status);
 Json to_json(const v1::CameraStatus& camera);
+Json to_json(const v1::SensorStatus& sensors);
 Json to_json(const v1::CameraControls& controls);
 Json to_json(const capture::CameraSurvey& camera);
 Json to_json(const capture::SourceInfo& source);

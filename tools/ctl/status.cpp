@@ -73,12 +73,19 @@ std::string camera_text(const v1::CameraStatus& camera) {
            " USB resets";
 }
 
+std::string sensors_text(const v1::SensorStatus& sensors) {
+    std::string text = sensors.state() + (sensors.node().empty() ? "" : ", " + sensors.node()) + ", " +
+                       std::to_string(sensors.samples()) + " samples, " + std::to_string(sensors.lost()) + " lost";
+    return text + (sensors.detail().empty() ? "" : ": " + sensors.detail());
+}
+
 void print(const v1::Status& status) {
     print_row("state", status.state() + (status.detail().empty() ? "" : ": " + status.detail()));
     print_row("version", status.server_version());
     print_row("uptime", fixed(status.uptime_s(), 0) + " s");
     print_row("source", status.source());
     print_row("camera", status.has_camera() ? camera_text(status.camera()) : "");
+    print_row("sensors", status.has_sensors() ? sensors_text(status.sensors()) : "");
     print_row("matching",
               status.method() + " on " + status.backend() + ", " + std::to_string(status.workers()) + " workers");
     print_row("geometry", geometry_text(status.geometry()));

@@ -13,6 +13,9 @@ PROTOCOL_VERSION = 1
 # Frames kept while a question waits for its answer.
 _MOST_PENDING = 8
 
+# Messages with samples of the sensors kept while frames are read.
+_MOST_SENSORS = 256
+
 
 class SocketClient:
     """One connection to "tcp:HOST:PORT" or "unix:PATH". Not for several threads at once.
@@ -25,6 +28,8 @@ class SocketClient:
         self._pending = collections.deque(maxlen=_MOST_PENDING)
         self._last_index = None
         self._decompress = None
+        self._sensors = collections.deque()
+        self._sensors_dropped = 0
         self.last_status = None  # newest status message that came by itself
         self._stream = MessageStream(address, timeout)
         try:
@@ -50,8 +55,11 @@ class SocketClient:
     def close(self):
         self._stream.close()
 
-    def subscribe(self, products=(DISPARITY,), max_rate=0.0, region=None, compressed=False, status_interval=0.0):
-        """Replaces the subscription. region = (x, y, width, height); a refusal comes out of the next read()."""
+    def subscribe(
+        self, products=(DISPARITY,), max_rate=0.0, region=None, compressed=False, status_interval=0.0, sensors=False
+    ):
+        """Replaces the subscription. region = (x, y, width, height); sensors: for read_sensors(). A refusal comes out
+        of the next read()."""
         if compressed and self._decompress is None:
             import zstandard  # only needed for this
 
@@ -61,6 +69,7 @@ class SocketClient:
             max_rate=max_rate,
             encoding=pb.ZSTD if compressed else pb.RAW,
             status_interval_s=status_interval,
+            sensors=sensors,
         )
         if region is not None:
             message.region.x, message.region.y, message.region.width, message.region.height = region
@@ -78,6 +87,20 @@ class SocketClient:
             if message[0].HasField("frame"):
                 return self._count_missed(self._frame(*message))
             self._keep(*message)
+
+    def read_sensors(self, timeout=None):
+        """Samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (None = wait for
+        ever). Frames that come meanwhile are kept for read(), 8 of them."""
+        deadline = time.monotonic() + (1e9 if timeout is None else timeout)
+        while not self._sensors:
+            message = self._stream.receive(deadline)
+            if message is None:
+                return None
+            self._keep(*message)
+        sensors = self._sensors.popleft()
+        sensors.skipped_for_client += self._sensors_dropped
+        self._sensors_dropped = 0
+        return sensors
 
     def __iter__(self):
         """Frames until the daemon is gone."""
@@ -132,6 +155,11 @@ class SocketClient:
             self._pending.append(self._frame(envelope, payload))
         elif envelope.HasField("status"):
             self.last_status = envelope.status
+        elif envelope.HasField("sensors"):
+            self._sensors.append(envelope.sensors)
+            if len(self._sensors) > _MOST_SENSORS:
+                oldest = self._sensors.popleft()
+                self._sensors_dropped += oldest.skipped_for_client + len(oldest.samples)
 
     def _count_missed(self, frame):
         if self._last_index is not None and frame.publish_index > self._last_index:

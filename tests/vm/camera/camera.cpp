@@ -20,11 +20,15 @@ Camera::Camera(const CameraOptions& options, Plug plug)
 void Camera::plug_in() {
     if (!device_) {
         device_.emplace(options_, plug_(options_.link), feed_, faults_, counters_);
+        if (options_.sensors && options_.model->sensor_product_id != 0) {
+            sensors_.emplace(options_, plug_(Link::usb2));
+        }
     }
 }
 
 void Camera::unplug() {
     device_.reset();
+    sensors_.reset();
     faults_ = Faults();
     set_timer();
 }

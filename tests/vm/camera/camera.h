@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "tests/vm/camera/sensor_device.h"
 #include "tests/vm/camera/usb_device.h"
 
 namespace simulated_camera {
@@ -37,6 +38,9 @@ public:
     void handle_host();
     void handle_timer();
 
+    /// Where the camera has some and is plugged in; to wait on as well.
+    std::optional<SensorDevice>& sensors() { return sensors_; }
+
 private:
     void set_timer();
 
@@ -46,6 +50,7 @@ private:
     Faults faults_;
     StreamCounters counters_;
     std::optional<UsbDevice> device_;
+    std::optional<SensorDevice> sensors_;
     FileDescriptor timer_;
     std::uint32_t timer_interval_ = 0;  // 100 ns; 0: off
 };

@@ -15,16 +15,17 @@ inline constexpr std::uint16_t vendor_id = 0x2b03;
 struct Model {
     std::string_view name;  ///< as given to --model
     std::uint16_t product_id;
-    std::string_view product;  ///< USB product string
-    bool old_firmware;         ///< gives only the smallest mode
+    std::uint16_t sensor_product_id;  ///< 0: no sensors
+    std::string_view product;         ///< USB product string
+    bool old_firmware;                ///< gives only the smallest mode
 };
 
-inline constexpr std::array<Model, 6> models{{{"zed", 0xf582, "ZED", false},
-                                              {"zed-old", 0xf580, "ZED", true},
-                                              {"mini", 0xf682, "ZED-M", false},
-                                              {"mini-old", 0xf680, "ZED-M", true},
-                                              {"zed2", 0xf780, "ZED 2", false},
-                                              {"zed2i", 0xf880, "ZED 2i", false}}};
+inline constexpr std::array<Model, 6> models{{{"zed", 0xf582, 0, "ZED", false},
+                                              {"zed-old", 0xf580, 0, "ZED", true},
+                                              {"mini", 0xf682, 0xf681, "ZED-M", false},
+                                              {"mini-old", 0xf680, 0xf681, "ZED-M", true},
+                                              {"zed2", 0xf780, 0xf781, "ZED 2", false},
+                                              {"zed2i", 0xf880, 0xf881, "ZED 2i", false}}};
 
 /// A capture mode; both eyes side by side, YUYV.
 struct Mode {
@@ -49,6 +50,7 @@ struct CameraOptions {
     Transfer transfer = Transfer::bulk;
     std::uint32_t serial = 12345;     ///< decimal digits, at most eight; read from the flash
     std::uint16_t firmware = 0x0100;  ///< bcdDevice
+    bool sensors = false;             ///< plug in the model's sensors, too
     std::string frames_file;          ///< raw frames of the mode in use, repeated; empty: the numbered pattern
 
     bool only_smallest_mode() const { return link == Link::usb2 || model->old_firmware; }

@@ -21,11 +21,12 @@ using namespace simulated_camera;
 void usage() {
     std::printf(
         "usage: simulated_camera --socket PATH [--model MODEL] [--serial N] [--firmware BCD] [--usb2] [--isochronous]\n"
-        "                        [--frames FILE]\n"
+        "                        [--sensors] [--frames FILE]\n"
         "       simulated_camera --socket PATH --tell COMMAND\n"
         "Plugs a camera into the virtual USB controller (module vhci-hcd) and serves it until it is ended.\n"
         "  --model    zed, zed-old, mini, mini-old, zed2, zed2i\n"
         "  --frames   raw YUYV frames of the mode in use, repeated; without: a numbered pattern\n"
+        "  --sensors  plugs in the sensors of a mini, zed2 or zed2i as well\n"
         "  --tell     gives a command to a running one: %s\n"
         "example: simulated_camera --socket /run/camera --tell 'err 3'\n",
         commands_help);
@@ -68,6 +69,8 @@ Arguments read_arguments(int argc, char** argv) {
             std::exit(0);
         } else if (option == "--usb2") {
             arguments.camera.link = Link::usb2;
+        } else if (option == "--sensors") {
+            arguments.camera.sensors = true;
         } else if (option == "--isochronous") {
             arguments.camera.transfer = Transfer::isochronous;
         } else if (i + 1 < argc) {
@@ -87,10 +90,19 @@ Arguments read_arguments(int argc, char** argv) {
     CommandSocket commands(arguments.socket);
     camera.plug_in();
     while (true) {
-        std::array<pollfd, 3> waiting{
-            {{commands.listener(), POLLIN, 0}, {camera.timer(), POLLIN, 0}, {camera.host_socket(), POLLIN, 0}}};
+        auto& sensors = camera.sensors();
+        std::array<pollfd, 5> waiting{{{commands.listener(), POLLIN, 0},
+                                       {camera.timer(), POLLIN, 0},
+                                       {camera.host_socket(), POLLIN, 0},
+                                       {sensors ? sensors->timer() : -1, POLLIN, 0},
+                                       {sensors ? sensors->socket() : -1, POLLIN, 0}}};
         if (::poll(waiting.data(), waiting.size(), -1) < 0) {
             continue;
+        }
+        if (waiting[4].revents != 0 && !sensors->handle_message()) {
+            sensors.reset();
+        } else if (waiting[3].revents != 0) {
+            sensors->handle_timer();
         }
         // The host first: a command may end its connection.
         if (waiting[2].revents != 0) {

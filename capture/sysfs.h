@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+/// Reading what the kernel shows of its devices. Whatever is not there reads as nothing.
+namespace disparityd::capture::sysfs {
+
+/// The first line of a file of this folder, without white space around it.
+std::string attribute(const std::filesystem::path& folder, const char* name);
+
+/// 0 where the text does not begin with a number.
+int number(const std::string& text, int base);
+
+/// What is in a folder, such as that of a class or bus.
+std::vector<std::filesystem::path> entries(const std::filesystem::path& folder);
+
+/// The folder of the USB device that a device belongs to, which is one of its parents; empty for others. `device` is
+/// the link "device" in a class's folder.
+std::filesystem::path usb_device(const std::filesystem::path& device);
+
+}  // namespace disparityd::capture::sysfs

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Samples of a camera's sensors from a recording through the real daemon, to a client and into another recording.
+#include <gtest/gtest.h>
+
+#include "capture/frame_source.h"
+#include "capture/recording_writer.h"
+#include "clients/cpp/disparity_client.hpp"
+#include "tests/daemon/daemon_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr int samples_per_frame = 7;
+
+class SensorsTest : public DaemonTest {
+protected:
+    /// Frames with samples that are numbered by the camera's clock.
+    std::string make_recording(int frames) const {
+        capture::SourceInfo info;
+        info.eye_width = 64;
+        info.height = 48;
+        info.rate = 60;
+        const std::string path = folder_.path() + "/made.mkv";
+        capture::RecordingWriter writer(path, info);
+        std::vector<std::uint8_t> pixels(128 * 48, 100);
+        std::vector<capture::SensorSample> samples(samples_per_frame);
+        for (int i = 0; i < frames; ++i) {
+            for (std::size_t k = 0; k < samples.size(); ++k) {
+                samples[k].camera_ns = i * samples_per_frame + static_cast<int>(k);
+                samples[k].monotonic_ns = 1'000'000 * samples[k].camera_ns;
+                samples[k].flags = capture::sensor_flag_inertial;
+                samples[k].acceleration.z = 9.75F;
+            }
+            capture::RawFrame frame;
+            frame.image = {pixels.data(), info.format, info.eye_width, info.height, 128};
+            frame.sequence = static_cast<std::uint64_t>(i);
+            frame.monotonic_ns = frame.realtime_ns = 1'000'000'000LL * i / 60;
+            frame.sensors = samples;
+            writer.write(frame);
+        }
+        writer.close();
+        return path;
+    }
+
+    static bool record(WireClient& client, const std::string& path) {
+        v1::Envelope request;
+        if (path.empty()) {
+            request.mutable_record_stop();
+        } else {
+            request.mutable_record_start()->set_path(path);
+        }
+        const auto answer = client.send(request) ? client.receive() : std::nullopt;
+        return answer && answer->envelope.has_record_status();
+    }
+};
+
+TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
+    const auto daemon = start_ready(config_text(make_recording(1200), 0, 0), {"--set", "source.loop=true"});
+    disparity::SocketClient listener(daemon->address("unix:"));
+    disparity::Subscription subscription;
+    subscription.sensors = true;
+    listener.subscribe(subscription);
+    WireClient recorder(daemon->address("tcp:"));
+    recorder.hello();
+    ASSERT_TRUE(record(recorder, "again.mkv"));
+    std::int64_t last = -1;
+    for (std::size_t samples = 0; samples < std::size_t{20} * samples_per_frame;) {
+        disparity::SensorBatch batch;
+        ASSERT_EQ(listener.read_sensors(batch, 20s), disparity::ReadResult::frame) << daemon->log();
+        EXPECT_EQ(batch.skipped, 0U);
+        EXPECT_GE(batch.age_ns, 0);
+        EXPECT_LT(batch.age_ns, 60'000'000'000) << "since it was delivered, not since it was recorded";
+        for (const disparity::SensorSample& sample : batch.samples) {
+            EXPECT_TRUE(last < 0 || sample.camera_ns == last + 1 || sample.camera_ns == 0) << sample.camera_ns;
+            EXPECT_EQ(sample.monotonic_ns, 1'000'000 * sample.camera_ns);
+            EXPECT_TRUE(sample.inertial && sample.inertial->acceleration.z == 9.75F);
+            last = sample.camera_ns;
+        }
+        samples += batch.samples.size();
+    }
+    disparity::Frame frame;
+    EXPECT_EQ(listener.read(frame, 20s), disparity::ReadResult::frame);
+    EXPECT_FALSE(status(recorder).has_sensors()) << "a recording has none that could be in trouble";
+    while (status(recorder).record().frames() < 10) {
+    }
+    ASSERT_TRUE(record(recorder, ""));
+
+    capture::SourceOptions options;
+    options.uri = folder_.path() + "/again.mkv";
+    options.pace = capture::Pace::fastest;
+    const auto again = capture::open_source(options);
+    for (int i = 0; i < 10; ++i) {
+        capture::RawFrame raw;
+        ASSERT_EQ(again->next(raw, std::chrono::steady_clock::now() + 20s), capture::FrameSource::Next::frame);
+        ASSERT_EQ(raw.sensors.size(), std::size_t{samples_per_frame});
+        EXPECT_EQ(raw.sensors[0].camera_ns % samples_per_frame, 0);
+        EXPECT_EQ(raw.sensors[6].camera_ns, raw.sensors[0].camera_ns + 6);
+        EXPECT_EQ(raw.sensors[6].acceleration.z, 9.75F);
+        again->give_back(raw);
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// disparityctl sensors, on a daemon that replays a recording with samples.
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <signal.h>
+#include <unistd.h>
+
+#include "capture/frame_source.h"
+#include "capture/recording_writer.h"
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// Frames of an even grey, each with samples before it; the clock of the samples counts them.
+void make_recording_with_sensors(const std::string& path) {
+    capture::SourceInfo info;
+    info.eye_width = 64;
+    info.height = 48;
+    info.rate = 60;
+    capture::RecordingWriter writer(path, info);
+    const std::vector<std::uint8_t> pixels(128 * 48, 100);
+    std::vector<capture::SensorSample> samples(5);
+    std::int64_t count = 0;
+    for (int i = 0; i < 600; ++i) {
+        for (capture::SensorSample& sample : samples) {
+            sample.camera_ns = count++;
+            sample.flags = capture::sensor_flag_inertial | capture::sensor_flag_environment;
+            sample.acceleration = {0, -9.75F, 0};
+            sample.hectopascal = 1013.25F;
+        }
+        capture::RawFrame frame;
+        frame.image = {pixels.data(), info.format, info.eye_width, info.height, 128};
+        frame.sequence = static_cast<std::uint64_t>(i);
+        frame.monotonic_ns = 1'000'000'000LL * i / 60;
+        frame.sensors = samples;
+        writer.write(frame);
+    }
+    writer.close();
+}
+
+class SensorsTest : public FolderTest {
+protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        make_recording_with_sensors(path("made.mkv"));
+        const std::string id = std::to_string(getpid());
+        socket_ = "unix:/tmp/dctl-sensors-" + id + ".sock";
+        std::vector<std::string> arguments{"--source", path("made.mkv"), "--name", "dctl-sensors-" + id};
+        for (const std::string& setting : {"socket.unix=" + socket_.substr(5), std::string("socket.tcp="),
+                                           std::string("match.disparities=16"), std::string("source.loop=true")}) {
+            arguments.insert(arguments.end(), {"--set", setting});
+        }
+        daemon_ = std::make_unique<Program>(DISPARITYD, arguments);
+        ASSERT_TRUE(eventually([this] {
+            return !daemon_->running() || run(DISPARITYCTL, {"status", "--socket", socket_}).exit_code == 0;
+        }));
+        ASSERT_TRUE(daemon_->running()) << daemon_->wait().err;
+    }
+
+    void TearDown() override {
+        daemon_->send(SIGTERM);
+        daemon_->wait();
+        FolderTest::TearDown();
+    }
+
+    std::string socket_;
+    std::unique_ptr<Program> daemon_;
+};
+
+TEST_F(SensorsTest, JsonHasEverySample) {
+    const Outcome outcome = run(DISPARITYCTL, {"sensors", "--socket", socket_, "--count", "40", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::istringstream lines(outcome.out);
+    int count = 0;
+    std::int64_t last = -1;
+    for (std::string line; std::getline(lines, line); ++count) {
+        const auto sample = nlohmann::json::parse(line);
+        EXPECT_EQ(sample["acceleration"], (nlohmann::json{0.0, -9.75, 0.0}));
+        EXPECT_EQ(sample["hectopascal"], 1013.25);
+        EXPECT_EQ(sample["missed"], 0);
+        EXPECT_FALSE(sample.contains("magnetic_field"));
+        const auto number = sample["camera_ns"].get<std::int64_t>();
+        EXPECT_TRUE(last < 0 || number == last + 1 || number == 0) << number;
+        last = number;
+    }
+    EXPECT_EQ(count, 40);
+}
+
+TEST_F(SensorsTest, ALineForEachSecond) {
+    const Outcome outcome = run(DISPARITYCTL, {"sensors", "--socket", socket_, "--count", "1"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("acceleration, m/s2"));
+    EXPECT_THAT(outcome.out, HasSubstr("-9.750"));
+    EXPECT_THAT(outcome.out, HasSubstr("1013.25 hPa"));
+}
+
+}  // namespace
+}  // namespace disparityd::test
