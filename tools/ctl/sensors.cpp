@@ -4,6 +4,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <CLI/CLI.hpp>
+
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
