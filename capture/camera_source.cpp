@@ -15,6 +15,7 @@
 #include "capture/camera_trouble.h"
 #include "capture/eye_joiner.h"
 #include "capture/frame_counter.h"
+#include "capture/plugged_cameras.h"
 #include "capture/sensor_reader.h"
 #include "capture/set_controls.h"
 #include "capture/source_condition.h"
@@ -54,15 +55,9 @@ public:
 private:
     using Step = CameraRecovery::Step;
 
-    struct Plugged {
-        UsbCamera camera;
-        steady_clock::time_point since;
-    };
-
     void take_step(Step step);
     void open_any();
     void note_plugged(const std::vector<UsbCamera>& cameras);
-    steady_clock::time_point plugged_since(const UsbCamera& camera) const;
     std::optional<CameraTrouble> open_one(const UsbCamera& camera);
     void opened(const UsbCamera& camera);
     void set_controls(const UsbCamera& camera);
@@ -95,7 +90,7 @@ private:
     bool broken_ = false;                ///< the stream has failed and waits for its next rung
     std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
-    std::vector<Plugged> plugged_;       ///< those that are there and may be meant
+    PluggedCameras plugged_;             ///< those that are there and may be meant
     std::atomic<bool> interrupted_{false};
     std::vector<SensorSample> samples_;  ///< of the frame that was handed out last
     std::optional<SensorReader> sensors_;
@@ -259,7 +254,7 @@ void CameraSource::open_any() {
             return;
         }
         if (found->state == CameraState::no_permission && options_.wait_for_camera &&
-            system_.now() < plugged_since(camera) + permission_time) {
+            system_.now() < plugged_.since(camera) + permission_time) {
             found = {CameraState::starting, camera.label() + " has come and is being prepared by udev"};
         }
         // One that could be used at once matters most, and a ZED's trouble more than some other camera's.
@@ -286,25 +281,11 @@ void CameraSource::open_any() {
 }
 
 void CameraSource::note_plugged(const std::vector<UsbCamera>& cameras) {
-    std::vector<Plugged> plugged;
-    bool came = false;
-    for (const UsbCamera& camera : cameras) {
-        const auto known = std::find_if(plugged_.begin(), plugged_.end(),
-                                        [&](const Plugged& p) { return same_plugging(p.camera, camera); });
-        came = came || known == plugged_.end();
-        plugged.push_back({camera, known == plugged_.end() ? system_.now() : known->since});
-    }
-    plugged_ = std::move(plugged);
+    const bool came = plugged_.note(cameras, system_.now());
     if (came && !after_reset_) {
         recovery_.forget_attempts();
     }
     after_reset_ = after_reset_ && !came;
-}
-
-steady_clock::time_point CameraSource::plugged_since(const UsbCamera& camera) const {
-    const auto known = std::find_if(plugged_.begin(), plugged_.end(),
-                                    [&](const Plugged& p) { return same_plugging(p.camera, camera); });
-    return known == plugged_.end() ? steady_clock::time_point::min() : known->since;
 }
 
 std::optional<CameraTrouble> CameraSource::open_one(const UsbCamera& camera) {
