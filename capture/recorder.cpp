@@ -81,6 +81,8 @@ public:
         std::size_t number = 0;
         {
             const std::lock_guard lock(mutex_);
+            status_.source_lost += offered_ ? frame.dropped_before : 0;
+            offered_ = true;
             if (!fits || failed_ || finishing_ || free_.empty()) {
                 ++status_.lost;
                 ++lost_before_next_;
@@ -221,6 +223,7 @@ private:
     std::uint64_t lost_before_next_ = 0;
     std::uint32_t samples_lost_before_next_ = 0;
     std::uint64_t taken_ = 0;  ///< given to the writer
+    bool offered_ = false;     ///< there was a frame
     bool copying_ = false;     ///< offer() fills a buffer that is in neither ring
     bool finishing_ = false;
     bool failed_ = false;  ///< takes no more frames
@@ -246,6 +249,12 @@ Recorder::Status Recorder::status() const {
 
 Recorder::Status Recorder::finish() {
     return impl_->finish();
+}
+
+std::string Recorder::slow_disk_text(const std::string& path) {
+    return path +
+           ": frames come faster than they can be written and are lost: record to a faster disk, or in a smaller mode "
+           "or at a lower rate";
 }
 
 }  // namespace disparityd::capture

@@ -25,16 +25,20 @@ public:
     bool offer(const RawFrame& frame) noexcept;
 
     struct Status {
-        std::uint64_t frames = 0;  ///< written
-        std::uint64_t lost = 0;
-        std::uint64_t bytes = 0;  ///< of the file
-        double seconds = 0;       ///< since the start
-        std::string error;        ///< why it stopped by itself; empty = it did not
+        std::uint64_t frames = 0;       ///< written
+        std::uint64_t lost = 0;         ///< offered, but not written
+        std::uint64_t bytes = 0;        ///< of the file
+        double seconds = 0;             ///< since the start
+        std::string error;              ///< why it stopped by itself; empty = it did not
+        std::uint64_t source_lost = 0;  ///< by the source, between the first and the last that were offered
     };
     Status status() const;
 
     /// Writes what is waiting, closes the file and returns the final numbers. Safe to call twice.
     Status finish();
+
+    /// One line for people whose recording loses frames.
+    static std::string slow_disk_text(const std::string& path);
 
 private:
     class Impl;

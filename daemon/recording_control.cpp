@@ -122,8 +122,8 @@ void RecordingControl::finish(const std::string& reason) {
         end.error = reason;
     }
     log_line(end.error.empty() ? LogLevel::info : LogLevel::warning,
-             fmt::format("recording {} finished: {} frames, {} lost, {} bytes{}{}", path_, end.frames, end.lost,
-                         end.bytes, end.error.empty() ? "" : "; ", end.error));
+             fmt::format("recording {} finished: {} frames, {} lost, {} lost by the source, {} bytes{}{}", path_,
+                         end.frames, end.lost, end.source_lost, end.bytes, end.error.empty() ? "" : "; ", end.error));
     const std::lock_guard lock(mutex_);
     last_ = proto::record_message(end, path_, false);
 }
@@ -132,6 +132,9 @@ void RecordingControl::check() {
     const v1::RecordStatus now = status();
     if (!now.path().empty() && now.active() && !now.error().empty()) {
         finish(now.error());
+    } else if (now.active() && now.lost() > 0 && now.path() != slow_) {
+        slow_ = now.path();
+        log_warning(capture::Recorder::slow_disk_text(now.path()));
     }
 }
 

@@ -39,7 +39,8 @@ public:
     /// Finishes a running recording; `reason` is what its status will say, empty = all is well.
     void finish(const std::string& reason);
 
-    /// Finishes a recording that has failed by itself; to be called now and then.
+    /// Finishes a recording that has failed by itself, warns once of one that loses frames; to be called now and then,
+    /// by one thread.
     void check();
 
     v1::RecordStatus status() const;
@@ -56,6 +57,7 @@ private:
     std::string directory_;
     std::optional<capture::SourceInfo> source_;
     std::string path_;
+    std::string slow_;  ///< path of the recording that was warned of
     std::shared_ptr<capture::Recorder> recorder_;
     v1::RecordStatus last_;  ///< of the recording before
     boost::asio::thread_pool worker_{1};

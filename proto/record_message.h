@@ -7,8 +7,8 @@
 
 namespace disparityd::proto {
 
-/// The message about a recording. `numbers` are those of whoever records: anything with frames, lost, bytes, seconds
-/// and error.
+/// The message about a recording. `numbers` are those of whoever records: anything with frames, lost, source_lost,
+/// bytes, seconds and error.
 template <typename Numbers>
 v1::RecordStatus record_message(const Numbers& numbers, const std::string& path, bool active) {
     v1::RecordStatus message;
@@ -16,6 +16,7 @@ v1::RecordStatus record_message(const Numbers& numbers, const std::string& path,
     message.set_path(path);
     message.set_frames(numbers.frames);
     message.set_lost(numbers.lost);
+    message.set_source_lost(numbers.source_lost);
     message.set_bytes(numbers.bytes);
     message.set_seconds(numbers.seconds);
     message.set_error(numbers.error);

@@ -180,6 +180,7 @@ TEST(Recorder, ASlowDiskLosesFramesWhichAreCounted) {
     }
     ASSERT_EQ(in_a_row, 50);
     EXPECT_EQ(recorder.status().lost, lost);
+    EXPECT_EQ(recorder.status().source_lost, 2 * (taken + lost - 1)) << "make_frame() says 2 before each";
     disk.drain();
     while (recorder.status().frames < taken && std::chrono::steady_clock::now() < give_up) {
         std::this_thread::yield();

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
+#include <fstream>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "capture/frame_source.h"
 #include "tests/tools/made_input.h"
@@ -81,6 +85,45 @@ TEST_F(RecordTest, CtrlCLeavesAValidFile) {
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_GT(summary["frames"], 1);
     EXPECT_EQ(frames_of(path("out.mkv")).size(), summary["frames"]);
+}
+
+TEST_F(RecordTest, ADiskThatIsTooSlowIsSaidAtOnceAndTheFileIsValid) {
+    // A disk that takes nothing for a while: a pipe.
+    ASSERT_EQ(mkfifo(path("pipe.mkv").c_str(), 0600), 0);
+    const int disk = open(path("pipe.mkv").c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    ASSERT_GE(disk, 0);
+    Program program(DISPARITYCTL, {"record", path("pipe.mkv"), "--source", "scene:vga@60", "--force", "--json"});
+    EXPECT_TRUE(eventually([&] { return !program.running() || program.said("frames come faster"); }));
+    program.send(SIGINT);
+    fcntl(disk, F_SETFL, 0);  // from here on, reading waits
+    std::ofstream copy(path("copy.mkv"), std::ios::binary);
+    std::vector<char> part(65536);
+    for (ssize_t got = 0; (got = read(disk, part.data(), part.size())) > 0;) {
+        copy.write(part.data(), got);
+    }
+    close(disk);
+    copy.close();
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err,
+                HasSubstr("pipe.mkv: frames come faster than they can be written and are lost: record to"));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_GT(summary["lost"], 0);
+    // A pipe does not let the writer put the number of frames at the beginning: the source says so at its end.
+    capture::SourceOptions options;
+    options.uri = path("copy.mkv");
+    options.pace = capture::Pace::fastest;
+    const auto source = capture::open_source(options);
+    std::uint64_t frames = 0;
+    const auto play = [&] {
+        capture::RawFrame frame;
+        const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+        for (; source->next(frame, deadline) == capture::FrameSource::Next::frame; ++frames) {
+            source->give_back(frame);
+        }
+    };
+    EXPECT_THAT(play, testing::ThrowsMessage<std::runtime_error>(HasSubstr("stopped before it closed")));
+    EXPECT_EQ(frames, summary["frames"]);
 }
 
 TEST_F(RecordTest, TruncatedSourceKeepsWhatIsThere) {

@@ -104,9 +104,10 @@ Json to_json(const v1::SelfCalibration& status) {
 }
 
 Json to_json(const v1::RecordStatus& status) {
-    return {{"active", status.active()}, {"path", status.path()},   {"frames", status.frames()},
-            {"lost", status.lost()},     {"bytes", status.bytes()}, {"seconds", status.seconds()},
-            {"error", status.error()}};
+    return {{"active", status.active()}, {"path", status.path()},
+            {"frames", status.frames()}, {"lost", status.lost()},
+            {"bytes", status.bytes()},   {"seconds", status.seconds()},
+            {"error", status.error()},   {"source_lost", status.source_lost()}};
 }
 
 Json to_json(const v1::CameraStatus& camera) {

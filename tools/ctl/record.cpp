@@ -74,7 +74,11 @@ int report(const v1::RecordStatus& done, bool json) {
         std::cout << to_text(to_json(done), 2) << '\n';
     } else {
         std::cout << done.path() << ": " << done.frames() << " frames in " << fixed(done.seconds(), 1) << " s, "
-                  << lost_and_size(done.lost(), done.bytes()) << '\n';
+                  << lost_and_size(done.lost(), done.bytes());
+        if (done.source_lost() > 0) {
+            std::cout << "; " << done.source_lost() << " more never came from the source";
+        }
+        std::cout << '\n';
     }
     if (!done.error().empty()) {
         print_error(done.error() + "; " + std::to_string(done.frames()) + " frames were recorded in " + done.path());
@@ -122,7 +126,7 @@ public:
     }
     capture::Recorder::Status status() const {
         const std::chrono::duration<double> elapsed = steady_clock::now() - start_;
-        return {writer_.frames(), 0, writer_.bytes(), elapsed.count(), {}};
+        return {writer_.frames(), 0, writer_.bytes(), elapsed.count(), {}, 0};
     }
     capture::Recorder::Status finish() {
         writer_.close();
@@ -143,6 +147,7 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
         const Limit limit(arguments);
         capture::RawFrame frame;
         try {
+            bool warned = false;
             for (std::uint64_t taken = 0; !limit.reached(taken);) {
                 const auto got = source.next(frame, steady_clock::now() + std::chrono::milliseconds(100));
                 if (got == capture::FrameSource::Next::frame) {
@@ -155,6 +160,10 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
                 const capture::Recorder::Status now = recorder.status();
                 if (!now.error.empty()) {
                     break;
+                }
+                if (now.lost > 0 && !warned) {
+                    print_note(capture::Recorder::slow_disk_text(arguments.file));
+                    warned = true;
                 }
                 bar.show(now.frames, lost_and_size(now.lost, now.bytes));
             }

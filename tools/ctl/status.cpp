@@ -42,6 +42,7 @@ std::string record_text(const v1::RecordStatus& record) {
     }
     return record.path() + ": " + (record.active() ? "running, " : "finished, ") + std::to_string(record.frames()) +
            " frames, " + std::to_string(record.lost()) + " lost, " +
+           (record.source_lost() > 0 ? std::to_string(record.source_lost()) + " lost by the source, " : "") +
            fixed(static_cast<double>(record.bytes()) / 1e6, 1) + " MB" +
            (record.error().empty() ? "" : ", error: " + record.error());
 }

@@ -108,7 +108,7 @@ TEST_F(Systemd, UdevGivesTheCameraToItsGroupAndKeepsItAwake) {
     EXPECT_TRUE(eventually([&] { return access_to(node) == "0660 video"; })) << access_to(node);
     const std::string device = usb_node(camera_->node());
     EXPECT_TRUE(eventually([&] { return access_to(device) == "0660 video"; })) << access_to(device);
-    EXPECT_EQ(content(camera_->node().usb_path + "/power/control"), "on");
+    EXPECT_TRUE(eventually([&] { return content(camera_->node().usb_path + "/power/control") == "on"; }));
     // The name that stays the same, which docs/operations.md tells users of.
     EXPECT_TRUE(eventually([&] {
         std::error_code none;
