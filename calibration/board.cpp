@@ -2,11 +2,17 @@
 #include "calibration/board.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
+#include <numeric>
+#include <set>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "calibration/charuco.h"
 
 namespace disparityd::calibration {
 
@@ -50,26 +56,33 @@ const char* cell_name(int column, int row) {
     return names[row][column];
 }
 
-/// How much longer the longer of two opposite sides is.
-double tilt(const BoardView& view, const Board& board) {
-    const auto columns = static_cast<std::size_t>(board.columns);
-    const auto& corners = view.left;
-    const cv::Point2f a = corners.front();
-    const cv::Point2f b = corners[columns - 1];
-    const cv::Point2f c = corners[corners.size() - columns];
-    const cv::Point2f d = corners.back();
-    const auto ratio = [](double first, double second) { return std::max(first, second) / std::min(first, second); };
-    return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
-}
-
-std::vector<cv::Point3f> board_points(const Board& board) {
+std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>& numbers) {
     std::vector<cv::Point3f> points;
-    for (int y = 0; y < board.rows; ++y) {
-        for (int x = 0; x < board.columns; ++x) {
-            points.emplace_back(static_cast<float>(x * board.square_mm), static_cast<float>(y * board.square_mm), 0.0F);
-        }
+    for (const int number : numbers) {
+        points.emplace_back(static_cast<float>(number % board.columns * board.square_mm),
+                            static_cast<float>(number / board.columns * board.square_mm), 0.0F);
     }
     return points;
+}
+
+/// How much longer the longer of two opposite sides of the board is, as far as the left eye can tell.
+double tilt(const BoardView& view, const Board& board) {
+    std::vector<cv::Point2f> flat;
+    for (const cv::Point3f& point : board_points(board, view.numbers)) {
+        flat.emplace_back(point.x, point.y);
+    }
+    const cv::Mat to_image = cv::findHomography(flat, view.left);
+    if (to_image.empty()) {
+        return 1;
+    }
+    const auto right = static_cast<float>((board.columns - 1) * board.square_mm);
+    const auto bottom = static_cast<float>((board.rows - 1) * board.square_mm);
+    std::vector<cv::Point2f> outer;
+    cv::perspectiveTransform(std::vector<cv::Point2f>{{0, 0}, {right, 0}, {0, bottom}, {right, bottom}}, outer,
+                             to_image);
+    const auto [a, b, c, d] = std::array{outer[0], outer[1], outer[2], outer[3]};
+    const auto ratio = [](double first, double second) { return std::max(first, second) / std::min(first, second); };
+    return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
 }
 
 capture::CameraModel camera_of(const cv::Mat& matrix, const cv::Mat& distortion) {
@@ -106,10 +119,40 @@ void measure_rows(const Cameras& cameras, const std::vector<BoardView>& views, c
     }
 }
 
+/// Corners with markers around them tell their number, so both eyes need not see the same part.
+std::optional<BoardView> find_charuco(const cv::Mat& left, const cv::Mat& right, const Board& board) {
+    constexpr std::size_t least = 8;
+    const auto seen_left = find_charuco_corners(left, board);
+    const auto seen_right = find_charuco_corners(right, board);
+    BoardView view;
+    std::set<int> rows;
+    std::set<int> columns;
+    auto other = seen_right.begin();
+    for (const NumberedCorner& corner : seen_left) {
+        while (other != seen_right.end() && other->number < corner.number) {
+            ++other;
+        }
+        if (other != seen_right.end() && other->number == corner.number) {
+            view.left.push_back(corner.at);
+            view.right.push_back(other->at);
+            view.numbers.push_back(corner.number);
+            rows.insert(corner.number / board.columns);
+            columns.insert(corner.number % board.columns);
+        }
+    }
+    if (view.numbers.size() < least || rows.size() < 2 || columns.size() < 2) {
+        return std::nullopt;
+    }
+    return view;
+}
+
 }  // namespace
 
 std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
                                     const Board& board) {
+    if (board.markers) {
+        return find_charuco(view_of(left), view_of(right), board);
+    }
     BoardView view;
     if (!find_in(view_of(left), board, view.left) || !find_in(view_of(right), board, view.right)) {
         return std::nullopt;
@@ -118,15 +161,23 @@ std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const 
     if ((view.left.back() - view.left.front()).dot(view.right.back() - view.right.front()) < 0) {
         std::reverse(view.right.begin(), view.right.end());
     }
+    view.numbers.resize(view.left.size());
+    std::iota(view.numbers.begin(), view.numbers.end(), 0);
     return view;
 }
 
 double moved(const BoardView& before, const BoardView& after) {
     double sum = 0;
-    for (std::size_t i = 0; i < before.left.size(); ++i) {
-        sum += cv::norm(after.left[i] - before.left[i]);
+    int common = 0;
+    for (std::size_t i = 0; i < before.numbers.size(); ++i) {
+        const auto same = std::lower_bound(after.numbers.begin(), after.numbers.end(), before.numbers[i]);
+        if (same != after.numbers.end() && *same == before.numbers[i]) {
+            const auto k = static_cast<std::size_t>(same - after.numbers.begin());
+            sum += cv::norm(after.left[k] - before.left[i]);
+            ++common;
+        }
     }
-    return sum / static_cast<double>(before.left.size());
+    return common == 0 ? std::numeric_limits<double>::infinity() : sum / common;
 }
 
 std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height) {
@@ -164,13 +215,14 @@ std::vector<std::string> missing_views(const std::vector<BoardView>& views, cons
 
 BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height) {
     if (views.size() < 3) {
-        throw std::invalid_argument("calibrate: the board is seen whole by both eyes in " +
-                                    std::to_string(views.size()) + " views, at least 3 are needed, 15 are better");
+        throw std::invalid_argument("calibrate: the board is seen by both eyes in " + std::to_string(views.size()) +
+                                    " views, at least 3 are needed, 15 are better");
     }
-    const std::vector<std::vector<cv::Point3f>> points(views.size(), board_points(board));
+    std::vector<std::vector<cv::Point3f>> points;
     std::vector<std::vector<cv::Point2f>> left;
     std::vector<std::vector<cv::Point2f>> right;
     for (const BoardView& view : views) {
+        points.push_back(board_points(board, view.numbers));
         left.push_back(view.left);
         right.push_back(view.right);
     }

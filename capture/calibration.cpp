@@ -95,6 +95,28 @@ void check_range(double value, double least, double most, const std::string& wha
     }
 }
 
+/// Rows of length 1 at right angles, the third one as in a right hand; files round their numbers.
+void check_rotation(const std::array<double, 9>& r, const std::string& path) {
+    constexpr double tolerance = 0.01;
+    const auto product = [&r](std::size_t a, std::size_t b) {
+        return r[a] * r[b] + r[a + 1] * r[b + 1] + r[a + 2] * r[b + 2];
+    };
+    bool good =
+        r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) + r[2] * (r[3] * r[7] - r[4] * r[6]) >
+        0;
+    for (std::size_t a = 0; a < 9; a += 3) {
+        for (std::size_t b = a; b < 9; b += 3) {
+            // Written so that what is no number is refused, too.
+            good = good && std::abs(product(a, b) - (a == b ? 1 : 0)) < tolerance;
+        }
+    }
+    if (!good) {
+        throw std::invalid_argument("calibration " + path +
+                                    ": the matrix that turns the left camera to the right one is no rotation: its rows "
+                                    "must have length 1 and be at right angles");
+    }
+}
+
 }  // namespace
 
 void refuse_other_size(const std::string& path, const std::string& found, int width, int height) {
@@ -118,6 +140,9 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
         for (const double k : camera->distortion) {
             check_range(k, -50, 50, eye + " distortion", path);
         }
+    }
+    if (!calibration.rectified) {
+        check_rotation(calibration.rotation, path);
     }
     const auto& t = calibration.translation;
     const double baseline = std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);

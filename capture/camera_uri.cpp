@@ -16,7 +16,7 @@ constexpr std::string_view scheme = "v4l2:";
 
 int size_number(const SourceUri& uri, std::string_view text) {
     const auto number = parse_number(text);
-    if (!number || *number != static_cast<int>(*number) || *number < 16 || *number > 16384) {
+    if (!number || *number < 16 || *number > 16384 || *number != static_cast<int>(*number)) {
         uri.fail("size of the whole frame", text, "WIDTHxHEIGHT, each 16 to 16384");
     }
     return static_cast<int>(*number);

@@ -122,9 +122,11 @@ TEST(MissingViews, TellWhereTheBoardWasNot) {
 }
 
 TEST(Moved, IsTheMeanWayOfTheCorners) {
-    BoardView before{{{0, 0}, {10, 0}}, {}};
-    BoardView after{{{3, 4}, {10, 0}}, {}};
+    BoardView before{{{0, 0}, {10, 0}}, {}, {0, 1}};
+    BoardView after{{{3, 4}, {10, 0}}, {}, {0, 1}};
     EXPECT_DOUBLE_EQ(moved(before, after), 2.5);
+    EXPECT_DOUBLE_EQ(moved({{{0, 0}, {10, 0}, {20, 0}}, {}, {3, 5, 9}}, {{{1, 1}, {10, 4}}, {}, {4, 5}}), 4);
+    EXPECT_TRUE(std::isinf(moved(before, {{{1, 1}}, {}, {7}})));
 }
 
 }  // namespace

@@ -11,8 +11,31 @@ namespace {
 
 constexpr int finer = 3;
 
+constexpr double black = 35;
+constexpr double white = 220;
+
+/// The grey within a white square with a marker; u and v from 0 to 1.
+double marker_shade(const Board& board, int column, int row, double u, double v) {
+    const MarkerFamily& family = *board.markers->family;
+    const double part = board.markers->part;
+    const auto cell = [&](double place) {
+        return static_cast<int>(std::floor((place - (1 - part) / 2) / part * (family.side + 2)));
+    };
+    const int x = cell(u);
+    const int y = cell(v);
+    if (x < 0 || y < 0 || x > family.side + 1 || y > family.side + 1) {
+        return white;
+    }
+    if (x == 0 || y == 0 || x == family.side + 1 || y == family.side + 1) {
+        return black;
+    }
+    const int number = (row * (board.columns + 1) + column) / 2;
+    const int bit = family.side * family.side - 1 - ((y - 1) * family.side + x - 1);
+    return (family.codes[static_cast<std::size_t>(number)] >> static_cast<unsigned>(bit) & 1U) != 0 ? white : black;
+}
+
 /// The grey of the place that a ray from `from` meets; the board has a white rim of a square.
-double shade(const Board& board, const cv::Matx33d& turn, const cv::Vec3d& at, const cv::Vec3d& from,
+double shade(const Board& board, bool white_first, const cv::Matx33d& turn, const cv::Vec3d& at, const cv::Vec3d& from,
              const cv::Vec3d& ray) {
     const cv::Vec3d normal(turn(0, 2), turn(1, 2), turn(2, 2));
     const double reach = normal.dot(at - from) / normal.dot(ray);
@@ -23,14 +46,21 @@ double shade(const Board& board, const cv::Matx33d& turn, const cv::Vec3d& at, c
         return 90;
     }
     const bool rim = x < 0 || y < 0 || x > board.columns + 1 || y > board.rows + 1;
-    const bool dark = (static_cast<int>(std::floor(x)) + static_cast<int>(std::floor(y))) % 2 == 0;
-    return rim || !dark ? 220 : 35;
+    const int column = static_cast<int>(std::floor(x));
+    const int row = static_cast<int>(std::floor(y));
+    if (rim) {
+        return white;
+    }
+    if ((column + row) % 2 == (white_first ? 1 : 0)) {
+        return black;
+    }
+    return board.markers ? marker_shade(board, column, row, x - column, y - row) : white;
 }
 
 }  // namespace
 
-BoardPainter::BoardPainter(const capture::StereoCalibration& cameras, const Board& board)
-    : cameras_(cameras), board_(board) {
+BoardPainter::BoardPainter(const capture::StereoCalibration& cameras, const Board& board, bool white_first)
+    : cameras_(cameras), board_(board), white_first_(white_first) {
     // The same camera with finer pixels, whose centres lie around those of the coarse ones.
     const auto fine = [&](capture::CameraModel camera) {
         camera.fx *= finer;
@@ -64,7 +94,7 @@ void BoardPainter::draw_eye(bool right, const Pose& pose, std::vector<std::uint8
                 const auto& ray = rays[static_cast<std::size_t>(finer * y + i / finer) *
                                            static_cast<std::size_t>(finer * cameras_.width) +
                                        static_cast<std::size_t>(finer * x + i % finer)];
-                sum += shade(board_, turn, pose.at, from, back * cv::Vec3d(ray.x, ray.y, 1));
+                sum += shade(board_, white_first_, turn, pose.at, from, back * cv::Vec3d(ray.x, ray.y, 1));
             }
             picture[static_cast<std::size_t>(y) * 2 * static_cast<std::size_t>(cameras_.width) +
                     static_cast<std::size_t>(x + (right ? cameras_.width : 0))] =

@@ -21,7 +21,8 @@ struct Pose {
 /// Draws the board as two cameras see it: traced ray by ray, 9 per pixel.
 class BoardPainter {
 public:
-    BoardPainter(const capture::StereoCalibration& cameras, const Board& board);
+    /// `white_first`: the upper left square is white instead of black, as on ChArUco boards before OpenCV 4.6.
+    BoardPainter(const capture::StereoCalibration& cameras, const Board& board, bool white_first = false);
 
     /// Both eyes' grey pictures, side by side.
     std::vector<std::uint8_t> draw(const Pose& pose) const;
@@ -31,6 +32,7 @@ private:
 
     capture::StereoCalibration cameras_;
     Board board_;
+    bool white_first_;
     std::vector<capture::RayDirection> left_rays_;
     std::vector<capture::RayDirection> right_rays_;
 };

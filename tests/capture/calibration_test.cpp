@@ -187,6 +187,12 @@ TEST_F(CalibrationFiles, OpenCvThatCannotBeMeant) {
     EXPECT_THAT(said(replaced(intrinsics(), "-0.28, 0.11, 0., 0.", ".Nan, 0.11, 0., 0.") + extrinsics()),
                 HasSubstr("D2"));
     EXPECT_THAT(said(intrinsics() + replaced(extrinsics(), "-60.5", "60.5")), HasSubstr("exchange"));
+    for (const char* numbers : {"0., 0., 0., 0., 0., 0., 0., 0., 0.", "1., 0., 0., 0., 1., 0., 0., 0., -1.",
+                                "1., 0., 0., 0., 1.1, 0., 0., 0., 1.", "1., 0.1, 0., 0., 1., 0., 0., 0., 1."}) {
+        EXPECT_THAT(said(intrinsics() + matrix("R", 3, 3, numbers) + matrix("T", 3, 1, "-60.5, 0.25, 0.125")),
+                    HasSubstr("is no rotation"))
+            << numbers;
+    }
     EXPECT_THAT(said(intrinsics() + "R: hello\nT: 3\n"), HasSubstr("R"));
     EXPECT_THAT(said(matrix("M1", 1, 2, "1., 2.") + matrix("D1", 1, 1, "0.") + matrix("M2", 1, 2, "1., 2.") +
                      matrix("D2", 1, 1, "0.") + extrinsics()),

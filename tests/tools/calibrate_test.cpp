@@ -19,9 +19,9 @@ const calibration::Board board{9, 6, 30};
 class CalibrateTest : public FolderTest {
 protected:
     /// Views of a drawn board as left0.png, right0.png, ...; every view twice, as a person holds still.
-    void make_views(std::size_t count) {
-        const calibration::test::BoardPainter painter(capture::scene_calibration(width, height), board);
-        const auto poses = calibration::test::careful_poses(board);
+    void make_views(std::size_t count, const calibration::Board& shown = board) {
+        const calibration::test::BoardPainter painter(capture::scene_calibration(width, height), shown);
+        const auto poses = calibration::test::careful_poses(shown);
         for (std::size_t i = 0; i < 2 * count; ++i) {
             auto picture = painter.draw(poses.at(i / 2));
             const cv::Mat both(height, 2 * width, CV_8U, picture.data());
@@ -63,6 +63,32 @@ TEST_F(CalibrateTest, WritesACalibrationThatIsRead) {
     const std::string first = read_file(path("out.yml"));
     ASSERT_EQ(calibrate({"--square", "30", "--force"}).exit_code, 0);
     EXPECT_EQ(read_file(path("out.yml")), first);
+}
+
+TEST_F(CalibrateTest, ReadsBoardsWithMarkers) {
+    const calibration::Board charuco{6, 4, 40, calibration::BoardMarkers{calibration::marker_family("5x5"), 0.75}};
+    make_views(13, charuco);
+    const std::vector<std::string> options{"--square", "40", "--columns", "6", "--rows", "4", "--board", "charuco"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), options.begin(), options.end());
+        return calibrate(more);
+    };
+    EXPECT_THAT(with({}).err, HasSubstr("--marker: is missing"));
+    EXPECT_THAT(with({"--marker", "39"}).err, HasSubstr("allowed: 12.00 to 38.00"));
+    EXPECT_THAT(with({"--marker", "30", "--dictionary", "7x7"}).err, HasSubstr("found '7x7'"));
+    EXPECT_THAT(calibrate({"--square", "40", "--marker", "30"}).err, HasSubstr("a chessboard has no markers"));
+    EXPECT_THAT(calibrate({"--square", "40", "--board", "go"}).err, HasSubstr("found 'go'"));
+    EXPECT_THAT(
+        calibrate({"--square", "40", "--columns", "40", "--rows", "40", "--board", "charuco", "--marker", "30"}).err,
+        HasSubstr("allowed: 250"));
+    EXPECT_THAT(with({"--marker", "30", "--dictionary", "6x6"}).err, HasSubstr("too little of the board"));
+
+    const Outcome outcome = with({"--marker", "30", "--dictionary", "5x5", "--json", "--report", path("report.png")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_LT(nlohmann::json::parse(outcome.out)["rms_px"], 0.25);
+    const auto read = capture::read_calibration(path("out.yml"), width, height);
+    EXPECT_NEAR(read.left.fx / capture::scene_calibration(width, height).left.fx, 1, 0.01);
+    EXPECT_FALSE(cv::imread(path("report.png")).empty());
 }
 
 TEST_F(CalibrateTest, SaysWhatIsMissing) {

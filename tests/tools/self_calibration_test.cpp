@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <cstdio>
 #include <fstream>
 #include <functional>
 
@@ -11,6 +12,7 @@
 #include "capture/recording_writer.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
+#include "tools/images/image_file.h"
 
 namespace disparityd::test {
 namespace {
@@ -83,6 +85,27 @@ TEST_F(SelfCalibrationTest, FindsTheTurnAndGivesTheSameBytesEveryTime) {
     ASSERT_EQ(process("in.mkv", "without").exit_code, 0);
     EXPECT_NE(files_in(path("without")).at("000000.png"), pictures.at("000000.png"));
     EXPECT_EQ(files_in(path("without")).count("corrections.csv"), 0U);
+}
+
+TEST_F(SelfCalibrationTest, ShowsTheRowsBeforeAndAfter) {
+    record_scene(path("in.mkv"), 2, misjudge);
+    const std::vector<std::string> command{"rows", path("in.mkv"), "-o", path("rows.png"), "--disparities", "64"};
+    const Outcome outcome = run(DISPARITYCTL, command);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto at = outcome.out.find("last frame ");
+    ASSERT_NE(at, std::string::npos) << outcome.out;
+    double before = 0;
+    double after = 0;
+    ASSERT_EQ(std::sscanf(outcome.out.c_str() + at, "last frame %lf px as calibrated, %lf px", &before, &after), 2);
+    EXPECT_GT(before, 1);
+    EXPECT_LT(after, 0.15);
+    EXPECT_THAT(outcome.out, HasSubstr("frame 0: corrected"));
+    EXPECT_GT(images::read_image(path("rows.png")).rows, 4 * 90);
+
+    EXPECT_THAT(run(DISPARITYCTL, command).err, HasSubstr("exists already"));
+    make_recording(path("bare.mkv"), 2, 64, 48);
+    EXPECT_THAT(run(DISPARITYCTL, {"rows", path("bare.mkv"), "-o", path("bare.png")}).err,
+                HasSubstr("has no calibration"));
 }
 
 TEST_F(SelfCalibrationTest, AppliesWhatIsRecordedFromItsFrameOn) {

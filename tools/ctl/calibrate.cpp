@@ -33,17 +33,54 @@ struct CalibrateArguments {
     std::optional<int> columns;
     std::optional<int> rows;
     double square_mm = 0;
+    std::string board = "chessboard";
+    std::optional<double> marker_mm;
+    std::optional<std::string> dictionary;
     std::optional<int> views;
     std::optional<int> every;
     bool force = false;
     bool json = false;
 };
 
+calibration::BoardMarkers markers_of(const CalibrateArguments& arguments, const calibration::Board& board) {
+    if (!arguments.marker_mm) {
+        throw std::invalid_argument(
+            "--marker: is missing; a board with markers needs it: the side of a marker in mm, measured on the board");
+    }
+    // A marker without a rim, or one of a few pixels, cannot be found.
+    const double part = *arguments.marker_mm / board.square_mm;
+    if (!(part >= 0.3 && part <= 0.95)) {
+        throw std::invalid_argument("--marker: found " + fixed(*arguments.marker_mm, 2) +
+                                    ", allowed: " + fixed(0.3 * board.square_mm, 2) + " to " +
+                                    fixed(0.95 * board.square_mm, 2) + " mm, 0.3 to 0.95 of the square's side");
+    }
+    const std::string name = arguments.dictionary.value_or("4x4");
+    const calibration::MarkerFamily* family = calibration::marker_family(name);
+    if (family == nullptr) {
+        throw std::invalid_argument("--dictionary: found '" + name + "', allowed: 4x4, 5x5 or 6x6");
+    }
+    const int needed = (board.columns + 1) * (board.rows + 1) / 2;
+    if (needed > static_cast<int>(family->codes.size())) {
+        throw std::invalid_argument("--columns, --rows: a board of this size has " + std::to_string(needed) +
+                                    " markers, allowed: " + std::to_string(family->codes.size()));
+    }
+    return {family, part};
+}
+
 calibration::Board board_of(const CalibrateArguments& arguments) {
-    const calibration::Board board{arguments.columns.value_or(9), arguments.rows.value_or(6), arguments.square_mm};
+    calibration::Board board{arguments.columns.value_or(9), arguments.rows.value_or(6), arguments.square_mm, {}};
     if (!(board.square_mm >= 1 && board.square_mm <= 1000)) {
         throw std::invalid_argument("--square: found " + fixed(board.square_mm, 2) +
                                     ", allowed: 1 to 1000, the side of a square in mm, measured on the board");
+    }
+    if (arguments.board != "chessboard" && arguments.board != "charuco") {
+        throw std::invalid_argument("--board: found '" + arguments.board + "', allowed: chessboard or charuco");
+    }
+    if (arguments.board == "charuco") {
+        board.markers = markers_of(arguments, board);
+    } else if (arguments.marker_mm || arguments.dictionary) {
+        throw std::invalid_argument(
+            "--marker, --dictionary: a chessboard has no markers, allowed: with --board charuco");
     }
     return board;
 }
@@ -70,7 +107,8 @@ public:
         const calibration::GreyEyes eyes(frame.image);
         const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
         if (!view) {
-            say(frame, "the board is not seen whole by both eyes");
+            say(frame,
+                board_.markers ? "both eyes see too little of the board" : "the board is not seen whole by both eyes");
             return;
         }
         if (!views_.empty() && calibration::moved(views_.back(), *view) < least_way * info_.eye_width) {
@@ -192,7 +230,7 @@ int run_calibration(const CalibrateArguments& arguments) {
 
 void add_calibrate(CLI::App& program, Action& action) {
     CLI::App& command = *program.add_subcommand(
-        "calibrate", "Calibrate a stereo camera with a chessboard, from images or live, into a file.");
+        "calibrate", "Calibrate a stereo camera with a chessboard or ChArUco board, from images or live, into a file.");
     const auto arguments = std::make_shared<CalibrateArguments>();
     command
         .add_option(
@@ -207,6 +245,12 @@ void add_calibrate(CLI::App& program, Action& action) {
         ->required();
     add_integer(command, "--columns", arguments->columns, 3, 64, "inner corners along a row of the board; default 9");
     add_integer(command, "--rows", arguments->rows, 3, 64, "inner corners along a column; default 6");
+    command.add_option("--board", arguments->board, "chessboard or charuco; default chessboard")->type_name("KIND");
+    command.add_option("--marker", arguments->marker_mm, "charuco: side of a marker in mm, as measured")
+        ->type_name("MM");
+    command
+        .add_option("--dictionary", arguments->dictionary, "charuco: 4x4, 5x5 or 6x6, numbers 0 to 249; default 4x4")
+        ->type_name("NAME");
     command.add_option("--report", arguments->report, "picture with every view, its corners and errors")
         ->type_name("PNG");
     add_integer(command, "--views", arguments->views, 3, 1000,
@@ -216,7 +260,9 @@ void add_calibrate(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "the result as one JSON object");
     command.footer(
         "While it runs, standard error says what the board should do next. Ctrl-C: calibrate with the views so far.\n"
-        "A board of 10 x 7 squares has 9 x 6 inner corners. Below 0.5 px the RMS is good; views far above the others\n"
+        "A board of 10 x 7 squares has 9 x 6 inner corners. A chessboard must be seen whole, of a ChArUco board a "
+        "part\n"
+        "suffices. Below 0.5 px the RMS is good; views far above the others\n"
         "are blurred or misread.\n"
         "Example: disparityctl calibrate 'left%02d.jpg,right%02d.jpg' --square 25 -o my.yml --report my.png");
     command.callback([arguments, &action] { action = [arguments] { return run_calibration(*arguments); }; });

@@ -19,13 +19,14 @@ int main(int argc, char** argv) {
     add_record(program, action);
     add_process(program, action);
     add_calibrate(program, action);
+    add_rows(program, action);
     add_camera(program, action);
     add_sensors(program, action);
     add_sources(program, action);
     return run_program(program, argc, argv, [&action] {
         if (!action) {
             throw std::invalid_argument(
-                "found no sub-command, allowed: status, watch, snapshot, record, process, calibrate, camera, "
+                "found no sub-command, allowed: status, watch, snapshot, record, process, calibrate, rows, camera, "
                 "sensors, sources; see disparityctl --help");
         }
         return action();

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include "calibration/calibrating_schedule.h"
+#include "tools/ctl/commands.h"
+#include "tools/ctl/interrupt.h"
+#include "tools/ctl/number_argument.h"
+#include "tools/ctl/rows_picture.h"
+#include "tools/ctl/source_arguments.h"
+#include "tools/ctl/table.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::tools {
+namespace {
+
+constexpr int default_frames = 8;
+constexpr int default_disparities = 128;
+
+struct RowsArguments {
+    std::string source;
+    std::string output;
+    std::string calibration;
+    std::optional<int> frames;
+    std::optional<int> disparities;
+    bool force = false;
+};
+
+/// The next frame of the source, which lends it; nothing at its end.
+std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {
+    using Next = capture::FrameSource::Next;
+    while (!interrupted()) {
+        capture::RawFrame frame;
+        switch (source.next(frame, std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) {
+            case Next::timeout: continue;
+            case Next::frame: return frame;
+            case Next::end:
+            case Next::interrupted: return std::nullopt;
+        }
+    }
+    return std::nullopt;
+}
+
+int show_rows(const RowsArguments& arguments) {
+    std::error_code error;
+    if (!arguments.force && std::filesystem::exists(arguments.output, error)) {
+        throw std::invalid_argument(arguments.output +
+                                    ": exists already, allowed: a new file, or --force to replace it");
+    }
+    capture::SourceOptions options;
+    options.uri = arguments.source;
+    options.loans = 2;
+    options.pace = capture::Pace::fastest;
+    options.calibration_path = arguments.calibration;
+    const auto source = open_with_progress(options);
+    const DisparityRange range{0, arguments.disparities.value_or(default_disparities)};
+    const int frames = arguments.frames.value_or(default_frames);
+    calibration::CalibratingSchedule schedule(source->info(), {}, range, {1, frames});
+    catch_interrupts();
+    std::optional<capture::RawFrame> last;
+    std::shared_ptr<const capture::Rectification> found;
+    for (int i = 0; i < frames; ++i) {
+        auto frame = next_frame(*source);
+        if (!frame) {
+            break;
+        }
+        if (last) {
+            source->give_back(*last);
+        }
+        last = frame;
+        found = schedule.for_frame(*last);
+    }
+    if (!last) {
+        throw std::runtime_error(arguments.source + ": there is no frame in it");
+    }
+    const RowsOfPair before(last->image, schedule.factory(), range);
+    const RowsOfPair after(last->image, *found, range);
+    source->give_back(*last);
+    images::write_png(arguments.output, rows_picture(before, after));
+    std::cout << arguments.output << ": median |left y - right y| of the corners of the last frame "
+              << fixed(before.error(), 2) << " px as calibrated, " << fixed(after.error(), 2)
+              << " px self-calibrated\n";
+    for (const auto& [sequence, result] : schedule.estimates()) {
+        std::cout << "frame " << sequence << ": " << (result.accepted ? "corrected" : "nothing changed") << ": "
+                  << result.reason << '\n';
+    }
+    return exit_done;
+}
+
+}  // namespace
+
+void add_rows(CLI::App& program, Action& action) {
+    CLI::App& command = *program.add_subcommand(
+        "rows", "Picture of how well the rows of a rectified pair agree, before and after self-calibration.");
+    const auto arguments = std::make_shared<RowsArguments>();
+    command
+        .add_option("SOURCE", arguments->source, "raw pairs of cameras with a calibration; see disparityctl sources")
+        ->required();
+    command.add_option("-o,--output", arguments->output, "picture to write")->type_name("PNG")->required();
+    command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
+        ->type_name("FILE");
+    add_integer(command, "--frames", arguments->frames, 1, 1000,
+                "frames to look at; default " + std::to_string(default_frames));
+    add_integer(command, "--disparities", arguments->disparities, 16, 256,
+                "range that corners are looked for in; default " + std::to_string(default_disparities));
+    command.add_flag("--force", arguments->force, "replace the file");
+    command.footer(
+        "Six places of the image, magnified six times, left eye beside right eye: on the left as the calibration\n"
+        "rectifies them, on the right after self-calibration. A line along the row of the left eye's corner, a cross\n"
+        "where the right eye has it: on the line where the rows agree.\n"
+        "Example: disparityctl rows drive.mkv -o rows.png");
+    command.callback([arguments, &action] { action = [arguments] { return show_rows(*arguments); }; });
+}
+
+}  // namespace disparityd::tools
