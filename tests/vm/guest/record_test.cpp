@@ -67,7 +67,7 @@ TEST(Record, EveryFrameIsWholeToTheByteAndInOrder) {
 
 /// As long as the file /vm/record_seconds says (run --file), else short enough for every day.
 std::string seconds_to_record() {
-    std::string text = "8";
+    std::string text = "5";
     std::ifstream("/vm/record_seconds") >> text;
     return text;
 }
