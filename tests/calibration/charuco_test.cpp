@@ -2,6 +2,7 @@
 #include "calibration/charuco.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -96,16 +97,15 @@ TEST(MarkerCodes, WrongBitsAreToleratedOnlyAsFarAsThereIsNoDoubt) {
 }
 
 TEST(Charuco, CornersAreWhereTheCameraSeesThem) {
-    for (const char* family : {"4x4", "5x5", "6x6"}) {
+    const test::Pose upright{{0.2, -0.3, 0.1}, {-70, -60, 420}};
+    const test::Pose turned{{-0.1, 0.2, 2.5}, {100, 20, 420}};
+    for (const auto& [family, pose] :
+         {std::pair("4x4", upright), std::pair("5x5", turned), std::pair("6x6", upright)}) {
         const Board board = charuco_board(5, 4, family);
-        const test::BoardPainter painter = painter_of(board);
-        for (const test::Pose& pose :
-             {test::Pose{{0.2, -0.3, 0.1}, {-70, -60, 420}}, test::Pose{{-0.1, 0.2, 2.5}, {100, 20, 420}}}) {
-            Picture picture(painter, pose);
-            const auto corners = find_charuco_corners(picture.left(), board);
-            EXPECT_EQ(corners.size(), 20U) << family;
-            expect_true(corners, board, pose);
-        }
+        Picture picture(painter_of(board), pose);
+        const auto corners = find_charuco_corners(picture.left(), board);
+        EXPECT_EQ(corners.size(), 20U) << family;
+        expect_true(corners, board, pose);
     }
 }
 

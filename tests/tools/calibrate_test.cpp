@@ -22,8 +22,11 @@ protected:
     void make_views(std::size_t count, const calibration::Board& shown = board) {
         const calibration::test::BoardPainter painter(capture::scene_calibration(width, height), shown);
         const auto poses = calibration::test::careful_poses(shown);
+        std::vector<std::uint8_t> picture;
         for (std::size_t i = 0; i < 2 * count; ++i) {
-            auto picture = painter.draw(poses.at(i / 2));
+            if (i % 2 == 0) {
+                picture = painter.draw(poses.at(i / 2));
+            }
             const cv::Mat both(height, 2 * width, CV_8U, picture.data());
             const std::string number = std::to_string(i) + ".png";
             ASSERT_TRUE(cv::imwrite(path("left" + number), both(cv::Rect(0, 0, width, height))));
