@@ -24,7 +24,7 @@ extern "C" {
 namespace disparityd::capture {
 namespace {
 
-constexpr AVRational nanoseconds{1, 1'000'000'000};
+constexpr AVRational in_nanoseconds{1, 1'000'000'000};
 
 std::uint64_t checked_size(const std::string& path) {
     std::error_code error;
@@ -364,7 +364,7 @@ recording::FrameFacts RecordingReader::take_facts() {
         // Unsigned, here and below: a damaged file may hold any two times.
         const std::uint64_t apart = static_cast<std::uint64_t>(pts) - static_cast<std::uint64_t>(*first_pts_);
         last_time_ns_ =
-            av_rescale_q(static_cast<std::int64_t>(apart), input_->streams[stream_]->time_base, nanoseconds);
+            av_rescale_q(static_cast<std::int64_t>(apart), input_->streams[stream_]->time_base, in_nanoseconds);
     } else if (frames_ > 0 && info_.rate > 0) {
         last_time_ns_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(last_time_ns_) +
                                                   static_cast<std::uint64_t>(std::llround(1e9 / info_.rate)));

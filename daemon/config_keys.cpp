@@ -11,7 +11,7 @@
 namespace disparityd {
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     return '"' + std::string(text) + '"';
 }
 
@@ -92,7 +92,7 @@ ConfigKey name_key(std::string_view section, std::string_view name,
     const std::vector<std::pair<std::string_view, Enum>> list(names);
     std::string allowed;
     for (const auto& [word, _] : list) {
-        allowed += (allowed.empty() ? "" : " or ") + quoted(word);
+        allowed += (allowed.empty() ? "" : " or ") + in_quotes(word);
     }
     return {section,
             name,
@@ -268,7 +268,7 @@ const std::vector<ConfigKey>& config_keys() {
 
 std::string to_text(const ConfigValue& value) {
     if (const auto* text = std::get_if<std::string>(&value)) {
-        return quoted(*text);
+        return in_quotes(*text);
     }
     if (const auto* number = std::get_if<std::int64_t>(&value)) {
         return std::to_string(*number);

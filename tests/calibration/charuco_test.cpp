@@ -18,26 +18,26 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr int width = 640;
-constexpr int height = 360;
+constexpr int image_width = 640;
+constexpr int image_height = 360;
 
 Board charuco_board(int columns, int rows, const char* family = "4x4") {
     return {columns, rows, 40, BoardMarkers{marker_family(family), 0.75}};
 }
 
 test::BoardPainter painter_of(const Board& board, bool white_first = false) {
-    return {capture::scene_calibration(width, height), board, white_first};
+    return {capture::scene_calibration(image_width, image_height), board, white_first};
 }
 
 /// Both eyes of a drawn board.
 struct Picture {
     Picture(const test::BoardPainter& painter, const test::Pose& pose) : both(painter.draw(pose)) {}
 
-    cv::Mat left() { return {height, width, CV_8U, both.data(), 2 * width}; }
-    cv::Mat right() { return {height, width, CV_8U, both.data() + width, 2 * width}; }
+    cv::Mat left() { return {image_height, image_width, CV_8U, both.data(), 2 * image_width}; }
+    cv::Mat right() { return {image_height, image_width, CV_8U, both.data() + image_width, 2 * image_width}; }
     std::optional<BoardView> view(const Board& board) const {
-        return find_board({both.data(), width, height, 2 * width}, {both.data() + width, width, height, 2 * width},
-                          board);
+        return find_board({both.data(), image_width, image_height, 2 * image_width},
+                          {both.data() + image_width, image_width, image_height, 2 * image_width}, board);
     }
 
     std::vector<std::uint8_t> both;
@@ -45,7 +45,7 @@ struct Picture {
 
 /// Where the left camera sees a corner.
 cv::Point2d truth(const Board& board, const test::Pose& pose, int number) {
-    const capture::CameraModel left = capture::scene_calibration(width, height).left;
+    const capture::CameraModel left = capture::scene_calibration(image_width, image_height).left;
     const cv::Matx33d matrix(left.fx, 0, left.cx, 0, left.fy, left.cy, 0, 0, 1);
     const std::vector<cv::Point3d> point{
         {number % board.columns * board.square_mm, number / board.columns * board.square_mm, 0}};
@@ -117,8 +117,8 @@ TEST(Charuco, PartOfTheBoardSuffices) {
     ASSERT_EQ(whole.size(), 24U);
     // A hand over the right half, in each eye.
     const int edge = static_cast<int>((truth(board, pose, 3).x + truth(board, pose, 4).x) / 2);
-    picture.left().colRange(edge, width).setTo(120);
-    picture.right().colRange(edge, width).setTo(120);
+    picture.left().colRange(edge, image_width).setTo(120);
+    picture.right().colRange(edge, image_width).setTo(120);
     const auto seen = find_charuco_corners(picture.left(), board);
     EXPECT_GE(seen.size(), 8U);
     EXPECT_LT(seen.size(), 20U);
@@ -133,7 +133,7 @@ TEST(Charuco, PartOfTheBoardSuffices) {
     EXPECT_EQ(view->numbers.size(), view->right.size());
     EXPECT_TRUE(std::is_sorted(view->numbers.begin(), view->numbers.end()));
     // One column of corners tells nothing about the camera.
-    picture.left().colRange(static_cast<int>(truth(board, pose, 1).x) + 8, width).setTo(120);
+    picture.left().colRange(static_cast<int>(truth(board, pose, 1).x) + 8, image_width).setTo(120);
     EXPECT_FALSE(picture.view(board));
 }
 
@@ -155,13 +155,13 @@ TEST(Charuco, NothingIsFoundWhereThereIsNone) {
     EXPECT_TRUE(find_charuco_corners(plain.left(), board).empty());
     Picture other(painter_of(charuco_board(6, 4, "6x6")), pose);
     EXPECT_TRUE(find_charuco_corners(other.left(), board).empty());
-    const cv::Mat grey(height, width, CV_8U, cv::Scalar(90));
+    const cv::Mat grey(image_height, image_width, CV_8U, cv::Scalar(90));
     EXPECT_TRUE(find_charuco_corners(grey, board).empty());
     EXPECT_TRUE(find_charuco_corners(cv::Mat(4, 3, CV_8U, cv::Scalar(0)), board).empty());
 }
 
 TEST(Charuco, CalibratesFromPartlyHiddenBoards) {
-    const capture::StereoCalibration cameras = capture::scene_calibration(width, height);
+    const capture::StereoCalibration cameras = capture::scene_calibration(image_width, image_height);
     const Board board = charuco_board(6, 4);
     const test::BoardPainter painter = painter_of(board);
     std::vector<BoardView> views;
@@ -169,17 +169,17 @@ TEST(Charuco, CalibratesFromPartlyHiddenBoards) {
     for (const test::Pose& pose : test::careful_poses(board)) {
         auto both = painter.draw(pose);
         // Every other view has a hand over a part of the board, another one in each eye.
-        cv::Mat picture(height, 2 * width, CV_8U, both.data());
+        cv::Mat picture(image_height, 2 * image_width, CV_8U, both.data());
         const auto at = truth(board, pose, 3);
         if (views.size() % 2 == 1) {
-            const cv::Rect image(0, 0, width, height);
+            const cv::Rect image(0, 0, image_width, image_height);
             const int x = static_cast<int>(at.x);
             const int y = static_cast<int>(at.y);
-            picture.colRange(0, width)(cv::Rect(x, y - 20, 60, 50) & image).setTo(110);
-            picture.colRange(width, 2 * width)(cv::Rect(x - 80, y + 10, 40, 50) & image).setTo(110);
+            picture.colRange(0, image_width)(cv::Rect(x, y - 20, 60, 50) & image).setTo(110);
+            picture.colRange(image_width, 2 * image_width)(cv::Rect(x - 80, y + 10, 40, 50) & image).setTo(110);
         }
-        const auto view =
-            find_board({both.data(), width, height, 2 * width}, {both.data() + width, width, height, 2 * width}, board);
+        const auto view = find_board({both.data(), image_width, image_height, 2 * image_width},
+                                     {both.data() + image_width, image_width, image_height, 2 * image_width}, board);
         if (view) {
             views.push_back(*view);
             partly += view->numbers.size() < 24 ? 1 : 0;
@@ -187,8 +187,8 @@ TEST(Charuco, CalibratesFromPartlyHiddenBoards) {
     }
     ASSERT_GE(views.size(), 11U);
     EXPECT_GE(partly, 4U);
-    EXPECT_THAT(missing_views(views, board, width, height), Not(Contains(HasSubstr("tilt"))));
-    const BoardCalibration found = calibrate(views, board, width, height);
+    EXPECT_THAT(missing_views(views, board, image_width, image_height), Not(Contains(HasSubstr("tilt"))));
+    const BoardCalibration found = calibrate(views, board, image_width, image_height);
     EXPECT_LT(found.rms, 0.25);
     EXPECT_NEAR(found.calibration.left.fx / cameras.left.fx, 1, 0.01);
     EXPECT_NEAR(found.calibration.right.fx / cameras.right.fx, 1, 0.01);

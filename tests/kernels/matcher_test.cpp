@@ -11,8 +11,8 @@ namespace {
 using testing::HasSubstr;
 
 // Noise so that every window is unlike every other.
-struct Pair {
-    Pair(Random& random, int width, int height, int d)
+struct ShiftedPair {
+    ShiftedPair(Random& random, int width, int height, int d)
         : left(noise(random, width, height)), right(shifted(random, left, d)) {}
     Image<std::uint8_t> left, right;
 };
@@ -27,7 +27,7 @@ TEST_P(EveryMethod, AShiftedImageGivesTheShiftEverywhereItCan) {
         options.post.subpixel = false;
         options.post.interpolate = false;
         const auto matcher = backend("cpu").create({70, 30, options});
-        const Pair pair(random, 70, 30, d);
+        const ShiftedPair pair(random, 70, 30, d);
         Frame frame(*matcher, pair.left, pair.right);
         match(*matcher, frame.view, serial);
         int possible = 0;
@@ -57,7 +57,7 @@ TEST_P(EveryMethod, ConfidenceAndDepthFollowTheDisparity) {
         MatchOptions options = default_options(GetParam(), {-3, 16});
         options.post.interpolate = interpolate;
         const auto matcher = backend("cpu").create({60, 25, options});
-        const Pair pair(random, 60, 25, 4);
+        const ShiftedPair pair(random, 60, 25, 4);
         Frame frame(*matcher, pair.left, pair.right);
         match(*matcher, frame.view, serial);
         int interpolated = 0;
@@ -102,7 +102,7 @@ TEST_P(EveryMethod, OptionalPlanesMayBeMissing) {
     Random random(22);
     Serial serial;
     const auto matcher = backend("cpu").create({30, 20, default_options(GetParam(), {0, 16})});
-    const Pair pair(random, 30, 20, 2);
+    const ShiftedPair pair(random, 30, 20, 2);
     Frame with(*matcher, pair.left, pair.right);
     Frame without(*matcher, pair.left, pair.right);
     without.view.depth = {};
@@ -183,7 +183,7 @@ MatchOptions any_options(Random& random) {
 void expect_equal_to_reference(Random& random, int width, int height, const MatchOptions& options,
                                std::initializer_list<int> worker_counts) {
     ASSERT_EQ(problem(options), "");
-    const Pair pair(random, width, height, pick(random, -5, 20));
+    const ShiftedPair pair(random, width, height, pick(random, -5, 20));
     Serial serial;
     const auto reference = backend("reference").create({width, height, options});
     Frame expected(*reference, pair.left, pair.right);
@@ -232,8 +232,8 @@ TEST(CpuBackend, NothingIsLeftFromTheFrameBefore) {
         options.post.speckle_size = 20;
         options.post.interpolate = true;
         const auto matcher = backend("cpu").create({33, 21, options});
-        const Pair one(random, 33, 21, 3);
-        const Pair other(random, 33, 21, 9);
+        const ShiftedPair one(random, 33, 21, 3);
+        const ShiftedPair other(random, 33, 21, 9);
         Frame first(*matcher, one.left, one.right);
         match(*matcher, first.view, serial);
         Frame second(*matcher, other.left, other.right);
@@ -253,8 +253,8 @@ TEST(CpuBackend, WhatTravelsWithAFrameIsItsOwn) {
     MatchOptions options = default_options(Method::sgm, {0, 16});
     options.post.interpolate = true;
     const auto matcher = backend("cpu").create({33, 21, options});
-    const Pair one(random, 33, 21, 3);
-    const Pair other(random, 33, 21, 9);
+    const ShiftedPair one(random, 33, 21, 3);
+    const ShiftedPair other(random, 33, 21, 9);
     Frame alone(*matcher, one.left, one.right);
     match(*matcher, alone.view, serial);
 

@@ -134,7 +134,7 @@ Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInf
     return {std::make_unique<capture::RectificationBook>(info, geometry, follow), nullptr};
 }
 
-Json to_json(const calibration::CalibratingSchedule& calibrating) {
+Json schedule_json(const calibration::CalibratingSchedule& calibrating) {
     Json estimates = Json::array();
     for (const auto& [sequence, result] : calibrating.estimates()) {
         const capture::CalibrationCorrection& correction = result.correction;
@@ -172,7 +172,7 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
                   {"complete", status.error.empty() && !interrupted()},
                   {"error", status.error}};
         if (calibrating != nullptr) {
-            json["self_calibration"] = to_json(*calibrating);
+            json["self_calibration"] = schedule_json(*calibrating);
         }
         std::cout << to_text(json, 2) << '\n';
     } else {

@@ -18,7 +18,7 @@ namespace disparityd::tools {
 namespace {
 
 constexpr int default_frames = 8;
-constexpr int default_disparities = 128;
+constexpr int widest_disparity = 128;
 
 struct RowsArguments {
     std::string source;
@@ -56,7 +56,7 @@ int show_rows(const RowsArguments& arguments) {
     options.pace = capture::Pace::fastest;
     options.calibration_path = arguments.calibration;
     const auto source = open_with_progress(options);
-    const DisparityRange range{0, arguments.disparities.value_or(default_disparities)};
+    const DisparityRange range{0, arguments.disparities.value_or(widest_disparity)};
     const int frames = arguments.frames.value_or(default_frames);
     calibration::CalibratingSchedule schedule(source->info(), {}, range, {1, frames});
     catch_interrupts();
@@ -105,7 +105,7 @@ void add_rows(CLI::App& program, Action& action) {
     add_integer(command, "--frames", arguments->frames, 1, 1000,
                 "frames to look at; default " + std::to_string(default_frames));
     add_integer(command, "--disparities", arguments->disparities, 16, 256,
-                "range that corners are looked for in; default " + std::to_string(default_disparities));
+                "range that corners are looked for in; default " + std::to_string(widest_disparity));
     command.add_flag("--force", arguments->force, "replace the file");
     command.footer(
         "Six places of the image, magnified six times, left eye beside right eye: on the left as the calibration\n"

@@ -80,7 +80,7 @@ void add_line(const std::string& scene, const SubpixelRow& row, const std::strin
                text(accuracy.rms, 3), text(accuracy.near_whole, 1), text(accuracy.truth_near_whole, 1)});
 }
 
-nlohmann::ordered_json number(double value) {
+nlohmann::ordered_json rounded_number(double value) {
     return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(std::round(value * 1e4) / 1e4);
 }
 
@@ -139,17 +139,17 @@ void print_subpixel_json(const std::vector<SubpixelRow>& rows, std::ostream& to)
         const SubpixelAccuracy& accuracy = row.accuracy;
         auto fractions = nlohmann::ordered_json::array();
         for (const double fraction : accuracy.fractions) {
-            fractions.push_back(number(fraction));
+            fractions.push_back(rounded_number(fraction));
         }
         list.push_back({{"scene", row.scene},
                         {"method", row.method},
                         {"backend", row.backend},
                         {"disparities", row.disparities},
-                        {"bad05_nonocc", number(accuracy.bad05)},
-                        {"bad05_measured", number(accuracy.bad05_measured)},
-                        {"rms_px", number(accuracy.rms)},
-                        {"near_whole", number(accuracy.near_whole)},
-                        {"truth_near_whole", number(accuracy.truth_near_whole)},
+                        {"bad05_nonocc", rounded_number(accuracy.bad05)},
+                        {"bad05_measured", rounded_number(accuracy.bad05_measured)},
+                        {"rms_px", rounded_number(accuracy.rms)},
+                        {"near_whole", rounded_number(accuracy.near_whole)},
+                        {"truth_near_whole", rounded_number(accuracy.truth_near_whole)},
                         {"fractions", fractions}});
     }
     to << list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';

@@ -69,7 +69,7 @@ KernelRun bind_sad(const KernelInput& input, std::int64_t target) {
 }
 
 // From census words, or census planes: those are a kernel of their own.
-KernelRun bind_census(const KernelInput& input, std::int64_t target) {
+KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
     const auto data = std::make_shared<BlockData>(input);
     if (target == 0) {
         const auto left = std::make_shared<Image<std::uint64_t>>(input.width, input.height);
@@ -105,7 +105,7 @@ KernelRun bind_census(const KernelInput& input, std::int64_t target) {
 }  // namespace
 
 std::vector<KernelCase> block_cases() {
-    return {{"block/sad", bind_sad, always}, {"block/census", bind_census, always}};
+    return {{"block/sad", bind_sad, always}, {"block/census", bind_census_blocks, always}};
 }
 
 }  // namespace disparityd::test
