@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a client sends to the daemon: a session of its own for every input, over a real socket, with frames to send.
+#include <spdlog/spdlog.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -19,6 +20,7 @@ public:
 
     const StreamLayout& layout() const override { return feed_.layout(); }
     FrameRing& frames() override { return ring_; }
+    const SensorRing& sensors() override { return samples_; }
     ClientLog& log() override { return log_; }
     v1::Status status() override { return {}; }
     void start_recording(const std::string& path, RecordAnswer answer) override {
@@ -29,13 +31,17 @@ public:
     void subscription_changed() override {}
     void closed(std::uint64_t) override { closed_ = true; }
 
-    void publish() { ring_.put(pool_.copy(feed_.next(), ~0U)); }
+    void publish() {
+        ring_.put(pool_.copy(feed_.next(), ~0U));
+        samples_.put(std::vector<capture::SensorSample>(2), std::chrono::steady_clock::now());
+    }
     bool is_closed() const { return closed_; }
 
 private:
     test::FrameFeed feed_{8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT}};
     FramePool pool_{feed_.layout(), 4};
     FrameRing ring_{2};
+    SensorRing samples_;
     ClientLog log_;
     bool closed_ = false;
 };
@@ -68,6 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     host.publish();
     session->frame_arrived();
+    session->sensors_arrived();
     session->layout_changed();
     loop.poll();
     session->status();

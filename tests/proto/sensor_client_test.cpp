@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto patience = 20s;
+constexpr auto sample_patience = 20s;
 
 /// Answers each status request with `count` messages of sensors before it.
 FakeDaemon::Script sends(int count, bool subscribed) {
@@ -41,9 +41,9 @@ TEST(SensorClient, SamplesCarryWhatWasMeasured) {
     FakeDaemon daemon(sends(1, true));
     disparity::SocketClient client(daemon.unix_address());
     subscribe(client, true);
-    client.status(patience);
+    client.status(sample_patience);
     disparity::SensorBatch batch;
-    ASSERT_EQ(client.read_sensors(batch, patience), ReadResult::frame);
+    ASSERT_EQ(client.read_sensors(batch, sample_patience), ReadResult::frame);
     EXPECT_EQ(batch.skipped, 3U);
     EXPECT_EQ(batch.age_ns, 5000);
     ASSERT_EQ(batch.samples.size(), 2U);
@@ -71,7 +71,7 @@ TEST(SensorClient, WhatNobodyReadsIsBoundedAndCounted) {
     FakeDaemon daemon(sends(5000, true));
     disparity::SocketClient client(daemon.unix_address());
     subscribe(client, true);
-    client.status(patience);
+    client.status(sample_patience);
     std::uint64_t samples = 0;
     std::uint64_t skipped = 0;
     for (disparity::SensorBatch batch; client.read_sensors(batch, 0ms) == ReadResult::frame;) {
@@ -86,7 +86,7 @@ TEST(SensorClient, NobodyGetsThemWhoDoesNotAsk) {
     FakeDaemon daemon(sends(0, false));
     disparity::SocketClient client(daemon.tcp_address());
     subscribe(client, false);
-    client.status(patience);
+    client.status(sample_patience);
     disparity::SensorBatch batch;
     EXPECT_EQ(client.read_sensors(batch, 0ms), ReadResult::timeout);
 }
