@@ -44,8 +44,10 @@ struct Aggregation {
             // A row left over: how it is stored does not matter.
             steps_of_rows<1, false>(geometry, pass, before, rows, steps, state);
         }
-        if (pass.store == Store::stream && steps.end == steps_of(geometry.width, 1)) {
-            std::copy_n(rows->costs, geometry.row_bytes(), rows->costs_copy);
+        if (pass.store == Store::stream && steps.end == steps_of(geometry.width, count)) {
+            for (int j = 0; j < count; ++j) {
+                std::copy_n(rows[j].costs, geometry.row_bytes(), rows[j].costs_copy);
+            }
         }
     }
 };

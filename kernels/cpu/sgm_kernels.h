@@ -132,7 +132,7 @@ struct SgmKernels {
     DisparityLayout layout;
     int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
     int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
-    bool streams = false;  ///< aggregate() knows Store::stream
+    bool streams = false;  ///< for Store::stream, aggregate() has stores past the caches
 
     /// Strides and sizes of census planes.
     CensusLayout (*census_layout)(int width, DisparityLayout layout);
