@@ -29,9 +29,6 @@ constexpr double largest_disparity_deviation = 0.05;  // what yaw and focal leng
 constexpr double least_gain = 0.02;                   // px, of the median error of unseen pairs
 constexpr double largest_turn = 1.5 * 3.14159265358979323846 / 180;
 
-/// Rows searched above and below, as a part of the focal length: 0.7 degrees of pitch.
-constexpr double rows_of_focal_length = 0.012;
-
 cv::Vec2d direction(const std::array<double, 9>& rotation, double x, double y) {
     const cv::Vec3d ray = cv::Matx33d(rotation.data()).t() * cv::Vec3d(x, y, 1);
     return {ray[0] / ray[2], ray[1] / ray[2]};
@@ -77,6 +74,11 @@ std::string text(const char* format, double first, double second) {
 
 }  // namespace
 
+int rows_searched(double f) {
+    constexpr double rows_of_focal_length = 0.012;  // 0.7 degrees of pitch
+    return std::max(4, static_cast<int>(std::lround(rows_of_focal_length * f)));
+}
+
 SelfCalibration::SelfCalibration(capture::StereoCalibration factory) : factory_(std::move(factory)) {
     if (factory_.rectified) {
         throw std::invalid_argument("self-calibration: calibration " + factory_.origin +
@@ -89,10 +91,9 @@ void SelfCalibration::add(Plane<const std::uint8_t> left, Plane<const std::uint8
                           DisparityRange range, const std::atomic<bool>* give_up) {
     f_ = used.f;
     half_width_ = 0.5 * used.width;
-    const int rows = std::max(4, static_cast<int>(std::lround(rows_of_focal_length * used.f)));
     const double grown = 1 + already.focal_ppb * 1e-9;
     std::vector<RayPair> pairs;
-    for (const CornerMatch& match : match_corners(left, right, range, rows, give_up)) {
+    for (const CornerMatch& match : match_corners(left, right, range, rows_searched(used.f), give_up)) {
         const cv::Vec2d from_left =
             direction(used.left_rotation, (match.left_x - used.cx) / f_, (match.left_y - used.cy) / f_);
         const cv::Vec2d from_right =

@@ -16,6 +16,9 @@
 
 namespace disparityd::calibration {
 
+/// How many rows above and below its own a corner is looked for in the other eye; f in px, of rectified images.
+int rows_searched(double f);
+
 /// What a set of frames says about a calibration.
 struct SelfCalibrationResult {
     bool accepted = false;  ///< `correction` is well determined, and better on frames that it was not fitted to

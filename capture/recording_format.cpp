@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "capture/little_endian.h"
+
 namespace disparityd::capture::recording {
 namespace {
 
@@ -18,20 +20,6 @@ constexpr std::array<std::pair<PixelFormat, std::string_view>, 3> pixel_format_n
     {PixelFormat::yuyv, "yuyv"},
     {PixelFormat::bgr24, "bgr24"},
 }};
-
-void put_little_endian(std::uint8_t* to, std::uint64_t value, int bytes) {
-    for (int i = 0; i < bytes; ++i) {
-        to[i] = static_cast<std::uint8_t>(value >> (8 * i));
-    }
-}
-
-std::uint64_t get_little_endian(const std::uint8_t* from, int bytes) {
-    std::uint64_t value = 0;
-    for (int i = 0; i < bytes; ++i) {
-        value |= std::uint64_t{from[i]} << (8 * i);
-    }
-    return value;
-}
 
 }  // namespace
 

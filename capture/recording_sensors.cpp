@@ -4,6 +4,8 @@
 #include <array>
 #include <bit>
 
+#include "capture/little_endian.h"
+
 namespace disparityd::capture::recording {
 
 namespace {
@@ -15,10 +17,9 @@ class Out {
 public:
     explicit Out(std::span<std::uint8_t> bytes) : to_(bytes.data()) {}
 
-    void number(std::uint64_t value, int bytes) {
-        for (int i = 0; i < bytes; ++i) {
-            *to_++ = static_cast<std::uint8_t>(value >> (8 * i));
-        }
+    void number(std::uint64_t value, std::size_t bytes) {
+        put_little_endian(to_, value, bytes);
+        to_ += bytes;
     }
     void time(std::int64_t value) { number(static_cast<std::uint64_t>(value), 8); }
     void real(float value) { number(std::bit_cast<std::uint32_t>(value), 4); }
@@ -36,11 +37,9 @@ class In {
 public:
     explicit In(std::span<const std::uint8_t> bytes) : from_(bytes.data()) {}
 
-    std::uint64_t number(int bytes) {
-        std::uint64_t value = 0;
-        for (int i = 0; i < bytes; ++i) {
-            value |= std::uint64_t{*from_++} << (8 * i);
-        }
+    std::uint64_t number(std::size_t bytes) {
+        const std::uint64_t value = get_little_endian(from_, bytes);
+        from_ += bytes;
         return value;
     }
     std::int64_t time() { return static_cast<std::int64_t>(number(8)); }

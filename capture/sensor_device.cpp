@@ -12,11 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "hidraw10" after "hidraw9".
-bool node_before(const SensorDevice& a, const SensorDevice& b) {
-    return a.node.size() != b.node.size() ? a.node.size() < b.node.size() : a.node < b.node;
-}
-
 std::string without_zeros(const std::string& serial) {
     return serial.substr(std::min(serial.find_first_not_of('0'), serial.size()));
 }
@@ -52,7 +47,8 @@ std::vector<SensorDevice> list_sensor_devices(const std::string& sys, const std:
         device.serial = sysfs::attribute(usb, "serial");
         devices.push_back(std::move(device));
     }
-    std::sort(devices.begin(), devices.end(), node_before);
+    std::sort(devices.begin(), devices.end(),
+              [](const SensorDevice& a, const SensorDevice& b) { return sysfs::node_before(a.node, b.node); });
     return devices;
 }
 

@@ -3,6 +3,8 @@
 
 #include <numbers>
 
+#include "capture/little_endian.h"
+
 namespace disparityd::capture {
 
 namespace {
@@ -46,11 +48,7 @@ public:
     explicit Fields(std::span<const std::uint8_t, sensor_report_bytes> bytes) : bytes_(bytes) {}
 
     std::uint64_t number(std::size_t offset, std::size_t bytes) const {
-        std::uint64_t value = 0;
-        for (std::size_t i = bytes; i-- > 0;) {
-            value = value << 8U | bytes_[offset + i];
-        }
-        return value;
+        return get_little_endian(&bytes_[offset], bytes);
     }
 
     std::int16_t count(std::size_t offset) const { return static_cast<std::int16_t>(number(offset, 2)); }

@@ -32,6 +32,10 @@ std::vector<fs::path> entries(const fs::path& folder) {
     return list;
 }
 
+bool node_before(const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;
+}
+
 fs::path usb_device(const fs::path& device) {
     // A video device hangs on an interface of the USB device, a hidraw device on a HID device of an interface.
     constexpr int most_parents = 3;

@@ -17,6 +17,9 @@ int number(const std::string& text, int base);
 /// What is in a folder, such as that of a class or bus.
 std::vector<std::filesystem::path> entries(const std::filesystem::path& folder);
 
+/// The order of a class's device nodes: "/dev/video10" comes after "/dev/video9".
+bool node_before(const std::string& a, const std::string& b);
+
 /// The folder of the USB device that a device belongs to, which is one of its parents; empty for others. `device` is
 /// the link "device" in a class's folder.
 std::filesystem::path usb_device(const std::filesystem::path& device);

@@ -30,11 +30,6 @@ void read_usb(const fs::path& folder, UsbCamera& camera) {
     }
 }
 
-/// "video10" after "video9".
-bool node_before(const UsbCamera& a, const UsbCamera& b) {
-    return a.node.size() != b.node.size() ? a.node.size() < b.node.size() : a.node < b.node;
-}
-
 }  // namespace
 
 std::string UsbCamera::model() const {
@@ -77,7 +72,8 @@ std::vector<UsbCamera> list_cameras(const std::string& sys, const std::string& d
         }
         cameras.push_back(std::move(camera));
     }
-    std::sort(cameras.begin(), cameras.end(), node_before);
+    std::sort(cameras.begin(), cameras.end(),
+              [](const UsbCamera& a, const UsbCamera& b) { return sysfs::node_before(a.node, b.node); });
     for (const fs::path& usb : sysfs::entries(fs::path(sys) / "bus/usb/devices")) {
         if (number(attribute(usb, "idVendor"), 16) != zed_vendor) {
             continue;

@@ -58,17 +58,6 @@ protected:
                                                frame.geometry().f(), message->payload};
     }
 
-    static bool record(WireClient& client, const std::string& path) {
-        v1::Envelope request;
-        if (path.empty()) {
-            request.mutable_record_stop();
-        } else {
-            request.mutable_record_start()->set_path(path);
-        }
-        const auto answer = client.send(request) ? client.receive() : std::nullopt;
-        return answer && answer->envelope.has_record_status();
-    }
-
     std::vector<std::string> kept() const {
         std::vector<std::string> names;
         for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
@@ -100,7 +89,7 @@ TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysThe
         WireClient control(daemon->address("unix:"));
         control.hello();
         WireClient frames = subscriber(daemon->address("unix:"), {v1::DISPARITY});
-        ASSERT_TRUE(record(control, "r.mkv")) << daemon->log();
+        ASSERT_TRUE(control.record("r.mkv")) << daemon->log();
         factory_id = next_frame(frames, live).calibration_id;
         v1::SelfCalibration found;
         while (!found.corrected()) {
@@ -121,7 +110,7 @@ TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysThe
             }
         }
         EXPECT_EQ(status(control).geometry().calibration_id(), corrected_id);
-        ASSERT_TRUE(record(control, ""));
+        ASSERT_TRUE(control.record(""));
         daemon->send_signal(SIGTERM);
         EXPECT_EQ(daemon->wait_for_exit(), 0);
     }

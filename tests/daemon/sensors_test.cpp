@@ -46,17 +46,6 @@ protected:
         writer.close();
         return path;
     }
-
-    static bool record(WireClient& client, const std::string& path) {
-        v1::Envelope request;
-        if (path.empty()) {
-            request.mutable_record_stop();
-        } else {
-            request.mutable_record_start()->set_path(path);
-        }
-        const auto answer = client.send(request) ? client.receive() : std::nullopt;
-        return answer && answer->envelope.has_record_status();
-    }
 };
 
 TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
@@ -67,7 +56,7 @@ TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
     listener.subscribe(subscription);
     WireClient recorder(daemon->address("tcp:"));
     recorder.hello();
-    ASSERT_TRUE(record(recorder, "again.mkv"));
+    ASSERT_TRUE(recorder.record("again.mkv"));
     std::int64_t last = -1;
     for (std::size_t samples = 0; samples < std::size_t{20} * samples_per_frame;) {
         disparity::SensorBatch batch;
@@ -88,7 +77,7 @@ TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
     EXPECT_FALSE(status(recorder).has_sensors()) << "a recording has none that could be in trouble";
     while (status(recorder).record().frames() < 10) {
     }
-    ASSERT_TRUE(record(recorder, ""));
+    ASSERT_TRUE(recorder.record(""));
 
     capture::SourceOptions options;
     options.uri = folder_.path() + "/again.mkv";

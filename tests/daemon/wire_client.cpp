@@ -101,6 +101,17 @@ std::optional<v1::Envelope> WireClient::hello(const std::string& name) {
     return answer ? std::optional(answer->envelope) : std::nullopt;
 }
 
+bool WireClient::record(const std::string& path) {
+    v1::Envelope request;
+    if (path.empty()) {
+        request.mutable_record_stop();
+    } else {
+        request.mutable_record_start()->set_path(path);
+    }
+    const auto answer = send(request) ? receive() : std::nullopt;
+    return answer && answer->envelope.has_record_status();
+}
+
 bool WireClient::receive_bytes(std::span<std::uint8_t> bytes, steady_clock::time_point deadline) {
     while (!bytes.empty()) {
         if (!wait_readable(fd_, deadline)) {

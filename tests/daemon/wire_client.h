@@ -30,6 +30,9 @@ public:
     /// Sends Hello and returns the answer.
     std::optional<v1::Envelope> hello(const std::string& name = "test");
 
+    /// Asks for a recording, or for the end of it when the path is empty; whether that was granted.
+    bool record(const std::string& path);
+
     struct Message {
         v1::Envelope envelope;
         std::vector<std::uint8_t> payload;

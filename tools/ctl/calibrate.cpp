@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 
@@ -12,14 +11,13 @@
 #include "tools/ctl/describe.h"
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/number_argument.h"
+#include "tools/ctl/output_file.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/ctl/table.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::tools {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr int default_views = 20;
 
@@ -85,13 +83,6 @@ calibration::Board board_of(const CalibrateArguments& arguments) {
     return board;
 }
 
-void check_output(const std::string& path, bool force) {
-    std::error_code error;
-    if (!force && fs::exists(path, error)) {
-        throw std::invalid_argument(path + ": exists already, allowed: a new file, or --force to replace it");
-    }
-}
-
 /// Views of a source, one after the other, with guidance for the person with the board.
 class Collector {
 public:
@@ -150,23 +141,19 @@ private:
 };
 
 void collect(capture::FrameSource& source, Collector& collector) {
-    using Next = capture::FrameSource::Next;
     catch_interrupts();
-    while (!collector.enough() && !interrupted()) {
-        capture::RawFrame frame;
-        switch (source.next(frame, std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) {
-            case Next::timeout: continue;
-            case Next::end:
-            case Next::interrupted: return;
-            case Next::frame: break;
+    while (!collector.enough()) {
+        const auto frame = next_frame(source);
+        if (!frame) {
+            return;
         }
         try {
-            collector.look_at(frame);
+            collector.look_at(*frame);
         } catch (...) {
-            source.give_back(frame);
+            source.give_back(*frame);
             throw;
         }
-        source.give_back(frame);
+        source.give_back(*frame);
     }
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 
@@ -9,6 +8,7 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/number_argument.h"
+#include "tools/ctl/output_file.h"
 #include "tools/ctl/rows_picture.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/ctl/table.h"
@@ -29,27 +29,8 @@ struct RowsArguments {
     bool force = false;
 };
 
-/// The next frame of the source, which lends it; nothing at its end.
-std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {
-    using Next = capture::FrameSource::Next;
-    while (!interrupted()) {
-        capture::RawFrame frame;
-        switch (source.next(frame, std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) {
-            case Next::timeout: continue;
-            case Next::frame: return frame;
-            case Next::end:
-            case Next::interrupted: return std::nullopt;
-        }
-    }
-    return std::nullopt;
-}
-
 int show_rows(const RowsArguments& arguments) {
-    std::error_code error;
-    if (!arguments.force && std::filesystem::exists(arguments.output, error)) {
-        throw std::invalid_argument(arguments.output +
-                                    ": exists already, allowed: a new file, or --force to replace it");
-    }
+    check_output(arguments.output, arguments.force);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.loans = 2;

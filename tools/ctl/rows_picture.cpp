@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "calibration/self_calibration.h"
 #include "kernels/reference/steps.h"
 #include "tools/ctl/table.h"
 
@@ -108,10 +109,7 @@ RowsOfPair::RowsOfPair(const RawImage& frame, const capture::Rectification& rect
     const Plane<std::uint8_t> right{right_.data(), width_, height_, width_};
     reference::rectify(frame, Eye::left, rectifier, left, {0, height_});
     reference::rectify(frame, Eye::right, rectifier, right, {0, height_});
-    // As far up and down as self-calibration looks.
-    constexpr double rows_of_focal_length = 0.012;
-    const int reach = std::max(4, static_cast<int>(std::lround(rows_of_focal_length * rectification.f)));
-    matches_ = calibration::match_corners(left, right, range, reach);
+    matches_ = calibration::match_corners(left, right, range, calibration::rows_searched(rectification.f));
 }
 
 double RowsOfPair::error() const {
@@ -119,12 +117,7 @@ double RowsOfPair::error() const {
     for (const CornerMatch& match : matches_) {
         errors.push_back(std::abs(match.left_y - match.right_y));
     }
-    if (errors.empty()) {
-        return 0;
-    }
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return *middle;
+    return calibration::median(errors);
 }
 
 cv::Mat rows_picture(const RowsOfPair& before, const RowsOfPair& after) {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/source_arguments.h"
 
+#include <chrono>
 #include <utility>
 
 #include "capture/camera_calibration.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/interrupt.h"
 #include "tools/ctl/progress.h"
 #include "tools/ctl/table.h"
 
@@ -22,6 +24,20 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
     };
     options.calibration_folders = capture::folder_list(capture::standard_calibration_folders);
     return capture::open_source(options);
+}
+
+std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {
+    using Next = capture::FrameSource::Next;
+    while (!interrupted()) {
+        capture::RawFrame frame;
+        switch (source.next(frame, std::chrono::steady_clock::now() + std::chrono::milliseconds(100))) {
+            case Next::timeout: continue;
+            case Next::frame: return frame;
+            case Next::end:
+            case Next::interrupted: return std::nullopt;
+        }
+    }
+    return std::nullopt;
 }
 
 std::string summary(const capture::SourceInfo& source) {

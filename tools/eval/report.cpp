@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/ctl/table.h"
+#include "tools/eval/rounded_number.h"
 
 namespace disparityd::eval {
 namespace {
@@ -15,11 +16,6 @@ using tools::fixed;
 
 std::string percent(double value) {
     return std::isnan(value) ? "-" : fixed(value, 2);
-}
-
-/// Four decimals are more than the pixels tell; the rest is noise of the number format.
-nlohmann::ordered_json number(double value) {
-    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(std::round(value * 1e4) / 1e4);
 }
 
 }  // namespace
@@ -44,12 +40,12 @@ void print_json(const std::vector<Row>& rows, std::ostream& to) {
                         {"method", row.method},
                         {"backend", row.backend},
                         {"disparities", row.disparities},
-                        {"bad1_nonocc", number(accuracy.bad1_nonocc)},
-                        {"bad1_all", number(accuracy.bad1_all)},
-                        {"bad2_nonocc", number(accuracy.bad2_nonocc)},
-                        {"bad2_all", number(accuracy.bad2_all)},
-                        {"density", number(accuracy.density)},
-                        {"ms", number(row.ms)}});
+                        {"bad1_nonocc", rounded_number(accuracy.bad1_nonocc)},
+                        {"bad1_all", rounded_number(accuracy.bad1_all)},
+                        {"bad2_nonocc", rounded_number(accuracy.bad2_nonocc)},
+                        {"bad2_all", rounded_number(accuracy.bad2_all)},
+                        {"density", rounded_number(accuracy.density)},
+                        {"ms", rounded_number(row.ms)}});
     }
     to << list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }

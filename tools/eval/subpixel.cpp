@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/ctl/table.h"
+#include "tools/eval/rounded_number.h"
 
 namespace disparityd::eval {
 namespace {
@@ -78,10 +79,6 @@ void add_line(const std::string& scene, const SubpixelRow& row, const std::strin
               const SubpixelAccuracy& accuracy, tools::Table& table) {
     table.add({scene, row.method, row.backend, disparities, text(accuracy.bad05, 2), text(accuracy.bad05_measured, 2),
                text(accuracy.rms, 3), text(accuracy.near_whole, 1), text(accuracy.truth_near_whole, 1)});
-}
-
-nlohmann::ordered_json rounded_number(double value) {
-    return std::isnan(value) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(std::round(value * 1e4) / 1e4);
 }
 
 }  // namespace

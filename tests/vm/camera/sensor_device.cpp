@@ -20,16 +20,6 @@ namespace {
 constexpr long report_interval_ns = 10'000'000;
 constexpr std::int64_t longest_without_ping_ns = 6'000'000'000;
 
-enum Request : std::uint8_t {
-    get_status = 0,
-    clear_feature = 1,
-    set_feature = 3,
-    get_descriptor = 6,
-    get_configuration = 8,
-    set_configuration = 9,
-    get_interface = 10,
-    set_interface = 11
-};
 // Of the HID class (HID 1.11, 7.2).
 constexpr std::uint8_t set_report_request = 9;
 constexpr std::uint8_t set_idle_request = 10;

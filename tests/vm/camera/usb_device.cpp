@@ -10,20 +10,6 @@ namespace simulated_camera {
 
 namespace {
 
-// Standard requests (USB 2.0, table 9-4; the last two are USB 3's).
-enum StandardRequest : std::uint8_t {
-    get_status = 0,
-    clear_feature = 1,
-    set_feature = 3,
-    get_descriptor = 6,
-    get_configuration = 8,
-    set_configuration = 9,
-    get_interface = 10,
-    set_interface = 11,
-    set_exit_latency = 48,
-    set_isochronous_delay = 49
-};
-
 constexpr std::uint8_t to_endpoint = 2;
 constexpr std::uint16_t endpoint_halt = 0;
 constexpr std::uint8_t power_mode_selector = 1;

@@ -29,6 +29,20 @@ struct SetupPacket {
 /// What a control transfer gives back: data for the host (empty for one to the device), or nothing: a stall.
 using ControlAnswer = std::optional<Bytes>;
 
+/// Standard requests (USB 2.0, table 9-4; the last two are USB 3's).
+enum StandardRequest : std::uint8_t {
+    get_status = 0,
+    clear_feature = 1,
+    set_feature = 3,
+    get_descriptor = 6,
+    get_configuration = 8,
+    set_configuration = 9,
+    get_interface = 10,
+    set_interface = 11,
+    set_exit_latency = 48,
+    set_isochronous_delay = 49
+};
+
 /// Requests of the USB video class (UVC 1.1, A.8).
 namespace uvc_request {
 inline constexpr std::uint8_t set_cur = 0x01;
