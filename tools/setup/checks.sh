@@ -47,22 +47,32 @@ build() {
     fi
 }
 
-# suite TEST-PRESET [CMAKE OPTION...]: builds and runs the tests of a preset; "quick" is release without the slow ones.
-suite() {
-    local tests=$1 preset=${1/quick/release} run
-    shift
-    build "$preset" "$@" || return 1
-    read -ra run < <(fixed_addresses "$preset"; echo)
+# run_tests TEST-PRESET [PRESET]: of what is built (the same preset unless named).
+run_tests() {
+    local tests=$1 run
+    read -ra run < <(fixed_addresses "${2:-$1}"; echo)
     step "test $tests"
     "${run[@]}" ctest --preset "$tests" --parallel "${jobs:?}" --output-junit "$results/$tests.xml"
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
-# fuzz: every target for a minute, several at a time.
-fuzz() {
+# suite PRESET [CMAKE OPTION...]: builds it and runs its tests.
+suite() {
+    build "$@" && run_tests "$1"
+}
+
+# fuzz_beside COMMAND...: every target for a minute, several at a time, on what the command leaves of the processor.
+fuzz_beside() {
+    step "build fuzz"
+    tests/fuzz/run --build -j "$jobs"
+    chrt --idle 0 tests/fuzz/run 60 -j "$jobs" >"$results/fuzz.txt" 2>&1 &
+    local fuzzers=$! outcome
+    "$@"
     step "fuzz"
-    tests/fuzz/run 60 -j "$jobs" | tee "$results/fuzz.txt"
-    case ${PIPESTATUS[0]} in
+    wait "$fuzzers"
+    outcome=$?
+    grep '^fuzz: ' "$results/fuzz.txt" || cat "$results/fuzz.txt"
+    case $outcome in
         0) note passed "fuzz" ;;
         77) note skipped "$(grep '^fuzz: skipped' "$results/fuzz.txt")" ;;
         *) note failed "fuzz: $(grep -m1 FAILED "$results/fuzz.txt")" ;;
