@@ -52,7 +52,8 @@ run_tests() {
     local tests=$1 run
     read -ra run < <(fixed_addresses "${2:-$1}"; echo)
     step "test $tests"
-    "${run[@]}" ctest --preset "$tests" --parallel "${jobs:?}" --output-junit "$results/$tests.xml"
+    "${run[@]}" ctest --preset "$tests" --parallel "${jobs:?}" --output-junit "$results/$tests.xml" \
+        --test-output-size-passed 1000000
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 

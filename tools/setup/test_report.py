@@ -10,6 +10,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 
 GTEST_REASON = re.compile(r"^\S+:\d+: Skipped\n(.+?)$", re.MULTILINE)
+GTEST_CASE = re.compile(r"^\[ +(OK|SKIPPED|FAILED) +\] (\S+?),? .*\(\d+ ms\)$", re.MULTILINE)
 UNITTEST_REASON = re.compile(r"\.\.\. skipped ['\"](.+)['\"]$", re.MULTILINE)
 
 
@@ -23,11 +24,26 @@ def skip_reason(case):
     return lines[-1] if lines else "no reason given"
 
 
+def program_cases(name, output):
+    """The same of each case of a GoogleTest program that ran as one test; nothing when it is none or was cut short."""
+    if "Global test environment tear-down" not in output:
+        return
+    after = 0
+    for match in GTEST_CASE.finditer(output):
+        reason = GTEST_REASON.search(output, after, match.start())
+        outcome = {"OK": "passed", "SKIPPED": "skipped", "FAILED": "failed"}[match.group(1)]
+        yield outcome, f"{name}: {match.group(2)}", reason.group(1).strip() if reason else "no reason given"
+        after = match.end()
+
+
 def read_suite(path):
     """(outcome, name, reason) of each test of one ctest run."""
     for case in ElementTree.parse(path).getroot().iter("testcase"):
         name = f"{path.stem}: {case.get('name')}"
-        if case.find("skipped") is not None or case.get("status") == "disabled":
+        cases = list(program_cases(name, case.findtext("system-out") or ""))
+        if len(cases) > 1 and (case.find("failure") is None) == all(outcome != "failed" for outcome, _, _ in cases):
+            yield from cases
+        elif case.find("skipped") is not None or case.get("status") == "disabled":
             yield "skipped", name, skip_reason(case)
         elif case.get("status") == "run" and case.find("failure") is None:
             yield "passed", name, ""
