@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "calibration/epipolar_fit.h"
 #include "calibration/self_calibration.h"
 #include "kernels/reference/steps.h"
 #include "tools/ctl/table.h"
