@@ -62,7 +62,7 @@ struct Block {
             MatchingCostRow<Tag, registers>(geometry, left_planes + row * geometry.census.left_row(),
                                             right_planes + row * geometry.census.right_row(), scratch)
                 .run();
-            KeyedWinnerSearch<KeyTag, classes, key_bits, 1, decltype(keys)>(geometry, keys)
+            KeyedWinnerSearch<KeyTag, classes, key_bits, 1, 0, decltype(keys)>(geometry, keys)
                 .run(minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }

@@ -77,6 +77,7 @@ template <PathForm form>
 SgmKernels in_form(int disparities, SgmKernels kernels) {
     return with_layout(disparities, [&](auto tag, auto registers) {
         kernels.sum_bytes = form.sum_bytes();
+        kernels.raised_cost = 0;
         kernels.aggregate = Aggregation<decltype(tag), registers(), form>::aggregate;
         kernels.winner = FormKernels<decltype(tag), registers(), form>::winner;
         return kernels;

@@ -35,24 +35,25 @@ struct KeyGroups {
     static constexpr int group_size = block_size * blocks / count;  ///< candidates of a group
 };
 
-/// Made once, not for each row.
-template <class Tag, int classes, int bits>
+/// Made once, not for each row. `raised` is what all sums are too large by.
+template <class Tag, int classes, int bits, int raised>
 struct KeyTables {
     using Groups = KeyGroups<Tag, classes, bits>;
     static constexpr int candidates = classes * Groups::lanes;
 
-    /// What names candidate classes * lane + q in a key, class after class.
+    /// What makes a key of candidate classes * lane + q, class after class.
     alignas(64) std::uint16_t names[candidates] = {};
 
     constexpr KeyTables() {
         for (int k = 0; k < candidates; ++k) {
-            names[k % classes * Groups::lanes + k / classes] = static_cast<std::uint16_t>(k % Groups::group_size);
+            names[k % classes * Groups::lanes + k / classes] =
+                static_cast<std::uint16_t>(k % Groups::group_size - (raised << bits));
         }
     }
 };
 
-template <class Tag, int classes, int bits>
-inline constexpr KeyTables<Tag, classes, bits> key_tables;
+template <class Tag, int classes, int bits, int raised>
+inline constexpr KeyTables<Tag, classes, bits, raised> key_tables;
 
 /// The least block of each of `groups` equal parts of `v`.
 template <int groups, class Tag, class Block>
@@ -159,8 +160,8 @@ private:
     V least_[classes];
 };
 
-/// `Keys` gives the sums of pixel x, shifted by `bits`: keys(x, V* out).
-template <class Tag, int classes, int bits, int direction, class Keys>
+/// `Keys` gives the sums of pixel x, too large by `raised` and shifted by `bits`: keys(x, V* out).
+template <class Tag, int classes, int bits, int direction, int raised, class Keys>
 class KeyedWinnerSearch {
     using V = hn::Vec<Tag>;
     using Groups = KeyGroups<Tag, classes, bits>;
@@ -213,7 +214,7 @@ private:
         V candidate[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits>.names + q * lanes);
+            candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits, raised>.names + q * lanes);
         }
         const bool padded = range_.count != candidates;
         for (int n = 0; n < count; ++n) {

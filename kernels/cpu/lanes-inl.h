@@ -86,6 +86,36 @@ HWY_INLINE V path_from_above(Tag tag, V v, V none) {
     return from_lane_above(tag, v, none);
 }
 
+/// `v`, loaded once: GCC repeats a load for each use that can have it as an operand, where loads are what is scarce.
+template <class V>
+HWY_INLINE V loaded_once(V v) {
+#if HWY_COMPILER_GCC_ACTUAL && HWY_ARCH_X86
+    __asm__("" : "+v"(v.raw));
+#endif
+    return v;
+}
+
+/// What a load `bytes` after that of `v` would give, when `next` was loaded 4 bytes after it.
+#if HWY_TARGET == HWY_AVX3_DL
+constexpr bool has_bytes_between = true;
+template <int bytes, class V>
+HWY_INLINE V bytes_between(V v, V next) {
+    if constexpr (sizeof(v.raw) == 64) {
+        return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    } else if constexpr (sizeof(v.raw) == 32) {
+        return V{_mm256_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    } else {
+        return V{_mm_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    }
+}
+#else
+constexpr bool has_bytes_between = false;
+template <int bytes, class V>
+HWY_INLINE V bytes_between(V v, V) {
+    return v;
+}
+#endif
+
 /// The least byte of 16, in all lanes of `tag`.
 template <class Tag, class Block>
 HWY_INLINE hn::Vec<Tag> broadcast_least_of_block(Tag tag, Block block) {

@@ -60,7 +60,11 @@ class MatchingCostRow {
 public:
     MatchingCostRow(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
                     std::uint8_t* costs)
-        : geometry_(geometry), left_(left), right_(right), costs_(costs) {}
+        : geometry_(geometry),
+          left_(left),
+          right_(right),
+          costs_(costs),
+          raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
     void run() const {
         constexpr int at_once = HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86 ? (registers <= 2   ? 4
@@ -91,20 +95,29 @@ private:
         std::ptrdiff_t source[sources];
         DISPARITYD_UNROLL
         for (int s = 0; s < sources; ++s) {
-            source[s] = (entry + s) % registers * geometry_.census.right_part + (entry + s) / registers;
+            source[s] = part_entry(entry + s);
         }
         V cost[count][registers];
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
-            std::fill_n(cost[i], registers, hn::Zero(tag_));
+            std::fill_n(cost[i], registers, hn::Set(tag_, raised(0)));
         }
         const std::uint8_t* left = left_ + x;
         const std::uint8_t* right = right_;
         for (int plane = 0; plane < census_planes; ++plane) {
             V bits[sources];
-            DISPARITYD_UNROLL
-            for (int s = 0; s < sources; ++s) {
-                bits[s] = hn::LoadU(tag_, right + source[s]);
+            if constexpr (has_bytes_between && registers == 1 && count == 4) {
+                // Half of the loads, which cross cache lines, are more than the processor can do beside the rest.
+                bits[0] = loaded_once(hn::LoadU(tag_, right + source[0]));
+                const V next = loaded_once(hn::LoadU(tag_, right + source[0] + 4));
+                bits[1] = bytes_between<1>(bits[0], next);
+                bits[2] = bytes_between<2>(bits[0], next);
+                bits[3] = bytes_between<3>(bits[0], next);
+            } else {
+                DISPARITYD_UNROLL
+                for (int s = 0; s < sources; ++s) {
+                    bits[s] = loaded_once(hn::LoadU(tag_, right + source[s]));
+                }
             }
             DISPARITYD_UNROLL
             for (int i = 0; i < count; ++i) {
@@ -125,6 +138,13 @@ private:
             }
         }
     }
+
+    std::ptrdiff_t part_entry(int entry) const {
+        return static_cast<std::ptrdiff_t>(entry) % registers * geometry_.census.right_part + entry / registers;
+    }
+
+    std::uint8_t raised(int cost) const { return static_cast<std::uint8_t>(raised_ + cost); }
+    std::uint8_t outside() const { return raised(outside_cost); }
 
     std::uint8_t* pixel(int x) const { return costs_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
@@ -156,7 +176,7 @@ private:
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
                 const V cost = hn::Load(tag_, pixel(x) + r * lanes);
-                hn::Store(first == last ? hn::Set(tag_, outside_cost) : keep(cost, k[r], first, last), tag_,
+                hn::Store(first == last ? hn::Set(tag_, outside()) : keep(cost, k[r], first, last), tag_,
                           pixel(x) + r * lanes);
             }
         }
@@ -166,7 +186,7 @@ private:
     V keep(V cost, V k, int first, int last) const {
         const V from_first = hn::Sub(k, hn::Set(tag_, static_cast<std::uint8_t>(first)));
         const V limit = hn::Set(tag_, static_cast<std::uint8_t>(last - 1 - first));
-        return hn::IfThenElse(hn::Eq(hn::Max(from_first, limit), limit), cost, hn::Set(tag_, outside_cost));
+        return hn::IfThenElse(hn::Eq(hn::Max(from_first, limit), limit), cost, hn::Set(tag_, outside()));
     }
 
     /// Lanes past the last candidate.
@@ -180,7 +200,7 @@ private:
         for (int r = 0; r < registers; ++r) {
             const V k = candidate(r);
             const auto inside = hn::Eq(hn::Max(k, last), last);
-            least[r] = hn::IfThenElse(inside, hn::Zero(tag_), hn::Set(tag_, padding_cost));
+            least[r] = hn::IfThenElse(inside, hn::Zero(tag_), hn::Set(tag_, raised(padding_cost)));
         }
         for (int x = 0; x < geometry_.width; ++x) {
             DISPARITYD_UNROLL
@@ -196,6 +216,7 @@ private:
     const std::uint8_t* left_;
     const std::uint8_t* right_;
     std::uint8_t* costs_;
+    std::uint8_t raised_;
 };
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

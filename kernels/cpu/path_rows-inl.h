@@ -2,7 +2,8 @@
 // Step 5 of docs/algorithm.md, the four paths of one sweep: one along the row and three from the row before.
 //
 // A path arrives at a pixel as N(d) = min(L(d) - min L, P2) of the pixel it comes from; M(d) = min(N(d), N(d-1) + P1,
-// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d).
+// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d). Where P2 is small all these are raised, see
+// path_offsets-inl.h.
 #if defined(DISPARITYD_CPU_PATH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_PATH_ROWS_INL_H_
 #undef DISPARITYD_CPU_PATH_ROWS_INL_H_
@@ -17,6 +18,7 @@
 #include "kernels/cpu/census_planes-inl.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/path_form.h"
+#include "kernels/cpu/path_offsets-inl.h"
 #include "kernels/cpu/path_sums-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 
@@ -114,7 +116,7 @@ private:
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             state.along[r] = hn::Zero(tag_);
-            state.diagonal[r] = hn::Zero(tag_);
+            state.diagonal[r] = form.any_p2 ? hn::Zero(tag_) : hn::Set(tag_, raised_by(row.jumps[0][0]));
         }
     }
 
@@ -161,14 +163,24 @@ private:
         }
     }
 
-    // N of the pixel at `from` of the row before, for the pixel at `to`.
-    HWY_INLINE void load_before(const State& state, int path, int from, int to, V* n) const {
-        const V least = hn::Set(tag_, before_.least[path][from]);
-        const V jump = hn::Set(tag_, state.jumps[path][to]);
+    // N of the pixel at `from` of the row before, for the pixel at `to`; `block` has the offsets of the pixel in work,
+    // the i-th of its block.
+    HWY_INLINE void load_before(const State& state, int path, int from, int to, const PathOffsets& block, int i,
+                                V* n) const {
         const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(from) * candidates;
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            n[r] = hn::Min(hn::Sub(hn::Load(tag_, costs + r * lanes()), least), jump);
+        if constexpr (form.any_p2) {
+            const V least = hn::Set(tag_, before_.least[path][from]);
+            const V jump = hn::Set(tag_, state.jumps[path][to]);
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                n[r] = hn::Min(hn::Sub(hn::Load(tag_, costs + r * lanes()), least), jump);
+            }
+        } else {
+            const V offset = hn::Set(tag_, block.from_before[path][i]);
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                n[r] = hn::SaturatedAdd(hn::Load(tag_, costs + r * lanes()), offset);
+            }
         }
     }
 
@@ -195,25 +207,25 @@ private:
     // One pixel in each of `count` rows, row j at position p[j]; step by step side by side, so that the processor has
     // independent work while one row waits for its minimum.
     template <int count>
-    HWY_INLINE void pixels(State* states, const int* p) {
+    HWY_INLINE void pixels(State* states, const int* p, const PathOffsets* blocks, int i) {
         V cost[count][registers];
         Sums sums[count];
         V n[registers];
         V m[registers];
         DISPARITYD_UNROLL
         for (int j = 0; j < count; ++j) {
-            along_row(states[j], p[j], cost[j], sums[j]);
+            along_row(states[j], p[j], blocks[j], i, cost[j], sums[j]);
         }
         DISPARITYD_UNROLL
         for (int j = 0; j < count; ++j) {
-            load_before(states[j], 1, p[j], p[j], n);
+            load_before(states[j], 1, p[j], p[j], blocks[j], i, n);
             continue_path(n, m);
             finish_path(1, p[j], m, cost[j], sums[j]);
         }
         if constexpr (form.diagonals) {
             DISPARITYD_UNROLL
             for (int j = 0; j < count; ++j) {
-                load_before(states[j], 2, p[j] + 1, p[j], n);
+                load_before(states[j], 2, p[j] + 1, p[j], blocks[j], i, n);
                 continue_path(n, m);
                 finish_path(2, p[j], m, cost[j], sums[j]);
             }
@@ -223,7 +235,7 @@ private:
             if constexpr (form.diagonals) {
                 // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
                 continue_path(states[j].diagonal, m);
-                load_before(states[j], 0, p[j], p[j] + 1, states[j].diagonal);
+                load_before(states[j], 0, p[j], p[j] + 1, blocks[j], i, states[j].diagonal);
                 finish_path(0, p[j], m, cost[j], sums[j]);
             }
             sums[j].template store<streaming>(states[j].sums +
@@ -231,11 +243,18 @@ private:
         }
     }
 
-    HWY_INLINE void along_row(State& state, int p, V* cost, Sums& sums) const {
+    HWY_INLINE void along_row(State& state, int p, const PathOffsets& block, int i, V* cost, Sums& sums) const {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p) * step_;
         V m[registers];
         continue_path(state.along, m);
-        const V jump = hn::Add(state.least, hn::Set(tag_, state.jumps[3][p]));
+        V limit;
+        V surplus;
+        if constexpr (form.any_p2) {
+            limit = hn::Add(state.least, hn::Set(tag_, state.jumps[3][p]));
+        } else {
+            limit = hn::Sub(hn::Set(tag_, block.along[i]), state.least);
+            surplus = hn::Set(tag_, block.surplus[i]);
+        }
         V least = none_;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
@@ -249,9 +268,14 @@ private:
             if constexpr (form.any_p2) {
                 cost[r] = hn::Or(cost[r], padding_[r]);
             }
-            const V step = hn::Sub(hn::Min(m[r], jump), state.least);
-            sums.set(r, step);
-            state.along[r] = path_cost(step, cost[r]);
+            if constexpr (form.any_p2) {
+                m[r] = hn::Sub(hn::Min(m[r], limit), state.least);
+                sums.set(r, m[r]);
+            } else {
+                m[r] = hn::SaturatedAdd(m[r], limit);
+                sums.set(r, hn::Sub(m[r], surplus));
+            }
+            state.along[r] = path_cost(m[r], cost[r]);
             least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
         }
         state.least = broadcast_least(tag_, least);
@@ -289,7 +313,12 @@ private:
         constexpr int share = count == 1 ? 4 : 2;  // pixels per reduction
         // A copy that nobody else can see and that is not indexed at run time stays in registers.
         PathRows local = *this;
+        PathOffsets offsets[count];
         for (int t = first; t < end; t += least_block) {
+            DISPARITYD_UNROLL
+            for (int j = 0; j < count; ++j) {
+                begin_block(j, t, offsets[j]);
+            }
             for (int i = 0; i < least_block / share; ++i) {
                 DISPARITYD_UNROLL
                 for (int k = 0; k < share; ++k) {
@@ -298,12 +327,16 @@ private:
                     for (int j = 0; j < count; ++j) {
                         p[j] = t + i * share + k - row_lag * j;
                     }
-                    local.template pixels<count>(local.states_, p);
+                    local.template pixels<count>(local.states_, p, offsets, i * share + k);
                 }
-                const int p = t - least_block - row_lag * (i / paths_before);
+                const int row = i / paths_before;
+                const int p = t - least_block - row_lag * row;
                 if (i < reductions && p >= 0) {
                     const int path = path_before(i % paths_before);
                     hn::StoreU(least_of(path, p), block, before_.least[path] + p);
+                    if (path == 2 && row + 1 < count) {
+                        begin_block(row + 1, t, offsets[row + 1]);
+                    }
                 }
             }
         }
@@ -314,12 +347,27 @@ private:
         if (t > 0) {
             reduce_at_border(t - least_block);
         }
+        PathOffsets offsets[rows_at_once];
+        for (int j = 0; j < rows_at_once; ++j) {
+            begin_block(j, t, offsets[j]);
+        }
         for (int i = 0; i < least_block; ++i) {
             for (int j = 0; j < rows_at_once; ++j) {
                 const int p = t + i - row_lag * j;
                 if (p >= 0 && p < width_) {
-                    pixels<1>(&states_[j], &p);
+                    pixels<1>(&states_[j], &p, &offsets[j], i);
                 }
+            }
+        }
+    }
+
+    // The offsets of row j at step t. Of the last pixel of a second row they are right only when the minima of the
+    // first row's block before are there.
+    HWY_INLINE void begin_block(int j, int t, PathOffsets& offsets) const {
+        const int p = t - row_lag * j;
+        if constexpr (!form.any_p2) {
+            if (p >= 0 && p < width_) {
+                offsets.take(before_, states_[j].jumps, p);
             }
         }
     }

@@ -32,6 +32,7 @@ struct Kernels {
     using SumTag = hn::Repartition<std::int16_t, Tag>;
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int classes = 2 * registers;
+    static constexpr int paths = 8;
     static constexpr int key_bits = 6;  // beside sums of up to 8 * 63 + 8 * 62
 
     static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
@@ -50,7 +51,7 @@ struct Kernels {
                              const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
         if constexpr (KeyGroups<KeyTag, classes, key_bits>::possible) {
             const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
-            KeyedWinnerSearch<KeyTag, classes, key_bits, direction, decltype(keys)>(geometry, keys)
+            KeyedWinnerSearch<KeyTag, classes, key_bits, direction, paths * raised_cost, decltype(keys)>(geometry, keys)
                 .run(minima, right_winner);
         } else {
             const auto sums = [=](int x, hn::Vec<SumTag>* out) { sums_of(x, down, up, costs, out); };
@@ -58,7 +59,7 @@ struct Kernels {
         }
     }
 
-    // 64 S of pixel x, S = down + up + 8 C, in the classes of winner_row-inl.h.
+    // 64 S of pixel x, S = down + up + 8 C, in the classes of winner_row-inl.h. C and so S are still raised.
     static HWY_INLINE void keys_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
                                    hn::Vec<KeyTag>* out) {
         const Tag bytes;
@@ -79,14 +80,14 @@ struct Kernels {
         }
     }
 
-    // S itself.
+    // S itself: without the bit that raises C.
     static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
                                    hn::Vec<SumTag>* out) {
         const Tag bytes;
         const KeyTag words;
         const SumTag sums;
         const auto low = hn::Set(words, std::uint16_t{0x00ff});
-        const auto eightfold = hn::Set(words, std::uint16_t{0x07f8});
+        const auto eightfold = hn::Set(words, std::uint16_t{8 * (raised_cost - 1)});
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
@@ -103,6 +104,7 @@ struct Kernels {
     static SgmKernels table() {
         SgmKernels kernels;
         kernels.layout = {lanes, registers};
+        kernels.raised_cost = raised_cost;
         kernels.rows_at_once = Paths::rows_at_once;
         kernels.streams = Paths::streams;
         kernels.census_layout = census_layout;

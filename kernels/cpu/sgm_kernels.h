@@ -47,6 +47,7 @@ struct SgmGeometry {
     DisparityRange range;
     DisparityLayout layout;
     CensusLayout census;
+    int raised_cost = 0;  ///< what matching costs in memory are too large by
 
     std::size_t row_bytes() const { return static_cast<std::size_t>(width) * layout.bytes(); }
 };
@@ -131,6 +132,7 @@ struct WinnerPlanes {
 struct SgmKernels {
     DisparityLayout layout;
     int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
+    int raised_cost = 0;   ///< SgmGeometry::raised_cost of these kernels
     int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
     bool streams = false;  ///< for Store::stream, aggregate() has stores past the caches
 

@@ -18,6 +18,7 @@ SgmGeometry geometry_of(int width, int height, const MatchOptions& options, cons
     geometry.range = options.range;
     geometry.layout = kernels.layout;
     geometry.census = kernels.census_layout(width, kernels.layout);
+    geometry.raised_cost = kernels.raised_cost;
     return geometry;
 }
 

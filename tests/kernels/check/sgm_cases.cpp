@@ -72,7 +72,7 @@ struct VectorSgm {
         std::vector<std::uint8_t> all;
         for (int y = 0; y < input.height; ++y) {
             planes.matching_cost(y, row.data());
-            const std::vector<std::uint8_t> candidates = layout.row(row.data());
+            const std::vector<std::uint8_t> candidates = layout.costs_row(row.data());
             all.insert(all.end(), candidates.begin(), candidates.end());
         }
         return all;
@@ -126,7 +126,7 @@ KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target) {
             [=] {
                 std::vector<std::uint8_t> all;
                 for (int y = 0; y < sgm->input.height; ++y) {
-                    const std::vector<std::uint8_t> candidates = sgm->layout.row(row(y));
+                    const std::vector<std::uint8_t> candidates = sgm->layout.costs_row(row(y));
                     all.insert(all.end(), candidates.begin(), candidates.end());
                 }
                 return all;
@@ -163,7 +163,7 @@ KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     for (std::size_t y = 0; y < static_cast<std::size_t>(input.height); ++y) {
         layout->lay_out(&down[y * row_candidates], 3, &rows[0][y * row_bytes]);
         layout->lay_out(&up[y * row_candidates], 5, &rows[1][y * row_bytes]);
-        layout->lay_out(&plain->costs[y * row_candidates], cpu::padding_cost, &rows[2][y * row_bytes]);
+        layout->lay_out_costs(&plain->costs[y * row_candidates], &rows[2][y * row_bytes]);
     }
     return {[layout, rows, out, input, row_bytes] {
                 for (int y = 0; y < input.height; ++y) {

@@ -29,6 +29,7 @@ struct SgmLayout {
         geometry.range = input.options.range;
         geometry.layout = kernels.layout;
         geometry.census = kernels.census_layout(input.width, kernels.layout);
+        geometry.raised_cost = kernels.raised_cost;
     }
 
     /// Where candidate k of column x lies in a row.
@@ -38,25 +39,31 @@ struct SgmLayout {
                static_cast<std::size_t>(k % layout.registers * layout.lanes + k / layout.registers);
     }
 
-    /// A row in the reference's order.
-    std::vector<std::uint8_t> row(const std::uint8_t* laid_out) const {
+    /// A row in the reference's order, each entry less `raised`.
+    std::vector<std::uint8_t> row(const std::uint8_t* laid_out, int raised = 0) const {
         std::vector<std::uint8_t> candidates;
         for (int x = 0; x < geometry.width; ++x) {
             for (int k = 0; k < geometry.range.count; ++k) {
-                candidates.push_back(laid_out[at(x, k)]);
+                candidates.push_back(static_cast<std::uint8_t>(laid_out[at(x, k)] - raised));
             }
         }
         return candidates;
     }
+    std::vector<std::uint8_t> costs_row(const std::uint8_t* laid_out) const {
+        return row(laid_out, geometry.raised_cost);
+    }
 
     /// The reverse; `padding` for what is no candidate.
-    void lay_out(const std::uint8_t* candidates, std::uint8_t padding, std::uint8_t* laid_out) const {
-        std::fill_n(laid_out, geometry.row_bytes(), padding);
+    void lay_out(const std::uint8_t* candidates, std::uint8_t padding, std::uint8_t* laid_out, int raised = 0) const {
+        std::fill_n(laid_out, geometry.row_bytes(), static_cast<std::uint8_t>(padding + raised));
         for (int x = 0; x < geometry.width; ++x) {
             for (int k = 0; k < geometry.range.count; ++k) {
-                laid_out[at(x, k)] = *candidates++;
+                laid_out[at(x, k)] = static_cast<std::uint8_t>(*candidates++ + raised);
             }
         }
+    }
+    void lay_out_costs(const std::uint8_t* candidates, std::uint8_t* laid_out) const {
+        lay_out(candidates, cpu::padding_cost, laid_out, geometry.raised_cost);
     }
 
     std::size_t rows_bytes() const { return geometry.row_bytes() * static_cast<std::size_t>(geometry.height); }

@@ -96,13 +96,13 @@ struct TwoSweeps {
         std::vector<std::uint16_t> all;
         std::vector<std::uint8_t> streamed;
         for (int y = 0; y < input.height; ++y) {
-            const auto cost = layout.row(row(costs, y));
+            const auto cost = layout.costs_row(row(costs, y));
             const auto down = layout.row(row(sums[0], y)), up = layout.row(row(sums[1], y));
             for (std::size_t i = 0; i < cost.size(); ++i) {
                 all.push_back(static_cast<std::uint16_t>(down[i] + up[i] + 8 * cost[i]));
             }
             for (const auto& copy : {copies[0], copies[1]}) {
-                const auto found = layout.row(row(store == cpu::Store::stream ? copy : costs, y));
+                const auto found = layout.costs_row(row(store == cpu::Store::stream ? copy : costs, y));
                 streamed.insert(streamed.end(), found.begin(), found.end());
             }
         }
