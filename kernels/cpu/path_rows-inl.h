@@ -281,14 +281,19 @@ private:
         state.least = broadcast_least(tag_, least);
     }
 
+    // What is needed a row later would only push what is needed now out of the first-level cache.
+    static HWY_INLINE void prefetch_to_second_level(const std::uint8_t* from) {
+        constexpr int reading = 0;
+        constexpr int second_level = 2;
+        __builtin_prefetch(from, reading, second_level);
+    }
+
     static HWY_INLINE void prefetch(const State& state, std::ptrdiff_t offset) {
+        prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step);
         if constexpr (form.word_sums) {
-            hwy::Prefetch(state.prefetch[0] + offset * state.prefetch_step);
-            hwy::Prefetch(state.prefetch[0] + offset * state.prefetch_step + lanes());
-        } else {
-            hwy::Prefetch(state.prefetch[0] + offset);
+            prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step + lanes());
         }
-        hwy::Prefetch(state.prefetch[1] + offset);
+        prefetch_to_second_level(state.prefetch[1] + offset);
     }
 
     // min L of the 16 pixels from p on.
