@@ -86,6 +86,19 @@ HWY_INLINE V path_from_above(Tag tag, V v, V none) {
     return from_lane_above(tag, v, none);
 }
 
+/// The byte at `from` in all lanes, from memory: GCC likes to take it through a general register, which costs double.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> broadcast_byte(Tag tag, const std::uint8_t* from) {
+#if HWY_COMPILER_GCC_ACTUAL && HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
+    (void)tag;
+    hn::Vec<Tag> v;
+    __asm__("vpbroadcastb %1, %0" : "=v"(v.raw) : "m"(*from));
+    return v;
+#else
+    return hn::Set(tag, *from);
+#endif
+}
+
 /// `v`, loaded once: GCC repeats a load for each use that can have it as an operand, where loads are what is scarce.
 template <class V>
 HWY_INLINE V loaded_once(V v) {

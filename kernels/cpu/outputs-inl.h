@@ -120,7 +120,11 @@ inline void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, Dep
                   Plane<std::uint16_t> depth, Rows rows) {
     using Small = DepthOfDisparity<true>;
     using Large = DepthOfDisparity<false>;
-    if (disparity.width >= Small::lanes && Small::fits(scale)) {
+    if (scale.k == 0) {
+        for (int y = rows.first; y < rows.last; ++y) {
+            std::fill_n(depth.row(y), depth.width, std::uint16_t{0});
+        }
+    } else if (disparity.width >= Small::lanes && Small::fits(scale)) {
         Small(invalid, scale).rows(disparity, depth, rows);
     } else if (disparity.width >= Large::lanes && Large::fits(scale)) {
         Large(invalid, scale).rows(disparity, depth, rows);
