@@ -21,11 +21,11 @@ double copied_bytes_per_second(const cuda::Stream& stream) {
 
 double minima_per_second(Minimum way, const cuda::Stream& stream) {
     constexpr int blocks = 4096;
-    constexpr int rounds = 2048;
+    constexpr int rounds = 512;
     constexpr std::size_t threads = std::size_t{blocks} * minima_threads;
-    const cuda::DeviceMemory out(threads * sizeof(cuda::Pair), "minima");
+    const cuda::DeviceMemory out(threads * sizeof(std::uint32_t), "minima");
     return static_cast<double>(threads) * rounds * minima_chains / seconds_of(stream, [&](int) {
-               take_minima(way, blocks, rounds, 0x12341678, out.as<cuda::Pair>(), stream.get());
+               take_minima(way, blocks, rounds, 0x12341678, out.as<std::uint32_t>(), stream.get());
            });
 }
 

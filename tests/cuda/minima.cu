@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/packed.h"
 #include "tests/cuda/minima.h"
 
 namespace disparityd::test {

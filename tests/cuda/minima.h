@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernels/cuda/packed.h"
+#include <cstdint>
+
+#include <cuda_runtime.h>
 
 namespace disparityd::test {
 
@@ -13,6 +15,6 @@ constexpr int minima_chains = 16;    // of a thread: independent, so that none w
 
 /// `rounds` times minima_chains minima in every thread; `out` gets a number for each thread that needs them all. The
 /// same with each of the three ways for steps whose halves are below 0x4000.
-void take_minima(Minimum way, int blocks, int rounds, cuda::Pair step, cuda::Pair* out, cudaStream_t stream);
+void take_minima(Minimum way, int blocks, int rounds, std::uint32_t step, std::uint32_t* out, cudaStream_t stream);
 
 }  // namespace disparityd::test

@@ -89,11 +89,11 @@ TEST_F(CudaVariants, EveryWayToTakeAMinimumGivesTheSame) {
     constexpr int rounds = 3;
     const auto found = [](Minimum way) {
         const cuda::Stream stream;
-        const cuda::ExchangeMemory out(minima_threads * sizeof(cuda::Pair), "minima");
-        take_minima(way, 1, rounds, 0x12341678, out.device<cuda::Pair>(), stream.get());
+        const cuda::ExchangeMemory out(minima_threads * sizeof(std::uint32_t), "minima");
+        take_minima(way, 1, rounds, 0x12341678, out.device<std::uint32_t>(), stream.get());
         out.to_host(stream);
         stream.wait("minima");
-        return std::vector<cuda::Pair>(out.host<cuda::Pair>(), out.host<cuda::Pair>() + minima_threads);
+        return std::vector<std::uint32_t>(out.host<std::uint32_t>(), out.host<std::uint32_t>() + minima_threads);
     };
     const auto of_half = [](int shift, unsigned thread, unsigned chain) {
         constexpr unsigned small = 0x3fff3fff;
@@ -105,7 +105,7 @@ TEST_F(CudaVariants, EveryWayToTakeAMinimumGivesTheSame) {
         }
         return least << shift;
     };
-    std::vector<cuda::Pair> expected(minima_threads);
+    std::vector<std::uint32_t> expected(minima_threads);
     for (unsigned thread = 0; thread < minima_threads; ++thread) {
         for (unsigned chain = 0; chain < minima_chains; ++chain) {
             expected[thread] = expected[thread] * 31 + (of_half(0, thread, chain) | of_half(16, thread, chain));
