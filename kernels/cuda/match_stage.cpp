@@ -112,8 +112,8 @@ void MatchStage::take_pair() {
     for (std::size_t eye = 0; eye < 2; ++eye) {
         pair_[eye].to_device(stream_);
         if (images_[eye].as<void>() != nullptr) {
-            check(cudaMemcpyAsync(images_[eye].as<void>(), pair_[eye].device<const void>(), pixels_,
-                                  cudaMemcpyDeviceToDevice, stream_.get()),
+            check(cudaMemcpyAsync(images_[eye].as<void>(), pair_[eye].device<const void>(), pixels_, cudaMemcpyDefault,
+                                  stream_.get()),
                   "copying the rectified pair");
         }
     }
