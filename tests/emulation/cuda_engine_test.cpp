@@ -54,7 +54,7 @@ Outcome outcome_of(const std::string& backend) {
         keep, [](const capture::RawFrame&) {}, 0);
     {
         std::unique_lock lock(mutex);
-        arrived.wait_for(lock, std::chrono::seconds(60), [&] { return outcome.numbers.size() == frames; });
+        arrived.wait_for(lock, std::chrono::seconds(200), [&] { return outcome.numbers.size() == frames; });
     }
     engine.stop();
     engine.fill(outcome.after);
