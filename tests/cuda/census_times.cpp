@@ -12,7 +12,7 @@ namespace disparityd::test {
 
 namespace {
 
-constexpr std::size_t inputs = 4;
+constexpr std::size_t pairs_in_rotation = 4;
 
 std::size_t bytes_of(int width, int height) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
@@ -54,14 +54,15 @@ CensusTimes census_times(int width, int height) {
     }
     std::vector<std::unique_ptr<Pair>> pairs;
     const cuda::Stream stream;
-    for (std::size_t i = 0; i < inputs; ++i) {
+    for (std::size_t i = 0; i < pairs_in_rotation; ++i) {
         pairs.push_back(std::make_unique<Pair>(random, width, height, stream));
     }
     auto* left = words[0].as<std::uint64_t>();
     auto* right = words[1].as<std::uint64_t>();
     const auto milliseconds = [&](auto census_of) {
-        return 1e3 *
-               seconds_of(stream, [&](int round) { census_of(*pairs[static_cast<std::size_t>(round) % inputs]); });
+        return 1e3 * seconds_of(stream, [&](int round) {
+                   census_of(*pairs[static_cast<std::size_t>(round) % pairs_in_rotation]);
+               });
     };
     return {
         milliseconds([&](const Pair& pair) {

@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr std::size_t inputs = 4;
+constexpr std::size_t frames_in_rotation = 4;
 constexpr int warm_up = 3;
 
 double milliseconds(steady_clock::duration time) {
@@ -67,7 +67,7 @@ public:
         rectifier_ = {true, maps_.view(), maps_.view(), 0, 0};
         rectifier_.id = 1;
         const Image<std::uint8_t> nothing(size.width, size.height);
-        for (std::size_t i = 0; i < inputs; ++i) {
+        for (std::size_t i = 0; i < frames_in_rotation; ++i) {
             raw_.push_back(raw_frame(random, size.width, size.height, 10 + static_cast<int>(i)));
             frames_.push_back(std::make_unique<Frame>(*matcher, nothing, nothing));
             frames_[i]->view.raw = {raw_[i].plane().data, PixelFormat::yuyv, size.width, size.height, 4 * size.width};
@@ -78,7 +78,8 @@ public:
     /// Adds the times of the stage's steps to `found`.
     void run(std::size_t stage, int round, Parallel& workers, std::vector<double>& found) {
         std::vector<std::chrono::nanoseconds> times(matcher->stages()[stage].steps.size());
-        matcher->run(static_cast<int>(stage), frames_[static_cast<std::size_t>(round) % inputs]->view, workers, times);
+        matcher->run(static_cast<int>(stage), frames_[static_cast<std::size_t>(round) % frames_in_rotation]->view,
+                     workers, times);
         for (const std::chrono::nanoseconds time : times) {
             found.push_back(milliseconds(time));
         }
@@ -133,8 +134,8 @@ FrameTimes frame_times(std::string_view backend, const Size& size, Method method
 
 double two_in_flight(std::string_view backend, const Size& size, Method method, int rounds, Parallel& workers) {
     Ring ring(backend, size, method);
-    std::counting_semaphore<inputs> free(inputs - 1);
-    std::counting_semaphore<inputs> rectified(0);
+    std::counting_semaphore<frames_in_rotation> free(frames_in_rotation - 1);
+    std::counting_semaphore<frames_in_rotation> rectified(0);
     std::thread rectifies([&] {
         for (int round = 0; round < rounds + warm_up; ++round) {
             std::vector<double> times;

@@ -59,10 +59,10 @@ Words expected_of(const Bytes& image) {
 TEST_F(CudaVariants, CensusIsTheSameFromEveryMemory) {
     Random random(70);
     int n = 0;
-    for (const auto& [width, height] : {std::pair{1, 1}, {37, 11}, {33, 40}}) {
+    for (const auto& [columns, rows] : {std::pair{1, 1}, {37, 11}, {33, 40}}) {
         const Variation variation(++n);
-        const Bytes left = noise(random, width, height, 0, 3);
-        const Bytes right = noise(random, width, height);
+        const Bytes left = noise(random, columns, rows, 0, 3);
+        const Bytes right = noise(random, columns, rows);
         const std::array<Words, 2> expected = {expected_of(left), expected_of(right)};
 
         const CensusOnDevice shared(left, right);
@@ -71,11 +71,11 @@ TEST_F(CudaVariants, CensusIsTheSameFromEveryMemory) {
         census_from_global_memory(global.image(0), global.image(1), global.words(0), global.words(1),
                                   global.stream.get());
         const CensusOnDevice textured(left, right);
-        const Texture left_texture(width, height);
-        const Texture right_texture(width, height);
+        const Texture left_texture(columns, rows);
+        const Texture right_texture(columns, rows);
         left_texture.take(textured.image(0), textured.stream.get());
         right_texture.take(textured.image(1), textured.stream.get());
-        census_from_textures(left_texture, right_texture, width, height, textured.words(0), textured.words(1),
+        census_from_textures(left_texture, right_texture, columns, rows, textured.words(0), textured.words(1),
                              textured.stream.get());
         for (const std::size_t eye : {0, 1}) {
             EXPECT_EQ(shared.found(eye), expected[eye]);
