@@ -16,6 +16,7 @@ set(DISPARITYD_CUDA_STEPS
   speckle.cu)
 set(DISPARITYD_CUDA_HOST
   backend.cpp
+  graph.cpp
   match_stage.cpp
   rectify_stage.cpp
   runtime.cpp)

@@ -63,6 +63,7 @@ private:
     void tick();
     void watch_source();
     void watch_memory();
+    void watch_matcher();
     void watch_threads();
     std::string status_line() const;
     v1::Status status() const;
@@ -91,6 +92,7 @@ private:
     bool serving_ = false;
     bool end_seen_ = false;
     bool stuck_logged_ = false;
+    std::string trouble_logged_;  ///< of the matcher
     bool ended_well_ = true;
     std::exception_ptr fatal_;
 

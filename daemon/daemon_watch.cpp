@@ -31,6 +31,7 @@ void Daemon::tick() {
     recording_.check();
     watch_source();
     watch_memory();
+    watch_matcher();
     watch_threads();
     const auto now = steady_clock::now();
     if (now >= next_status_) {
@@ -87,6 +88,15 @@ void Daemon::watch_memory() {
     if (current && current->check_memory()) {
         log_info(current->notices().back());
     }
+}
+
+void Daemon::watch_matcher() {
+    const auto current = engine();
+    const std::string trouble = current ? current->matcher_trouble() : std::string();
+    if (trouble != trouble_logged_ && !trouble.empty()) {
+        log_warning(trouble);
+    }
+    trouble_logged_ = trouble;
 }
 
 /// The watchdog is fed only while every thread answers.

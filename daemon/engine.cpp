@@ -268,7 +268,8 @@ Engine::Condition Engine::condition() const {
 void Engine::fill(v1::Status& status) const {
     status.set_source(source().name);
     status.set_method(std::string(disparityd::name(config_.match.options.method)));
-    status.set_backend(backend_);
+    const std::string_view substitute = matcher_->substitute();
+    status.set_backend(substitute.empty() ? backend_ : std::string(substitute));
     status.set_workers(to_u32(workers_.workers()));
     for (const std::string& notice : notices()) {
         status.add_notices(notice);

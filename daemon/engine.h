@@ -82,6 +82,9 @@ public:
     /// that has left a notice. From one thread.
     bool check_memory();
 
+    /// See Matcher::trouble().
+    std::string matcher_trouble() const { return matcher_->trouble(); }
+
     std::string stuck_stage(std::chrono::milliseconds limit) const;
 
 private:

@@ -96,8 +96,7 @@ std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig
     try {
         return std::make_unique<FallbackMatcher>(chosen.create(config), without_device);
     } catch (const std::runtime_error& error) {
-        const std::string trouble = std::string(error.what()) + "; the back end " + std::string(without_device.name);
-        return std::make_unique<SubstituteMatcher>(without_device.create(config), trouble + " is used");
+        return std::make_unique<SubstituteMatcher>(without_device, config, error.what());
     }
 }
 

@@ -31,6 +31,10 @@ std::string FallbackMatcher::trouble() const {
     return trouble_;
 }
 
+std::string_view FallbackMatcher::substitute() const {
+    return replaced_.load(std::memory_order_acquire) ? second_row_.name : std::string_view();
+}
+
 void FallbackMatcher::replace(const std::string& why) {
     const std::lock_guard lock(mutex_);
     if (second_) {

@@ -27,6 +27,7 @@ public:
     void run(int stage, const FrameView& frame, Parallel& workers,
              std::span<std::chrono::nanoseconds> step_times) override;
     std::string trouble() const override;
+    std::string_view substitute() const override;
 
 private:
     void replace(const std::string& why);
@@ -46,8 +47,10 @@ private:
 /// A matcher in the place of another one that could not be made, which says so.
 class SubstituteMatcher final : public Matcher {
 public:
-    SubstituteMatcher(std::unique_ptr<Matcher> matcher, std::string trouble)
-        : matcher_(std::move(matcher)), trouble_(std::move(trouble)) {}
+    SubstituteMatcher(const Backend& row, const MatcherConfig& config, const std::string& why)
+        : name_(row.name),
+          matcher_(row.create(config)),
+          trouble_(why + "; the back end " + std::string(row.name) + " is used") {}
 
     const MatcherConfig& config() const override { return matcher_->config(); }
     std::size_t scratch_bytes() const override { return matcher_->scratch_bytes(); }
@@ -57,8 +60,10 @@ public:
         matcher_->run(stage, frame, workers, step_times);
     }
     std::string trouble() const override { return trouble_; }
+    std::string_view substitute() const override { return name_; }
 
 private:
+    std::string_view name_;
     std::unique_ptr<Matcher> matcher_;
     std::string trouble_;
 };

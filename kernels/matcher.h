@@ -100,6 +100,10 @@ public:
     /// One line on what went wrong and was made good, such as a lost device whose work another back end has taken over;
     /// empty as long as all is well. From any thread.
     virtual std::string trouble() const { return {}; }
+
+    /// Name of the back end that computes in the place of the one that was chosen; empty as long as none does. From any
+    /// thread.
+    virtual std::string_view substitute() const { return {}; }
 };
 
 /// A row of the table of back ends.

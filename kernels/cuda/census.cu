@@ -1,33 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/cuda/launch.h"
+#include "kernels/cuda/census_word.h"
 #include "kernels/cuda/steps.h"
 
 namespace disparityd::cuda {
 
 namespace {
 
-constexpr int radius_x = 4;
-constexpr int radius_y = 3;
 constexpr int tile_side = 32;  // pixels of a block
-constexpr int tile_width = tile_side + 2 * radius_x;
-constexpr int tile_height = tile_side + 2 * radius_y;
+constexpr int tile_width = tile_side + 2 * census_radius_x;
+constexpr int tile_height = tile_side + 2 * census_radius_y;
 constexpr int block_height = 8;  // threads; each computes every eighth row of the tile
-
-// The pixel at tile[row][column] is the first of the window.
-__device__ std::uint64_t census_word(const std::uint8_t (&tile)[tile_height][tile_width], int row, int column) {
-    const std::uint8_t centre = tile[row + radius_y][column + radius_x];
-    std::uint64_t word = 0;
-#pragma unroll
-    for (int dy = 0; dy <= 2 * radius_y; ++dy) {
-#pragma unroll
-        for (int dx = 0; dx <= 2 * radius_x; ++dx) {
-            if (dy != radius_y || dx != radius_x) {
-                word = word << 1 | (tile[row + dy][column + dx] < centre ? 1U : 0U);
-            }
-        }
-    }
-    return word;
-}
 
 // A tile with its border is read once, 40 x 38 pixels for 32 x 32 words, and compared in shared memory.
 __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
@@ -41,8 +23,8 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
     for (int i = thread; i < tile_height * tile_width; i += tile_side * block_height) {
         const int column = i % tile_width;
         const int row = i / tile_width;
-        tile[row][column] = image.at(clamp(first_x + column - radius_x, 0, image.width - 1),
-                                     clamp(first_y + row - radius_y, 0, image.height - 1));
+        tile[row][column] = image.at(clamp(first_x + column - census_radius_x, 0, image.width - 1),
+                                     clamp(first_y + row - census_radius_y, 0, image.height - 1));
     }
     __syncthreads();
     const int column = static_cast<int>(threadIdx.x);
@@ -50,7 +32,8 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
     for (int row = static_cast<int>(threadIdx.y); row < tile_side; row += block_height) {
         const int y = first_y + row;
         if (x < image.width && y < image.height) {
-            words[static_cast<std::ptrdiff_t>(y) * image.width + x] = census_word(tile, row, column);
+            words[static_cast<std::ptrdiff_t>(y) * image.width + x] = census_word(
+                [&](int dx, int dy) { return tile[row + census_radius_y + dy][column + census_radius_x + dx]; });
         }
     }
 }

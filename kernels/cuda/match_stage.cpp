@@ -10,10 +10,13 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
-constexpr std::array<std::string_view, 4> sad_steps = {"upload", "sad+wta", "post-process", "download"};
-constexpr std::array<std::string_view, 5> census_steps = {"upload", "census", "dsi+wta", "post-process", "download"};
-constexpr std::array<std::string_view, 6> sgm_steps = {"upload",       "census",  "dsi+aggregate", "dsi+aggregate+wta",
-                                                       "post-process", "download"};
+constexpr std::array<std::string_view, 6> sad_steps = {"upload",  "sad+wta",           "left-right+median",
+                                                       "speckle", "interpolate+depth", "download"};
+constexpr std::array<std::string_view, 7> census_steps = {
+    "upload", "census", "dsi+wta", "left-right+median", "speckle", "interpolate+depth", "download"};
+constexpr std::array<std::string_view, 8> sgm_steps = {
+    "upload",  "census", "dsi+aggregate", "dsi+aggregate+wta", "left-right+median", "speckle", "interpolate+depth",
+    "download"};
 
 }  // namespace
 
@@ -59,14 +62,11 @@ MatchStage::MatchStage(const MatcherConfig& config)
 }
 
 void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) {
-    marks_ = 0;
     const auto begin = steady_clock::now();
     gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>());
     gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>());
     const auto gathered = steady_clock::now();
-    take_pair();
-    find_winners();
-    post_process(frame);
+    start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16});
     stream_.wait("matching");
     const auto matched = steady_clock::now();
     give_results(frame);
@@ -75,6 +75,26 @@ void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) 
     }
     step_times.front() += gathered - begin;
     step_times.back() += steady_clock::now() - matched;
+}
+
+void MatchStage::start(const Output& output) {
+    if (graph_output_ != output) {
+        graph_output_.reset();
+        graph_.take(stream_, [&] { put_on_stream(output); });
+        graph_output_ = output;
+    }
+    if (graph_.holds_operations()) {
+        graph_.start(stream_);
+    } else {
+        put_on_stream(output);
+    }
+}
+
+void MatchStage::put_on_stream(const Output& output) {
+    marks_ = 0;
+    take_pair();
+    find_winners();
+    post_process(output);
 }
 
 void MatchStage::mark() {
@@ -92,8 +112,8 @@ void MatchStage::take_pair() {
     for (std::size_t eye = 0; eye < 2; ++eye) {
         pair_[eye].to_device(stream_);
         if (images_[eye].as<void>() != nullptr) {
-            check(cudaMemcpyAsync(images_[eye].as<void>(), pair_[eye].device<const void>(), pixels_,
-                                  cudaMemcpyDeviceToDevice, stream_.get()),
+            check(cudaMemcpyAsync(images_[eye].as<void>(), pair_[eye].device<const void>(), pixels_, cudaMemcpyDefault,
+                                  stream_.get()),
                   "copying the rectified pair");
         }
     }
@@ -146,27 +166,29 @@ void MatchStage::find_winners() {
     mark();
 }
 
-void MatchStage::post_process(const FrameView& frame) {
+void MatchStage::post_process(const Output& output) {
     const PostOptions& post = config_.options.post;
     filter({config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
             left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(), post.left_right_check,
             post.median, filtered_.as<std::int16_t>()},
            stream_.get());
+    mark();
     if (post.speckle_size > 0) {
         speckle({config_.width, config_.height, invalid_disparity(config_.options.range), post.speckle_size,
                  16 * post.speckle_step, filtered_.as<std::int16_t>(), labels_.as<std::uint32_t>(),
                  sizes_.as<std::uint32_t>()},
                 stream_.get());
     }
+    mark();
     finish({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
-            right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), frame.depth_scale.k,
-            frame.depth_scale.offset16, disparity_.device<std::int16_t>(), confidence_.device<std::uint8_t>(),
-            frame.depth ? depth_.device<std::uint16_t>() : nullptr},
+            right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), output.depth_k,
+            output.offset16, disparity_.device<std::int16_t>(), confidence_.device<std::uint8_t>(),
+            output.depth ? depth_.device<std::uint16_t>() : nullptr},
            stream_.get());
     mark();
     disparity_.to_host(stream_);
     confidence_.to_host(stream_);
-    if (frame.depth) {
+    if (output.depth) {
         depth_.to_host(stream_);
     }
     mark();

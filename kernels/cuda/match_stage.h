@@ -3,8 +3,10 @@
 
 #include <array>
 #include <chrono>
+#include <optional>
 #include <span>
 
+#include "kernels/cuda/graph.h"
 #include "kernels/cuda/runtime.h"
 #include "kernels/cuda/steps.h"
 #include "kernels/matcher.h"
@@ -23,9 +25,19 @@ public:
     void run(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times);
 
 private:
+    /// What of a frame its operations depend on, beside the pixels.
+    struct Output {
+        bool depth;
+        std::int64_t depth_k;
+        int offset16;
+        bool operator==(const Output&) const = default;
+    };
+
+    void start(const Output& output);
+    void put_on_stream(const Output& output);
     void take_pair();
     void find_winners();
-    void post_process(const FrameView& frame);
+    void post_process(const Output& output);
     void give_results(const FrameView& frame) const;
     void mark();
 
@@ -53,6 +65,8 @@ private:
     ExchangeMemory disparity_;
     ExchangeMemory confidence_;
     ExchangeMemory depth_;
+    std::optional<Output> graph_output_;  // what the graph is for
+    Graph graph_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes
 };
 

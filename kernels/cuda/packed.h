@@ -18,21 +18,36 @@ __device__ inline Pair pair_of(unsigned value) {
     return value * 0x10001U;
 }
 
-/// The minimum of each half. One instruction: of f16x2 on 8.x, which has none for integers (there __vminu2 is several),
-/// of u16x2 from 9.0 on.
-__device__ inline Pair lesser(Pair a, Pair b) {
-#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800 && __CUDA_ARCH__ < 900
+/// The minimum of each half, of any numbers. One instruction from 9.0 on, several before.
+__device__ inline Pair lesser_as_integers(Pair a, Pair b) {
+    return __vminu2(a, b);
+}
+
+/// The same of numbers below 0x7c00. One instruction from 8.0 on.
+__device__ inline Pair lesser_as_f16(Pair a, Pair b) {
+#if !defined(__CUDACC__)
+    return simt::min_f16x2(a, b);
+#elif __CUDA_ARCH__ >= 800
     Pair result;
     asm("min.f16x2 %0, %1, %2;" : "=r"(result) : "r"(a), "r"(b));
     return result;
 #else
-    return __vminu2(a, b);
+    return lesser_as_integers(a, b);
+#endif
+}
+
+/// The minimum of each half in one instruction, where there is one.
+__device__ inline Pair lesser(Pair a, Pair b) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 800 && __CUDA_ARCH__ < 900
+    return lesser_as_f16(a, b);
+#else
+    return lesser_as_integers(a, b);
 #endif
 }
 
 /// min(a + b, c) of each half.
 __device__ inline Pair lesser_of_sum(Pair a, Pair b, Pair c) {
-#if !defined(__CUDA_ARCH__) || (__CUDA_ARCH__ >= 900 && CUDART_VERSION >= 12000)
+#if !defined(__CUDACC__) || (__CUDA_ARCH__ >= 900 && CUDART_VERSION >= 12000)
     return __viaddmin_u16x2(a, b, c);
 #else
     return lesser(a + b, c);  // no carry from half to half: both are small

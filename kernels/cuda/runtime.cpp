@@ -165,7 +165,10 @@ StreamClock::~StreamClock() {
 }
 
 void StreamClock::mark(std::size_t i, const Stream& stream) const {
-    check(cudaEventRecord(events_[i], stream.get()), "taking the time");
+    cudaStreamCaptureStatus capture = cudaStreamCaptureStatusNone;
+    check(cudaStreamIsCapturing(stream.get(), &capture), "taking the time");
+    const unsigned flags = capture == cudaStreamCaptureStatusActive ? cudaEventRecordExternal : cudaEventRecordDefault;
+    check(cudaEventRecordWithFlags(events_[i], stream.get(), flags), "taking the time");
 }
 
 std::chrono::nanoseconds StreamClock::after(std::size_t i) const {

@@ -91,6 +91,7 @@ public:
     StreamClock(const StreamClock&) = delete;
     StreamClock& operator=(const StreamClock&) = delete;
 
+    /// On a stream whose operations a Graph takes, the mark becomes one of them.
     void mark(std::size_t i, const Stream& stream) const;
     /// From mark i to the next one, after the stream was waited for.
     std::chrono::nanoseconds after(std::size_t i) const;

@@ -8,80 +8,32 @@
 
 #include "kernels/cuda/steps.h"
 #include "pipeline/worker_pool.h"
+#include "tests/cuda/census_times.h"
+#include "tests/cuda/frame_times.h"
 #include "tests/cuda/machine_floor.h"
-#include "tests/kernels/support.h"
 
 // Times of the back end cuda per step and per frame beside what the device can do at best and beside the back end cpu:
 // a table for people and, with a file's name as argument, JSON. tools/gpu-check runs it; every number is a median.
 namespace disparityd::test {
 namespace {
 
-struct Size {
-    const char* name;
-    int width, height, disparities;
-};
+constexpr int frames = 40;
+
 constexpr std::array<Size, 4> sizes = {
     {{"VGA", 640, 480, 128}, {"Cones", 450, 375, 128}, {"HD720", 1280, 720, 128}, {"HD1080", 1920, 1080, 256}}};
 
-// Inputs in rotation, so that no cache holds the next one.
-constexpr std::size_t inputs = 4;
-constexpr int frames = 40;
-
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
-struct Times {
-    std::vector<std::string> steps;
-    std::vector<double> milliseconds;  // of each step
-    double frame = 0;                  // from rectified pair to results in host memory
+/// Milliseconds of the paper's tables 3 to 5, on a Jetson TK1.
+struct PaperScene {
+    Size size;
+    CensusTimes census_words;
+    double sad, census, sgm;
 };
+constexpr std::array<PaperScene, 4> paper_scenes = {{{{"Cones", 450, 375, 128}, {5.6, 7.7, 2.95}, 30, 12.4, 122},
+                                                     {{"Tsukuba", 384, 288, 32}, {3.29, 5.28, 1.86}, 25, 10, 71},
+                                                     {{"Teddy", 450, 375, 128}, {6.5, 8.2, 2.3}, 31, 11.4, 130},
+                                                     {{"Sawtooth", 434, 380, 32}, {5.22, 7.47, 2.82}, 31, 11.8, 123}}};
 
-Times times_of(std::string_view name, const Size& size, Method method, int rounds, Parallel& workers) {
-    Random random(1);
-    const auto matcher =
-        backend(name).create({size.width, size.height, default_options(method, {0, size.disparities})});
-    std::vector<std::unique_ptr<Frame>> ring;
-    for (std::size_t i = 0; i < inputs; ++i) {
-        const auto left = noise(random, size.width, size.height);
-        ring.push_back(std::make_unique<Frame>(*matcher, left, shifted(random, left, 10 + static_cast<int>(i))));
-    }
-    Times result;
-    std::vector<std::vector<double>> steps;
-    std::vector<double> whole;
-    for (int round = 0; round < rounds + 3; ++round) {
-        const FrameView& view = ring[static_cast<std::size_t>(round) % inputs]->view;
-        std::vector<double> found;
-        result.steps.clear();
-        const auto begin = std::chrono::steady_clock::now();
-        for (std::size_t stage = 1; stage < matcher->stages().size(); ++stage) {
-            const auto names = matcher->stages()[stage].steps;
-            std::vector<std::chrono::nanoseconds> times(names.size());
-            matcher->run(static_cast<int>(stage), view, workers, times);
-            for (std::size_t i = 0; i < names.size(); ++i) {
-                found.push_back(static_cast<double>(times[i].count()) / 1e6);
-                result.steps.emplace_back(names[i]);
-            }
-        }
-        const auto end = std::chrono::steady_clock::now();
-        if (round >= 3) {  // the first ones warm up
-            whole.push_back(std::chrono::duration<double, std::milli>(end - begin).count());
-            steps.resize(found.size());
-            for (std::size_t i = 0; i < found.size(); ++i) {
-                steps[i].push_back(found[i]);
-            }
-        }
-    }
-    for (const auto& step : steps) {
-        result.milliseconds.push_back(median(step));
-    }
-    result.frame = median(whole);
-    return result;
-}
-
-// What the design has to do: bytes to and from the device's memory, and packed minima. Other steps move a few bytes a
-// pixel.
+// What the design has to do: bytes to and from the device's memory (docs/benchmarks.md), and packed minima.
 struct Work {
     double bytes = 0;
     double minima = 0;
@@ -93,52 +45,122 @@ Work work_of(const std::string& step, const Size& size) {
     const double minima_of_path = 4 * volume / 2;  // for a pair of candidates: two neighbours, jump, penalty, the least
     constexpr int stored_paths = 7;
     if (step == "dsi+aggregate") {
-        return {stored_paths * volume, stored_paths * minima_of_path};
+        return {stored_paths * (volume + 17 * pixels), stored_paths * minima_of_path};
     }
     if (step == "dsi+aggregate+wta") {
-        return {stored_paths * volume + 10 * pixels, minima_of_path};
+        return {stored_paths * volume + 24 * pixels, minima_of_path};
     }
-    return step == "census" ? Work{18 * pixels, 0} : Work{};
+    constexpr std::array<std::pair<const char*, double>, 5> bytes_per_pixel = {
+        {{"rectify", 18}, {"census", 18}, {"left-right+median", 8}, {"speckle", 38}, {"interpolate+depth", 10}}};
+    for (const auto& [name, bytes] : bytes_per_pixel) {
+        if (step == name) {
+            return {bytes * pixels, 0};
+        }
+    }
+    return {};
 }
 
 double floor_of(const Work& work, const MachineFloor& machine) {
-    return 1e3 * std::max(work.bytes / machine.bytes_per_second, work.minima / machine.packed_minima_per_second);
+    return 1e3 * std::max(work.bytes / machine.bytes_per_second, work.minima / machine.most_minima_per_second());
 }
 
-void write_json(std::ostream& out, const Size& size, Method method, const Times& cuda, double cpu, bool first) {
-    out << (first ? "" : ",\n") << R"(    {"size": ")" << size.name << R"(", "disparities": )" << size.disparities
-        << R"(, "method": ")" << name(method) << R"(", "cuda_ms": )" << cuda.frame << R"(, "cpu_ms": )" << cpu
-        << R"(, "steps_ms": {)";
+/// A JSON list, an object at a time.
+class List {
+public:
+    List(std::ostream& out, const char* name) : out_(out) { out_ << ",\n  \"" << name << "\": ["; }
+    ~List() { out_ << "\n  ]"; }
+    List(const List&) = delete;
+    List& operator=(const List&) = delete;
+    std::ostream& next() { return out_ << (std::exchange(first_, false) ? "\n    " : ",\n    "); }
+
+private:
+    std::ostream& out_;
+    bool first_ = true;
+};
+
+void time_frame(const Size& size, Method method, const MachineFloor& machine, Parallel& workers, List& json) {
+    const FrameTimes cuda = frame_times("cuda", size, method, frames, workers);
+    const double in_flight = two_in_flight("cuda", size, method, frames, workers);
+    const FrameTimes cpu = frame_times("cpu", size, method, frames / 4, workers);
+    std::printf("%-7s %4dx%-4d D %-3d %-7s %8.3f ms, two in flight %8.3f ms, from rectified %8.3f ms, cpu %8.3f ms\n",
+                size.name, size.width, size.height, size.disparities, std::string(name(method)).c_str(), cuda.frame,
+                in_flight, cuda.matched, cpu.frame);
+    std::ostream& out = json.next();
+    out << R"({"size": ")" << size.name << R"(", "disparities": )" << size.disparities << R"(, "method": ")"
+        << name(method) << R"(", "cuda_ms": )" << cuda.frame << R"(, "cuda_in_flight_ms": )" << in_flight
+        << R"(, "cuda_matched_ms": )" << cuda.matched << R"(, "cpu_ms": )" << cpu.frame << R"(, "steps_ms": {)";
+    double all_floors = 0;
     for (std::size_t i = 0; i < cuda.steps.size(); ++i) {
-        out << (i == 0 ? "" : ", ") << '"' << cuda.steps[i] << "\": " << cuda.milliseconds[i];
+        // The stage "rectify" is timed with its copies; the kernel has a table of its own.
+        const double floor = cuda.steps[i] == "rectify" ? 0 : floor_of(work_of(cuda.steps[i], size), machine);
+        all_floors += floor;
+        std::printf("    %-20s %8.3f ms", cuda.steps[i].c_str(), cuda.step[i]);
+        std::printf(floor > 0 ? ", floor %8.3f ms: %.0f %% of its speed\n" : "\n", floor, 100 * floor / cuda.step[i]);
+        out << (i == 0 ? "" : ", ") << '"' << cuda.steps[i] << "\": " << cuda.step[i];
     }
-    out << "}}";
+    std::printf("    floors together            %8.3f ms\n", all_floors);
+    out << R"(}, "floor_ms": )" << all_floors << '}';
+}
+
+void time_frames(const MachineFloor& machine, Parallel& workers, std::ostream& out) {
+    std::printf("\nFrames from YUYV in host memory to results there (cpu: %d workers):\n", workers.workers());
+    List json(out, "frames");
+    for (const Size& size : sizes) {
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            time_frame(size, method, machine, workers, json);
+        }
+    }
+}
+
+void time_rectification(const MachineFloor& machine, std::ostream& out) {
+    std::printf("\nRectification alone, from YUYV, all in device memory:\n");
+    List json(out, "rectify");
+    for (const Size& size : sizes) {
+        const double ms = rectify_time(size.width, size.height);
+        std::printf("%-8s %8.4f ms, floor %8.4f ms\n", size.name, ms, floor_of(work_of("rectify", size), machine));
+        json.next() << R"({"size": ")" << size.name << R"(", "ms": )" << ms << '}';
+    }
+}
+
+void print_paper_tables(Parallel& workers, std::ostream& out) {
+    std::printf(
+        "\nThe paper's tables 3 to 5, milliseconds on its Jetson TK1 / here:\n"
+        "| scene (D) | census words: global memory | texture memory | shared memory | SAD | CENSUS | SGM |\n"
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    List json(out, "paper_scenes");
+    for (const PaperScene& scene : paper_scenes) {
+        const Size& size = scene.size;
+        const CensusTimes words = census_times(size.width, size.height);
+        const auto matched = [&](Method method) { return frame_times("cuda", size, method, frames, workers).matched; };
+        const double sad = matched(Method::sad);
+        const double census = matched(Method::census);
+        const double sgm = matched(Method::sgm);
+        std::printf("| %s (%d) | %.2f / %.4f | %.2f / %.4f | %.2f / %.4f | %.0f / %.3f | %.1f / %.3f | %.0f / %.3f |\n",
+                    size.name, size.disparities, scene.census_words.global_memory, words.global_memory,
+                    scene.census_words.texture_memory, words.texture_memory, scene.census_words.shared_memory,
+                    words.shared_memory, scene.sad, sad, scene.census, census, scene.sgm, sgm);
+        json.next() << R"({"scene": ")" << size.name << R"(", "census_words_ms": {"global": )" << words.global_memory
+                    << R"(, "texture": )" << words.texture_memory << R"(, "shared": )" << words.shared_memory
+                    << R"(}, "sad_ms": )" << sad << R"(, "census_ms": )" << census << R"(, "sgm_ms": )" << sgm << '}';
+    }
 }
 
 void run(std::ostream& json) {
     const MachineFloor machine = measure_floor();
-    std::printf("copies %.0f GB/s (read + written), %.0f G packed minima/s\n\n", machine.bytes_per_second / 1e9,
-                machine.packed_minima_per_second / 1e9);
+    std::printf(
+        "copies: %.0f GB/s, read + written\n"
+        "minima of two 16-bit numbers: %.0f G/s as integers, %.0f G/s as f16, %.0f G/s of a sum\n",
+        machine.bytes_per_second / 1e9, machine.minima_as_integers_per_second / 1e9,
+        machine.minima_as_f16_per_second / 1e9, machine.minima_of_sum_per_second / 1e9);
     json << "{\n  \"bytes_per_second\": " << machine.bytes_per_second
-         << ",\n  \"packed_minima_per_second\": " << machine.packed_minima_per_second << ",\n  \"frames\": [\n";
+         << ",\n  \"minima_as_integers_per_second\": " << machine.minima_as_integers_per_second
+         << ",\n  \"minima_as_f16_per_second\": " << machine.minima_as_f16_per_second
+         << ",\n  \"minima_of_sum_per_second\": " << machine.minima_of_sum_per_second;
     pipeline::WorkerPool workers(0);
-    bool first = true;
-    for (const Size& size : sizes) {
-        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-            const Times cuda = times_of("cuda", size, method, frames, workers);
-            const Times cpu = times_of("cpu", size, method, frames / 4, workers);
-            std::printf("%-7s %4dx%-4d D %-3d %-7s %8.3f ms, cpu (%d workers) %8.3f ms\n", size.name, size.width,
-                        size.height, size.disparities, std::string(name(method)).c_str(), cuda.frame, workers.workers(),
-                        cpu.frame);
-            for (std::size_t i = 0; i < cuda.steps.size(); ++i) {
-                std::printf("    %-20s %8.3f ms, floor %8.3f ms\n", cuda.steps[i].c_str(), cuda.milliseconds[i],
-                            floor_of(work_of(cuda.steps[i], size), machine));
-            }
-            write_json(json, size, method, cuda, cpu.frame, first);
-            first = false;
-        }
-    }
-    json << "\n  ]\n}\n";
+    time_frames(machine, workers, json);
+    time_rectification(machine, json);
+    print_paper_tables(workers, json);
+    json << "\n}\n";
 }
 
 }  // namespace

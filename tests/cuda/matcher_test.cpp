@@ -125,6 +125,30 @@ TEST_F(CudaDevice, StagesWorkOnTwoFramesAtTheSameTime) {
     EXPECT_EQ(frames[0]->disparity.pixels(), result_of("reference", pair, options).disparity);
 }
 
+// The calibration may be corrected, and depth asked for, between two frames.
+TEST_F(CudaDevice, DepthFollowsTheScaleOfEachFrame) {
+    Random random(61);
+    Serial serial;
+    const Pair pair(random, 30, 12);
+    const MatcherConfig config{30, 12, default_options(Method::census, {0, 16})};
+    const auto cuda = backend("cuda").create(config);
+    const auto reference = backend("reference").create(config);
+    for (const DepthScale scale : {DepthScale{1600000, 3}, {1600000, 3}, {800000, 3}, {800000, -2}, {}, {1600000, 3}}) {
+        for (const bool depth : {true, false}) {
+            Frame found(*cuda, pair.left, pair.right);
+            Frame expected(*reference, pair.left, pair.right);
+            for (Frame* frame : {&found, &expected}) {
+                frame->view.depth_scale = scale;
+                frame->view.depth = depth ? frame->view.depth : Plane<std::uint16_t>{};
+            }
+            match(*cuda, found.view, serial);
+            match(*reference, expected.view, serial);
+            ASSERT_EQ(found.depth.pixels(), expected.depth.pixels()) << scale.k << ' ' << scale.offset16;
+            ASSERT_EQ(found.disparity.pixels(), expected.disparity.pixels());
+        }
+    }
+}
+
 TEST_F(CudaDevice, DepthMayBeMissing) {
     Random random(57);
     Serial serial;

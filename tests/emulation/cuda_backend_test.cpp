@@ -35,5 +35,15 @@ TEST(EmulatedCuda, AnIntegratedDeviceGivesTheSameWithMappedMemory) {
     }
 }
 
+TEST(EmulatedCuda, ADriverWithoutGraphsGivesTheSame) {
+    Random random(56);
+    simt::Machine old;
+    old.graphs = false;
+    const WithMachine machine(old);
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        expect_equal_to_reference(Pair(random, 20, 9), default_options(method, {0, 16}));
+    }
+}
+
 }  // namespace
 }  // namespace disparityd::test

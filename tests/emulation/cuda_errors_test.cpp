@@ -137,6 +137,7 @@ TEST(EmulatedCudaErrors, WithAutoTheProcessorGoesOnWhereTheDeviceIsLost) {
     for (const int operations : {0, 3, 7}) {
         const auto matcher = make_matcher("auto", config);
         EXPECT_EQ(matcher->trouble(), "");
+        EXPECT_EQ(matcher->substitute(), "");
         simt::Machine failing;
         failing.operations_until_lost = 30 + operations;
         const WithMachine machine(failing);
@@ -149,6 +150,7 @@ TEST(EmulatedCudaErrors, WithAutoTheProcessorGoesOnWhereTheDeviceIsLost) {
             EXPECT_EQ(frame.depth.pixels(), expected.depth.pixels());
         }
         EXPECT_THAT(matcher->trouble(), AllOf(HasSubstr("launch failure"), HasSubstr("back end cpu goes on")));
+        EXPECT_EQ(matcher->substitute(), "cpu");
     }
 }
 
@@ -182,6 +184,7 @@ TEST(EmulatedCudaErrors, WithAutoTooLittleDeviceMemoryMeansTheProcessor) {
     const auto matcher = make_matcher("auto", config);
     EXPECT_GT(matcher->stages().size(), 2U) << "the stages of the processor's";
     EXPECT_THAT(matcher->trouble(), AllOf(HasSubstr("no memory"), HasSubstr("back end cpu is used")));
+    EXPECT_EQ(matcher->substitute(), "cpu");
     EXPECT_THROW(make_matcher("cuda", config), std::runtime_error) << "by name it is wanted and nothing else";
 }
 

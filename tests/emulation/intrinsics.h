@@ -41,6 +41,20 @@ inline unsigned half(unsigned pair, int shift) {
     return pair >> shift & 0xffffU;
 }
 
+/// PTX's min.f16x2 without .NaN: f16 in each half, -0 before +0, of a NaN and a number the number, of two NaNs 0x7fff.
+inline unsigned min_f16x2(unsigned a, unsigned b) {
+    const auto is_nan = [](unsigned f16) { return (f16 & 0x7fffU) > 0x7c00U; };
+    const auto rank = [](unsigned f16) { return (f16 & 0x8000U) != 0 ? ~f16 & 0xffffU : f16 | 0x8000U; };
+    return for_both_halves([=](int s) {
+        const unsigned x = half(a, s);
+        const unsigned y = half(b, s);
+        if (is_nan(x)) {
+            return is_nan(y) ? 0x7fffU : y;
+        }
+        return is_nan(y) || rank(x) < rank(y) ? x : y;
+    });
+}
+
 }  // namespace disparityd::simt
 
 /// The unsigned minimum of each half.

@@ -74,15 +74,39 @@ TEST(Intrinsics, HalvesAreComparedApart) {
     EXPECT_EQ(__viaddmin_u16x2(0x0001ffff, 0x00010001, 0xffffffff), 0x00020000U) << "the sum of a half wraps";
 }
 
+double value_of_f16(unsigned bits) {
+    const int exponent = static_cast<int>(bits >> 10 & 31);
+    const int fraction = static_cast<int>(bits & 0x3ff);
+    const double magnitude = exponent == 0    ? std::ldexp(fraction, -24)
+                             : exponent == 31 ? (fraction == 0 ? INFINITY : NAN)
+                                              : std::ldexp(1024 + fraction, exponent - 25);
+    return (bits & 0x8000) != 0 ? -magnitude : magnitude;
+}
+
+TEST(Intrinsics, MinimumOfF16FollowsItsSpecification) {
+    const auto expected = [](unsigned x, unsigned y) {
+        const double a = value_of_f16(x);
+        const double b = value_of_f16(y);
+        if (std::isnan(a) || std::isnan(b)) {
+            return std::isnan(a) ? (std::isnan(b) ? 0x7fffU : y) : x;
+        }
+        return a == b ? x | y : a < b ? x : y;  // of two zeros the negative one
+    };
+    constexpr std::array<unsigned, 16> halves = {0,      1,      0x03ff, 0x0400, 0x3c00, 0x7bff, 0x7c00, 0x7c01,
+                                                 0x8000, 0x8001, 0x83ff, 0xbc00, 0xfbff, 0xfc00, 0xfe00, 0x7fff};
+    for (const unsigned x : halves) {
+        for (const unsigned y : halves) {
+            ASSERT_EQ(simt::min_f16x2(x | y << 16, y | x << 16), expected(x, y) | expected(y, x) << 16)
+                << std::hex << x << ' ' << y;
+        }
+    }
+}
+
 // Why Orin may take the minimum of f16 where integers are meant.
 TEST(Packed, HalfPrecisionOrdersSmallIntegersAsTheyAre) {
-    const auto value = [](unsigned bits) {
-        const int exponent = static_cast<int>(bits >> 10);
-        const int fraction = static_cast<int>(bits & 0x3ff);
-        return exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
-    };
     for (unsigned bits = 0; bits + 1 < 0x7c00; ++bits) {
-        ASSERT_LT(value(bits), value(bits + 1)) << bits;
+        ASSERT_LT(value_of_f16(bits), value_of_f16(bits + 1)) << bits;
+        ASSERT_EQ(cuda::lesser_as_f16(bits | (bits + 1) << 16, (bits + 1) | bits << 16), bits * 0x10001);
     }
     // Idle candidates with a penalty, and the largest cost there is.
     EXPECT_LT((cuda::unreachable | 0xff) + 193 + 7 * 255, 0x7c00U);

@@ -7,18 +7,27 @@
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "tests/emulation/simt.h"
 
 namespace disparityd::simt {
 
+using Operations = std::vector<std::function<void()>>;
+
 struct Stream {
-    std::vector<std::function<void()>> waiting;
+    Operations waiting;
+    Graph* captured = nullptr;  ///< where what is asked of it goes instead
 };
 
 struct Event {
     std::chrono::steady_clock::time_point time;
+    bool usable = true;  ///< not one that only orders the operations of a graph
+};
+
+struct Graph {
+    Operations operations;
 };
 
 namespace {
@@ -119,7 +128,7 @@ std::size_t allocated_bytes() {
 }
 
 void enqueue(Stream* stream, std::function<void()> operation) {
-    stream->waiting.push_back(std::move(operation));
+    (stream->captured != nullptr ? stream->captured->operations : stream->waiting).push_back(std::move(operation));
 }
 
 }  // namespace disparityd::simt
@@ -135,6 +144,9 @@ const char* cudaGetErrorString(cudaError_t error) {
         case cudaErrorNoDevice: return "no CUDA-capable device is detected";
         case cudaErrorInvalidDeviceFunction: return "invalid device function";
         case cudaErrorLaunchFailure: return "unspecified launch failure";
+        case cudaErrorNotSupported: return "operation not supported";
+        case cudaErrorStreamCaptureUnsupported: return "operation not permitted when stream is capturing";
+        case cudaErrorCapturedEvent: return "operation not permitted on an event last recorded in a capturing stream";
     }
     return "unknown";
 }
@@ -205,7 +217,10 @@ cudaError_t cudaStreamDestroy(cudaStream_t stream) {
 }
 
 cudaError_t cudaStreamSynchronize(cudaStream_t stream) {
-    std::vector<std::function<void()>> operations;
+    if (stream->captured != nullptr) {
+        return cudaErrorStreamCaptureUnsupported;
+    }
+    simt::Operations operations;
     operations.swap(stream->waiting);
     for (const auto& operation : operations) {
         if (simt::state() != cudaSuccess) {
@@ -237,12 +252,63 @@ cudaError_t cudaEventDestroy(cudaEvent_t event) {
     return simt::state();
 }
 
-cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t stream) {
+cudaError_t cudaEventRecordWithFlags(cudaEvent_t event, cudaStream_t stream, unsigned flags) {
+    const bool captured = stream->captured != nullptr;
+    if (flags == cudaEventRecordExternal && !captured) {
+        return cudaErrorInvalidValue;
+    }
+    event->usable = !captured || flags == cudaEventRecordExternal;
     simt::enqueue(stream, [event] { event->time = std::chrono::steady_clock::now(); });
     return simt::state();
 }
 
 cudaError_t cudaEventElapsedTime(float* milliseconds, cudaEvent_t start, cudaEvent_t end) {
+    if (!start->usable || !end->usable) {
+        return cudaErrorCapturedEvent;
+    }
     *milliseconds = std::chrono::duration<float, std::milli>(end->time - start->time).count();
+    return simt::state();
+}
+
+cudaError_t cudaStreamBeginCapture(cudaStream_t stream, cudaStreamCaptureMode /*mode*/) {
+    if (!simt::machine().graphs) {
+        return cudaErrorNotSupported;
+    }
+    return stream->captured != nullptr ? cudaErrorInvalidValue : simt::create(&stream->captured);
+}
+
+cudaError_t cudaStreamIsCapturing(cudaStream_t stream, cudaStreamCaptureStatus* status) {
+    *status = stream->captured != nullptr ? cudaStreamCaptureStatusActive : cudaStreamCaptureStatusNone;
+    return simt::state();
+}
+
+cudaError_t cudaStreamEndCapture(cudaStream_t stream, cudaGraph_t* graph) {
+    *graph = std::exchange(stream->captured, nullptr);
+    return simt::state();
+}
+
+cudaError_t cudaGraphInstantiateWithFlags(cudaGraphExec_t* executable, cudaGraph_t graph,
+                                          unsigned long long /*flags*/) {
+    const cudaError_t created = simt::create(executable);
+    if (created == cudaSuccess) {
+        (*executable)->operations = graph->operations;
+    }
+    return created;
+}
+
+cudaError_t cudaGraphLaunch(cudaGraphExec_t executable, cudaStream_t stream) {
+    for (const auto& operation : executable->operations) {
+        simt::enqueue(stream, operation);
+    }
+    return simt::state();
+}
+
+cudaError_t cudaGraphDestroy(cudaGraph_t graph) {
+    delete graph;
+    return simt::state();
+}
+
+cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable) {
+    delete executable;
     return simt::state();
 }

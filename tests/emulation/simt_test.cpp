@@ -192,5 +192,49 @@ TEST(Runtime, NothingHappensBeforeSomebodyWaits) {
     cudaStreamDestroy(stream);
 }
 
+TEST(Runtime, AGraphDoesWhatTheStreamWasAskedForWheneverItIsLaunched) {
+    cudaStream_t stream = nullptr;
+    ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+    int from = 1;
+    int to = 0;
+    ASSERT_EQ(cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), cudaSuccess);
+    cudaMemcpyAsync(&to, &from, sizeof(int), cudaMemcpyHostToDevice, stream);
+    EXPECT_EQ(cudaStreamSynchronize(stream), cudaErrorStreamCaptureUnsupported);
+    cudaGraph_t graph = nullptr;
+    cudaGraphExec_t executable = nullptr;
+    ASSERT_EQ(cudaStreamEndCapture(stream, &graph), cudaSuccess);
+    ASSERT_EQ(cudaGraphInstantiateWithFlags(&executable, graph, 0), cudaSuccess);
+    EXPECT_EQ(cudaGraphDestroy(graph), cudaSuccess);
+    EXPECT_EQ(cudaStreamSynchronize(stream), cudaSuccess);
+    EXPECT_EQ(to, 0);
+    for (const int value : {2, 3}) {
+        from = value;
+        EXPECT_EQ(cudaGraphLaunch(executable, stream), cudaSuccess);
+        EXPECT_EQ(cudaStreamSynchronize(stream), cudaSuccess);
+        EXPECT_EQ(to, value);
+    }
+    cudaGraphExecDestroy(executable);
+    cudaStreamDestroy(stream);
+}
+
+TEST(Runtime, AnEventWithinAGraphTellsNoTimeUnlessItIsExternal) {
+    cudaStream_t stream = nullptr;
+    cudaEvent_t event = nullptr;
+    cudaGraph_t graph = nullptr;
+    float time = 0;
+    cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking);
+    cudaEventCreate(&event);
+    EXPECT_EQ(cudaEventRecordWithFlags(event, stream, cudaEventRecordExternal), cudaErrorInvalidValue);
+    cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal);
+    EXPECT_EQ(cudaEventRecordWithFlags(event, stream, cudaEventRecordDefault), cudaSuccess);
+    EXPECT_EQ(cudaEventElapsedTime(&time, event, event), cudaErrorCapturedEvent);
+    EXPECT_EQ(cudaEventRecordWithFlags(event, stream, cudaEventRecordExternal), cudaSuccess);
+    EXPECT_EQ(cudaEventElapsedTime(&time, event, event), cudaSuccess);
+    cudaStreamEndCapture(stream, &graph);
+    cudaGraphDestroy(graph);
+    cudaEventDestroy(event);
+    cudaStreamDestroy(stream);
+}
+
 }  // namespace
 }  // namespace disparityd::test

@@ -153,6 +153,7 @@ TEST(BenchTest, WrongInputIsOneLine) {
         {{"--pair", "64x48x16x2"}, "64x48x16x2"},
         {{"--pair", "8x48x16"}, "8x48x16"},
         {{"--contestant", "gpu"}, "gpu"},
+        {{"--contestant", "cuda/bm"}, "cuda/sgm"},
         {{"--isa", "MMX"}, "MMX"},
         {{"--threads", "0"}, "256"},
         {{"--threads", "two"}, "two"},

@@ -17,7 +17,7 @@ struct StepTime {
 class Contestant {
 public:
     std::string name;      ///< "cpu/sgm", "naive/sad", "opencv/3way" ..
-    std::string isa;       ///< vector instructions: "AVX2", .., "compiled" (what the compiler made of it), "scalar"
+    std::string isa;       ///< vector instructions: "AVX2", .., "compiled" (the compiler's choice), "scalar"; or "GPU"
     int threads = 1;       ///< at most
     double memory_mb = 0;  ///< held at once from its making to the end of its first frame; NaN = not known
 

@@ -35,6 +35,12 @@ std::string list_of(const std::vector<std::string>& words) {
     return list;
 }
 
+bool has_gpu() {
+    const std::span<const Backend> all = backends();
+    return std::any_of(all.begin(), all.end(),
+                       [](const Backend& row) { return row.name == "cuda" && row.available(); });
+}
+
 /// Makes contestants one after the other.
 class LineUp {
 public:
@@ -48,6 +54,17 @@ public:
             for (const cpu::InstructionSet& set : selection_.instruction_sets) {
                 add(who, [&] { return make_ours(pair_, options(method), set, selection_.threads, pools_); });
             }
+        }
+    }
+
+    /// Who asks for it by name where there is no GPU is told why.
+    void cuda(Method method) {
+        const std::string who = "cuda/" + std::string(name(method));
+        if (wanted(selection_, who) && (!selection_.contestants.empty() || has_gpu())) {
+            add(who, [&] {
+                const MatcherConfig config{pair_.left.cols, pair_.left.rows, options(method)};
+                return make_with(backend("cuda").create(config), pair_, who, "GPU", pools_);
+            });
         }
     }
 
@@ -101,6 +118,7 @@ void check_contestants(const std::vector<std::string>& words) {
     std::vector<std::string> known;
     for (const Method method : methods) {
         known.push_back("cpu/" + std::string(name(method)));
+        known.push_back("cuda/" + std::string(name(method)));
         known.push_back("naive/" + std::string(name(method)));
     }
     for (const eval::OpencvMethod method : eval::opencv_methods()) {
@@ -108,7 +126,7 @@ void check_contestants(const std::vector<std::string>& words) {
     }
     for (const std::string& word : words) {
         if (std::none_of(known.begin(), known.end(), [&](const std::string& who) { return names(word, who); })) {
-            throw std::invalid_argument("--contestant: found '" + word + "', allowed: cpu, naive, opencv, " +
+            throw std::invalid_argument("--contestant: found '" + word + "', allowed: cpu, cuda, naive, opencv, " +
                                         list_of(known));
         }
     }
@@ -137,6 +155,9 @@ Contestants line_up(const StereoPair& pair, const Selection& selection,
     LineUp contestants(pair, selection, options_of, pools);
     for (const Method method : methods) {
         contestants.ours(method);
+    }
+    for (const Method method : methods) {
+        contestants.cuda(method);
     }
     for (const eval::OpencvMethod method : eval::opencv_methods()) {
         contestants.opencv(method);

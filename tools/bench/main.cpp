@@ -231,8 +231,8 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
         "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
         ->type_name("PAIR");
     several("--contestant", arguments.contestants,
-            "who matches: cpu, naive, opencv, or one of them such as cpu/sgm or opencv/3way; may be repeated; default "
-            "all, naive only up to 25 million candidates per frame")
+            "who matches: cpu, cuda, naive, opencv, or one of them such as cpu/sgm or opencv/3way; may be repeated; "
+            "default all that the machine has, naive only up to 25 million candidates per frame")
         ->type_name("NAME");
     program.add_option("--isa", arguments.isa, "vector instructions of cpu: best, all, or a name; default best")
         ->type_name("NAME");

@@ -218,18 +218,22 @@ int process(const ProcessArguments& arguments) {
     if (rectification.unrectified) {
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
-    const auto matcher = chosen.create({rectification.width, rectification.height, options});
+    const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, options});
+    const std::string substitute(matcher->substitute());
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
 
     std::optional<ProcessOutput> output;
     pipeline::Pipeline pipeline(config, *source, *matcher, workers, *schedule.frames,
                                 [&output](const pipeline::FrameSlot& slot) { output->write(slot); });
-    output.emplace(arguments.folder, formats_of(arguments, options.range), info, options, std::string(chosen.name),
-                   rectification, pipeline.steps());
+    output.emplace(arguments.folder, formats_of(arguments, options.range), info, options,
+                   substitute.empty() ? std::string(chosen.name) : substitute, rectification, pipeline.steps());
     const auto start = std::chrono::steady_clock::now();
     run(pipeline, info.frame_count);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     output->close();
+    if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
+        print_note(trouble);
+    }
     return report(arguments, pipeline.status(), schedule.calibrating, output->frames(), elapsed.count());
 }
 

@@ -5,3 +5,4 @@
 #include "tests/emulation/builtins.h"
 #include "tests/emulation/intrinsics.h"
 #include "tests/emulation/runtime_api.h"
+#include "tests/emulation/textures.h"
