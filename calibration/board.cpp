@@ -58,9 +58,12 @@ const char* cell_name(int column, int row) {
 
 std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>& numbers) {
     std::vector<cv::Point3f> points;
+    points.reserve(numbers.size());
     for (const int number : numbers) {
-        points.emplace_back(static_cast<float>(number % board.columns * board.square_mm),
-                            static_cast<float>(number / board.columns * board.square_mm), 0.0F);
+        const int column = number % board.columns;
+        const int row = number / board.columns;
+        points.emplace_back(static_cast<float>(column * board.square_mm), static_cast<float>(row * board.square_mm),
+                            0.0F);
     }
     return points;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,7 +18,7 @@ using Normal = cv::Matx<double, parameters, parameters>;
 using Vector = cv::Vec<double, parameters>;
 
 // How little yaw (rad) and focal length change: the standard deviations that hold them near 0.
-constexpr std::pair<Parameter, double> beliefs[] = {{yaw, 0.3 * 3.14159265358979323846 / 180}, {focal, 0.005}};
+constexpr std::pair<Parameter, double> beliefs[] = {{yaw, 0.3 * std::numbers::pi / 180}, {focal, 0.005}};
 
 /// Rotation about an axis by its length (Rodrigues' formula), by series: angles are small, and libraries differ in
 /// the last digit of a sine.

@@ -172,6 +172,7 @@ std::vector<Marker> find_markers(const cv::Mat& image, const MarkerFamily& famil
         }
     }
     std::vector<Marker> list;
+    list.reserve(found.size());
     for (const auto& [number, marker] : found) {
         list.push_back(marker);
     }

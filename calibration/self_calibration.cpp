@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -27,7 +28,7 @@ constexpr double largest_pitch_deviation = 0.05;
 constexpr double largest_roll_deviation = 0.1;        // at the side of the image
 constexpr double largest_disparity_deviation = 0.05;  // what yaw and focal length do there
 constexpr double least_gain = 0.02;                   // px, of the median error of unseen pairs
-constexpr double largest_turn = 1.5 * 3.14159265358979323846 / 180;
+constexpr double largest_turn = 1.5 * std::numbers::pi / 180;
 
 cv::Vec2d direction(const std::array<double, 9>& rotation, double x, double y) {
     const cv::Vec3d ray = cv::Matx33d(rotation.data()).t() * cv::Vec3d(x, y, 1);

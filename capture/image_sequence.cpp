@@ -12,6 +12,7 @@
 
 #include "capture/file_kind.h"
 #include "capture/image_times.h"
+#include "capture/text_file.h"
 
 namespace disparityd::capture {
 
@@ -21,13 +22,6 @@ namespace {
 
 constexpr std::array<std::string_view, 9> endings{".png", ".ppm", ".pgm",  ".jpg", ".jpeg",
                                                   ".bmp", ".tif", ".tiff", ".webp"};
-
-std::string lower_ending(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
-}
 
 std::vector<std::string> names_in(const std::string& folder) {
     std::error_code error;
@@ -239,7 +233,8 @@ KittiFolders find_kitti_folders(const std::string& folder) {
 std::vector<std::string> image_names(const std::string& folder) {
     std::vector<std::string> names = names_in(folder);
     std::erase_if(names, [](const std::string& name) {
-        return std::find(endings.begin(), endings.end(), lower_ending(name)) == endings.end();
+        return std::find(endings.begin(), endings.end(), lower_case(fs::path(name).extension().string())) ==
+               endings.end();
     });
     return names;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <condition_variable>
 #include <cstdio>
@@ -18,6 +17,7 @@
 #include <vector>
 
 #include "capture/recording_reader.h"
+#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -293,9 +293,7 @@ private:
 }  // namespace
 
 bool is_recording(const std::string& uri) {
-    std::string extension = std::filesystem::path(uri).extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_case(std::filesystem::path(uri).extension().string());
     constexpr std::array<std::string_view, 12> known{".mkv", ".mp4", ".mov",  ".avi", ".webm", ".m4v",
                                                      ".mpg", ".ts",  ".mpeg", ".y4m", ".ogv",  ".nut"};
     std::error_code error;

@@ -12,9 +12,8 @@ namespace {
 
 int to_errno(int code) {
     switch (code) {
-        case LIBUSB_SUCCESS: return 0;
-        // The device came back under another address: that is what a reset may do.
-        case LIBUSB_ERROR_NOT_FOUND: return 0;
+        case LIBUSB_SUCCESS:
+        case LIBUSB_ERROR_NOT_FOUND: return 0;  // it came back under another address: that is what a reset may do
         case LIBUSB_ERROR_NO_DEVICE: return ENODEV;
         case LIBUSB_ERROR_ACCESS: return EACCES;
         case LIBUSB_ERROR_BUSY: return EBUSY;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <exception>
+#include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
@@ -29,7 +30,7 @@ void copy(Plane<const std::uint8_t> plane, std::vector<std::uint8_t>& to) {
 }
 
 double degrees(std::int32_t nrad) {
-    return nrad * 1e-9 * 180 / 3.14159265358979323846;
+    return nrad * 1e-9 * 180 / std::numbers::pi;
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ struct ShmHeader {
     std::atomic<std::uint32_t> writer_pid;
 };
 
-/// What design.md wants of every frame, at the head of each slot, under the same sequence lock as the payload.
+/// What comes with every frame, at the head of each slot, under the same sequence lock as the payload.
 struct ShmFrame {
     std::uint64_t publish_index;  ///< counts from 0
     std::uint64_t sequence;

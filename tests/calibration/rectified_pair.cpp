@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "capture/frame_source.h"
@@ -49,7 +50,7 @@ RawImage SceneFrames::frame(int index) const {
 }
 
 std::int32_t nrad(double degrees) {
-    return static_cast<std::int32_t>(std::lround(degrees * 3.14159265358979323846 / 180 * 1e9));
+    return static_cast<std::int32_t>(std::lround(degrees * std::numbers::pi / 180 * 1e9));
 }
 
 }  // namespace disparityd::calibration::test

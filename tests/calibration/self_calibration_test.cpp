@@ -2,6 +2,7 @@
 #include "calibration/self_calibration.h"
 
 #include <algorithm>
+#include <numbers>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -51,7 +52,7 @@ SelfCalibrationResult estimate(const capture::StereoCalibration& factory, int fr
 constexpr double tolerance_degrees = 0.02;
 
 void expect_near_degrees(double radians, double degrees, const char* what) {
-    EXPECT_NEAR(radians * 180 / 3.14159265358979323846, degrees, tolerance_degrees) << what;
+    EXPECT_NEAR(radians * 180 / std::numbers::pi, degrees, tolerance_degrees) << what;
 }
 
 class InjectedTurn : public testing::TestWithParam<Turned> {};

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <numbers>
 
 #include <gmock/gmock.h>
 
@@ -30,7 +31,7 @@ protected:
         capture::SourceOptions options;
         options.uri = std::string(camera) + "&frames=1";
         const auto source = capture::open_source(options);
-        constexpr double nrad = 3.14159265358979323846 / 180 * 1e9;
+        constexpr double nrad = std::numbers::pi / 180 * 1e9;
         return folder_.write("untrue.yml", to_opencv_yaml(corrected(*source->info().calibration,
                                                                     {static_cast<int>(-pitch_degrees * nrad), 0,
                                                                      static_cast<int>(-roll_degrees * nrad), 0})));

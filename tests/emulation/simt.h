@@ -17,7 +17,7 @@ constexpr int most_threads = 1024;  // of a block
 
 struct Dim3 {
     unsigned x, y, z;
-    constexpr Dim3(unsigned nx = 1, unsigned ny = 1, unsigned nz = 1) : x(nx), y(ny), z(nz) {}  // NOLINT: as dim3 does
+    constexpr Dim3(unsigned nx = 1, unsigned ny = 1, unsigned nz = 1) : x(nx), y(ny), z(nz) {}  // implicit, as dim3 is
 };
 
 /// In which order the threads of a block take their turns, and its blocks theirs.

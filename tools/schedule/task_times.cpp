@@ -39,7 +39,7 @@ struct TimedKernels {
     Clock::time_point group_started;
 };
 
-TimedKernels timed;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
+TimedKernels timed;
 
 void timed_matching_cost(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
                          std::uint8_t* costs) {
