@@ -307,10 +307,8 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
         const bool too_short = buffer.bytesused < frame_bytes_;
         if (!damaged && !too_short) {
-            const std::int64_t stamp =
-                std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + std::int64_t{buffer.timestamp.tv_usec} * 1000;
             frame = {static_cast<const std::uint8_t*>(buffers_[buffer.index].memory),
-                     static_cast<std::ptrdiff_t>(stride_), buffer.sequence, capture_time(stamp, buffer.flags),
+                     static_cast<std::ptrdiff_t>(stride_), buffer.sequence, capture_time(buffer),
                      static_cast<int>((generation_ << index_bits) | buffer.index)};
             buffers_[buffer.index].lent = true;
             ++lent_;
@@ -326,11 +324,16 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
 }
 
 /// The driver's time where it is of our clock and can be true, else now.
-std::int64_t VideoStream::capture_time(std::int64_t stamp_ns, std::uint32_t flags) const {
-    constexpr std::int64_t oldest = 10'000'000'000;
+std::int64_t VideoStream::capture_time(const v4l2_buffer& buffer) const {
+    constexpr std::int64_t oldest_s = 10;
+    constexpr std::int64_t second = 1'000'000'000;
     const std::int64_t now = nanoseconds(system_.now().time_since_epoch()).count();
-    const bool our_clock = (flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
-    return our_clock && stamp_ns <= now && stamp_ns > now - oldest ? stamp_ns : now;
+    const bool our_clock = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
+    // Seconds first: those of a clock that wraps around may be too many to be counted in nanoseconds.
+    const std::int64_t stamp_s = buffer.timestamp.tv_sec;
+    const std::int64_t now_s = now / second;
+    const bool can_be = stamp_s >= std::max<std::int64_t>(0, now_s - oldest_s) && stamp_s <= now_s;
+    return our_clock && can_be ? std::min(now, stamp_s * second + std::int64_t{buffer.timestamp.tv_usec} * 1000) : now;
 }
 
 }  // namespace disparityd::capture

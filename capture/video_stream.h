@@ -12,6 +12,8 @@
 #include "capture/video_system.h"
 #include "kernels/raw_image.h"
 
+struct v4l2_buffer;
+
 namespace disparityd::capture {
 
 /// Why a V4L2 device cannot be used: what() has the call and the system's word for it.
@@ -108,7 +110,7 @@ private:
     int take_returned();
     void free_orphan(int loan);
     Got dequeue(VideoFrame& frame);
-    std::int64_t capture_time(std::int64_t stamp_ns, std::uint32_t flags) const;
+    std::int64_t capture_time(const v4l2_buffer& buffer) const;
 
     VideoSystem& system_;
     Waker& waker_;

@@ -272,7 +272,7 @@ int FakeVideoSystem::dequeue(Device& device, Camera& camera, void* argument) {
     buffer.bytesused = filled.bytes;
     buffer.sequence = filled.sequence;
     const auto stamp = nanoseconds(filled.time.time_since_epoch()).count();
-    buffer.timestamp.tv_sec = stamp / 1'000'000'000;
+    buffer.timestamp.tv_sec = camera.stamp_s.value_or(stamp / 1'000'000'000);
     buffer.timestamp.tv_usec = stamp % 1'000'000'000 / 1000;
     return 0;
 }

@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ public:
         std::map<std::pair<std::uint8_t, std::uint32_t>, std::uint8_t> registers{};  ///< behind the unit, by part
         std::int32_t brightness = 4;                                                 ///< a control of V4L2, 0 .. 8
         bool old_clock = false;                                                      ///< stamps with another clock
+        std::optional<std::int64_t> stamp_s{};                                       ///< in place of the true seconds
     };
     struct Fault {
         bool flagged = false;

@@ -208,6 +208,20 @@ TEST_F(VideoStreamTest, ATimeOfAnotherClockIsReplaced) {
     EXPECT_EQ(frame.monotonic_ns, std::chrono::nanoseconds(system_.now().time_since_epoch()).count());
 }
 
+TEST_F(VideoStreamTest, ATimeThatCannotBeIsReplaced) {
+    open_and_start();
+    const std::int64_t now_s = system_.now().time_since_epoch() / 1s;
+    // As a driver's clock that wraps around has them, and ones that are too old or still to come.
+    for (const std::int64_t stamp_s : {INT64_MIN, INT64_MIN / 1'000'000'000 - 1, std::int64_t{-1}, now_s - 12,
+                                       now_s + 12, INT64_MAX / 1'000'000'000 + 1, INT64_MAX}) {
+        camera().stamp_s = stamp_s;
+        VideoFrame frame;
+        ASSERT_EQ(take(frame), Got::frame);
+        EXPECT_EQ(frame.monotonic_ns, std::chrono::nanoseconds(system_.now().time_since_epoch()).count()) << stamp_s;
+        stream_.give_back(frame.loan);
+    }
+}
+
 TEST(FrameCounterTest, CountsGapsAcrossTheWrap) {
     FrameCounter counter;
     const auto expect = [&counter](std::uint32_t number, std::uint64_t sequence, std::uint32_t lost, bool gap) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the real daemon says when the system does not give it what it asks for; it runs all the same.
+#include <csignal>
+
 #include <gmock/gmock.h>
 #include <sys/prctl.h>
 
@@ -45,6 +47,32 @@ TEST_F(NoticesTest, NoHugePages) {
     prctl(PR_SET_THP_DISABLE, 0, 0, 0, 0);
     ASSERT_TRUE(daemon->wait_for_log("no huge pages")) << daemon->log();
     EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("no huge pages")));
+}
+
+// A disk that is too slow and frames that come too fast are the same to a recorder: its buffers are full.
+TEST_F(NoticesTest, ARecordingThatLosesFramesSaysSoOnceAndIsValid) {
+    const std::string slow = "slow.mkv: frames come faster than they can be written and are lost: record to a faster";
+    {
+        const auto daemon = start_ready(config_text("scene:hd720@1000?loop=2"));
+        WireClient client(daemon->address("tcp:"));
+        client.hello();
+        ASSERT_TRUE(client.record("slow.mkv"));
+        EXPECT_TRUE(daemon->wait_for_log(slow)) << daemon->log();
+        const std::uint64_t lost = status(client).record().lost();
+        EXPECT_GT(lost, 0U);
+        while (status(client).record().lost() == lost) {
+        }
+        EXPECT_TRUE(client.record(""));
+        const v1::RecordStatus end = status(client).record();
+        EXPECT_EQ(end.error(), "");
+        EXPECT_GT(end.frames(), 0U);
+        EXPECT_EQ(daemon->log().find(slow), daemon->log().rfind(slow)) << daemon->log();
+        daemon->send_signal(SIGTERM);
+        EXPECT_EQ(daemon->wait_for_exit(), 0) << daemon->log();
+    }
+    const auto replay =
+        start(config_text(folder_.path() + "/slow.mkv"), {"--exit-at-end", "--set", "source.pace=fastest"});
+    EXPECT_EQ(replay->wait_for_exit(std::chrono::seconds(60)), 0) << replay->log();
 }
 
 }  // namespace
