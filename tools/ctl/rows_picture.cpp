@@ -40,8 +40,10 @@ std::vector<Place> choose(const RowsOfPair& before, const RowsOfPair& after) {
     constexpr double same = 12;
     std::vector<Place> places;
     for (int part = 0; part < columns * rows; ++part) {
-        const CornerMatch middle{(part % columns + 0.5) * before.left().cols / columns,
-                                 (part / columns + 0.5) * before.left().rows / rows, 0, 0};
+        const int column = part % columns;
+        const int row = part / columns;
+        const CornerMatch middle{(column + 0.5) * before.left().cols / columns, (row + 0.5) * before.left().rows / rows,
+                                 0, 0};
         std::optional<Place> best;
         for (const CornerMatch& match : before.matches()) {
             const auto nearest =
