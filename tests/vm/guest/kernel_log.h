@@ -6,6 +6,9 @@
 
 namespace vm_guest {
 
+/// All lines of the kernel's log, the oldest first.
+std::vector<std::string> kernel_log();
+
 /// Lines of the kernel's log that tell of a fault in the kernel: warnings with a trace, bugs, oopses, stuck tasks.
 std::vector<std::string> kernel_complaints();
 

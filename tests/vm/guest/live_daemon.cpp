@@ -15,22 +15,16 @@ namespace vm_guest {
 
 namespace {
 
-std::vector<std::string> arguments(const std::string& uri, const std::string& name, std::vector<std::string> settings) {
+std::vector<std::string> arguments(const std::string& uri, const std::string& name,
+                                   const std::vector<std::string>& more) {
     std::vector<std::string> all{"--source", uri, "--name", name, "--print-address"};
-    for (const char* usual : {"socket.tcp=127.0.0.1:0", "socket.unix=", "source.allow_unrectified=true",
-                              "match.method=sad", "match.disparities=16", "match.depth=false"}) {
-        settings.emplace_back(usual);
-    }
+    std::vector<std::string> settings{"socket.tcp=127.0.0.1:0", "socket.unix=",         "source.allow_unrectified=true",
+                                      "match.method=sad",       "match.disparities=16", "match.depth=false"};
+    settings.insert(settings.end(), more.begin(), more.end());
     for (const std::string& each : settings) {
         all.insert(all.end(), {"--set", each});
     }
     return all;
-}
-
-std::int64_t monotonic_ns() {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
 std::string unused_name() {
@@ -40,9 +34,15 @@ std::string unused_name() {
 
 }  // namespace
 
-LiveDaemon::LiveDaemon(const std::string& uri, const std::string& program, std::vector<std::string> settings)
-    : name_(unused_name()), process_(folder_, arguments(uri, name_, std::move(settings)), {}, program) {
-    if (!process_.wait_until_ready(patience)) {
+std::int64_t monotonic_ns() {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
+}
+
+LiveDaemon::LiveDaemon(const std::string& uri, const std::string& program, const std::vector<std::string>& settings)
+    : name_(unused_name()), process_(folder_, arguments(uri, name_, settings), {}, program) {
+    if (!process_.wait_until_ready(3 * patience)) {
         throw std::runtime_error("the daemon did not start: " + process_.log());
     }
     client_.emplace(process_.address("tcp:"), "never reconnects", patience);
@@ -87,6 +87,19 @@ bool LiveDaemon::wait_for_new_frame() {
     });
 }
 
+bool LiveDaemon::recovers() {
+    if (!wait_for_camera("streaming") || !wait_for_new_frame()) {
+        return false;
+    }
+    const std::int64_t begin = frame_.monotonic_ns;
+    while (frame_.monotonic_ns < begin + 2'500'000'000) {
+        if (!wait_for_new_frame()) {
+            return false;
+        }
+    }
+    return true;
+}
+
 void LiveDaemon::reload() {
     const std::string taken_over = " serving v4l2";
     const auto chains = [&] {
@@ -127,6 +140,13 @@ LiveDaemon::Resources LiveDaemon::resources() const {
         found.video_maps += line.find("/dev/video") != std::string::npos ? 1 : 0;
     }
     return found;
+}
+
+bool LiveDaemon::comes_back_to(const Resources& before) {
+    return eventually([&] {
+        read_once();
+        return resources() == before;
+    });
 }
 
 std::string in_words(const LiveDaemon::Status& status) {

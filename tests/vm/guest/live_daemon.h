@@ -22,7 +22,7 @@ public:
 
     /// `program`: disparityd, or what starts it. Serves unrectified frames, matched as fast as can be.
     explicit LiveDaemon(const std::string& uri, const std::string& program = "/vm/disparityd",
-                        std::vector<std::string> settings = {});
+                        const std::vector<std::string>& settings = {});
 
     /// Whether a status comes that fulfils the condition.
     bool wait_for(const std::function<bool(const Status&)>& condition);
@@ -30,6 +30,8 @@ public:
     bool wait_for_camera(const std::string& state);
     /// Whether a frame comes that was captured after this call.
     bool wait_for_new_frame();
+    /// Whether frames come for so long that the daemon no longer counts what it tried before.
+    bool recovers();
 
     /// Has the configuration loaded again; throws std::runtime_error unless the new chain takes over.
     void reload();
@@ -52,6 +54,8 @@ public:
         bool operator==(const Resources&) const = default;
     };
     Resources resources() const;
+    /// Whether nothing is left but this; connections and threads take a moment to end.
+    bool comes_back_to(const Resources& before);
 
 private:
     void read_once();
@@ -67,6 +71,9 @@ private:
 
 /// What a failed test shows of a status.
 std::string in_words(const LiveDaemon::Status& status);
+
+/// CLOCK_MONOTONIC.
+std::int64_t monotonic_ns();
 
 std::ostream& operator<<(std::ostream& out, const LiveDaemon::Resources& resources);
 

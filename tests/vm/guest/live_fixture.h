@@ -10,7 +10,8 @@
 
 namespace vm_guest {
 
-/// A camera, a daemon on it and its client, one of each for all tests of a suite. A failed test shows the daemon's log.
+/// A camera, a daemon on it and its client, one of each for all tests of a suite, at whose end the daemon holds no more
+/// than at its beginning. A failed test shows the daemon's log.
 class LiveTest : public testing::Test {
 protected:
     using Status = LiveDaemon::Status;
@@ -24,6 +25,9 @@ protected:
 
     static std::unique_ptr<CameraProcess> camera_;
     static std::unique_ptr<LiveDaemon> daemon_;
+
+private:
+    static LiveDaemon::Resources at_start_;
 };
 
 }  // namespace vm_guest

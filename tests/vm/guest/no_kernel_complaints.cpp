@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Linked into a test program: whatever its tests did, the kernel must not have complained.
+#include <algorithm>
+#include <cstdio>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -13,10 +15,18 @@ namespace {
 class NoKernelComplaints : public testing::Environment {
 public:
     void TearDown() override {
-        EXPECT_THAT(kernel_complaints(), testing::IsEmpty());
+        const auto complaints = kernel_complaints();
+        EXPECT_THAT(complaints, testing::IsEmpty());
+        if (!complaints.empty()) {
+            const auto log = kernel_log();
+            const std::size_t shown = std::min<std::size_t>(log.size(), 100);
+            for (auto line = log.end() - static_cast<std::ptrdiff_t>(shown); line != log.end(); ++line) {
+                std::printf("%s\n", line->c_str());
+            }
+        }
         // That a complaint would have been seen.
         std::ofstream("/dev/kmsg") << "a test writes WARNING: CPU" << std::endl;
-        EXPECT_THAT(kernel_complaints(), testing::SizeIs(1));
+        EXPECT_THAT(kernel_complaints(), testing::SizeIs(complaints.size() + 1));
     }
 };
 
