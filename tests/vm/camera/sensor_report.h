@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 
 #include "tests/vm/camera/byte_order.h"
 
@@ -16,5 +17,8 @@ inline constexpr std::uint32_t reports_per_environment = 10;
 /// The input report with this number: 1 g along z, at rest but for the x axis, whose gyroscope counts the reports from
 /// 0 to 32767 and begins again.
 Bytes sensor_report(std::uint32_t number, std::int64_t monotonic_ns);
+
+/// Angular velocity about x, rad/s, that the report with a number shows for each unit of the number (below 32768).
+inline constexpr double angular_velocity_per_number = 1000.0 / 32768 * std::numbers::pi / 180;
 
 }  // namespace simulated_camera

@@ -3,6 +3,7 @@
 // Frames on their way to a client that never reconnects, with damaged ones among them, and a camera that goes and
 // comes.
 #include <algorithm>
+#include <fstream>
 #include <optional>
 
 #include <fcntl.h>
@@ -48,6 +49,61 @@ TEST_F(LiveFrames, ErroneousAndShortFramesAreCountedAndNotServed) {
         camera_->tell(fault);
         EXPECT_TRUE(daemon_->wait_for([&](const Status& status) { return status.lost_before() >= lost + 2; })) << fault;
         EXPECT_TRUE(streams());
+    }
+}
+
+TEST_F(LiveFrames, FramesThatTheCameraLeavesOutAreNoTrouble) {
+    const auto number = [] { return number_of_left_picture(*daemon_->frame().plane(disparity::Product::left)); };
+    const auto before = number();
+    ASSERT_TRUE(before);
+    camera_->tell("drop 30");
+    EXPECT_TRUE(eventually([&] { return daemon_->wait_for_new_frame() && number() && *number() > *before + 30; }));
+    EXPECT_TRUE(streams());
+}
+
+/// From the next plugging on, uvcvideo hands damaged frames on instead of dropping them.
+class DriverKeepsDamagedFrames {
+public:
+    DriverKeepsDamagedFrames() { set('1'); }
+    ~DriverKeepsDamagedFrames() { set('0'); }
+    DriverKeepsDamagedFrames(const DriverKeepsDamagedFrames&) = delete;
+    DriverKeepsDamagedFrames& operator=(const DriverKeepsDamagedFrames&) = delete;
+
+private:
+    static void set(char value) { std::ofstream("/sys/module/uvcvideo/parameters/nodrop") << value; }
+};
+
+TEST_F(LiveFrames, DamagedFramesThatTheDriverHandsOnAreCountedAndNotServed) {
+    camera_->unplug();
+    {
+        const DriverKeepsDamagedFrames keeps;
+        camera_->plug();
+    }
+    ASSERT_TRUE(streams());
+    for (const char* fault : {"err 2", "short 2"}) {
+        const auto kept = [](const Status& status) { return status.camera().damaged() + status.camera().too_short(); };
+        const std::uint64_t before = kept(daemon_->status());
+        camera_->tell(fault);
+        EXPECT_TRUE(daemon_->wait_for([&](const Status& status) { return kept(status) >= before + 2; })) << fault;
+        EXPECT_TRUE(streams());
+    }
+    camera_->unplug();
+    camera_->plug();
+    EXPECT_TRUE(streams());
+}
+
+TEST_F(LiveFrames, ACameraThatTheKernelMaySuspendIsANotice) {
+    const auto is_said = [] {
+        const Status status = daemon_->status();
+        return std::any_of(status.notices().begin(), status.notices().end(), [](const std::string& notice) {
+            return notice.find("the kernel may suspend ZED") != std::string::npos;
+        });
+    };
+    for (const bool automatic : {true, false}) {
+        std::ofstream(camera_->node().usb_path + "/power/control") << (automatic ? "auto" : "on");
+        daemon_->reload();
+        ASSERT_TRUE(streams());
+        EXPECT_EQ(is_said(), automatic);
     }
 }
 

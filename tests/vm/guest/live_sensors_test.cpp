@@ -18,8 +18,8 @@ using Status = LiveDaemon::Status;
 
 // The number that the simulated gyroscope shows.
 std::int64_t number_of(const disparity::SensorSample& sample) {
-    constexpr double radians_per_count = 1000.0 / 32768 * 3.14159265358979 / 180;
-    return std::lround(static_cast<double>(sample.inertial->angular_velocity.x) / radians_per_count);
+    return std::lround(static_cast<double>(sample.inertial->angular_velocity.x) /
+                       simulated_camera::angular_velocity_per_number);
 }
 
 class LiveSensors : public testing::Test {

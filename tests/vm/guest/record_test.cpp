@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is recorded from a live camera is what the camera sent.
+#include <cmath>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -11,6 +12,7 @@
 #include "capture/recording_reader.h"
 #include "tests/daemon/daemon_process.h"
 #include "tests/daemon/wire_client.h"
+#include "tests/vm/camera/sensor_report.h"
 #include "tests/vm/camera/test_pattern.h"
 #include "tests/vm/guest/camera_process.h"
 #include "tests/vm/guest/live_daemon.h"
@@ -63,6 +65,31 @@ TEST(Record, EveryFrameIsWholeToTheByteAndInOrder) {
                             "/vm/disparityctl");
     ASSERT_EQ(recording.wait_for_exit(3 * patience), 0) << recording.log();
     EXPECT_EQ(play(file, 2U * 1344 * 376).frames, 30);
+}
+
+TEST(Record, WhatTheSensorsMeasuredStandsBesideTheFrames) {
+    const CameraProcess camera({"--model", "zed2", "--sensors"});
+    const TemporaryFolder folder;
+    const std::string file = folder.path() + "/live.mkv";
+    DaemonProcess recording(folder, {"record", file, "--source", "v4l2:vga@15", "--frames", "20"}, {},
+                            "/vm/disparityctl");
+    ASSERT_EQ(recording.wait_for_exit(3 * patience), 0) << recording.log();
+    disparityd::capture::RecordingReader reader(file);
+    std::vector<std::uint8_t> frame(reader.frame_bytes());
+    disparityd::capture::recording::FrameFacts facts;
+    std::vector<disparityd::capture::SensorSample> samples;
+    while (reader.read(facts, frame.data())) {
+        samples.insert(samples.end(), facts.sensors.begin(), facts.sensors.end());
+    }
+    const auto number = [](const disparityd::capture::SensorSample& sample) {
+        return std::lround(static_cast<double>(sample.angular_velocity.x) /
+                           simulated_camera::angular_velocity_per_number);
+    };
+    ASSERT_GT(samples.size(), 15U) << recording.log();
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+        EXPECT_EQ(number(samples[i]), number(samples[i - 1]) + 1) << "sample " << i;
+        EXPECT_GT(samples[i].monotonic_ns, samples[i - 1].monotonic_ns) << "sample " << i;
+    }
 }
 
 /// As long as the file /vm/record_seconds says (run --file), else short enough for every day.
