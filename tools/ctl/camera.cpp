@@ -58,7 +58,8 @@ void add_camera(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "a list of objects");
     arguments->daemon.add_to(command);
     command.footer(
-        "What is set holds until the daemon ends, also when the camera is plugged in anew, or until a reload has another\n"
+        "What is set holds until the daemon ends, also when the camera is plugged in anew, or until a reload has "
+        "another\n"
         "value for that control; [source] controls in the configuration is for good. Nothing is set when one name or\n"
         "value is wrong.\n"
         "Exposure and gain of a ZED can be set for each eye once auto-exposure is 0.\n"
