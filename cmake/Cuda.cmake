@@ -21,6 +21,27 @@ set(DISPARITYD_CUDA_HOST
   rectify_stage.cpp
   runtime.cpp)
 
+# Of the machines that are looked after those that this toolkit builds for: Ampere (80, which 86 and Ada's 89 run too), Jetson
+# Orin, Hopper, Blackwell (100, 120), Jetson Thor (101 before CUDA 13, then 110). The last one's intermediate code makes newer
+# devices start slowly once, and then run.
+function(disparityd_cuda_architectures result)
+  execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE known ERROR_QUIET RESULT_VARIABLE failed)
+  if(failed)
+    set(known "sm_80 sm_87")
+  endif()
+  string(REGEX MATCHALL "sm_[0-9]+" known "${known}")
+  set(architectures "")
+  foreach(architecture 80 87 90 100 101 110 120)
+    if("sm_${architecture}" IN_LIST known)
+      list(APPEND architectures ${architecture}-real)
+    endif()
+  endforeach()
+  list(POP_BACK architectures newest)
+  string(REPLACE "-real" "" newest "${newest}")
+  list(APPEND architectures ${newest})
+  set(${result} "${architectures}" PARENT_SCOPE)
+endfunction()
+
 set(DISPARITYD_WITH_CUDA OFF)
 if(NOT DISPARITYD_CUDA)
   return()
@@ -34,10 +55,9 @@ endif()
 include(CheckLanguage)
 check_language(CUDA)
 if(CMAKE_CUDA_COMPILER AND CUDAToolkit_FOUND)
-  # Ampere (80, its code runs on 86 and 89 too), Jetson Orin and Hopper; the last one's intermediate code makes newer devices
-  # start slowly once, and then run.
   if(NOT CMAKE_CUDA_ARCHITECTURES)
-    set(CMAKE_CUDA_ARCHITECTURES "80-real;87-real;90" CACHE STRING "Compute capabilities that the back end cuda is built for")
+    disparityd_cuda_architectures(architectures)
+    set(CMAKE_CUDA_ARCHITECTURES "${architectures}" CACHE STRING "Compute capabilities that the back end cuda is built for")
   endif()
   enable_language(CUDA)
   set(DISPARITYD_WITH_CUDA ON)

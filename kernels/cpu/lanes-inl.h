@@ -108,11 +108,13 @@ HWY_INLINE V loaded_once(V v) {
     return v;
 }
 
-/// What a load `bytes` after that of `v` would give, when `next` was loaded 4 bytes after it.
-#if HWY_TARGET == HWY_AVX3_DL
-constexpr bool has_bytes_between = true;
+/// Whether bytes_between() is a single operation.
+constexpr bool bytes_between_is_cheap = HWY_TARGET == HWY_AVX3_DL;
+
+/// What a load 1, 2 or 3 `bytes` after that of `v` would give, when `next` was loaded 4 bytes after it.
 template <int bytes, class V>
 HWY_INLINE V bytes_between(V v, V next) {
+#if HWY_TARGET == HWY_AVX3_DL
     if constexpr (sizeof(v.raw) == 64) {
         return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
     } else if constexpr (sizeof(v.raw) == 32) {
@@ -120,14 +122,13 @@ HWY_INLINE V bytes_between(V v, V next) {
     } else {
         return V{_mm_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
     }
-}
 #else
-constexpr bool has_bytes_between = false;
-template <int bytes, class V>
-HWY_INLINE V bytes_between(V v, V) {
-    return v;
-}
+    const hn::DFromV<V> tag;
+    const hn::Repartition<std::uint32_t, decltype(tag)> words;
+    return hn::BitCast(tag, hn::Or(hn::ShiftRight<8 * bytes>(hn::BitCast(words, v)),
+                                   hn::ShiftLeft<32 - 8 * bytes>(hn::BitCast(words, next))));
 #endif
+}
 
 /// The least byte of 16, in all lanes of `tag`.
 template <class Tag, class Block>

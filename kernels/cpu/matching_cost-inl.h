@@ -106,8 +106,8 @@ private:
         const std::uint8_t* right = right_;
         for (int plane = 0; plane < census_planes; ++plane) {
             V bits[sources];
-            if constexpr (has_bytes_between && registers == 1 && count == 4) {
-                // Half of the loads, which cross cache lines, are more than the processor can do beside the rest.
+            if constexpr (bytes_between_is_cheap && registers == 1 && count == 4) {
+                // Four loads across cache lines would take longer than all that is done with them.
                 bits[0] = loaded_once(hn::LoadU(tag_, right + source[0]));
                 const V next = loaded_once(hn::LoadU(tag_, right + source[0] + 4));
                 bits[1] = bytes_between<1>(bits[0], next);

@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "hwy/cache_control.h"
 #include "kernels/cpu/census_planes-inl.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/path_form.h"
