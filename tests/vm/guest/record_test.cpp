@@ -94,7 +94,7 @@ TEST(Record, WhatTheSensorsMeasuredStandsBesideTheFrames) {
 
 /// As long as the file /vm/record_seconds says (run --file), else short enough for every day.
 std::string seconds_to_record() {
-    std::string text = "5";
+    std::string text = "2";
     std::ifstream("/vm/record_seconds") >> text;
     return text;
 }
