@@ -16,7 +16,6 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 template <class Tag, int registers, PathForm form>
 struct Aggregation {
-    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     // Two rows side by side where a row alone leaves the processor idle: measured 31 to 20 cycles per pixel with one
     // register of 64 lanes, but 50 to 57 with two.
     static constexpr int rows_at_once = registers == 1 ? 2 : 1;

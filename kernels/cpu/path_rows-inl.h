@@ -266,8 +266,6 @@ private:
             }
             if constexpr (form.any_p2) {
                 cost[r] = hn::Or(cost[r], padding_[r]);
-            }
-            if constexpr (form.any_p2) {
                 m[r] = hn::Sub(hn::Min(m[r], limit), state.least);
                 sums.set(r, m[r]);
             } else {
