@@ -183,19 +183,21 @@ public:
 
     void run(Minima& minima, std::int16_t* right_winner) {
         const int batches = (width_ + at_once - 1) / at_once;
-        for (int batch = 0; batch < batches; ++batch) {
-            const int x = (direction > 0 ? batch : batches - 1 - batch) * at_once;
-            const int count = std::min(at_once, width_ - x);
-            all_keys(x, count);
-            for (int i = 0; i < count; i += 8) {
-                winners(i, minima.least + x + i, minima.winner + x + i);
-                right_winners(i, x + i);
+        Batch before;
+        for (int i = 0; i <= batches; ++i) {
+            const Batch batch = i < batches ? batch_at(i) : Batch{0, 0, before.keys};
+            all_keys(batch, before, minima);
+            for (int k = 0; k < batch.count; k += 8) {
+                winners(k, minima.least + batch.x + k, minima.winner + batch.x + k);
+                right_winners(k, batch.x + k);
             }
-            take_neighbours(x, count, minima);
-            for (int i = 0; i < count; i += 8) {
-                second(i, minima.second + x + i);
+            for (int k = 0; k < before.count; k += 8) {
+                second(before, k, minima.second + before.x + k);
             }
+            before = batch;
         }
+        sums_of_keys(minima.before);
+        sums_of_keys(minima.after);
         finish_right(right_winner);
     }
 
@@ -205,9 +207,24 @@ private:
     static constexpr int right_origin = max_disparities + 64;
     static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
 
-    std::uint16_t* keys(int i) { return keys_ + i * candidates; }
+    // Pixels x .. x + count - 1, and where their keys are.
+    struct Batch {
+        int x = 0;
+        int count = 0;
+        std::uint16_t* keys = nullptr;
 
-    HWY_INLINE void all_keys(int x, int count) {
+        std::uint16_t* of(int i) const { return keys + i * candidates; }
+    };
+
+    Batch batch_at(int i) {
+        const int batches = (width_ + at_once - 1) / at_once;
+        const int x = (direction > 0 ? i : batches - 1 - i) * at_once;
+        return {x, std::min(at_once, width_ - x), keys_ + i % 2 * at_once * candidates};
+    }
+
+    // Keys of a batch, and in between the sums beside the winners of the batch before: scattered loads and stores
+    // beside vector operations.
+    HWY_INLINE void all_keys(const Batch& batch, const Batch& before, Minima& minima) {
         // Copies that nobody else can see stay in registers.
         Right right = right_;
         const Keys keys_of = keys_of_;
@@ -217,10 +234,10 @@ private:
             candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits, raised>.names + q * lanes);
         }
         const bool padded = range_.count != candidates;
-        for (int n = 0; n < count; ++n) {
-            const int i = direction > 0 ? n : count - 1 - n;
+        for (int n = 0; n < batch.count; ++n) {
+            const int i = direction > 0 ? n : batch.count - 1 - n;
             V key[classes];
-            keys_of(x + i, key);
+            keys_of(batch.x + i, key);
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 key[q] = hn::Add(key[q], candidate[q]);
@@ -235,10 +252,16 @@ private:
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 least = hn::Min(least, key[q]);
-                hn::Store(key[q], tag_, keys(i) + q * lanes);
+                hn::Store(key[q], tag_, batch.of(i) + q * lanes);
             }
             hn::Store(least, tag_, least_ + i * lanes);
             hn::Store(right.add(key), tag_, right_least_ + i * lanes);
+            if (n < before.count) {
+                take_neighbours(before, n, minima);
+            }
+        }
+        for (int n = batch.count; n < before.count; ++n) {
+            take_neighbours(before, n, minima);
         }
         right_ = right;
     }
@@ -266,28 +289,32 @@ private:
         }
     }
 
-    // The sums beside each winner; they and the winner do not take part in the search for the second.
-    HWY_INLINE void take_neighbours(int x, int count, Minima& minima) {
-        for (int i = 0; i < count; ++i) {
-            const std::uint16_t* place = places_.around(minima.winner[x + i]);
-            std::uint16_t* all = keys(i);
-            const unsigned before = all[place[0]];
-            const unsigned after = all[place[2]];
-            all[place[0]] = no_key;
-            all[place[1]] = no_key;
-            all[place[2]] = no_key;
-            minima.before[x + i] = static_cast<std::int16_t>(before >> bits);
-            minima.after[x + i] = static_cast<std::int16_t>(after >> bits);
+    // The keys beside a winner; they and the winner do not take part in the search for the second.
+    HWY_INLINE void take_neighbours(const Batch& batch, int i, Minima& minima) {
+        const int x = batch.x + i;
+        const std::uint16_t* place = places_.around(minima.winner[x]);
+        std::uint16_t* all = batch.of(i);
+        minima.before[x] = static_cast<std::int16_t>(all[place[0]]);
+        minima.after[x] = static_cast<std::int16_t>(all[place[2]]);
+        all[place[0]] = no_key;
+        all[place[1]] = no_key;
+        all[place[2]] = no_key;
+    }
+
+    void sums_of_keys(std::int16_t* keys) const {
+        for (int x = 0; x < width_; x += lanes) {
+            auto* at = reinterpret_cast<std::uint16_t*>(keys + x);
+            hn::Store(hn::ShiftRight<bits>(hn::Load(tag_, at)), tag_, at);
         }
     }
 
-    HWY_INLINE void second(int i, std::int16_t* least) {
+    HWY_INLINE void second(const Batch& batch, int i, std::int16_t* least) {
         const hn::FixedTag<std::uint16_t, 8> block;
         const auto least_key = least_of_pixels(tag_, [&](int k) {
-            V v = hn::Load(tag_, keys(i + k));
+            V v = hn::Load(tag_, batch.of(i + k));
             DISPARITYD_UNROLL
             for (int q = 1; q < classes; ++q) {
-                v = hn::Min(v, hn::Load(tag_, keys(i + k) + q * lanes));
+                v = hn::Min(v, hn::Load(tag_, batch.of(i + k) + q * lanes));
             }
             return v;
         });
@@ -345,7 +372,7 @@ private:
     Places places_;
     alignas(64) std::uint16_t padding_[candidates];
     Right right_;
-    alignas(64) std::uint16_t keys_[at_once * candidates] = {};
+    alignas(64) std::uint16_t keys_[2 * at_once * candidates] = {};
     alignas(64) std::uint16_t least_[at_once * lanes] = {};
     alignas(64) std::uint16_t right_least_[at_once * lanes] = {};
     std::uint16_t right_row_[Groups::blocks][right_size];

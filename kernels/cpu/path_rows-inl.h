@@ -12,6 +12,7 @@
 #endif
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 #include "kernels/cpu/census_planes-inl.h"
@@ -32,12 +33,14 @@ class PathRows {
     // Of the paths of PathRow those that there are.
     static constexpr int paths_before = form.diagonals ? 3 : 1;
     static constexpr int path_before(int i) { return form.diagonals ? i : 1; }
+    static constexpr bool less_p1 = !form.any_p2;
 
 public:
     PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
         : width_(geometry.width),
           step_(pass.direction * candidates),
           p1_(hn::Set(tag_, static_cast<std::uint8_t>(pass.p1))),
+          less_(static_cast<std::uint8_t>(paths_before * pass.p1)),
           none_(hn::Set(tag_, std::uint8_t{255})),
           before_(before) {
         if constexpr (form.any_p2) {
@@ -150,7 +153,9 @@ private:
         state.least = hn::Load(tag_, from + 2 * candidates);
     }
 
-    // M from N, for one path.
+    // M from N, for one path; with `less_p1`, and N raised, less by P1: P1 is taken from N(d) instead of added to its
+    // neighbours, which needs no saturation.
+    template <bool less_p1>
     HWY_INLINE void continue_path(const V* n, V* m) const {
         const V below = path_from_below<registers>(tag_, n[registers - 1], none_);
         const V above = path_from_above<registers>(tag_, n[0], none_);
@@ -158,7 +163,8 @@ private:
         for (int r = 0; r < registers; ++r) {
             const V before = r == 0 ? below : n[r - 1];
             const V after = r == registers - 1 ? above : n[r + 1];
-            m[r] = hn::Min(n[r], hn::SaturatedAdd(hn::Min(before, after), p1_));
+            const V step = hn::Min(before, after);
+            m[r] = less_p1 ? hn::Min(hn::Sub(n[r], p1_), step) : hn::Min(n[r], hn::SaturatedAdd(step, p1_));
         }
     }
 
@@ -218,14 +224,14 @@ private:
         DISPARITYD_UNROLL
         for (int j = 0; j < count; ++j) {
             load_before(states[j], 1, p[j], p[j], blocks[j], i, n);
-            continue_path(n, m);
+            continue_path<less_p1>(n, m);
             finish_path(1, p[j], m, cost[j], sums[j]);
         }
         if constexpr (form.diagonals) {
             DISPARITYD_UNROLL
             for (int j = 0; j < count; ++j) {
                 load_before(states[j], 2, p[j] + 1, p[j], blocks[j], i, n);
-                continue_path(n, m);
+                continue_path<less_p1>(n, m);
                 finish_path(2, p[j], m, cost[j], sums[j]);
             }
         }
@@ -233,7 +239,7 @@ private:
         for (int j = 0; j < count; ++j) {
             if constexpr (form.diagonals) {
                 // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
-                continue_path(states[j].diagonal, m);
+                continue_path<less_p1>(states[j].diagonal, m);
                 load_before(states[j], 0, p[j], p[j] + 1, blocks[j], i, states[j].diagonal);
                 finish_path(0, p[j], m, cost[j], sums[j]);
             }
@@ -245,7 +251,7 @@ private:
     HWY_INLINE void along_row(State& state, int p, const PathOffsets& block, int i, V* cost, Sums& sums) const {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p) * step_;
         V m[registers];
-        continue_path(state.along, m);
+        continue_path<false>(state.along, m);
         V limit;
         V surplus;
         if constexpr (form.any_p2) {
@@ -293,14 +299,17 @@ private:
         prefetch_to_second_level(state.prefetch[1] + offset);
     }
 
-    // min L of the 16 pixels from p on.
+    // min L of the 16 pixels from p on. Half of 64 lanes at a time: the first minimum of a pixel then needs no
+    // shuffles.
     HWY_INLINE hn::Vec<hn::FixedTag<std::uint8_t, 16>> least_of(int path, int p) const {
+        using Part = std::conditional_t<lanes() == 64, hn::FixedTag<std::uint8_t, std::min(lanes(), 32)>, Tag>;
+        constexpr int part_lanes = static_cast<int>(hn::MaxLanes(Part()));
         const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
-        return least_of_pixels(tag_, [&](int i) {
-            V v = hn::Load(tag_, costs + i * candidates);
+        return least_of_pixels(Part(), [&](int i) {
+            auto v = hn::Load(Part(), costs + i * candidates);
             DISPARITYD_UNROLL
-            for (int r = 1; r < registers; ++r) {
-                v = hn::Min(v, hn::Load(tag_, costs + i * candidates + r * lanes()));
+            for (int at = part_lanes; at < candidates; at += part_lanes) {
+                v = hn::Min(v, hn::Load(Part(), costs + i * candidates + at));
             }
             return v;
         });
@@ -342,7 +351,11 @@ private:
                 }
             }
         }
-        std::copy_n(local.states_, count, states_);
+        // One by one: a copy of them all would be a copy of memory.
+        DISPARITYD_UNROLL
+        for (int j = 0; j < count; ++j) {
+            states_[j] = local.states_[j];
+        }
     }
 
     void block_at_border(int t) {
@@ -369,7 +382,7 @@ private:
         const int p = t - row_lag * j;
         if constexpr (!form.any_p2) {
             if (p >= 0 && p < width_) {
-                offsets.take(before_, states_[j].jumps, p);
+                offsets.take(before_, states_[j].jumps, less_, p);
             }
         }
     }
@@ -393,6 +406,7 @@ private:
     int width_;
     std::ptrdiff_t step_;
     V p1_;
+    std::uint8_t less_;  // with less_p1, what the M of all paths from the row before lack together
     V none_;
     V padding_[form.any_p2 ? registers : 1];  // with any_p2
     PathRow before_;
