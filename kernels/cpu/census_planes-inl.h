@@ -110,6 +110,25 @@ private:
     alignas(64) std::uint8_t rows_[rows][max_side + 2 * row_slack] = {};
 };
 
+/// What is at from - census_radius_x .. from + census_radius_x. Where it is cheap, some of it without loads, which
+/// would all but one cross cache lines.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
+    static_assert(census_radius_x == 4);
+    V* middle = beside + census_radius_x;
+    DISPARITYD_UNROLL
+    for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
+        if (!bytes_between_is_cheap || dx <= 0 || dx == census_radius_x) {
+            middle[dx] = loaded_once(hn::LoadU(tag, from + dx));
+        }
+    }
+    if constexpr (bytes_between_is_cheap) {
+        middle[1] = bytes_between<1>(middle[0], middle[4]);
+        middle[2] = bytes_between<2>(middle[0], middle[4]);
+        middle[3] = bytes_between<3>(middle[0], middle[4]);
+    }
+}
+
 /// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
 /// vectors are written. Bits have the same order in both orders of columns.
 template <Order order>
@@ -126,13 +145,17 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
         auto bits = hn::Zero(tag);
         std::uint8_t* out = planes + x;
         int bit = 0;
+        DISPARITYD_UNROLL
         for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
+            decltype(bits) beside[2 * census_radius_x + 1];
+            load_beside(tag, rows[dy] + x, beside);
+            DISPARITYD_UNROLL
             for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
                 if (dy == census_radius_y && dx == 0) {
                     continue;
                 }
-                const auto less = hn::Lt(hn::LoadU(tag, rows[dy] + x + right * dx), centre);
-                bits = hn::Or(bits, hn::IfThenElseZero(less, hn::Set(tag, static_cast<std::int8_t>(1 << bit))));
+                const auto less = hn::Lt(beside[census_radius_x + right * dx], centre);
+                bits = add_where(less, bits, hn::Set(tag, static_cast<std::int8_t>(1 << bit)));
                 if (++bit == bits_per_plane) {
                     hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
                     out += pitch;

@@ -163,6 +163,61 @@ HWY_INLINE hn::Vec<Tag> broadcast_least_of_block(Tag tag, Block block) {
 #endif
 }
 
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+/// Bytes of `v` times signed bytes of `factors`, the products of each pair added.
+template <class Words, class V>
+HWY_INLINE hn::Vec<Words> multiply_add_bytes(Words, V v, hn::Vec<Words> factors) {
+    if constexpr (sizeof(v.raw) == 16) {
+        return hn::Vec<Words>{_mm_maddubs_epi16(v.raw, factors.raw)};
+    }
+#if HWY_TARGET <= HWY_AVX2
+    if constexpr (sizeof(v.raw) == 32) {
+        return hn::Vec<Words>{_mm256_maddubs_epi16(v.raw, factors.raw)};
+    }
+#endif
+#if HWY_TARGET <= HWY_AVX3
+    if constexpr (sizeof(v.raw) == 64) {
+        return hn::Vec<Words>{_mm512_maddubs_epi16(v.raw, factors.raw)};
+    }
+#endif
+}
+#endif
+
+/// 2^shift times the sum of the even (the odd) bytes of `a` and `b`, as words; shift is at most 6.
+template <int shift, class Words, class V>
+HWY_INLINE hn::Vec<Words> sum_of_even_bytes(Words words, V a, V b) {
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    const auto factor = hn::Set(words, std::uint16_t{1 << shift});
+    return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
+#else
+    const auto byte = hn::Set(words, std::uint16_t{0x00ff});
+    return hn::ShiftLeft<shift>(hn::Add(hn::And(hn::BitCast(words, a), byte), hn::And(hn::BitCast(words, b), byte)));
+#endif
+}
+template <int shift, class Words, class V>
+HWY_INLINE hn::Vec<Words> sum_of_odd_bytes(Words words, V a, V b) {
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    const auto factor = hn::Set(words, std::uint16_t{256 << shift});
+    return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
+#else
+    return hn::ShiftLeft<shift>(
+        hn::Add(hn::ShiftRight<8>(hn::BitCast(words, a)), hn::ShiftRight<8>(hn::BitCast(words, b))));
+#endif
+}
+
+/// v + bytes where the mask is set, v elsewhere.
+template <class Mask, class V>
+HWY_INLINE V add_where(Mask mask, V v, V bytes) {
+#if HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86
+    if constexpr (sizeof(v.raw) == 64) {
+        return V{_mm512_mask_add_epi8(v.raw, mask.raw, v.raw, bytes.raw)};
+    } else
+#endif
+    {
+        return hn::Add(v, hn::IfThenElseZero(mask, bytes));
+    }
+}
+
 /// The last 128 bits of `v`, and the first.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE auto upper_block(Tag tag, V v) {

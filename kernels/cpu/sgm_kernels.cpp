@@ -64,19 +64,16 @@ struct Kernels {
                                    hn::Vec<KeyTag>* out) {
         const Tag bytes;
         const KeyTag words;
-        const auto low = hn::Set(words, std::uint16_t{0x00ff});
         const auto high = hn::Set(words, std::uint16_t{0xff00});
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
-            const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
+            const auto a = hn::Load(bytes, down + at + r * lanes);
+            const auto b = hn::Load(bytes, up + at + r * lanes);
             const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
-            const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
-            const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
             // 512 C: the odd byte leaves the word by itself.
-            out[r] = hn::Add(hn::ShiftLeft<key_bits>(even), hn::ShiftLeft<key_bits + 3>(c));
-            out[r + registers] = hn::Add(hn::ShiftLeft<key_bits>(odd), hn::ShiftLeft<1>(hn::And(c, high)));
+            out[r] = hn::Add(sum_of_even_bytes<key_bits>(words, a, b), hn::ShiftLeft<key_bits + 3>(c));
+            out[r + registers] = hn::Add(sum_of_odd_bytes<key_bits>(words, a, b), hn::ShiftLeft<1>(hn::And(c, high)));
         }
     }
 
