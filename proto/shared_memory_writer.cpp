@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "proto/futex.h"
+#include "proto/monotonic_clock.h"
 #include "proto/sequence_lock.h"
 
 namespace disparityd::proto {
