@@ -6,7 +6,10 @@
 #include <stdexcept>
 
 #include "capture/calibration_formats.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
 #include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

@@ -18,8 +18,9 @@ extern "C" {
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "capture/number_text.h"
+#include "capture/pixel_format.h"
 #include "capture/recording_sensors.h"
-#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -171,7 +172,7 @@ void RecordingReader::read_tags() {
         throw std::invalid_argument(path_ + ": is a recording of format " + tag(recording::tag_format) +
                                     ", this program reads format " + std::string(recording::format_version));
     }
-    const auto format = recording::pixel_format_from_name(required_tag(recording::tag_pixels));
+    const auto format = pixel_format_from_name(required_tag(recording::tag_pixels));
     if (!format || input_->streams[stream_]->codecpar->codec_id != AV_CODEC_ID_FFVHUFF) {
         throw damaged_tag(recording::tag_pixels);
     }
