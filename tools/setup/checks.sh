@@ -81,25 +81,36 @@ build_arm64() {
     build arm64 -DDISPARITYD_WERROR=ON -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG"
 }
 
-# work_ahead: what does not depend on the release build, one after the other, on what the tests leave of the processor: they
-# wait a lot. Of each it says the exit status when it is known; the rest of the output is for wait_for.
-work_ahead() {
-    chrt --idle --pid 0 "$BASHPID" 2>/dev/null || renice -n 19 -p "$BASHPID" >/dev/null
-    run_fuzzers >"$results/fuzz.txt" 2>&1
-    echo $?
-    build asan-ubsan >"$results/asan-ubsan.txt" 2>&1
-    echo $?
-    build tsan >"$results/tsan.txt" 2>&1
-    echo $?
-    build_arm64 >"$results/arm64.txt" 2>&1
-    echo $?
+# prepare NAME: one of the steps that need nothing of the release build.
+prepare() {
+    case $1 in
+        fuzz) run_fuzzers ;;
+        arm64) build_arm64 ;;
+        *) build "$1" ;;
+    esac
 }
 
-# wait_for NAME: the next that work_ahead does; shows its output and passes when it did.
+# work_ahead NAME...: prepares them one after the other on what the tests leave of the processor: they wait a lot. Says the
+# exit status of each when it is known; the rest of the output is for wait_for.
+work_ahead() {
+    local name
+    chrt --idle --pid 0 "$BASHPID"
+    for name; do
+        prepare "$name" >"$results/$name.txt" 2>&1
+        echo $?
+    done
+}
+
+# wait_for NAME: the next that work_ahead prepares; shows its output and passes when it did. Without idle priority (ahead is
+# empty) nothing was prepared, since some tests need more than an equal share of the processor.
 wait_for() {
     local outcome=1
+    if [[ -z ${ahead:-} ]]; then
+        prepare "$1"
+        return
+    fi
     step "wait for $1"
-    read -r outcome <&"${ahead:?}" || note failed "$1: whatever made it has ended before its time"
+    read -r outcome <&"$ahead" || note failed "$1: whatever made it has ended before its time"
     cat "$results/$1.txt"
     return "${outcome:-1}"
 }
