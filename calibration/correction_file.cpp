@@ -10,8 +10,10 @@
 #include <system_error>
 #include <utility>
 
+#include "capture/message_text.h"
 #include "capture/recording_format.h"
 #include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::calibration {
 

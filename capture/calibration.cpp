@@ -6,7 +6,10 @@
 #include <stdexcept>
 
 #include "capture/calibration_formats.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
 #include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 
@@ -117,6 +120,30 @@ void check_rotation(const std::array<double, 9>& r, const std::string& path) {
     }
 }
 
+using NamedNumbers = std::map<std::string, std::vector<double>, std::less<>>;
+
+/// The lines "name = numbers" below the first, which must name the version; no numbers where they are damaged.
+NamedNumbers named_numbers(const std::string& text, const std::string& origin) {
+    NamedNumbers values;
+    bool first = true;
+    for (const std::string_view line : split(text, '\n')) {
+        if (first) {
+            first = false;
+            if (trim(line) != text_version) {
+                throw std::invalid_argument("calibration of " + origin + ": found '" + shown(line) +
+                                            "', this version reads '" + std::string(text_version) + "'");
+            }
+            continue;
+        }
+        const auto equals = line.find('=');
+        if (equals != std::string_view::npos) {
+            values[std::string(trim(line.substr(0, equals)))] =
+                parse_numbers(line.substr(equals + 1), " \t\r").value_or(std::vector<double>());
+        }
+    }
+    return values;
+}
+
 }  // namespace
 
 void refuse_other_size(const std::string& path, const std::string& found, int width, int height) {
@@ -179,23 +206,7 @@ std::string to_text(const StereoCalibration& calibration) {
 }
 
 StereoCalibration calibration_from_text(const std::string& text, const std::string& origin) {
-    std::map<std::string, std::vector<double>, std::less<>> values;
-    bool first = true;
-    for (const std::string_view line : split(text, '\n')) {
-        if (first) {
-            first = false;
-            if (trim(line) != text_version) {
-                throw std::invalid_argument("calibration of " + origin + ": found '" + shown(line) +
-                                            "', this version reads '" + std::string(text_version) + "'");
-            }
-            continue;
-        }
-        const auto equals = line.find('=');
-        if (equals != std::string_view::npos) {
-            values[std::string(trim(line.substr(0, equals)))] =
-                parse_numbers(line.substr(equals + 1), " \t\r").value_or(std::vector<double>());
-        }
-    }
+    const NamedNumbers values = named_numbers(text, origin);
     const auto take = [&](std::string_view key, std::size_t count) -> const std::vector<double>& {
         const auto found = values.find(key);
         if (found == values.end() || found->second.size() != count) {

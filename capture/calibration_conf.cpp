@@ -7,7 +7,9 @@
 #include <opencv2/calib3d.hpp>
 
 #include "capture/calibration_formats.h"
-#include "capture/text_file.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 #include "capture/zed_modes.h"
 
 namespace disparityd::capture {

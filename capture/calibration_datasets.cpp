@@ -4,7 +4,9 @@
 #include <string>
 
 #include "capture/calibration_formats.h"
-#include "capture/text_file.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

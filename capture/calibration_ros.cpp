@@ -6,6 +6,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include "capture/calibration_formats.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
 #include "capture/text_file.h"
 
 namespace disparityd::capture {

@@ -4,7 +4,7 @@
 #include <stdexcept>
 
 #include "capture/calibration.h"
-#include "capture/text_file.h"
+#include "capture/number_text.h"
 
 namespace disparityd::capture {
 

@@ -7,7 +7,8 @@
 #include <stdexcept>
 
 #include "capture/file_kind.h"
-#include "capture/text_file.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

@@ -7,7 +7,9 @@
 
 #include <linux/videodev2.h>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 #include "capture/zed_controls.h"
 
 namespace disparityd::capture {

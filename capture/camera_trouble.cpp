@@ -5,7 +5,7 @@
 #include <cerrno>
 #include <cstdio>
 
-#include "capture/text_file.h"
+#include "capture/number_text.h"
 
 namespace disparityd::capture {
 

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "capture/number_text.h"
 #include "capture/source_uri.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 #include "capture/zed_modes.h"
 
 namespace disparityd::capture {

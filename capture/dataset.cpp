@@ -10,7 +10,7 @@
 
 #include "capture/file_kind.h"
 #include "capture/image_sequence.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

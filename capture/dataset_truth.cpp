@@ -13,7 +13,8 @@
 
 #include "capture/dataset.h"
 #include "capture/image_files.h"
-#include "capture/text_file.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

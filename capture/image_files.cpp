@@ -12,6 +12,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "capture/message_text.h"
+
 namespace disparityd::capture {
 
 namespace {
@@ -58,10 +60,6 @@ std::optional<ImageSize> parse_png(std::string_view head) {
     return ImageSize{number(16), number(20)};
 }
 
-std::string size_text(ImageSize size) {
-    return std::to_string(size.width) + "x" + std::to_string(size.height);
-}
-
 }  // namespace
 
 std::optional<ImageSize> peek_image_size(const std::string& path) {
@@ -98,7 +96,7 @@ cv::Mat read_image(const std::string& path) {
         throw std::invalid_argument(path + ": found more than 8 bits per channel, allowed are 8: convert it");
     }
     if (image.cols > largest_side || image.rows > largest_side) {
-        throw std::invalid_argument(path + ": found " + size_text({image.cols, image.rows}) +
+        throw std::invalid_argument(path + ": found " + size_text(image.cols, image.rows) +
                                     " pixels, allowed are up to 8192 on a side");
     }
     if (image.channels() == 4) {
@@ -112,8 +110,8 @@ cv::Mat read_image(const std::string& path) {
 
 std::string unequal_sizes(const std::string& first, ImageSize first_size, const std::string& second,
                           ImageSize second_size) {
-    return "images of unequal sizes: " + first + " is " + size_text(first_size) + ", " + second + " is " +
-           size_text(second_size) + "; all must be alike";
+    return "images of unequal sizes: " + first + " is " + size_text(first_size.width, first_size.height) + ", " +
+           second + " is " + size_text(second_size.width, second_size.height) + "; all must be alike";
 }
 
 }  // namespace disparityd::capture

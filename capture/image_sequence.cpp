@@ -12,7 +12,7 @@
 
 #include "capture/file_kind.h"
 #include "capture/image_times.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
 
 namespace disparityd::capture {
 

@@ -7,7 +7,9 @@
 
 #include <yaml-cpp/yaml.h>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

@@ -15,12 +15,6 @@ constexpr std::array<std::uint8_t, 8> block_add_id{0, 0, 0, 0, 0, 0, 0, 1};
 constexpr std::size_t facts_without_correction = 48;
 constexpr std::array<std::uint8_t, 8> magic{'d', 'i', 's', 'p', 'f', 'r', 'm', '1'};
 
-constexpr std::array<std::pair<PixelFormat, std::string_view>, 3> pixel_format_names{{
-    {PixelFormat::grey8, "grey8"},
-    {PixelFormat::yuyv, "yuyv"},
-    {PixelFormat::bgr24, "bgr24"},
-}};
-
 }  // namespace
 
 std::string frames_text(std::uint64_t frames) {
@@ -67,24 +61,6 @@ std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes) {
         facts.correction = {number(0), number(1), number(2), number(3)};
     }
     return facts;
-}
-
-std::string_view name(PixelFormat format) {
-    for (const auto& [known, text] : pixel_format_names) {
-        if (known == format) {
-            return text;
-        }
-    }
-    return "unknown";
-}
-
-std::optional<PixelFormat> pixel_format_from_name(std::string_view text) {
-    for (const auto& [format, known] : pixel_format_names) {
-        if (known == text) {
-            return format;
-        }
-    }
-    return std::nullopt;
 }
 
 std::string calibration_identity(std::string_view calibration_text) {

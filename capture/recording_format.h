@@ -57,9 +57,6 @@ inline constexpr std::size_t facts_size = 8 + 56;
 void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> bytes);
 std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes);
 
-std::string_view name(PixelFormat format);
-std::optional<PixelFormat> pixel_format_from_name(std::string_view text);
-
 /// 64-bit FNV-1a of the calibration's text, 16 hexadecimal digits.
 std::string calibration_identity(std::string_view calibration_text);
 

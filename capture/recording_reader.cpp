@@ -18,8 +18,9 @@ extern "C" {
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "capture/number_text.h"
+#include "capture/pixel_format.h"
 #include "capture/recording_sensors.h"
-#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -84,7 +85,7 @@ RecordingReader::RecordingReader(const std::string& path) : path_(path), file_si
     frame_.reset(or_bad_alloc(av_frame_alloc()));
     open_file(segment_ && contains(head, recording::tag_format));
     choose_stream();
-    read_tags();
+    read_facts_of_file();
     open_decoder();
     check_size();
 }
@@ -139,50 +140,53 @@ const char* RecordingReader::tag(const char* key) const {
     return entry == nullptr ? nullptr : entry->value;
 }
 
-void RecordingReader::read_tags() {
+std::string_view RecordingReader::required_tag(const char* key) const {
+    const char* text = tag(key);
+    if (text == nullptr) {
+        throw std::invalid_argument(path_ + ": the recording is damaged: its tag " + key + " is missing");
+    }
+    return text;
+}
+
+std::invalid_argument RecordingReader::damaged_tag(const char* key) const {
+    return std::invalid_argument(path_ + ": the recording is damaged: its tag " + key + " says \"" + tag(key) + "\"");
+}
+
+void RecordingReader::read_facts_of_file() {
     const AVStream& stream = *input_->streams[stream_];
     info_.height = stream.codecpar->height;
     info_.eye_width = stream.codecpar->width / 2;
     info_.codec = avcodec_get_name(stream.codecpar->codec_id);
-    if (!info_.ours) {
-        info_.rate = foreign_rate();
-        if (stream.nb_frames > 0) {
-            info_.frame_count = static_cast<std::uint64_t>(stream.nb_frames);
-        }
+    if (info_.ours) {
+        read_tags();
         return;
     }
+    info_.rate = foreign_rate();
+    if (stream.nb_frames > 0) {
+        info_.frame_count = static_cast<std::uint64_t>(stream.nb_frames);
+    }
+}
+
+void RecordingReader::read_tags() {
     if (recording::format_version != tag(recording::tag_format)) {
         throw std::invalid_argument(path_ + ": is a recording of format " + tag(recording::tag_format) +
                                     ", this program reads format " + std::string(recording::format_version));
     }
-    auto required = [this](const char* key) -> std::string_view {
-        const char* text = tag(key);
-        if (text == nullptr) {
-            throw std::invalid_argument(path_ + ": the recording is damaged: its tag " + key + " is missing");
-        }
-        return text;
-    };
-    auto damaged = [this](const char* key, std::string_view found) {
-        return std::invalid_argument(path_ + ": the recording is damaged: its tag " + key + " says \"" +
-                                     std::string(found) + "\"");
-    };
-    const auto pixels = required(recording::tag_pixels);
-    const auto format = recording::pixel_format_from_name(pixels);
-    if (!format || stream.codecpar->codec_id != AV_CODEC_ID_FFVHUFF) {
-        throw damaged(recording::tag_pixels, pixels);
+    const auto format = pixel_format_from_name(required_tag(recording::tag_pixels));
+    if (!format || input_->streams[stream_]->codecpar->codec_id != AV_CODEC_ID_FFVHUFF) {
+        throw damaged_tag(recording::tag_pixels);
     }
     info_.format = *format;
-    const auto eye_width = required(recording::tag_eye_width);
-    if (whole_number(eye_width) != static_cast<std::uint64_t>(info_.eye_width)) {
-        throw damaged(recording::tag_eye_width, eye_width);
+    if (whole_number(required_tag(recording::tag_eye_width)) != static_cast<std::uint64_t>(info_.eye_width)) {
+        throw damaged_tag(recording::tag_eye_width);
     }
-    const auto rate = parse_number(required(recording::tag_rate));
+    const auto rate = parse_number(required_tag(recording::tag_rate));
     if (!rate || (*rate != 0 && *rate != recording::plausible_rate(*rate))) {
-        throw damaged(recording::tag_rate, required(recording::tag_rate));
+        throw damaged_tag(recording::tag_rate);
     }
     info_.rate = *rate;
     // Zero until the file is closed.
-    const auto frames = whole_number(required(recording::tag_frames));
+    const auto frames = whole_number(required_tag(recording::tag_frames));
     if (frames && *frames > 0) {
         info_.frame_count = frames;
     }
@@ -190,8 +194,8 @@ void RecordingReader::read_tags() {
         info_.source = source;
     }
     if (const char* calibration = tag(recording::tag_calibration)) {
-        if (required(recording::tag_calibration_id) != recording::calibration_identity(calibration)) {
-            throw damaged(recording::tag_calibration_id, required(recording::tag_calibration_id));
+        if (required_tag(recording::tag_calibration_id) != recording::calibration_identity(calibration)) {
+            throw damaged_tag(recording::tag_calibration_id);
         }
         info_.calibration_text = calibration;
     }

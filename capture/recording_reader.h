@@ -6,7 +6,9 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "capture/recording_ffmpeg.h"
 #include "capture/recording_format.h"
@@ -50,10 +52,13 @@ private:
 
     void open_file(bool has_our_tag);
     void choose_stream();
+    void read_facts_of_file();
     void read_tags();
     void open_decoder();
     void check_size() const;
     const char* tag(const char* key) const;
+    std::string_view required_tag(const char* key) const;
+    std::invalid_argument damaged_tag(const char* key) const;
     double foreign_rate() const;
 
     bool receive_frame();

@@ -16,8 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "capture/pixel_format.h"
 #include "capture/recording_reader.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 namespace {
@@ -47,7 +48,7 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
     info.frame_count = options.loop ? std::nullopt : found.frame_count;
     info.description = found.ours ? "recording of " + found.source : found.codec + " video";
     info.description += ", " + std::to_string(info.eye_width) + " x " + std::to_string(info.height) + " per eye, " +
-                        std::string(recording::name(info.format)) + ", " + rate_text(info.rate);
+                        std::string(name(info.format)) + ", " + rate_text(info.rate);
     if (found.frame_count) {
         info.description += ", " + std::to_string(*found.frame_count) + " frames";
     }

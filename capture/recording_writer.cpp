@@ -14,13 +14,14 @@ extern "C" {
 #include <stdexcept>
 #include <system_error>
 
+#include "capture/number_text.h"
+#include "capture/pixel_format.h"
 #include "capture/recording_ffmpeg.h"
 #include "capture/recording_file.h"
 #include "capture/recording_format.h"
 #include "capture/recording_pixels.h"
 #include "capture/recording_segment.h"
 #include "capture/recording_sensors.h"
-#include "capture/text_file.h"
 
 namespace disparityd::capture {
 namespace {
@@ -92,7 +93,7 @@ AVDictionary* tags_of(const SourceInfo& info) {
     auto set = [&](const char* key, const std::string& value) { av_dict_set(&tags, key, value.c_str(), 0); };
     set(recording::tag_format, std::string(recording::format_version));
     set(recording::tag_source, info.name);
-    set(recording::tag_pixels, std::string(recording::name(info.format)));
+    set(recording::tag_pixels, std::string(name(info.format)));
     set(recording::tag_eye_width, std::to_string(info.eye_width));
     set(recording::tag_rate, number_text(recording::plausible_rate(info.rate)));
     set(recording::tag_frames, recording::frames_text(0));
@@ -206,7 +207,7 @@ public:
 
 private:
     static std::string size_text(PixelFormat format, int eye_width, int height) {
-        return std::string(recording::name(format)) + " " + std::to_string(eye_width) + " x " + std::to_string(height) +
+        return std::string(name(format)) + " " + std::to_string(eye_width) + " x " + std::to_string(height) +
                " per eye";
     }
 

@@ -8,16 +8,13 @@
 #include <opencv2/calib3d.hpp>
 
 #include "capture/calibration_formats.h"
+#include "capture/message_text.h"
 
 namespace disparityd::capture {
 
 namespace {
 
 constexpr int largest_side = 8192;
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 
 RectifiedGeometry complete(RectifiedGeometry geometry, int eye_width, int height) {
     if (geometry.width == 0 && geometry.height == 0) {

@@ -6,7 +6,7 @@
 
 #include <opencv2/calib3d.hpp>
 
-#include "capture/text_file.h"
+#include "capture/number_text.h"
 #include "capture/zed_modes.h"
 
 namespace disparityd::capture {

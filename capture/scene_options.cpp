@@ -5,7 +5,7 @@
 #include <array>
 
 #include "capture/source_uri.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 #include "capture/zed_modes.h"
 
 namespace disparityd::capture {

@@ -3,7 +3,9 @@
 
 #include <stdexcept>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
+#include "capture/number_text.h"
+#include "capture/words.h"
 
 namespace disparityd::capture {
 

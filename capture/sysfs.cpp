@@ -4,7 +4,7 @@
 #include <charconv>
 #include <fstream>
 
-#include "capture/text_file.h"
+#include "capture/words.h"
 
 namespace disparityd::capture::sysfs {
 

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/text_file.h"
 
-#include <algorithm>
-#include <array>
-#include <cctype>
-#include <charconv>
-#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+
+#include "capture/words.h"
 
 namespace disparityd::capture {
 
@@ -39,78 +37,6 @@ std::string read_text_file(const std::string& path, std::string_view what) {
                                     "file again");
     }
     return text;
-}
-
-std::optional<double> parse_number(std::string_view text) {
-    text = trim(text);
-    if (text.starts_with('+')) {
-        text.remove_prefix(1);
-    }
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(number)) {
-        return std::nullopt;
-    }
-    return number;
-}
-
-std::string number_text(double number) {
-    std::array<char, 32> text{};
-    const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), number);
-    return {text.data(), end};
-}
-
-std::string shown(std::string_view text, std::size_t longest) {
-    std::string line(text.substr(0, longest));
-    std::replace_if(
-        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-    return text.size() > longest ? line + "..." : line;
-}
-
-std::string_view trim(std::string_view text) {
-    constexpr std::string_view blank = " \t\r\n\f\v";
-    const auto first = text.find_first_not_of(blank);
-    if (first == std::string_view::npos) {
-        return {};
-    }
-    return text.substr(first, text.find_last_not_of(blank) - first + 1);
-}
-
-std::string lower_case(std::string_view text) {
-    std::string lower(text);
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return lower;
-}
-
-std::vector<std::string_view> split(std::string_view text, char separator) {
-    std::vector<std::string_view> parts;
-    for (;;) {
-        const auto end = text.find(separator);
-        parts.push_back(text.substr(0, end));
-        if (end == std::string_view::npos) {
-            return parts;
-        }
-        text.remove_prefix(end + 1);
-    }
-}
-
-std::optional<std::vector<double>> parse_numbers(std::string_view text, std::string_view separators) {
-    std::vector<double> numbers;
-    for (;;) {
-        const auto first = text.find_first_not_of(separators);
-        if (first == std::string_view::npos) {
-            return numbers;
-        }
-        text.remove_prefix(first);
-        const auto end = std::min(text.find_first_of(separators), text.size());
-        const auto number = parse_number(text.substr(0, end));
-        if (!number) {
-            return std::nullopt;
-        }
-        numbers.push_back(*number);
-        text.remove_prefix(end);
-    }
 }
 
 }  // namespace disparityd::capture

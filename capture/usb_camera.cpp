@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "capture/number_text.h"
 #include "capture/sysfs.h"
-#include "capture/text_file.h"
 
 namespace disparityd::capture {
 

@@ -20,6 +20,34 @@ using boost::system::error_code;
 constexpr std::chrono::seconds close_timeout{1};
 constexpr std::chrono::seconds stall_limit{2};
 
+/// What a client is told of a frame before the bytes of its planes.
+v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, const EncodedPlanes& planes,
+                        std::uint64_t skipped) {
+    const proto::ShmFrame& info = frame.info;
+    v1::Envelope message;
+    v1::Frame& out = *message.mutable_frame();
+    out.set_sequence(info.sequence);
+    out.set_monotonic_ns(info.monotonic_ns);
+    out.set_realtime_ns(info.realtime_ns);
+    out.set_age_ns((std::chrono::steady_clock::now() - frame.captured).count());
+    *out.mutable_geometry() = to_message(info);
+    if (selection.region.width != 0) {
+        out.mutable_region()->set_x(selection.region.x);
+        out.mutable_region()->set_y(selection.region.y);
+        out.mutable_region()->set_width(selection.region.width);
+        out.mutable_region()->set_height(selection.region.height);
+    }
+    out.set_flags(info.flags);
+    out.set_dropped_before(info.dropped_before);
+    out.set_skipped_for_client(skipped);
+    out.set_publish_index(info.publish_index);
+    for (const v1::PlaneInfo& plane : planes.planes) {
+        *out.add_planes() = plane;
+    }
+    message.set_payload_bytes(planes.bytes.size());
+    return message;
+}
+
 }  // namespace
 
 void ClientSession::send(v1::Envelope message) {
@@ -157,28 +185,7 @@ bool ClientSession::take_frame() {
     }
     const proto::ShmFrame& info = frame->info;
     const std::uint64_t skipped = has_sent_ ? info.publish_index - last_sent_ - 1 : 0;
-    v1::Envelope message;
-    v1::Frame& out = *message.mutable_frame();
-    out.set_sequence(info.sequence);
-    out.set_monotonic_ns(info.monotonic_ns);
-    out.set_realtime_ns(info.realtime_ns);
-    out.set_age_ns((std::chrono::steady_clock::now() - frame->captured).count());
-    *out.mutable_geometry() = to_message(info);
-    if (selection.region.width != 0) {
-        out.mutable_region()->set_x(selection.region.x);
-        out.mutable_region()->set_y(selection.region.y);
-        out.mutable_region()->set_width(selection.region.width);
-        out.mutable_region()->set_height(selection.region.height);
-    }
-    out.set_flags(info.flags);
-    out.set_dropped_before(info.dropped_before);
-    out.set_skipped_for_client(skipped);
-    out.set_publish_index(info.publish_index);
-    for (const v1::PlaneInfo& plane : planes_->planes) {
-        *out.add_planes() = plane;
-    }
-    message.set_payload_bytes(planes_->bytes.size());
-    proto::encode(message, head_);
+    proto::encode(frame_head(*frame, selection, *planes_, skipped), head_);
     has_sent_ = true;
     last_sent_ = info.publish_index;
     frames_skipped_ += skipped;

@@ -25,36 +25,67 @@ std::string default_config_path() {
     return std::filesystem::exists(DISPARITYD_CONFIG_FILE, error) ? DISPARITYD_CONFIG_FILE : "";
 }
 
-}  // namespace
-
-std::optional<CommandLine> read_command_line(int argc, const char* const* argv) {
-    CLI::App app("Depth service for stereo cameras: reads frames, matches them, serves disparity and depth.",
-                 "disparityd");
-    app.footer(footer);
-    app.set_version_flag("--version", std::string("disparityd ") + DISPARITYD_VERSION);
-    CommandLine line;
+/// What is asked for instead of what the configuration says.
+struct Overrides {
     std::string source;
     std::string name;
     std::vector<std::string> settings;
     bool self_calibrate = false;
     bool no_self_calibration = false;
+};
+
+void add_options(CLI::App& app, CommandLine& line, Overrides& given) {
+    app.footer(footer);
+    app.set_version_flag("--version", std::string("disparityd ") + DISPARITYD_VERSION);
     app.add_option("--config", line.daemon.config_path,
                    std::string("Configuration file (default: ") + DISPARITYD_CONFIG_FILE + " if there is one)")
         ->type_name("FILE");
-    app.add_option("--source", source, "Where frames come from, instead of [source] uri")->type_name("URI");
-    app.add_option("--name", name, "Name of the shared memory, instead of [shared_memory] name")->type_name("NAME");
-    app.add_option("--set", settings, "Any key of the configuration; may be given again and again")
+    app.add_option("--source", given.source, "Where frames come from, instead of [source] uri")->type_name("URI");
+    app.add_option("--name", given.name, "Name of the shared memory, instead of [shared_memory] name")
+        ->type_name("NAME");
+    app.add_option("--set", given.settings, "Any key of the configuration; may be given again and again")
         ->type_name("SECTION.KEY=VALUE")
         ->expected(1)
         ->take_all()
         ->allow_extra_args(false);
-    app.add_flag("--self-calibrate", self_calibrate,
+    app.add_flag("--self-calibrate", given.self_calibrate,
                  "Estimate corrections of the calibration from recordings too, instead of applying what they say");
-    app.add_flag("--no-self-calibration", no_self_calibration, "Use the calibration as it is");
+    app.add_flag("--no-self-calibration", given.no_self_calibration, "Use the calibration as it is");
     app.add_flag("--check", line.check, "Say whether the configuration is valid, and exit with 0 or 2");
     app.add_flag("--exit-at-end", line.daemon.exit_at_end, "Stop when the source has ended");
     app.add_flag("--print-address", line.daemon.print_address,
                  "Print the addresses that are served, one per line, then \"ready\"");
+}
+
+/// The general ones first: what has an option of its own wins.
+std::vector<Override> in_order(const CLI::App& app, const Overrides& given) {
+    std::vector<Override> overrides;
+    for (const std::string& setting : given.settings) {
+        overrides.push_back(parse_override(setting));
+    }
+    if (app.count("--source") > 0) {
+        overrides.push_back({"source", "uri", given.source, "--source " + given.source});
+    }
+    if (app.count("--name") > 0) {
+        overrides.push_back({"shared_memory", "name", given.name, "--name " + given.name});
+    }
+    if (given.self_calibrate) {
+        overrides.push_back({"self_calibration", "replays", "true", "--self-calibrate"});
+    }
+    if (given.no_self_calibration) {
+        overrides.push_back({"self_calibration", "enabled", "false", "--no-self-calibration"});
+    }
+    return overrides;
+}
+
+}  // namespace
+
+std::optional<CommandLine> read_command_line(int argc, const char* const* argv) {
+    CLI::App app("Depth service for stereo cameras: reads frames, matches them, serves disparity and depth.",
+                 "disparityd");
+    CommandLine line;
+    Overrides given;
+    add_options(app, line, given);
     try {
         app.parse(argc, argv);
     } catch (const CLI::Success& answered) {
@@ -68,21 +99,7 @@ std::optional<CommandLine> read_command_line(int argc, const char* const* argv) 
     } else if (line.daemon.config_path.empty()) {
         throw std::invalid_argument("--config: found an empty name, allowed: the path of a configuration file");
     }
-    for (const std::string& setting : settings) {
-        line.daemon.overrides.push_back(parse_override(setting));
-    }
-    if (app.count("--source") > 0) {
-        line.daemon.overrides.push_back({"source", "uri", source, "--source " + source});
-    }
-    if (app.count("--name") > 0) {
-        line.daemon.overrides.push_back({"shared_memory", "name", name, "--name " + name});
-    }
-    if (self_calibrate) {
-        line.daemon.overrides.push_back({"self_calibration", "replays", "true", "--self-calibrate"});
-    }
-    if (no_self_calibration) {
-        line.daemon.overrides.push_back({"self_calibration", "enabled", "false", "--no-self-calibration"});
-    }
+    line.daemon.overrides = in_order(app, given);
     return line;
 }
 

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
 #include "daemon/checked_toml.h"
 #include "daemon/config_keys.h"
 #include "daemon/socket_address.h"

@@ -171,6 +171,20 @@ void Daemon::engine_built(Config config, std::shared_ptr<Engine> engine, std::ex
     }
 }
 
+/// The index of the next frame, 0 where no engine has run.
+std::uint64_t Daemon::stop_engine() {
+    std::uint64_t index = 0;
+    if (const auto old = engine()) {
+        recording_.set_source(std::nullopt, old->source_changed() ? "the camera or its calibration has changed"
+                                                                  : "the configuration was loaded again");
+        old->stop();
+        index = old->next_index();
+    }
+    const std::lock_guard lock(mutex_);
+    notices_.clear();
+    return index;
+}
+
 /// Everything that can be refused comes first, so that the old engine still runs when it is.
 void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engine) {
     const bool same_object = shared_memory_ && config.shared_memory.enabled &&
@@ -185,17 +199,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     if (serving_) {
         server_.reconfigure(server_config(config));
     }
-    std::uint64_t index = 0;
-    if (const auto old = this->engine()) {
-        recording_.set_source(std::nullopt, old->source_changed() ? "the camera or its calibration has changed"
-                                                                  : "the configuration was loaded again");
-        old->stop();
-        index = old->next_index();
-    }
-    {
-        const std::lock_guard lock(mutex_);
-        notices_.clear();
-    }
+    const std::uint64_t index = stop_engine();
     if (!same_object) {
         shared_memory_ = std::move(new_object);
     }

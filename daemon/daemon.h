@@ -53,6 +53,7 @@ private:
     void reload();
     void build_engine(Config config);
     void engine_built(Config config, std::shared_ptr<Engine> engine, std::exception_ptr failure);
+    std::uint64_t stop_engine();
     void take_over(const Config& config, const std::shared_ptr<Engine>& engine);
     void refuse_reload(const std::string& why);
     void serve_shared_memory(const Config& config, const StreamLayout& layout);

@@ -7,7 +7,7 @@
 
 #include <boost/asio/ip/address.hpp>
 
-#include "capture/text_file.h"
+#include "capture/message_text.h"
 
 namespace disparityd {
 namespace {

@@ -47,6 +47,7 @@ public:
           sink_(std::move(sink)),
           times_(static_cast<std::size_t>(steps_of(matcher)) + 3),
           pulses_(matcher.stages().size() + 2),
+          finished_(pulses_.size()),
           free_slots_(static_cast<std::size_t>(config.slots)) {
         check(config, rectifications.factory());
         step_names_.emplace_back("capture");
@@ -257,10 +258,10 @@ private:
     const Sink sink_;
 
     std::vector<std::string> step_names_;
-    std::vector<std::size_t> first_step_;  // per matcher stage, an index of step_names_
-    std::vector<Histogram> times_;         // per step, then "publish" and "total"
-    std::vector<Pulse> pulses_;            // per thread: capture, the matcher's stages, publish
-    std::array<std::atomic<bool>, 16> finished_{};
+    std::vector<std::size_t> first_step_;      // per matcher stage, an index of step_names_
+    std::vector<Histogram> times_;             // per step, then "publish" and "total"
+    std::vector<Pulse> pulses_;                // per thread: capture, the matcher's stages, publish
+    std::vector<std::atomic<bool>> finished_;  // per thread, as pulses_
     std::vector<std::unique_ptr<FrameSlot>> slots_;
     FreeSlots free_slots_;
     std::vector<std::unique_ptr<StageQueue>> queues_;  // in front of each matcher stage, and of publish

@@ -15,13 +15,6 @@ namespace disparityd::proto {
 
 static_assert(sizeof(std::atomic<std::uint32_t>) == 4, "a futex word is 32 bits");
 
-/// CLOCK_MONOTONIC, the clock of every time in shared memory.
-inline std::int64_t monotonic_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-}
-
 /// Sleeps while the word has the value, at most so long. Works across processes (no FUTEX_PRIVATE_FLAG) and on a
 /// read-only mapping. May return early for no reason.
 inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value, std::chrono::nanoseconds timeout) {

@@ -12,7 +12,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "proto/descriptor.h"
 #include "proto/futex.h"
+#include "proto/mapping.h"
+#include "proto/monotonic_clock.h"
 #include "proto/sequence_lock.h"
 
 namespace disparityd::proto {
@@ -26,6 +29,10 @@ std::string reason_to_open(const std::string& object, int error) {
         return "shared memory " + object + ": access denied: join the daemon's group, or run as its user";
     }
     return "shared memory " + object + ": cannot be opened: " + std::strerror(error);
+}
+
+std::string reason_to_map(const std::string& object, int error) {
+    return "shared memory " + object + ": cannot be mapped: " + std::strerror(error);
 }
 
 }  // namespace
@@ -57,47 +64,35 @@ bool ShmReader::map_current() {
         }
         throw std::runtime_error(reason_to_open(object_name_, errno));
     }
+    const Descriptor file(fd);
     struct stat info {};
-    void* memory = MAP_FAILED;
-    int error = 0;
-    bool same = false;
-    if (::fstat(fd, &info) != 0) {
-        error = errno;
-    } else {
-        // Two objects that exist at the same time never share an inode number, and ours exists as long as we map it.
-        same = header_ != nullptr && info.st_ino == inode_;
-        if (!same && info.st_size > 0) {
-            memory = ::mmap(nullptr, static_cast<std::size_t>(info.st_size), PROT_READ, MAP_SHARED, fd, 0);
-            error = memory == MAP_FAILED ? errno : 0;
-        }
+    if (::fstat(file.get(), &info) != 0) {
+        throw std::runtime_error(reason_to_map(object_name_, errno));
     }
-    ::close(fd);
-    if (error != 0) {
-        throw std::runtime_error("shared memory " + object_name_ + ": cannot be mapped: " + std::strerror(error));
-    }
-    if (same) {
+    // Two objects that exist at the same time never share an inode number, and ours exists as long as we map it.
+    if (header_ != nullptr && info.st_ino == inode_) {
         return header_->generation.load(std::memory_order_acquire) == generation_;
     }
-    const auto bytes = static_cast<std::uint64_t>(info.st_size);
-    ShmView view;
-    std::string wrong = "is empty";
-    if (memory != MAP_FAILED) {
-        wrong = check_header(*static_cast<const ShmHeader*>(memory), bytes, view);
+    if (info.st_size <= 0) {
+        throw std::runtime_error("shared memory " + object_name_ + " is empty");
     }
-    if (!wrong.empty()) {
-        if (memory != MAP_FAILED) {
-            ::munmap(memory, bytes);
-        }
+    const auto bytes = static_cast<std::uint64_t>(info.st_size);
+    Mapping mapping(file, bytes, PROT_READ);
+    if (!mapping) {
+        throw std::runtime_error(reason_to_map(object_name_, errno));
+    }
+    const auto& header = mapping.start<const ShmHeader>();
+    ShmView view;
+    if (const std::string wrong = check_header(header, bytes, view); !wrong.empty()) {
         throw std::runtime_error("shared memory " + object_name_ + " " + wrong);
     }
-    const auto* header = static_cast<const ShmHeader*>(memory);
-    const std::uint32_t generation = header->generation.load(std::memory_order_acquire);
+    const std::uint32_t generation = header.generation.load(std::memory_order_acquire);
     if (generation == 0) {
-        ::munmap(memory, bytes);
         return false;
     }
     unmap();
-    header_ = header;
+    mapping.release();
+    header_ = &header;
     mapped_bytes_ = bytes;
     inode_ = info.st_ino;
     generation_ = generation;

@@ -14,7 +14,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "proto/descriptor.h"
 #include "proto/futex.h"
+#include "proto/mapping.h"
+#include "proto/monotonic_clock.h"
 #include "proto/sequence_lock.h"
 
 namespace disparityd::proto {
@@ -22,22 +25,6 @@ namespace {
 
 /// An older sign of life counts as none.
 constexpr std::int64_t fresh_ns = 3'000'000'000;
-
-class Descriptor {
-public:
-    explicit Descriptor(int fd) : fd_(fd) {}
-    ~Descriptor() {
-        if (fd_ >= 0) {
-            ::close(fd_);
-        }
-    }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int get() const { return fd_; }
-
-private:
-    int fd_;
-};
 
 [[noreturn]] void refuse(const std::string& object, const std::string& what, int error) {
     throw std::runtime_error("shared memory " + object + ": " + what + ": " + std::strerror(error));
@@ -59,29 +46,36 @@ bool process_lives(std::uint32_t pid) {
     return pid != 0 && pid <= 0x7fffffffU && (::kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
 }
 
-/// What is there under the name already. Throws when a living daemon has it; otherwise says what will be replaced, and
-/// tells readers that still wait for its frames.
+/// What is there under the name already.
 struct Predecessor {
     bool exists = false;
     std::uint32_t generation = 0;
     std::string note;
 };
 
-Predecessor inspect(const std::string& object) {
+/// Its descriptor, -1 where there is none.
+int open_predecessor(const std::string& object, bool& writable) {
     int fd = ::shm_open(object.c_str(), O_RDWR, 0);
-    const bool writable = fd >= 0;
+    writable = fd >= 0;
     if (fd < 0 && errno == EACCES) {
         fd = ::shm_open(object.c_str(), O_RDONLY, 0);
     }
-    if (fd < 0) {
-        if (errno == ENOENT) {
-            return {};
-        }
+    if (fd < 0 && errno != ENOENT) {
         refuse(object, "it is there and cannot be opened (another user's? remove " + path_of(object) + ")", errno);
     }
-    const Descriptor closer(fd);
+    return fd;
+}
+
+/// Throws when a living daemon has it; otherwise says what will be replaced, and tells readers that still wait for its
+/// frames.
+Predecessor inspect(const std::string& object) {
+    bool writable = false;
+    const Descriptor file(open_predecessor(object, writable));
+    if (file.get() < 0) {
+        return {};
+    }
     struct stat info {};
-    if (::fstat(fd, &info) != 0) {
+    if (::fstat(file.get(), &info) != 0) {
         refuse(object, "cannot be examined", errno);
     }
     const auto bytes = static_cast<std::uint64_t>(info.st_size);
@@ -89,33 +83,26 @@ Predecessor inspect(const std::string& object) {
     if (bytes < sizeof(ShmHeader)) {
         return {true, 0, garbage + "was too small to be one of ours"};
     }
-    void* memory = ::mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, fd, 0);
-    if (memory == MAP_FAILED) {
+    const Mapping mapping(file, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ);
+    if (!mapping) {
         refuse(object, "cannot be mapped", errno);
     }
-    auto& header = *static_cast<ShmHeader*>(memory);
-    Predecessor found{true, 0, {}};
+    auto& header = mapping.start<ShmHeader>();
     ShmView view;
-    bool in_use = false;
-    std::uint32_t pid = 0;
     if (const std::string wrong = check_header(header, bytes, view); !wrong.empty()) {
-        found.note = garbage + wrong;
-    } else {
-        pid = header.writer_pid.load(std::memory_order_relaxed);
-        found.generation = header.generation.load(std::memory_order_acquire);
-        const std::int64_t age = monotonic_ns() - header.heartbeat_ns.load(std::memory_order_acquire);
-        in_use = found.generation != 0 && age >= 0 && age < fresh_ns && process_lives(pid);
-        found.note = "replaced shared memory " + object + ", left behind by process " + std::to_string(pid);
-        if (!in_use && writable) {
-            tell_readers_the_end(header);
-        }
+        return {true, 0, garbage + wrong};
     }
-    ::munmap(memory, bytes);
-    if (in_use) {
+    const std::uint32_t pid = header.writer_pid.load(std::memory_order_relaxed);
+    const std::uint32_t generation = header.generation.load(std::memory_order_acquire);
+    const std::int64_t age = monotonic_ns() - header.heartbeat_ns.load(std::memory_order_acquire);
+    if (generation != 0 && age >= 0 && age < fresh_ns && process_lives(pid)) {
         throw std::runtime_error("shared memory " + object + " is in use by process " + std::to_string(pid) +
                                  ": stop it or choose another name with [shared_memory] name");
     }
-    return found;
+    if (writable) {
+        tell_readers_the_end(header);
+    }
+    return {true, generation, "replaced shared memory " + object + ", left behind by process " + std::to_string(pid)};
 }
 
 ShmView view_of(const ShmLayout& layout, std::uint32_t slot_count) {

@@ -32,7 +32,7 @@ void census(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows ro
                 if (dx == 0 && dy == 0) {
                     continue;
                 }
-                const std::uint8_t* __restrict neighbour = &padded[static_cast<std::size_t>(radius_x + dx)];
+                const std::uint8_t* __restrict neighbour = padded.data() + radius_x + dx;
                 for (int x = 0; x < width; ++x) {
                     const int bit = neighbour[x] < centre[x] ? 1 : 0;
                     std::uint16_t& all = bits[static_cast<std::size_t>(x)];

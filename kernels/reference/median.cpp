@@ -26,8 +26,8 @@ void median_filter(Plane<const std::int16_t> in, std::int16_t invalid, Plane<std
     constexpr int side = 2 * radius + 1;
     for (int y = rows.first; y < rows.last; ++y) {
         std::array<const std::int16_t*, side> window_rows{};
-        for (int dy = -radius; dy <= radius; ++dy) {
-            window_rows[static_cast<std::size_t>(dy + radius)] = in.row(std::clamp(y + dy, 0, in.height - 1));
+        for (int i = 0; i < side; ++i) {
+            window_rows[static_cast<std::size_t>(i)] = in.row(std::clamp(y - radius + i, 0, in.height - 1));
         }
         for (int x = 0; x < in.width; ++x) {
             const std::int16_t centre = in.at(x, y);

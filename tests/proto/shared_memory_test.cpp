@@ -12,7 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "proto/futex.h"
 #include "tests/proto/collect.h"
 #include "tests/proto/pattern.h"
 

@@ -46,11 +46,13 @@ void released(void* memory) {
 // The C library's own names for what these replace; operator new ends in malloc too. What the library itself maps for
 // malloc does not come through mmap here and is not counted twice.
 extern "C" {
+// NOLINTBEGIN(bugprone-reserved-identifier)
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* memory);
+// NOLINTEND(bugprone-reserved-identifier)
 
 void* malloc(std::size_t size) {
     return allocated(__libc_malloc(size));

@@ -7,7 +7,7 @@
 
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/progress.h"
-#include "tools/eval/our_matcher.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::bench {
 namespace {

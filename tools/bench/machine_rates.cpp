@@ -10,7 +10,7 @@
 #include "kernels/cpu/cache_size.h"
 #include "kernels/large_buffer.h"
 #include "tools/bench/vector_peak.h"
-#include "tools/eval/our_matcher.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include "kernels/cpu/cache_size.h"
 #include "tools/bench/report.h"
 #include "tools/bench/step_work.h"
-#include "tools/eval/our_matcher.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::bench {
 namespace {

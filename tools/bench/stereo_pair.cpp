@@ -9,7 +9,7 @@
 #include "capture/rectification.h"
 #include "capture/scene_camera.h"
 #include "capture/scene_render.h"
-#include "capture/text_file.h"
+#include "capture/words.h"
 #include "kernels/reference/steps.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "capture/camera_trouble.h"
+#include "capture/pixel_format.h"
 
 namespace disparityd::tools {
 namespace {
@@ -175,10 +176,14 @@ Json to_json(const capture::CameraSurvey& survey) {
 }
 
 Json to_json(const capture::SourceInfo& source) {
-    Json json{{"name", source.name},           {"description", source.description},
-              {"format", name(source.format)}, {"eye_width", source.eye_width},
-              {"height", source.height},       {"frames_per_second", nullptr},
-              {"live", source.live},           {"frames", nullptr},
+    Json json{{"name", source.name},
+              {"description", source.description},
+              {"format", capture::name(source.format)},
+              {"eye_width", source.eye_width},
+              {"height", source.height},
+              {"frames_per_second", nullptr},
+              {"live", source.live},
+              {"frames", nullptr},
               {"calibration", nullptr}};
     if (source.rate > 0) {
         json["frames_per_second"] = source.rate;
@@ -236,15 +241,6 @@ std::string hexadecimal(std::uint64_t id) {
     char text[17];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(id));
     return text;
-}
-
-const char* name(PixelFormat format) {
-    switch (format) {
-        case PixelFormat::grey8: return "grey8";
-        case PixelFormat::yuyv: return "yuyv";
-        case PixelFormat::bgr24: return "bgr24";
-    }
-    return "unknown";
 }
 
 std::string to_text(const Json& json, int indent) {

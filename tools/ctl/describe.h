@@ -31,8 +31,6 @@ Json to_json(const MatchOptions& options);
 /// 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.
 std::string hexadecimal(std::uint64_t id);
 
-const char* name(PixelFormat format);
-
 /// Strings of unknown origin may not be UTF-8; those bytes are replaced.
 std::string to_text(const Json& json, int indent);
 

@@ -10,6 +10,9 @@ int main(int argc, char** argv) {
     CLI::App program("Looks at and commands disparityd, and matches recorded frames without it.", "disparityctl");
     program.require_subcommand(0, 1);
     program.footer(
+        "Examples: disparityctl status\n"
+        "          disparityctl snapshot -o now.png --disparity now.pfm\n"
+        "          disparityctl process walk.mkv -o out\n"
         "Exit status: 0 done; 1 the system, the daemon or damaged input stopped it; 2 arguments, input or calibration\n"
         "must be changed; 130 stopped by Ctrl-C before the work was done. Every sub-command has its own --help.");
     Action action;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "capture/camera_calibration.h"
+#include "capture/pixel_format.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/progress.h"
@@ -41,8 +42,8 @@ std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {
 }
 
 std::string summary(const capture::SourceInfo& source) {
-    std::string text =
-        std::to_string(source.eye_width) + " x " + std::to_string(source.height) + " per eye, " + name(source.format);
+    std::string text = std::to_string(source.eye_width) + " x " + std::to_string(source.height) + " per eye, " +
+                       std::string(capture::name(source.format));
     if (source.rate > 0) {
         text += ", " + fixed(source.rate, source.rate == static_cast<int>(source.rate) ? 0 : 2) + " frames/s";
     }

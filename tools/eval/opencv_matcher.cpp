@@ -8,7 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "kernels/matcher.h"
-#include "tools/eval/our_matcher.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::eval {
 namespace {

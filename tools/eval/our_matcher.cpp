@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/our_matcher.h"
 
-#include <algorithm>
 #include <chrono>
 
 #include "tools/eval/frame_buffers.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::eval {
 
 using std::chrono::steady_clock;
-
-double median(std::vector<double> times) {
-    std::sort(times.begin(), times.end());
-    const std::size_t middle = times.size() / 2;
-    return times.size() % 2 == 1 ? times[middle] : (times[middle - 1] + times[middle]) / 2;
-}
 
 MatcherResult run_ours(const Backend& backend, const MatchOptions& options, const cv::Mat& left, const cv::Mat& right,
                        Parallel& workers, int repeat) {

@@ -12,7 +12,4 @@ namespace disparityd::eval {
 MatcherResult run_ours(const Backend& backend, const MatchOptions& options, const cv::Mat& left, const cv::Mat& right,
                        Parallel& workers, int repeat);
 
-/// The middle one of the times; the mean of the two in the middle for an even count.
-double median(std::vector<double> times);
-
 }  // namespace disparityd::eval

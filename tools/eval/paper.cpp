@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <ostream>
 
-#include "capture/text_file.h"
+#include "capture/words.h"
 #include "tools/ctl/table.h"
 
 namespace disparityd::eval {

@@ -11,6 +11,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "capture/message_text.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::eval {
@@ -26,10 +27,6 @@ cv::Mat read_8_bit(const std::string& path) {
         cv::cvtColor(picture, picture, cv::COLOR_BGRA2BGR);
     }
     return picture;
-}
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + " x " + std::to_string(height);
 }
 
 /// "ndisp=N" of the calib.txt that Middlebury puts beside its pictures; 0 where there is none.
@@ -69,9 +66,10 @@ Scene read_scene(const capture::DatasetScene& files, double scale) {
     }
     capture::GroundTruth truth = capture::read_ground_truth(files, scale);
     if (scene.left.size() != scene.right.size() || scene.left.cols != truth.width || scene.left.rows != truth.height) {
-        throw std::invalid_argument(files.left + ": found left " + size_text(scene.left.cols, scene.left.rows) +
-                                    ", right " + size_text(scene.right.cols, scene.right.rows) + ", ground truth " +
-                                    size_text(truth.width, truth.height) + ", allowed: three of one size");
+        throw std::invalid_argument(files.left + ": found left " +
+                                    capture::size_text(scene.left.cols, scene.left.rows) + ", right " +
+                                    capture::size_text(scene.right.cols, scene.right.rows) + ", ground truth " +
+                                    capture::size_text(truth.width, truth.height) + ", allowed: three of one size");
     }
     if (truth.knows_occlusion) {
         std::transform(truth.classes.begin(), truth.classes.end(), std::back_inserter(scene.non_occluded),

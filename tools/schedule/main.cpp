@@ -96,11 +96,11 @@ int main(int argc, char** argv) {
     CLI::App program("How SGM would scale on a machine with more cores: a simulated schedule from measured times.",
                      "sgm-schedule");
     program.footer(
-        "The times of costs, paths and winners of a row are measured on this machine, and events are simulated with "
-        "the "
-        "rules\nby which the workers divide the rows. Simulated: every worker has a core as fast as this one alone, "
-        "and\n"
-        "memory keeps up; the last column says with how much of it. measured: the same on this machine's cores.\n"
+        "Example: sgm-schedule --width 1280 --height 720 --disparities 128 --workers 1,2,4,8\n"
+        "The times of costs, paths and winners of a row are measured on this machine, and events are simulated with\n"
+        "the rules by which the workers divide the rows. Simulated: every worker has a core as fast as this one "
+        "alone,\n"
+        "and memory keeps up; the last column says with how much of it. measured: the same on this machine's cores.\n"
         "Exit status: 0 done; 1 the system refused; 2 arguments must be changed.");
     schedule::Arguments arguments;
     tools::add_integer(program, "--width", arguments.width, 1, 8192, "default 450");

@@ -10,6 +10,7 @@
 
 #include "kernels/cpu/sgm_sweeps.h"
 #include "kernels/large_buffer.h"
+#include "tools/eval/median.h"
 
 namespace disparityd::schedule {
 
@@ -17,16 +18,11 @@ namespace {
 
 using cpu::SgmGeometry;
 using cpu::SgmKernels;
+using eval::median;
 using Clock = std::chrono::steady_clock;
 
 double microseconds_since(Clock::time_point start) {
     return std::chrono::duration<double, std::micro>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 // The kernels with a clock around them. A table of kernels has no place for state, so there is one of these; what is

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Sourced by tools/test, which sets results (folder for outcomes) and jobs: the steps it is made of. A step that fails is
-# noted and the next one runs, so that one look at the end shows everything.
+# Sourced by tools/test, which sets results (folder for outcomes), jobs and ahead (descriptor of what work_ahead says): the
+# steps it is made of. A step that fails is noted and the next one runs, so that one look at the end shows everything.
 
 step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
 
@@ -57,29 +57,62 @@ run_tests() {
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
-# suite PRESET [CMAKE OPTION...]: builds it and runs its tests.
-suite() {
-    build "$@" && run_tests "$1"
-}
-
-# fuzz_beside COMMAND...: every target for a minute, several at a time, on what the command leaves of the processor.
-fuzz_beside() {
-    step "build fuzz"
-    tests/fuzz/run --build -j "$jobs"
-    local behind=(nice -n 19) fuzzers outcome
-    if chrt --idle 0 true 2>/dev/null; then behind=(chrt --idle 0); fi
-    "${behind[@]}" tests/fuzz/run 60 -j "$jobs" >"$results/fuzz.txt" 2>&1 &
-    fuzzers=$!
-    "$@"
+# run_fuzzers: every target for a minute, several at a time.
+run_fuzzers() {
+    local outcome
     step "fuzz"
-    wait "$fuzzers"
+    tests/fuzz/run 60 -j "$jobs" >"$results/fuzz-run.txt" 2>&1
     outcome=$?
-    grep '^fuzz: ' "$results/fuzz.txt" || cat "$results/fuzz.txt"
+    grep '^fuzz: ' "$results/fuzz-run.txt" || cat "$results/fuzz-run.txt"
     case $outcome in
         0) note passed "fuzz" ;;
-        77) note skipped "$(grep '^fuzz: skipped' "$results/fuzz.txt")" ;;
-        *) note failed "fuzz: $(grep -m1 FAILED "$results/fuzz.txt")" ;;
+        77) note skipped "$(grep '^fuzz: skipped' "$results/fuzz-run.txt")" ;;
+        *) note failed "fuzz: $(grep -m1 FAILED "$results/fuzz-run.txt")" ;;
     esac
+}
+
+build_arm64() {
+    step "arm64 root"
+    if ! tools/setup/arm64-sysroot; then
+        note failed "arm64 root"
+        return 1
+    fi
+    # Kernels keep their -O3; of the rest it is only seen that it builds and is right.
+    build arm64 -DDISPARITYD_WERROR=ON -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG"
+}
+
+# prepare NAME: one of the steps that need nothing of the release build.
+prepare() {
+    case $1 in
+        fuzz) run_fuzzers ;;
+        arm64) build_arm64 ;;
+        *) build "$1" ;;
+    esac
+}
+
+# work_ahead NAME...: prepares them one after the other on what the tests leave of the processor: they wait a lot. Says the
+# exit status of each when it is known; the rest of the output is for wait_for.
+work_ahead() {
+    local name
+    chrt --idle --pid 0 "$BASHPID"
+    for name; do
+        prepare "$name" >"$results/$name.txt" 2>&1
+        echo $?
+    done
+}
+
+# wait_for NAME: the next that work_ahead prepares; shows its output and passes when it did. Without idle priority (ahead is
+# empty) nothing was prepared, since some tests need more than an equal share of the processor.
+wait_for() {
+    local outcome=1
+    if [[ -z ${ahead:-} ]]; then
+        prepare "$1"
+        return
+    fi
+    step "wait for $1"
+    read -r outcome <&"$ahead" || note failed "$1: whatever made it has ended before its time"
+    cat "$results/$1.txt"
+    return "${outcome:-1}"
 }
 
 check_format() {
