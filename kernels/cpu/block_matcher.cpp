@@ -26,13 +26,10 @@ constexpr std::array<StageInfo, 4> census_stages = {{{"rectify", rectify_steps},
 // A band of SAD begins with the sums of seven rows: lower ones than this are not worth it.
 constexpr int least_rows_of_band = 16;
 
+// Costs as they are: only paths want them raised.
 SgmGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels) {
-    SgmGeometry geometry;
-    geometry.width = config.width;
-    geometry.height = config.height;
-    geometry.range = config.options.range;
-    geometry.layout = kernels.layout;
-    geometry.census = kernels.census_layout(config.width, kernels.layout);
+    SgmGeometry geometry = geometry_for(kernels, config.width, config.height, config.options.range);
+    geometry.raised_cost = 0;
     return geometry;
 }
 

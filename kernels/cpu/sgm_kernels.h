@@ -158,6 +158,12 @@ struct SgmKernels {
                    const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
 };
 
+/// What rows of a frame of this size are for these kernels, matching costs as their paths want them.
+inline SgmGeometry geometry_for(const SgmKernels& kernels, int width, int height, DisparityRange range) {
+    const CensusLayout census = kernels.census_layout(width, kernels.layout);
+    return {width, height, range, kernels.layout, census, kernels.raised_cost};
+}
+
 /// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()): 8 paths, P2 up to max_byte_p2.
 /// path_kernels.h has those for other options.
 SgmKernels sgm_kernels(std::int64_t target, int disparities);

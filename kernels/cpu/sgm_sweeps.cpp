@@ -9,21 +9,6 @@
 
 namespace disparityd::cpu {
 
-namespace {
-
-SgmGeometry geometry_of(int width, int height, const MatchOptions& options, const SgmKernels& kernels) {
-    SgmGeometry geometry;
-    geometry.width = width;
-    geometry.height = height;
-    geometry.range = options.range;
-    geometry.layout = kernels.layout;
-    geometry.census = kernels.census_layout(width, kernels.layout);
-    geometry.raised_cost = kernels.raised_cost;
-    return geometry;
-}
-
-}  // namespace
-
 /// One frame on its way through the sweeps.
 struct SgmSweeps::Frame {
     std::span<const std::byte> planes;
@@ -41,7 +26,7 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const S
                      std::size_t cache_bytes)
     : options_(options),
       kernels_(kernels),
-      geometry_(geometry_of(width, height, options, kernels_)),
+      geometry_(geometry_for(kernels_, width, height, options.range)),
       keep_costs_(options.range.count == kernels_.layout.candidates()),
       // Half of the cache is what one program can hope for on a machine that does other things too.
       stream_(keep_costs_ && kernels.streams && 2 * bytes_of_volumes() > cache_bytes),

@@ -23,14 +23,8 @@ inline bool always(std::int64_t /*target*/) {
 /// reference's order.
 struct SgmLayout {
     SgmLayout(const KernelInput& input, std::int64_t target)
-        : kernels(cpu::sgm_kernels(target, input.options.range.count)) {
-        geometry.width = input.width;
-        geometry.height = input.height;
-        geometry.range = input.options.range;
-        geometry.layout = kernels.layout;
-        geometry.census = kernels.census_layout(input.width, kernels.layout);
-        geometry.raised_cost = kernels.raised_cost;
-    }
+        : kernels(cpu::sgm_kernels(target, input.options.range.count)),
+          geometry(cpu::geometry_for(kernels, input.width, input.height, input.options.range)) {}
 
     /// Where candidate k of column x lies in a row.
     std::size_t at(int x, int k) const {
