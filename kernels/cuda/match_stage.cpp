@@ -44,8 +44,7 @@ MatchStage::MatchStage(const MatcherConfig& config)
         }
     }
     if (options.method == Method::sgm) {
-        volumes_ = DeviceMemory(paths_bytes(config.width, config.height, options.range.count, options.sgm.paths),
-                                "the path costs");
+        take_sgm_memory();
     }
     winner_disparity_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     winner_confidence_ = DeviceMemory(pixels_, "the winners");
@@ -59,6 +58,19 @@ MatchStage::MatchStage(const MatcherConfig& config)
     disparity_ = ExchangeMemory(pixels_ * sizeof(std::int16_t), "the disparities");
     confidence_ = ExchangeMemory(pixels_, "the confidences");
     depth_ = ExchangeMemory(pixels_ * sizeof(std::uint16_t), "the depths");
+}
+
+void MatchStage::take_sgm_memory() {
+    const SgmOptions& sgm = config_.options.sgm;
+    const SgmBytes bytes = sgm_bytes(config_.width, config_.height, config_.options.range.count, sgm.paths, sgm.p2);
+    left_volume_ = DeviceMemory(bytes.left_volume, "the path costs");
+    for (DeviceMemory& volume : sweep_volume_) {
+        volume = DeviceMemory(bytes.sweep_volume, "the path costs");
+    }
+    if (bytes.edges > 0) {
+        edges_ = DeviceMemory(bytes.edges, "the path costs");
+        progress_ = DeviceMemory(bytes.progress, "the path costs");
+    }
 }
 
 void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) {
@@ -129,7 +141,11 @@ PathsJob MatchStage::paths_job() const {
             sgm.p2,
             sgm.adaptive_p2,
             sgm.paths,
-            volumes_.as<std::uint8_t>()};
+            is_wide(sgm.paths, sgm.p2),
+            left_volume_.as<std::uint8_t>(),
+            {sweep_volume_[0].as<std::uint8_t>(), sweep_volume_[1].as<std::uint8_t>()},
+            edges_.as<std::uint8_t>(),
+            progress_.as<int>()};
 }
 
 WinnerJob MatchStage::winner_job() const {
@@ -159,7 +175,8 @@ void MatchStage::find_winners() {
     if (method == Method::census) {
         census_winners(paths.words, winner_job(), stream_.get());
     } else {
-        aggregate(paths, stream_.get());
+        sweep(paths, stream_.get());
+        path_to_left(paths, stream_.get());
         mark();
         aggregate_and_choose(paths, winner_job(), stream_.get());
     }

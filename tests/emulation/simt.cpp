@@ -411,6 +411,10 @@ void atomic_done() {
     }
 }
 
+void wait_for_others(Site /*site*/) {
+    running->wait(State::ready);
+}
+
 void* shared_memory(const void* tag, std::size_t bytes) {
     return running->shared_memory(tag, bytes);
 }

@@ -65,6 +65,9 @@ int lane();
 /// After an atomic operation.
 void atomic_done();
 
+/// By a thread that waits for what another one writes.
+void wait_for_others(Site site);
+
 /// Shared memory of the running block: one allocation of its own for each tag, poisoned.
 void* shared_memory(const void* tag, std::size_t bytes);
 void* dynamic_shared_memory();
