@@ -70,6 +70,12 @@ public:
         }
     }
 
+    /// The column of the right image that a lane's first candidate meets; one close to the image, of which it has no
+    /// other candidate either, where it is far outside.
+    __device__ int first_column(int x) const {
+        return clamp(x - range_.first - candidate<packs>(0), 0, width_ + margin_words);
+    }
+
     /// The column of the right image that the candidate meets, or the nearest one there is.
     __device__ int column(int x, int slot) const {
         return clamp(x - range_.first - candidate<packs>(slot), 0, width_ - 1);
@@ -149,6 +155,18 @@ void with_packs(int count, Step step) {
         case 3: step(std::integral_constant<int, 3>()); break;
         default: step(std::integral_constant<int, 4>()); break;
     }
+}
+
+/// The same, and whether P2 adapts: step(packs, adaptive).
+template <typename Step>
+void with_packs(const PathsJob& job, Step step) {
+    with_packs(job.range.count, [&](auto packs) {
+        if (job.adaptive_p2) {
+            step(packs, std::true_type());
+        } else {
+            step(packs, std::false_type());
+        }
+    });
 }
 
 }  // namespace disparityd::cuda

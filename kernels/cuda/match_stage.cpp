@@ -40,7 +40,8 @@ MatchStage::MatchStage(const MatcherConfig& config)
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
         if (options.method != Method::sad) {
-            words_[eye] = DeviceMemory(pixels_ * sizeof(std::uint64_t), "the census words");
+            words_[eye] =
+                DeviceMemory((margin_words + pixels_ + 2 * margin_words) * sizeof(std::uint64_t), "the census words");
         }
     }
     if (options.method == Method::sgm) {
@@ -119,6 +120,10 @@ View<const std::uint8_t> MatchStage::image(std::size_t eye) const {
             config_.width};
 }
 
+std::uint64_t* MatchStage::words(std::size_t eye) const {
+    return words_[eye].as<std::uint64_t>() + margin_words;
+}
+
 void MatchStage::take_pair() {
     mark();
     for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -134,7 +139,7 @@ void MatchStage::take_pair() {
 
 PathsJob MatchStage::paths_job() const {
     const SgmOptions& sgm = config_.options.sgm;
-    return {{words_[0].as<const std::uint64_t>(), words_[1].as<const std::uint64_t>()},
+    return {{words(0), words(1)},
             image(0),
             range(),
             sgm.p1,
@@ -169,7 +174,7 @@ void MatchStage::find_winners() {
         mark();
         return;
     }
-    census(image(0), image(1), words_[0].as<std::uint64_t>(), words_[1].as<std::uint64_t>(), stream_.get());
+    census(image(0), image(1), words(0), words(1), stream_.get());
     mark();
     const PathsJob paths = paths_job();
     if (method == Method::census) {

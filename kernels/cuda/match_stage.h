@@ -43,6 +43,7 @@ private:
     void mark();
 
     View<const std::uint8_t> image(std::size_t eye) const;
+    std::uint64_t* words(std::size_t eye) const;
     Range range() const { return {config_.options.range.first, config_.options.range.count}; }
     PathsJob paths_job() const;
     WinnerJob winner_job() const;

@@ -75,19 +75,18 @@ struct Pixel {
     int x, y;
 };
 
-/// P2' of step 5 in both halves, from pixel to pixel, where it is adaptive. Outside the image, where a path begins, any
-/// does.
-__device__ inline Pair adapted_p2(const PathsJob& job, Pixel before, Pixel pixel) {
+/// P2' of step 5 in both halves, from pixel to pixel. Outside the image, where a path begins, any does.
+template <bool adaptive>
+__device__ Pair adapted_p2(const PathsJob& job, Pixel before, Pixel pixel) {
+    if constexpr (!adaptive) {
+        return pair_of(static_cast<unsigned>(job.p2));
+    }
     const auto intensity = [&](Pixel at) {
         return static_cast<int>(
             job.image.at(clamp(at.x, 0, job.image.width - 1), clamp(at.y, 0, job.image.height - 1)));
     };
     const int difference = intensity(pixel) - intensity(before);
     return pair_of(static_cast<unsigned>(max(job.p1 + 1, job.p2 - (difference < 0 ? -difference : difference))));
-}
-
-__device__ inline Pair fixed_p2(const PathsJob& job) {
-    return pair_of(static_cast<unsigned>(job.p2));
 }
 
 }  // namespace disparityd::cuda

@@ -9,7 +9,7 @@ namespace {
 constexpr int block_lines = 4;  // warps of a block
 
 // The path to the left, a warp for each row.
-template <int packs>
+template <int packs, bool adaptive>
 __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJob job) {
     constexpr int slots = slots_of(packs);
     const int y = static_cast<int>(blockIdx.x) * block_lines + warp_index();
@@ -31,7 +31,7 @@ __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJ
             }
             Costs<packs> costs;
             words.next(job.words.left[row + x], x, phase, costs);
-            const Pair p2 = job.adaptive_p2 ? adapted_p2(job, {x + 1, y}, {x, y}) : fixed_p2(job);
+            const Pair p2 = adapted_p2<adaptive>(job, {x + 1, y}, {x, y});
             path = continued<packs>(recursion, path, costs, p2);
             Costs<packs> added;
 #pragma unroll
@@ -62,8 +62,9 @@ SgmBytes sgm_bytes(int width, int height, int disparities, int paths, int p2) {
 
 void path_to_left(const PathsJob& job, cudaStream_t stream) {
     const Shape shape{dim3(blocks_for(job.image.height, block_lines)), dim3(lanes, block_lines)};
-    with_packs(job.range.count, [&](auto packs) {
-        launch("path to the left", shape, stream, path_to_left_kernel<decltype(packs)::value>, job);
+    with_packs(job, [&](auto packs, auto adaptive) {
+        launch("path to the left", shape, stream,
+               path_to_left_kernel<decltype(packs)::value, decltype(adaptive)::value>, job);
     });
 }
 

@@ -30,7 +30,7 @@ __device__ void add_volume(const std::uint8_t* volume, std::ptrdiff_t pixel, boo
 
 // The path to the right, the last one: its costs stay in registers, the others' are added to them, and the sums are
 // used up on the spot. A sum of path costs is stored nowhere.
-template <int packs>
+template <int packs, bool adaptive>
 __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob job, WinnerJob winner) {
     DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
@@ -47,7 +47,7 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     winners.walk([&](int x, int phase, Costs<packs>& sums) {
         Costs<packs> costs;
         words.next(job.words.left[row + x], x, phase, costs);
-        const Pair p2 = job.adaptive_p2 ? adapted_p2(job, {x - 1, y}, {x, y}) : fixed_p2(job);
+        const Pair p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});
         path = continued<packs>(recursion, path, costs, p2);
         add_costs<packs>(path, costs, job.paths - 1, sums);
         add_volume<packs>(job.left_volume, row + x, false, sums);
@@ -59,9 +59,9 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
 }  // namespace
 
 void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream) {
-    with_packs(paths.range.count, [&](auto packs) {
+    with_packs(paths, [&](auto packs, auto adaptive) {
         launch("aggregate and choose", rows_shape(paths.image.height), stream,
-               sgm_winners_kernel<decltype(packs)::value>, paths, winner);
+               sgm_winners_kernel<decltype(packs)::value, decltype(adaptive)::value>, paths, winner);
     });
 }
 

@@ -56,9 +56,13 @@ struct WinnerJob {
     std::int16_t* right_winner;
 };
 
+/// Words that may be read before the first row and after the last one, of no meaning: as many at least as a lane has
+/// candidates and a warp columns in a sweep.
+constexpr int margin_words = 16;
+
 struct CensusWords {
     const std::uint64_t* left;
-    const std::uint64_t* right;
+    const std::uint64_t* right;  ///< with a margin, twice as large after the end
 };
 
 /// Whether what the paths of a sweep add together, of all so many directions, needs two bytes.

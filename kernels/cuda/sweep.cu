@@ -39,7 +39,7 @@ struct SharedEdge {
 // A warp's columns of a strip, with the state of their three paths in registers. A strip leans: from row to row it
 // moves on by a column. So of the diagonals one stays in its column of the strip, and all that the strip's paths go on
 // with besides comes from the right. Without diagonals it stands upright and needs nobody.
-template <int packs, bool diagonals>
+template <int packs, bool diagonals, bool adaptive>
 class Columns {
 public:
     static constexpr int columns = columns_of_warp(packs);
@@ -55,9 +55,15 @@ public:
     __device__ void advance(int r, int x, const Edge<packs>& edge) {
         const int y = row(r);
         const bool all_inside = reach_.all_inside(x);
-        std::uint64_t words[slots + columns - 1];
-        load_words(x, y, all_inside, words);
-        const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(y) * width() + x;
+        const std::ptrdiff_t row_begin = static_cast<std::ptrdiff_t>(y) * width();
+        // From the last column's first candidate on.
+        const std::uint64_t* right = job_.words.right + row_begin + reach_.first_column(x + columns - 1);
+        std::uint64_t words[words_of_columns];
+#pragma unroll
+        for (int i = 0; i < words_of_columns; ++i) {
+            words[i] = right[-i];
+        }
+        const std::ptrdiff_t first = row_begin + x;
         const std::uint64_t* left = job_.words.left + first;
         const int bytes = pixel_bytes(packs, job_.wide);
         std::uint8_t* pixel = volume_ + first * bytes;
@@ -92,30 +98,14 @@ public:
     }
 
 private:
-    static constexpr int slots = slots_of(packs);
+    static constexpr int words_of_columns = slots_of(packs) + columns - 1;
+    static_assert(words_of_columns <= margin_words);
 
     __device__ int width() const {
         return job_.image.width;
     }
     __device__ int row(int r) const {
         return upwards_ ? job_.image.height - 1 - r : r;
-    }
-
-    // From the last column's first candidate on.
-    __device__ void load_words(int x, int y, bool all_inside, std::uint64_t (&words)[slots + columns - 1]) const {
-        const std::uint64_t* right = job_.words.right + static_cast<std::ptrdiff_t>(y) * width();
-        if (all_inside) {
-            const std::uint64_t* nearest = right + (x + columns - 1 - job_.range.first - candidate<packs>(0));
-#pragma unroll
-            for (int i = 0; i < slots + columns - 1; ++i) {
-                words[i] = nearest[-i];
-            }
-        } else {
-#pragma unroll
-            for (int i = 0; i < slots + columns - 1; ++i) {
-                words[i] = right[reach_.column(x + columns - 1, i)];
-            }
-        }
     }
 
     // Outside the image there is no path.
@@ -130,25 +120,16 @@ private:
     __device__ void continue_paths(int c, Pixel pixel, const Costs<packs>& costs, const Edge<packs>& edge,
                                    Costs<packs>& added) {
         const int before = pixel.y + (upwards_ ? 1 : -1);
-        Pair straight_p2 = fixed_p2(job_);
-        Pair along_p2 = straight_p2;
-        Pair against_p2 = straight_p2;
-        if (job_.adaptive_p2) {
-            straight_p2 = adapted_p2(job_, {pixel.x, before}, pixel);
-            if constexpr (diagonals) {
-                along_p2 = adapted_p2(job_, {pixel.x - 1, before}, pixel);
-                against_p2 = adapted_p2(job_, {pixel.x + 1, before}, pixel);
-            }
-        }
+        const auto p2_from = [&](int x) { return adapted_p2<adaptive>(job_, {x, before}, pixel); };
         if constexpr (diagonals) {
             const PathCosts<packs>& right = c + 1 < columns ? straight_[(c + 1) % columns] : edge.straight;
             const PathCosts<packs>& second_right =
                 c + 2 < columns ? against_[(c + 2) % columns] : edge.against[(c + 2) % columns % 2];
-            along_[c] = continued<packs>(recursion_, along_[c], costs, along_p2);
-            straight_[c] = continued<packs>(recursion_, right, costs, straight_p2);
-            against_[c] = continued<packs>(recursion_, second_right, costs, against_p2);
+            along_[c] = continued<packs>(recursion_, along_[c], costs, p2_from(pixel.x - 1));
+            straight_[c] = continued<packs>(recursion_, right, costs, p2_from(pixel.x));
+            against_[c] = continued<packs>(recursion_, second_right, costs, p2_from(pixel.x + 1));
         } else {
-            straight_[c] = continued<packs>(recursion_, straight_[c], costs, straight_p2);
+            straight_[c] = continued<packs>(recursion_, straight_[c], costs, p2_from(pixel.x));
         }
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
@@ -190,10 +171,10 @@ __device__ Strip strip_of(int ticket, const PathsJob& job) {
     return {number, upwards, x, max(0, 1 - strip_width - x), min(job.image.height, job.image.width - x)};
 }
 
-template <int packs>
+template <int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) straight_kernel(PathsJob job) {
     const Strip strip = strip_of<packs, false>(static_cast<int>(blockIdx.x), job);
-    Columns<packs, false> columns(job, strip.upwards);
+    Columns<packs, false, adaptive> columns(job, strip.upwards);
     const Edge<packs> nothing;
     const int x = strip.x + warp_index() * columns_of_warp(packs);
     for (int r = strip.first_row; r < strip.last_row; ++r) {
@@ -232,7 +213,8 @@ public:
           last_row_(strip.number == 0 ? 0 : min(strip.last_row, job.image.width - strip.x - columns_of_strip(packs))) {}
 
     // As it was in the row before r.
-    __device__ void edge(int r, const Columns<packs, true>& columns, Edge<packs>& edge) {
+    template <bool adaptive>
+    __device__ void edge(int r, const Columns<packs, true, adaptive>& columns, Edge<packs>& edge) {
         if (r == 0 || r > last_row_) {
             edge = {};  // it is outside the image
             return;
@@ -254,9 +236,9 @@ private:
     int seen_ = 0;
 };
 
-template <int packs>
+template <int packs, bool adaptive>
 __device__ void give_edge_to_next_strip(const EdgeInMemory<packs>& memory, const Strip& strip, int r,
-                                        const Columns<packs, true>& columns) {
+                                        const Columns<packs, true, adaptive>& columns) {
     store_bytes<packs>(memory.path(r, 0), columns.straight().cost);
     store_bytes<packs>(memory.path(r, 1), columns.against(0).cost);
     store_bytes<packs>(memory.path(r, 2), columns.against(1).cost);
@@ -276,12 +258,12 @@ __device__ int draw_ticket(int* tickets) {
     return same_in_warp(drawn[0]);
 }
 
-template <int packs>
+template <int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob job) {
     DISPARITYD_SHARED(SharedEdge<packs>, edges, [2][strip_warps]);
     const int warp = warp_index();
     const Strip strip = strip_of<packs, true>(draw_ticket(job.progress), job);
-    Columns<packs, true> columns(job, strip.upwards);
+    Columns<packs, true, adaptive> columns(job, strip.upwards);
     RightNeighbour<packs> neighbour(job, strip);
     const EdgeInMemory<packs> own(job, strip.number, strip.upwards);
     for (int i = 0; i < edge_paths; ++i) {
@@ -300,7 +282,7 @@ __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob j
         }
         columns.advance(r, strip.x + r + warp * columns_of_warp(packs), edge);
         if (warp == 0) {
-            give_edge_to_next_strip<packs>(own, strip, r, columns);
+            give_edge_to_next_strip<packs, adaptive>(own, strip, r, columns);
         } else {
             SharedEdge<packs>& shared = edges[r % 2][warp];
             shared.set(0, columns.straight());
@@ -315,16 +297,17 @@ __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob j
 
 void sweep(const PathsJob& job, cudaStream_t stream) {
     const bool diagonals = job.paths == 8;
-    with_packs(job.range.count, [&](auto constant) {
-        constexpr int packs = decltype(constant)::value;
+    with_packs(job, [&](auto count, auto adapts) {
+        constexpr int packs = decltype(count)::value;
+        constexpr bool adaptive = decltype(adapts)::value;
         const int strips = strips_of_sweep(job.image.width, job.image.height, packs, diagonals);
         const Shape shape{dim3(static_cast<unsigned>(2 * strips)), dim3(lanes, strip_warps)};
         if (diagonals) {
             const std::size_t bytes = static_cast<std::size_t>(1 + 2 * strips) * sizeof(int);
             check(cudaMemsetAsync(job.progress, 0, bytes, stream), "forgetting the progress of the frame before");
-            launch("sweep", shape, stream, sweep_kernel<packs>, job);
+            launch("sweep", shape, stream, sweep_kernel<packs, adaptive>, job);
         } else {
-            launch("straight sweep", shape, stream, straight_kernel<packs>, job);
+            launch("straight sweep", shape, stream, straight_kernel<packs, adaptive>, job);
         }
     });
 }

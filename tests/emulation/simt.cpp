@@ -404,7 +404,6 @@ public:
                 running = block.get();
                 block->give_up();
             }
-            running = nullptr;
             throw;
         }
         running = nullptr;
