@@ -175,7 +175,7 @@ template <int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) straight_kernel(PathsJob job) {
     const Strip strip = strip_of<packs, false>(static_cast<int>(blockIdx.x), job);
     Columns<packs, false, adaptive> columns(job, strip.upwards);
-    const Edge<packs> nothing;
+    const Edge<packs> nothing{};
     const int x = strip.x + warp_index() * columns_of_warp(packs);
     for (int r = strip.first_row; r < strip.last_row; ++r) {
         columns.advance(r, x, nothing);
