@@ -13,7 +13,8 @@ set(DISPARITYD_CUDA_STEPS
   paths.cu
   rectify.cu
   sgm_winners.cu
-  speckle.cu)
+  speckle.cu
+  sweep.cu)
 set(DISPARITYD_CUDA_HOST
   backend.cpp
   graph.cpp

@@ -13,24 +13,16 @@ constexpr unsigned outside = window_width * window_height * 255;
 
 template <int packs>
 __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(CensusWords words, WinnerJob winner) {
+    DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
     if (y >= winner.height) {
         return;
     }
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * winner.width;
-    Costs<packs> idle;
-    idle_slots<packs>(winner.range.count, idle);
-    WinnerRow<packs> winners(winner, y);
-    for (int x = 0; x < winner.width; ++x) {
-        Costs<packs> costs;
-        census_costs<packs>(words.left[row + x], words.right + row + x, winner.width, x, winner.range.first, costs);
-#pragma unroll
-        for (int p = 0; p < packs; ++p) {
-            costs[p] |= idle[p];
-        }
-        winners.next(costs);
-    }
-    winners.finish();
+    const Reach<packs> reach(winner.range, winner.width);
+    WordsAlongRow<packs, 1> right(words.right + row, reach, 0);
+    WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
+    winners.walk([&](int x, int phase, Costs<packs>& costs) { right.next(words.left[row + x], x, phase, costs); });
 }
 
 // Step 2 along one row: the window's sum is kept up by the column that enters and the one that leaves, which lie in a
@@ -40,8 +32,9 @@ class SadRow {
 public:
     using Ring = Pair (&)[window_width][packs][lanes];
 
-    __device__ SadRow(View<const std::uint8_t> left, View<const std::uint8_t> right, int first, int y, Ring ring)
-        : left_(left), right_(right), first_(first), y_(y), ring_(ring) {
+    __device__ SadRow(View<const std::uint8_t> left, View<const std::uint8_t> right, const Reach<packs>& reach, int y,
+                      Ring ring)
+        : left_(left), right_(right), reach_(reach), y_(y), ring_(ring) {
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
             sums_[p] = 0;
@@ -60,11 +53,10 @@ public:
     __device__ void costs(int x, Costs<packs>& out) const {
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
-            const int low_x = x - first_ - 2 * p * lanes - lane_index();
-            const int high_x = low_x - lanes;
-            const Pair low = low_x >= 0 && low_x < right_.width ? sums_[p] & 0xffff : outside;
-            const Pair high = high_x >= 0 && high_x < right_.width ? sums_[p] & 0xffff0000 : outside << 16;
-            out[p] = low | high;
+            out[p] = sums_[p];
+        }
+        if (!reach_.all_inside(x)) {
+            reach_.limit(x, outside, out);
         }
     }
 
@@ -95,8 +87,7 @@ private:
             const unsigned pixel = left_.at(x, window_y);
 #pragma unroll
             for (int s = 0; s < slots_of(packs); ++s) {
-                const int right_x = clamp(x - first_ - s * lanes - lane_index(), 0, right_.width - 1);
-                sums[s] = __usad(pixel, right[right_x], sums[s]);
+                sums[s] = __usad(pixel, right[reach_.column(x, s)], sums[s]);
             }
         }
 #pragma unroll
@@ -107,7 +98,7 @@ private:
 
     View<const std::uint8_t> left_;
     View<const std::uint8_t> right_;
-    int first_;
+    const Reach<packs>& reach_;
     int y_;
     Ring ring_;
     Costs<packs> sums_;
@@ -117,25 +108,18 @@ template <int packs>
 __global__ void __launch_bounds__(block_rows* lanes)
     sad_winners_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right, WinnerJob winner) {
     DISPARITYD_SHARED(Pair, rings, [block_rows][window_width][packs][lanes]);
+    DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
     if (y >= winner.height) {
         return;
     }
-    Costs<packs> idle;
-    idle_slots<packs>(winner.range.count, idle);
-    SadRow<packs> sad(left, right, winner.range.first, y, rings[threadIdx.y]);
-    WinnerRow<packs> winners(winner, y);
-    for (int x = 0; x < winner.width; ++x) {
-        Costs<packs> costs;
+    const Reach<packs> reach(winner.range, winner.width);
+    SadRow<packs> sad(left, right, reach, y, rings[threadIdx.y]);
+    WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
+    winners.walk_pixel_by_pixel([&](int x, Costs<packs>& costs) {
         sad.costs(x, costs);
-#pragma unroll
-        for (int p = 0; p < packs; ++p) {
-            costs[p] |= idle[p];
-        }
-        winners.next(costs);
         sad.advance(x);
-    }
-    winners.finish();
+    });
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 
 namespace disparityd::cuda {
 
-/// How a warp holds the candidates of a pixel: candidate k (d = first + k) is in lane k % 32, and there in slot k / 32.
-/// Two slots are a Pair: slots 2p and 2p + 1 the low and high half of pack p. So neighbouring lanes read neighbouring
-/// words of the right image. Slots from `count` on are idle: never less than `unreachable`.
+/// How a warp holds the candidates of a pixel: each lane has so many slots, and candidate k (d = first + k) is in lane
+/// k / slots, slot k % slots. Two slots are a Pair: slots 2p and 2p + 1 the low and high half of pack p. So d - 1 and
+/// d + 1 are in the same lane but at its ends. Slots from `count` on are idle: never less than `unreachable`.
 template <int packs>
 using Costs = Pair[packs];
 
@@ -27,35 +27,124 @@ __device__ inline int lane_index() {
     return static_cast<int>(threadIdx.x);
 }
 
-/// Which slots are idle, as bits that make a cost unreachable.
+/// The number of a warp in its block.
+__device__ inline int warp_index() {
+    return same_in_warp(static_cast<int>(threadIdx.y));
+}
+
 template <int packs>
-__device__ void idle_slots(int count, Costs<packs>& idle) {
+__device__ int candidate(int slot) {
+    return slots_of(packs) * lane_index() + slot;
+}
+
+constexpr unsigned census_outside = 62;
+
+/// Which slots have a candidate whose right pixel lies inside the image.
+template <int packs>
+class Reach {
+public:
+    /// Of `columns` neighbouring pixels, which all_inside() asks about at once.
+    __device__ Reach(Range range, int width, int columns = 1) : range_(range), width_(width) {
+        constexpr int all = slots_of(packs) * lanes;
+        from_ = range.first + all - 1;
+        all_inside_ = range.count == all ? static_cast<unsigned>(max(width - all + 2 - columns, 0)) : 0;
+    }
+
+    /// Whether all slots have, for the pixel at x and its columns - 1 neighbours to the right: most pixels of an image.
+    __device__ bool all_inside(int x) const { return static_cast<unsigned>(x - from_) < all_inside_; }
+
+    /// Gives candidates outside the image that cost, idle slots one that none can reach.
+    __device__ void limit(int x, unsigned outside, Costs<packs>& costs) const {
+#pragma unroll
+        for (int p = 0; p < packs; ++p) {
+            const unsigned low = limited(x, 2 * p, outside, costs[p] & 0xffff);
+            costs[p] = low | limited(x, 2 * p + 1, outside, costs[p] >> 16) << 16;
+        }
+    }
+
+    __device__ void limit_idle(Costs<packs>& costs) const {
+#pragma unroll
+        for (int p = 0; p < packs; ++p) {
+            costs[p] |= (candidate<packs>(2 * p) < range_.count ? 0 : unreachable) |
+                        (candidate<packs>(2 * p + 1) < range_.count ? 0 : unreachable << 16);
+        }
+    }
+
+    /// The column of the right image that a lane's first candidate meets; one close to the image, of which it has no
+    /// other candidate either, where it is far outside.
+    __device__ int first_column(int x) const {
+        return clamp(x - range_.first - candidate<packs>(0), 0, width_ + margin_words);
+    }
+
+    /// The column of the right image that the candidate meets, or the nearest one there is.
+    __device__ int column(int x, int slot) const {
+        return clamp(x - range_.first - candidate<packs>(slot), 0, width_ - 1);
+    }
+
+private:
+    __device__ unsigned limited(int x, int slot, unsigned outside, unsigned cost) const {
+        const int k = candidate<packs>(slot);
+        const bool inside = static_cast<unsigned>(x - range_.first - k) < static_cast<unsigned>(width_);
+        return k >= range_.count ? unreachable : inside ? cost : outside;
+    }
+
+    Range range_;
+    int width_;
+    int from_;
+    unsigned all_inside_;
+};
+
+/// Step 4 for a pixel with this word; right(slot) is its candidate's. Candidates outside the image are to be limited.
+template <int packs, typename Right>
+__device__ void census_costs(std::uint64_t word, Right right, Costs<packs>& costs) {
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        const int k = 2 * p * lanes + lane_index();
-        idle[p] = (k < count ? 0 : unreachable) | (k + lanes < count ? 0 : unreachable << 16);
+        const auto low = static_cast<unsigned>(__popcll(word ^ right(2 * p)));
+        costs[p] = low + (static_cast<unsigned>(__popcll(word ^ right(2 * p + 1))) << 16);
     }
 }
 
-/// Step 4 for the pixel at x, whose place in the right image's words is `right`: there candidate k lies first + k to
-/// the left.
-template <int packs>
-__device__ void census_costs(std::uint64_t word, const std::uint64_t* __restrict__ right, int width, int x, int first,
-                             Costs<packs>& costs) {
-    constexpr unsigned outside = 62;
-    const int nearest = x - first - lane_index();
-    const std::uint64_t* __restrict__ words = right - first - lane_index();
-    unsigned slots[slots_of(packs)];
-#pragma unroll
-    for (int s = 0; s < slots_of(packs); ++s) {
-        const bool inside = static_cast<unsigned>(nearest - s * lanes) < static_cast<unsigned>(width);
-        slots[s] = inside ? static_cast<unsigned>(__popcll(word ^ words[-s * lanes])) : outside;
-    }
-#pragma unroll
-    for (int p = 0; p < packs; ++p) {
-        costs[p] = slots[2 * p] | slots[2 * p + 1] << 16;
-    }
+/// A register for each slot of a warp that walks along a row, from left to right (dx = 1) or from right to left (-1).
+/// From pixel to pixel everything moves by a slot, which is done by other names: `phase` counts the pixels modulo
+/// slots, and has to be known to the compiler.
+template <int packs, int dx>
+__device__ constexpr int renamed(int slot, int phase) {
+    constexpr int slots = slots_of(packs);
+    return (slot + slots - dx * phase) % slots;
 }
+
+/// The right words of the candidates of the pixel that a walk along a row has come to: from pixel to pixel one is new
+/// in each lane.
+template <int packs, int dx>
+class WordsAlongRow {
+public:
+    /// Before the pixel `x`, which has phase 0.
+    __device__ WordsAlongRow(const std::uint64_t* __restrict__ row, const Reach<packs>& reach, int x)
+        : row_(row), reach_(reach) {
+#pragma unroll
+        for (int s = 0; s < slots; ++s) {
+            words_[renamed<packs, dx>(s, slots - 1)] = row[reach.column(x - dx, s)];
+        }
+    }
+
+    /// Steps 4 for the next pixel, which is at x.
+    __device__ void next(std::uint64_t left, int x, int phase, Costs<packs>& costs) {
+        constexpr int entering = dx > 0 ? 0 : slots - 1;
+        words_[renamed<packs, dx>(entering, phase)] = row_[reach_.column(x, entering)];
+        census_costs<packs>(
+            left, [&](int slot) { return words_[renamed<packs, dx>(slot, phase)]; }, costs);
+        if (!reach_.all_inside(x)) {
+            reach_.limit(x, census_outside, costs);
+        }
+    }
+
+private:
+    static constexpr int slots = slots_of(packs);
+
+    const std::uint64_t* __restrict__ row_;
+    const Reach<packs>& reach_;
+    std::uint64_t words_[slots];
+};
 
 /// Calls step(std::integral_constant) with the packs that `count` candidates need.
 template <typename Step>
@@ -66,6 +155,18 @@ void with_packs(int count, Step step) {
         case 3: step(std::integral_constant<int, 3>()); break;
         default: step(std::integral_constant<int, 4>()); break;
     }
+}
+
+/// The same, and whether P2 adapts: step(packs, adaptive).
+template <typename Step>
+void with_packs(const PathsJob& job, Step step) {
+    with_packs(job.range.count, [&](auto packs) {
+        if (job.adaptive_p2) {
+            step(packs, std::true_type());
+        } else {
+            step(packs, std::false_type());
+        }
+    });
 }
 
 }  // namespace disparityd::cuda

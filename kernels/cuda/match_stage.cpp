@@ -40,12 +40,12 @@ MatchStage::MatchStage(const MatcherConfig& config)
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
         if (options.method != Method::sad) {
-            words_[eye] = DeviceMemory(pixels_ * sizeof(std::uint64_t), "the census words");
+            words_[eye] =
+                DeviceMemory((margin_words + pixels_ + 2 * margin_words) * sizeof(std::uint64_t), "the census words");
         }
     }
     if (options.method == Method::sgm) {
-        volumes_ = DeviceMemory(paths_bytes(config.width, config.height, options.range.count, options.sgm.paths),
-                                "the path costs");
+        take_sgm_memory();
     }
     winner_disparity_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     winner_confidence_ = DeviceMemory(pixels_, "the winners");
@@ -59,6 +59,19 @@ MatchStage::MatchStage(const MatcherConfig& config)
     disparity_ = ExchangeMemory(pixels_ * sizeof(std::int16_t), "the disparities");
     confidence_ = ExchangeMemory(pixels_, "the confidences");
     depth_ = ExchangeMemory(pixels_ * sizeof(std::uint16_t), "the depths");
+}
+
+void MatchStage::take_sgm_memory() {
+    const SgmOptions& sgm = config_.options.sgm;
+    const SgmBytes bytes = sgm_bytes(config_.width, config_.height, config_.options.range.count, sgm.paths, sgm.p2);
+    left_volume_ = DeviceMemory(bytes.left_volume, "the path costs");
+    for (DeviceMemory& volume : sweep_volume_) {
+        volume = DeviceMemory(bytes.sweep_volume, "the path costs");
+    }
+    if (bytes.edges > 0) {
+        edges_ = DeviceMemory(bytes.edges, "the path costs");
+        progress_ = DeviceMemory(bytes.progress, "the path costs");
+    }
 }
 
 void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) {
@@ -107,6 +120,10 @@ View<const std::uint8_t> MatchStage::image(std::size_t eye) const {
             config_.width};
 }
 
+std::uint64_t* MatchStage::words(std::size_t eye) const {
+    return words_[eye].as<std::uint64_t>() + margin_words;
+}
+
 void MatchStage::take_pair() {
     mark();
     for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -122,14 +139,18 @@ void MatchStage::take_pair() {
 
 PathsJob MatchStage::paths_job() const {
     const SgmOptions& sgm = config_.options.sgm;
-    return {{words_[0].as<const std::uint64_t>(), words_[1].as<const std::uint64_t>()},
+    return {{words(0), words(1)},
             image(0),
             range(),
             sgm.p1,
             sgm.p2,
             sgm.adaptive_p2,
             sgm.paths,
-            volumes_.as<std::uint8_t>()};
+            is_wide(sgm.paths, sgm.p2),
+            left_volume_.as<std::uint8_t>(),
+            {sweep_volume_[0].as<std::uint8_t>(), sweep_volume_[1].as<std::uint8_t>()},
+            edges_.as<std::uint8_t>(),
+            progress_.as<int>()};
 }
 
 WinnerJob MatchStage::winner_job() const {
@@ -153,13 +174,14 @@ void MatchStage::find_winners() {
         mark();
         return;
     }
-    census(image(0), image(1), words_[0].as<std::uint64_t>(), words_[1].as<std::uint64_t>(), stream_.get());
+    census(image(0), image(1), words(0), words(1), stream_.get());
     mark();
     const PathsJob paths = paths_job();
     if (method == Method::census) {
         census_winners(paths.words, winner_job(), stream_.get());
     } else {
-        aggregate(paths, stream_.get());
+        sweep(paths, stream_.get());
+        path_to_left(paths, stream_.get());
         mark();
         aggregate_and_choose(paths, winner_job(), stream_.get());
     }

@@ -33,6 +33,7 @@ private:
         bool operator==(const Output&) const = default;
     };
 
+    void take_sgm_memory();
     void start(const Output& output);
     void put_on_stream(const Output& output);
     void take_pair();
@@ -42,6 +43,7 @@ private:
     void mark();
 
     View<const std::uint8_t> image(std::size_t eye) const;
+    std::uint64_t* words(std::size_t eye) const;
     Range range() const { return {config_.options.range.first, config_.options.range.count}; }
     PathsJob paths_job() const;
     WinnerJob winner_job() const;
@@ -54,7 +56,10 @@ private:
     std::array<ExchangeMemory, 2> pair_;
     std::array<DeviceMemory, 2> images_;  // where the pair is mapped: a copy that the device caches
     std::array<DeviceMemory, 2> words_;
-    DeviceMemory volumes_;
+    DeviceMemory left_volume_;
+    std::array<DeviceMemory, 2> sweep_volume_;
+    DeviceMemory edges_;
+    DeviceMemory progress_;
     DeviceMemory winner_disparity_;
     DeviceMemory winner_confidence_;
     DeviceMemory left_winner_;

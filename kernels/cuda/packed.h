@@ -58,6 +58,12 @@ __device__ inline unsigned lesser_half(Pair pair) {
     return min(pair & 0xffff, pair >> 16);
 }
 
+/// A number that all lanes of a warp have, known to the compiler as such: what depends on it are no branches on which
+/// lanes part.
+__device__ inline int same_in_warp(int value) {
+    return __shfl_sync(all_lanes, value, 0);
+}
+
 /// The least value of a warp.
 __device__ inline unsigned least_of_warp(unsigned value) {
 #if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 800
@@ -65,18 +71,6 @@ __device__ inline unsigned least_of_warp(unsigned value) {
 #else
     for (int distance = lanes / 2; distance > 0; distance /= 2) {
         value = min(value, __shfl_xor_sync(all_lanes, value, distance));
-    }
-    return value;
-#endif
-}
-
-/// The bits that any lane of a warp has set.
-__device__ inline unsigned bits_of_warp(unsigned value) {
-#if !defined(__CUDA_ARCH__) || __CUDA_ARCH__ >= 800
-    return __reduce_or_sync(all_lanes, value);
-#else
-    for (int distance = lanes / 2; distance > 0; distance /= 2) {
-        value |= __shfl_xor_sync(all_lanes, value, distance);
     }
     return value;
 #endif

@@ -5,11 +5,11 @@
 
 namespace disparityd::cuda {
 
-/// The path costs L of one pixel of a line, step 5, held by a warp.
+/// The path costs L of one pixel of a line, step 5, held by a warp. A path that begins continues one that cost nothing.
 template <int packs>
 struct PathCosts {
-    Costs<packs> cost;
-    unsigned least;
+    Costs<packs> cost = {};
+    Pair least = 0;  ///< in both halves
 };
 
 template <int packs>
@@ -19,109 +19,74 @@ __device__ void find_least(PathCosts<packs>& path) {
     for (int p = 1; p < packs; ++p) {
         least = lesser(least, path.cost[p]);
     }
-    path.least = least_of_warp(lesser_half(least));
+    // With the lesser number in both halves the least of the whole words is the least in both halves.
+    path.least = least_of_warp(lesser(least, __byte_perm(least, 0, 0x1032)));
 }
 
-template <int packs>
-__device__ void begin_path(const Costs<packs>& costs, const Costs<packs>& idle, PathCosts<packs>& path) {
-#pragma unroll
-    for (int p = 0; p < packs; ++p) {
-        path.cost[p] = costs[p] | idle[p];
-    }
-    find_least(path);
-}
+/// What is the same for all pixels: P1 in both halves, and how a lane takes its neighbours' ends. The first and the
+/// last candidate stand for the neighbours that they do not have: with a penalty they are no less than themselves.
+class Recursion {
+public:
+    __device__ explicit Recursion(int p1)
+        : penalty(pair_of(static_cast<unsigned>(p1))),
+          select_first(lane_index() == 0 ? 0x5454 : 0x5432),
+          select_last(lane_index() == lanes - 1 ? 0x3232 : 0x5432) {}
 
-/// The lesser of the neighbours d - 1 and d + 1 of every slot. Candidate k - 1 is in the same slot of the lane before,
-/// but for lane 0, where it is in the slot before of lane 31; k + 1 likewise.
+    const Pair penalty;
+    const unsigned select_first;
+    const unsigned select_last;
+};
+
+/// The lesser of the neighbours d - 1 and d + 1 of every slot.
 template <int packs>
-__device__ void lesser_neighbours(const PathCosts<packs>& path, Costs<packs>& neighbours) {
-    const int lane = lane_index();
-    const unsigned select_below = lane == 0 ? 0x5432 : 0x7654;
-    const unsigned select_above = lane == lanes - 1 ? 0x5432 : 0x3210;
-    Costs<packs> before;
-    Costs<packs> after;
+__device__ void lesser_neighbours(const Recursion& recursion, const PathCosts<packs>& path, Costs<packs>& neighbours) {
+    const Pair before = __shfl_up_sync(all_lanes, path.cost[packs - 1], 1);
+    const Pair after = __shfl_down_sync(all_lanes, path.cost[0], 1);
+    Pair below = __byte_perm(before, path.cost[0], recursion.select_first);
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        before[p] = __shfl_sync(all_lanes, path.cost[p], (lane + lanes - 1) % lanes);
-        after[p] = __shfl_sync(all_lanes, path.cost[p], (lane + 1) % lanes);
-    }
-    constexpr Pair nothing = unreachable * 0x10001U;
-#pragma unroll
-    for (int p = 0; p < packs; ++p) {
-        const Pair below = __byte_perm(p == 0 ? nothing : before[p > 0 ? p - 1 : 0], before[p], select_below);
-        const Pair above =
-            __byte_perm(after[p], p + 1 == packs ? nothing : after[p + 1 < packs ? p + 1 : p], select_above);
+        const Pair above = p + 1 < packs ? __byte_perm(path.cost[p], path.cost[p + 1 < packs ? p + 1 : p], 0x5432)
+                                         : __byte_perm(path.cost[p], after, recursion.select_last);
         neighbours[p] = lesser(below, above);
+        below = above;
     }
 }
 
-/// From the pixel before on the line to the pixel with these matching costs. Sums and differences of whole registers:
-/// nothing carries or borrows from half to half, because the minimum is taken first and is at least `least` in every
-/// slot.
+/// From the pixel `before` on the line to the pixel with these matching costs; `p2` in both halves. Sums and
+/// differences of whole registers: nothing carries or borrows from half to half, because the minimum is taken first and
+/// is at least `least` in every slot.
 template <int packs>
-__device__ void continue_path(const Costs<packs>& costs, const Costs<packs>& idle, int p1, int p2,
-                              PathCosts<packs>& path) {
-    const Pair penalty = pair_of(static_cast<unsigned>(p1));
-    const Pair jump = pair_of(path.least + static_cast<unsigned>(p2));
-    const Pair least = pair_of(path.least);
+__device__ PathCosts<packs> continued(const Recursion& recursion, const PathCosts<packs>& before,
+                                      const Costs<packs>& costs, Pair p2) {
+    const Pair jump = before.least + p2;
     Costs<packs> neighbours;
-    lesser_neighbours(path, neighbours);
+    lesser_neighbours<packs>(recursion, before, neighbours);
+    PathCosts<packs> path;
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        const Pair step = lesser_of_sum(neighbours[p], penalty, lesser(path.cost[p], jump));
-        path.cost[p] = (step - least + costs[p]) | idle[p];
+        const Pair step = lesser_of_sum(neighbours[p], recursion.penalty, lesser(before.cost[p], jump));
+        path.cost[p] = step - before.least + costs[p];
     }
-    find_least(path);
+    find_least<packs>(path);
+    return path;
 }
 
-/// P2' of step 5.
-__device__ inline int adapted_p2(int p1, int p2, bool adaptive, int intensity, int intensity_before) {
-    const int difference = intensity > intensity_before ? intensity - intensity_before : intensity_before - intensity;
-    return adaptive ? max(p1 + 1, p2 - difference) : p2;
-}
+struct Pixel {
+    int x, y;
+};
 
-/// Path costs of a pixel in memory, a byte each: two packs are a word of which one has the even bytes, the other the
-/// odd ones; of a single pack the two bytes follow each other.
-__host__ __device__ constexpr int pixel_bytes(int packs) {
-    return 2 * packs * lanes;
-}
-
-/// Of one path, all pixels.
-template <int packs>
-__device__ std::size_t volume_bytes(int width, int height) {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-           static_cast<std::size_t>(pixel_bytes(packs));
-}
-
-constexpr Pair even_bytes = 0x00ff00ff;
-
-template <int packs>
-__device__ void store_path(std::uint8_t* pixel, const PathCosts<packs>& path) {
-    const int lane = lane_index();
-#pragma unroll
-    for (int p = 0; p + 1 < packs; p += 2) {
-        reinterpret_cast<std::uint32_t*>(pixel + 2 * p * lanes)[lane] =
-            (path.cost[p] & even_bytes) | (path.cost[p + 1] & even_bytes) << 8;
+/// P2' of step 5 in both halves, from pixel to pixel. Outside the image, where a path begins, any does.
+template <bool adaptive>
+__device__ Pair adapted_p2(const PathsJob& job, Pixel before, Pixel pixel) {
+    if constexpr (!adaptive) {
+        return pair_of(static_cast<unsigned>(job.p2));
     }
-    if constexpr (packs % 2 == 1) {
-        reinterpret_cast<std::uint16_t*>(pixel + 2 * (packs - 1) * lanes)[lane] =
-            static_cast<std::uint16_t>(__byte_perm(path.cost[packs - 1], 0, 0x4420));
-    }
-}
-
-template <int packs>
-__device__ void add_path(const std::uint8_t* pixel, Costs<packs>& sums) {
-    const int lane = lane_index();
-#pragma unroll
-    for (int p = 0; p + 1 < packs; p += 2) {
-        const std::uint32_t word = reinterpret_cast<const std::uint32_t*>(pixel + 2 * p * lanes)[lane];
-        sums[p] += word & even_bytes;
-        sums[p + 1] += word >> 8 & even_bytes;
-    }
-    if constexpr (packs % 2 == 1) {
-        const unsigned two = reinterpret_cast<const std::uint16_t*>(pixel + 2 * (packs - 1) * lanes)[lane];
-        sums[packs - 1] += __byte_perm(two, 0, 0x4140);
-    }
+    const auto intensity = [&](Pixel at) {
+        return static_cast<int>(
+            job.image.at(clamp(at.x, 0, job.image.width - 1), clamp(at.y, 0, job.image.height - 1)));
+    };
+    const int difference = intensity(pixel) - intensity(before);
+    return pair_of(static_cast<unsigned>(max(job.p1 + 1, job.p2 - (difference < 0 ? -difference : difference))));
 }
 
 }  // namespace disparityd::cuda

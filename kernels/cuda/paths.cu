@@ -1,66 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/path_costs.h"
+#include "kernels/cuda/strips.h"
 
 namespace disparityd::cuda {
 
 namespace {
 
-constexpr int block_lines = 4;  // warps of a block: neighbouring lines read the same words of the right image
+constexpr int block_lines = 4;  // warps of a block
 
-struct Step {
-    int dx, dy;
-};
-
-// To the left; down, up; along the diagonals.
-__device__ Step step_of(int direction) {
-    if (direction == 0) {
-        return {-1, 0};
-    }
-    const int dx = direction < 3 ? 0 : direction == 3 || direction == 6 ? 1 : -1;
-    return {dx, direction % 2 == 1 ? 1 : -1};
-}
-
-// A warp for each line of each direction. Diagonals that leave the image at a side enter it again at the other, as a
-// new line: all have the image's height.
-template <int packs>
-__global__ void __launch_bounds__(block_lines* lanes) paths_kernel(PathsJob job) {
-    const int direction = static_cast<int>(blockIdx.y);
-    const int line = static_cast<int>(blockIdx.x * block_lines + threadIdx.y);
-    const int width = job.image.width;
-    const int height = job.image.height;
-    const Step step = step_of(direction);
-    const bool along_row = step.dy == 0;
-    if (line >= (along_row ? height : width)) {
+// The path to the left, a warp for each row.
+template <int packs, bool adaptive>
+__global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJob job) {
+    constexpr int slots = slots_of(packs);
+    const int y = static_cast<int>(blockIdx.x) * block_lines + warp_index();
+    if (y >= job.image.height) {
         return;
     }
-    int x = along_row ? width - 1 : line;
-    int pixel = (along_row ? line : step.dy > 0 ? 0 : height - 1) * width + x;
-    const int pixels = along_row ? width : height;
-    std::uint8_t* volume = job.volumes + static_cast<std::size_t>(direction) * volume_bytes<packs>(width, height);
-    Costs<packs> idle;
-    idle_slots<packs>(job.range.count, idle);
+    const int width = job.image.width;
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
+    const Reach<packs> reach(job.range, width);
+    WordsAlongRow<packs, -1> words(job.words.right + row, reach, width - 1);
+    const Recursion recursion(job.p1);
     PathCosts<packs> path;
-    bool begins = true;
-    int intensity_before = 0;
-    for (int i = 0; i < pixels; ++i) {
-        Costs<packs> costs;
-        census_costs<packs>(job.words.left[pixel], job.words.right + pixel, width, x, job.range.first, costs);
-        const int intensity = job.image.data[pixel];
-        if (begins) {
-            begin_path<packs>(costs, idle, path);
-        } else {
-            const int p2 = adapted_p2(job.p1, job.p2, job.adaptive_p2, intensity, intensity_before);
-            continue_path<packs>(costs, idle, job.p1, p2, path);
-        }
-        store_path<packs>(volume + static_cast<std::size_t>(pixel) * pixel_bytes(packs), path);
-        intensity_before = intensity;
-        x += step.dx;
-        pixel += step.dy * width + step.dx;
-        begins = x < 0 || x >= width;
-        if (begins) {
-            const int across = x < 0 ? width : -width;
-            x += across;
-            pixel += across;
+    for (int x0 = width - 1; x0 >= 0; x0 -= slots) {
+#pragma unroll
+        for (int phase = 0; phase < slots; ++phase) {
+            const int x = x0 - phase;
+            if (x < 0) {
+                return;
+            }
+            Costs<packs> costs;
+            words.next(job.words.left[row + x], x, phase, costs);
+            const Pair p2 = adapted_p2<adaptive>(job, {x + 1, y}, {x, y});
+            path = continued<packs>(recursion, path, costs, p2);
+            Costs<packs> added;
+#pragma unroll
+            for (int p = 0; p < packs; ++p) {
+                added[p] = path.cost[p] - costs[p];
+            }
+            store_bytes<packs>(job.left_volume + (row + x) * pixel_bytes(packs, false), added);
         }
     }
 }
@@ -69,19 +47,25 @@ __global__ void __launch_bounds__(block_lines* lanes) paths_kernel(PathsJob job)
 
 std::size_t volume_bytes(int width, int height, int disparities) {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-           static_cast<std::size_t>(pixel_bytes(packs_for(disparities)));
+           static_cast<std::size_t>(pixel_bytes(packs_for(disparities), false));
 }
 
-std::size_t paths_bytes(int width, int height, int disparities, int paths) {
-    return static_cast<std::size_t>(paths - 1) * volume_bytes(width, height, disparities);
+SgmBytes sgm_bytes(int width, int height, int disparities, int paths, int p2) {
+    const bool diagonals = paths == 8;
+    const std::size_t volume = volume_bytes(width, height, disparities);
+    const int packs = packs_for(disparities);
+    const auto strips = static_cast<std::size_t>(2 * strips_of_sweep(width, height, packs, diagonals));
+    const std::size_t edge = static_cast<std::size_t>(height) * static_cast<std::size_t>(edge_bytes(packs));
+    return {volume, is_wide(paths, p2) ? 2 * volume : volume, diagonals ? strips * edge : 0,
+            diagonals ? (1 + strips) * sizeof(int) : 0};
 }
 
-void aggregate(const PathsJob& job, cudaStream_t stream) {
-    const int most_lines = job.image.width > job.image.height ? job.image.width : job.image.height;
-    const Shape shape{dim3(blocks_for(most_lines, block_lines), static_cast<unsigned>(job.paths - 1)),
-                      dim3(lanes, block_lines)};
-    with_packs(job.range.count,
-               [&](auto packs) { launch("aggregate", shape, stream, paths_kernel<decltype(packs)::value>, job); });
+void path_to_left(const PathsJob& job, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(job.image.height, block_lines)), dim3(lanes, block_lines)};
+    with_packs(job, [&](auto packs, auto adaptive) {
+        launch("path to the left", shape, stream,
+               path_to_left_kernel<decltype(packs)::value, decltype(adaptive)::value>, job);
+    });
 }
 
 }  // namespace disparityd::cuda

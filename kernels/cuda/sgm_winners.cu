@@ -1,58 +1,67 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/path_costs.h"
+#include "kernels/cuda/volume.h"
 #include "kernels/cuda/winner_row.h"
 
 namespace disparityd::cuda {
 
 namespace {
 
+// 8 C, or 4 C, and what every path adds: that of this path is in L already. An idle slot stays unreachable.
+template <int packs>
+__device__ void add_costs(const PathCosts<packs>& path, const Costs<packs>& costs, int other_paths,
+                          Costs<packs>& sums) {
+    constexpr Pair reachable_costs = 0x003f003f;
+#pragma unroll
+    for (int p = 0; p < packs; ++p) {
+        sums[p] = path.cost[p] + (costs[p] & reachable_costs) * static_cast<unsigned>(other_paths);
+    }
+}
+
+template <int packs>
+__device__ void add_volume(const std::uint8_t* volume, std::ptrdiff_t pixel, bool wide, Costs<packs>& sums) {
+    Costs<packs> added;
+    load<packs>(volume + pixel * pixel_bytes(packs, wide), wide, added);
+#pragma unroll
+    for (int p = 0; p < packs; ++p) {
+        sums[p] += added[p];
+    }
+}
+
 // The path to the right, the last one: its costs stay in registers, the others' are added to them, and the sums are
 // used up on the spot. A sum of path costs is stored nowhere.
-template <int packs>
+template <int packs, bool adaptive>
 __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob job, WinnerJob winner) {
+    DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
-    const int width = job.image.width;
     if (y >= job.image.height) {
         return;
     }
-    const std::size_t volume = volume_bytes<packs>(width, job.image.height);
+    const int width = job.image.width;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
-    Costs<packs> idle;
-    idle_slots<packs>(job.range.count, idle);
+    const Reach<packs> reach(job.range, width);
+    WordsAlongRow<packs, 1> words(job.words.right + row, reach, 0);
+    const Recursion recursion(job.p1);
     PathCosts<packs> path;
-    WinnerRow<packs> winners(winner, y);
-    int intensity_before = 0;
-    for (int x = 0; x < width; ++x) {
+    WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
+    winners.walk([&](int x, int phase, Costs<packs>& sums) {
         Costs<packs> costs;
-        census_costs<packs>(job.words.left[row + x], job.words.right + row + x, width, x, job.range.first, costs);
-        const int intensity = job.image.at(x, y);
-        if (x == 0) {
-            begin_path<packs>(costs, idle, path);
-        } else {
-            const int p2 = adapted_p2(job.p1, job.p2, job.adaptive_p2, intensity, intensity_before);
-            continue_path<packs>(costs, idle, job.p1, p2, path);
-        }
-        intensity_before = intensity;
-        Costs<packs> sums;
-#pragma unroll
-        for (int p = 0; p < packs; ++p) {
-            sums[p] = path.cost[p];
-        }
-        const std::uint8_t* pixel = job.volumes + (row + x) * pixel_bytes(packs);
-        for (int other = 0; other < job.paths - 1; ++other) {
-            add_path<packs>(pixel + static_cast<std::size_t>(other) * volume, sums);
-        }
-        winners.next(sums);
-    }
-    winners.finish();
+        words.next(job.words.left[row + x], x, phase, costs);
+        const Pair p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});
+        path = continued<packs>(recursion, path, costs, p2);
+        add_costs<packs>(path, costs, job.paths - 1, sums);
+        add_volume<packs>(job.left_volume, row + x, false, sums);
+        add_volume<packs>(job.sweep_volume[0], row + x, job.wide, sums);
+        add_volume<packs>(job.sweep_volume[1], row + x, job.wide, sums);
+    });
 }
 
 }  // namespace
 
 void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream) {
-    with_packs(paths.range.count, [&](auto packs) {
+    with_packs(paths, [&](auto packs, auto adaptive) {
         launch("aggregate and choose", rows_shape(paths.image.height), stream,
-               sgm_winners_kernel<decltype(packs)::value>, paths, winner);
+               sgm_winners_kernel<decltype(packs)::value, decltype(adaptive)::value>, paths, winner);
     });
 }
 

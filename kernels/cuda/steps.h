@@ -56,10 +56,30 @@ struct WinnerJob {
     std::int16_t* right_winner;
 };
 
+/// Words that may be read before the first row and after the last one, of no meaning: as many at least as a lane has
+/// candidates and a warp columns in a sweep.
+constexpr int margin_words = 16;
+
 struct CensusWords {
     const std::uint64_t* left;
-    const std::uint64_t* right;
+    const std::uint64_t* right;  ///< with a margin, twice as large after the end
 };
+
+/// Whether what the paths of a sweep add together, of all so many directions, needs two bytes.
+constexpr bool is_wide(int paths, int p2) {
+    return (paths == 8 ? 3 : 1) * p2 > 255;
+}
+
+/// What step 5 keeps on the device.
+struct SgmBytes {
+    std::size_t left_volume;
+    std::size_t sweep_volume;  ///< of each direction
+    std::size_t edges;
+    std::size_t progress;
+};
+SgmBytes sgm_bytes(int width, int height, int disparities, int paths, int p2);
+/// A byte for each candidate of each pixel.
+std::size_t volume_bytes(int width, int height, int disparities);
 
 /// Step 5. The costs of step 4 are computed from the census words wherever they are needed, and never stored.
 struct PathsJob {
@@ -69,13 +89,16 @@ struct PathsJob {
     int p1;
     int p2;
     bool adaptive_p2;
-    int paths;              ///< 4 or 8
-    std::uint8_t* volumes;  ///< paths_bytes(), of all paths but the last, one after the other
+    int paths;  ///< 4 or 8
+    bool wide;  ///< whether the sums of a sweep need two bytes
+    std::uint8_t* left_volume;
+    std::uint8_t* sweep_volume[2];  ///< downwards, upwards
+    std::uint8_t* edges;            ///< what neighbouring strips of a sweep hand each other
+    int* progress;                  ///< how far they are
 };
-std::size_t volume_bytes(int width, int height, int disparities);
-std::size_t paths_bytes(int width, int height, int disparities, int paths);
-/// All paths but the one to the right.
-void aggregate(const PathsJob& job, cudaStream_t stream);
+/// The paths downwards and upwards, diagonals included.
+void sweep(const PathsJob& job, cudaStream_t stream);
+void path_to_left(const PathsJob& job, cudaStream_t stream);
 /// The path to the right, the sums, and the winners.
 void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream);
 

@@ -5,23 +5,40 @@
 
 namespace disparityd::cuda {
 
+/// Pixels of a row whose results are written together. A multiple of the slots.
+__host__ __device__ constexpr int batch_pixels(int packs) {
+    return lanes / slots_of(packs) * slots_of(packs);
+}
+
+/// What a warp keeps of them in shared memory.
+template <int packs>
+struct WinnerBatch {
+    static constexpr int words = packs * lanes;
+    /// Candidates slots * l + 2p and the one after it in word p * lanes + l. With one word more between pixels, so that
+    /// every lane can read its own pixel's at the same time.
+    Pair sums[batch_pixels(packs)][words + 1];
+    unsigned left_last_slot[batch_pixels(packs)];
+};
+
 /// Steps 6, 7 and the confidence of 12 for one row, by the warp that walks along it with all costs of a pixel in its
 /// lanes.
 ///
 /// Right winners: candidate k of left pixel x is one of right pixel x - first - k. Each slot keeps the best of its
-/// right pixel so far; from pixel to pixel all of them move up by one candidate, and who leaves the last one has met
+/// right pixel so far; from pixel to pixel all of them move up by one candidate, and who leaves the last slot has met
 /// all.
 template <int packs>
 class WinnerRow {
 public:
-    __device__ WinnerRow(const WinnerJob& job, int y)
-        : job_(job), row_(static_cast<std::ptrdiff_t>(y) * job.width), x_(0) {
+    static constexpr int slots = slots_of(packs);
+
+    __device__ WinnerRow(const WinnerJob& job, int y, WinnerBatch<packs>& batch)
+        : job_(job), row_(static_cast<std::ptrdiff_t>(y) * job.width), batch_(batch) {
 #pragma unroll
         for (int s = 0; s < slots; ++s) {
             right_[s] = none;
         }
-        // Right pixels without a candidate inside the left image.
-        const int first_met = -(job.range.first + job.range.count - 1);
+        // Right pixels that no slot meets.
+        const int first_met = -(job.range.first + last_slot);
         const int last_met = job.width - 1 - job.range.first;
         for (int x = lane_index(); x < job.width; x += lanes) {
             if (x < first_met || x > last_met) {
@@ -30,106 +47,171 @@ public:
         }
     }
 
-    /// The next pixel of the row, from the first one on.
-    __device__ void next(const Costs<packs>& sums) {
-        unsigned key[slots];
+    /// From left to right; sums_of(x, phase, sums) gives the costs of a pixel, or its sums. The body is there once for
+    /// each phase.
+    template <typename SumsOf>
+    __device__ void walk(SumsOf sums_of) {
+        for (int x = 0; x < job_.width; x += slots) {
+#pragma unroll
+            for (int phase = 0; phase < slots; ++phase) {
+                if (x + phase < job_.width) {
+                    Costs<packs> sums;
+                    sums_of(x + phase, phase, sums);
+                    meet(sums, phase);
+                }
+                move_up(phase);
+            }
+            end_pixels(slots);
+        }
+        finish();
+    }
+
+    /// The same with the body there once, where it is long: everything is moved for each pixel.
+    template <typename SumsOf>
+    __device__ void walk_pixel_by_pixel(SumsOf sums_of) {
+        for (int x = 0; x < job_.width; ++x) {
+            Costs<packs> sums;
+            sums_of(x, sums);
+            meet(sums, 0);
+            move_up(0);
+            const unsigned first = right_[slots - 1];
+#pragma unroll
+            for (int s = slots - 1; s > 0; --s) {
+                right_[s] = right_[s - 1];
+            }
+            right_[0] = first;
+            end_pixels(1);
+        }
+        finish();
+    }
+
+private:
+    static constexpr unsigned none = 0xffffffff;
+    static constexpr int last_slot = slots * lanes - 1;
+
+    // A cost and its candidate: of equal costs the one with the smaller k is the less.
+    __device__ static unsigned key(unsigned cost, int k) {
+        return cost << 16 | static_cast<unsigned>(k);
+    }
+    __device__ static int k_of(unsigned key) {
+        return static_cast<int>(key & 0xffff);
+    }
+    __device__ static int cost_of(unsigned key) {
+        return static_cast<int>(key >> 16);
+    }
+
+    __device__ void set_right(int x, unsigned key) {
+        const bool found = cost_of(key) < static_cast<int>(unreachable);
+        job_.right_winner[row_ + x] = static_cast<std::int16_t>(job_.range.first + (found ? k_of(key) : -1));
+    }
+
+    __device__ void meet(const Costs<packs>& sums, int phase) {
         unsigned best = none;
 #pragma unroll
         for (int s = 0; s < slots; ++s) {
-            key[s] = (s % 2 == 0 ? sums[s / 2] & 0xffff : sums[s / 2] >> 16) << 8 | candidate(s);
-            best = min(best, key[s]);
+            const unsigned cost = s % 2 == 0 ? sums[s / 2] & 0xffff : sums[s / 2] >> 16;
+            const unsigned here = key(cost, candidate<packs>(s));
+            best = min(best, here);
+            unsigned& right = right_[renamed<packs, 1>(s, phase)];
+            right = min(right, here);
         }
-        best = least_of_warp(best);  // of equal costs the one with the smallest k
-        look_around(key, best);
-        meet_right(key);
-        const bool batch_full = x_ % lanes == lanes - 1 || x_ == job_.width - 1;
-        if (batch_full && lane_index() <= x_ % lanes) {
-            write_left();
+        best = least_of_warp(best);
+        const int place = pixels_ + phase;
+        if (lane_index() == place) {
+            best_ = best;
         }
-        ++x_;
+#pragma unroll
+        for (int p = 0; p < packs; ++p) {
+            batch_.sums[place][p * lanes + lane_index()] = sums[p];
+        }
     }
 
-    /// After the last pixel.
+    // Who leaves the last slot of a lane comes to the first one of the next lane.
+    __device__ void move_up(int phase) {
+        unsigned& last = right_[renamed<packs, 1>(slots - 1, phase)];
+        const unsigned moved = __shfl_sync(all_lanes, last, (lane_index() + lanes - 1) % lanes);
+        if (lane_index() == 0) {
+            batch_.left_last_slot[pixels_ + phase] = moved;
+        }
+        last = lane_index() == 0 ? none : moved;
+    }
+
+    __device__ void end_pixels(int count) {
+        pixels_ += count;
+        if (pixels_ == batch_pixels(packs)) {
+            write_batch();
+        }
+    }
+
     __device__ void finish() {
+        if (pixels_ > 0) {
+            write_batch();
+        }
 #pragma unroll
         for (int s = 0; s < slots; ++s) {
-            const int x = x_ - job_.range.first - static_cast<int>(candidate(s));
-            if (static_cast<int>(candidate(s)) < job_.range.count && x >= 0 && x < job_.width) {
+            const int x = x_ - job_.range.first - candidate<packs>(s);
+            if (x >= 0 && x < job_.width) {
                 set_right(x, right_[s]);
             }
         }
     }
 
-private:
-    static constexpr int slots = slots_of(packs);
-    static constexpr unsigned none = 0xffffffff;
-
-    __device__ static unsigned candidate(int slot) {
-        return static_cast<unsigned>(slot * lanes + lane_index());
-    }
-
-    __device__ void set_right(int x, unsigned key) {
-        const int winner = key == none ? job_.range.first - 1 : job_.range.first + static_cast<int>(key & 255);
-        job_.right_winner[row_ + x] = static_cast<std::int16_t>(winner);
-    }
-
-    // What the result of a pixel follows from stays in the lane of its place in a batch of 32: divisions are then done
-    // for 32 pixels at once.
-    __device__ void look_around(const unsigned (&key)[slots], unsigned best) {
-        unsigned second = unreachable;
-        unsigned around = 0;
-#pragma unroll
-        for (int s = 0; s < slots; ++s) {
-            const unsigned cost = key[s] >> 8;
-            const unsigned distance = candidate(s) - (best & 255) + 1;  // 1 is the winner
-            second = min(second, distance > 2 ? cost : unreachable);
-            around |= distance == 0 ? cost << 16 : distance == 2 ? cost : 0;
-        }
-        second = least_of_warp(second);
-        around = bits_of_warp(around);
-        if (lane_index() == x_ % lanes) {
-            best_ = best;
-            second_ = static_cast<int>(second);
-            around_ = around;
-        }
-    }
-
-    __device__ void meet_right(const unsigned (&key)[slots]) {
-        const int last = job_.range.count - 1;
-        const int leaving_x = x_ - job_.range.first - last;
+    // A lane for each pixel.
+    __device__ void write_batch() {
+        __syncwarp();
         const int lane = lane_index();
-        unsigned moved[slots];
-#pragma unroll
-        for (int s = 0; s < slots; ++s) {
-            right_[s] = min(right_[s], key[s]);
-            if (static_cast<int>(candidate(s)) == last && leaving_x >= 0 && leaving_x < job_.width) {
-                set_right(leaving_x, right_[s]);
+        if (lane < pixels_) {
+            if (x_ + lane < job_.width) {
+                write_left(batch_.sums[lane]);
             }
-            moved[s] = __shfl_sync(all_lanes, right_[s], (lane + lanes - 1) % lanes);
+            const int right_x = x_ + lane - job_.range.first - last_slot;
+            if (right_x >= 0 && right_x < job_.width) {
+                set_right(right_x, batch_.left_last_slot[lane]);
+            }
         }
-#pragma unroll
-        for (int s = 0; s < slots; ++s) {
-            right_[s] = lane > 0 ? moved[s] : s > 0 ? moved[s > 0 ? s - 1 : 0] : none;
-        }
+        __syncwarp();
+        x_ += pixels_;
+        pixels_ = 0;
     }
 
-    __device__ void write_left() {
-        const int k = static_cast<int>(best_ & 255);
-        const int least = static_cast<int>(best_ >> 8);
-        const int before = static_cast<int>(around_ >> 16);
-        const int after = static_cast<int>(around_ & 0xffff);
+    __device__ void write_left(Pair* sums) const {
+        const int k = k_of(best_);
+        const int least = cost_of(best_);
         const bool first = k == 0;
         const bool last = k == job_.range.count - 1;
+        take(sums, k);
+        const int before = first ? 0 : take(sums, k - 1);
+        const int after = last ? 0 : take(sums, k + 1);
+        const int second = least_of(sums);
         const bool no_minimum = (first || before == least) && (last || after == least);
-        const bool ambiguous = job_.uniqueness > 0 && second_ * (100 - job_.uniqueness) <= least * 100;
+        const bool ambiguous = job_.uniqueness > 0 && second * (100 - job_.uniqueness) <= least * 100;
         const bool rejected = ambiguous || (job_.local_extrema && no_minimum);
         const int winner = job_.range.first + k;
         const int offset = job_.subpixel && !first && !last ? offset16(before, least, after) : 0;
-        const std::ptrdiff_t i = row_ + x_ - x_ % lanes + lane_index();
+        const std::ptrdiff_t i = row_ + x_ + lane_index();
         job_.left_winner[i] = static_cast<std::int16_t>(winner);
         job_.disparity[i] = static_cast<std::int16_t>(rejected ? (job_.range.first - 1) * 16 : 16 * winner + offset);
-        const int confidence = second_ == 0 ? 1 : 1 + 254 * (second_ - least) / second_;
+        const int confidence = second == 0 ? 1 : 1 + 254 * (second - least) / second;
         job_.confidence[i] = static_cast<std::uint8_t>(rejected ? 0 : confidence);
+    }
+
+    // The sum of a candidate, which then no longer counts.
+    __device__ static int take(Pair* sums, int k) {
+        const int slot = k % slots;
+        Pair& pair = sums[slot / 2 * lanes + k / slots];
+        const int shift = slot % 2 * 16;
+        const int sum = static_cast<int>(pair >> shift & 0xffff);
+        pair = (pair & ~(0xffffU << shift)) | unreachable << shift;
+        return sum;
+    }
+
+    __device__ static int least_of(const Pair* sums) {
+        Pair least = pair_of(unreachable);
+#pragma unroll 8
+        for (int w = 0; w < WinnerBatch<packs>::words; ++w) {
+            least = lesser(least, sums[w]);
+        }
+        return static_cast<int>(lesser_half(least));
     }
 
     // The equiangular fit.
@@ -145,11 +227,11 @@ private:
 
     const WinnerJob& job_;
     std::ptrdiff_t row_;
-    int x_;
+    WinnerBatch<packs>& batch_;
+    int x_ = 0;       // the batch's first pixel
+    int pixels_ = 0;  // of the batch so far
     unsigned right_[slots];
-    unsigned best_ = 0;
-    int second_ = 0;
-    unsigned around_ = 0;
+    unsigned best_ = 0;  // of the pixel of the batch that is this lane's
 };
 
 constexpr int block_rows = 2;  // warps of a block in the kernels that walk along rows
@@ -159,7 +241,7 @@ inline Shape rows_shape(int height) {
 }
 
 __device__ inline int row_of_warp() {
-    return static_cast<int>(blockIdx.x * block_rows + threadIdx.y);
+    return static_cast<int>(blockIdx.x) * block_rows + warp_index();
 }
 
 }  // namespace disparityd::cuda

@@ -43,12 +43,13 @@ Work work_of(const std::string& step, const Size& size) {
     const double pixels = double(size.width) * size.height;
     const auto volume = static_cast<double>(cuda::volume_bytes(size.width, size.height, size.disparities));
     const double minima_of_path = 4 * volume / 2;  // for a pair of candidates: two neighbours, jump, penalty, the least
+    constexpr int volumes = 3;  // two sweeps' and the path to the left; the census words are read for each
     constexpr int stored_paths = 7;
     if (step == "dsi+aggregate") {
-        return {stored_paths * (volume + 17 * pixels), stored_paths * minima_of_path};
+        return {volumes * (volume + 16 * pixels), stored_paths * minima_of_path};
     }
     if (step == "dsi+aggregate+wta") {
-        return {stored_paths * volume + 24 * pixels, minima_of_path};
+        return {volumes * volume + 23 * pixels, minima_of_path};
     }
     constexpr std::array<std::pair<const char*, double>, 5> bytes_per_pixel = {
         {{"rectify", 18}, {"census", 18}, {"left-right+median", 8}, {"speckle", 38}, {"interpolate+depth", 10}}};

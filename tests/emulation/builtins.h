@@ -91,6 +91,14 @@ T __shfl_xor_sync(unsigned mask, T value, int lanes, int width = 32, const char*
     return disparityd::simt::shuffle(mask, value, inside ? source : disparityd::simt::lane(), {file, line});
 }
 
+/// Blocks and threads run on one host thread, in an order in which every write is seen at once.
+inline void __threadfence() {}
+
+/// What a thread does that waits for another one: that one's turn.
+inline void __nanosleep(unsigned /*nanoseconds*/, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+    disparityd::simt::wait_for_others({file, line});
+}
+
 #define SIMT_WARP_OPERATION(name, operation, Result, Value)                                                            \
     inline Result name(unsigned mask, Value value, const char* file = __builtin_FILE(), int line = __builtin_LINE()) { \
         return static_cast<Result>(disparityd::simt::warp_operation(disparityd::simt::Collective::operation, mask,     \

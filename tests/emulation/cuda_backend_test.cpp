@@ -23,6 +23,22 @@ TEST(EmulatedCuda, OrderAndUnwrittenMemoryDoNotMatter) {
     }
 }
 
+// Strips of a sweep hand each other what stands at their edges, whoever else runs at the time.
+TEST(EmulatedCuda, HoweverManyBlocksRunAtATimeTheStripsWaitForEachOther) {
+    Random random(57);
+    const Pair pair(random, 50, 18);
+    MatchOptions options = default_options(Method::sgm, {-3, 16});
+    const Result expected = result_of("reference", pair, options);
+    for (const int blocks : {2, 100}) {
+        simt::Settings settings;
+        settings.order = simt::Order::shuffled;
+        settings.seed = static_cast<unsigned>(blocks);
+        settings.resident_blocks = blocks;
+        const WithSettings these(settings);
+        ASSERT_EQ(result_of("cuda", pair, options), expected) << blocks << " blocks";
+    }
+}
+
 TEST(EmulatedCuda, AnIntegratedDeviceGivesTheSameWithMappedMemory) {
     Random random(55);
     simt::Machine jetson;

@@ -79,10 +79,10 @@ TEST(EmulatedCudaErrors, TooLittleMemorySaysForWhatAndReturnsTheRest) {
     const WithMachine machine(small);
     const std::size_t before = simt::allocated_bytes();
     try {
-        cuda_row().create({100, 90, default_options(Method::sgm, {0, 64})});
-        FAIL() << "7 volumes of 576 kB do not fit into 1 MB";
+        cuda_row().create({100, 90, default_options(Method::sgm, {0, 256})});
+        FAIL() << "a volume of 2.3 MB does not fit into 1 MB";
     } catch (const std::runtime_error& error) {
-        EXPECT_THAT(error.what(), AllOf(HasSubstr("path costs"), HasSubstr("5 MB wanted"), HasSubstr("of 1 MB free"),
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("path costs"), HasSubstr("3 MB wanted"), HasSubstr("of 1 MB free"),
                                         HasSubstr("back end cpu")));
     }
     EXPECT_EQ(simt::allocated_bytes(), before);

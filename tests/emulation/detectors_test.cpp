@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <functional>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -215,6 +216,45 @@ TEST(UnwrittenMemory, OfTheDeviceIsPoisonedToo) {
     }
 }
 
+// The second block goes on with what the first one leaves, as far as it waits for it.
+int handed_over(bool waits) {
+    simt::Settings settings;
+    settings.resident_blocks = 2;
+    const WithSettings these(settings);
+    std::array<int, 2> shared = {};  // a value, and whether it is there
+    int found = 0;
+    simt::run(dim3(2), dim3(1), 0, [&] {
+        const auto* there = static_cast<volatile int*>(&shared[1]);
+        if (blockIdx.x == 0) {
+            __syncthreads();
+            __syncthreads();
+            shared = {7, 1};
+        } else {
+            while (waits && *there == 0) {
+                __nanosleep(10);
+            }
+            found = shared[0];
+        }
+    });
+    return found;
+}
+
+TEST(BlocksAtTheSameTime, WhoDoesNotWaitForAnotherBlockFindsNothing) {
+    EXPECT_EQ(handed_over(true), 7);
+    EXPECT_EQ(handed_over(false), 0);
+}
+
+TEST(BlocksAtTheSameTime, WaitingForABlockThatCannotBeginIsRefused) {
+    // The first block waits for the second one, which begins when the first has ended.
+    const std::string found = refusal(dim3(32), [value = std::make_shared<int>(0)] {
+        *value += static_cast<int>(blockIdx.x);
+        while (*static_cast<volatile int*>(value.get()) == 0) {
+            __nanosleep(10);
+        }
+    });
+    EXPECT_THAT(found, AllOf(HasSubstr("waits for what no running thread writes"), HasSubstr("detectors_test.cpp")));
+}
+
 #ifdef SIMT_ADDRESS_SANITIZER
 
 void read_device_memory(std::size_t index) {
@@ -228,7 +268,7 @@ void read_device_memory(std::size_t index) {
     cudaFree(neighbour);
 }
 
-TEST(OutOfBoundsDeathTest, OneElementBehindDeviceMemory) {
+@ @TEST(OutOfBoundsDeathTest, OneElementBehindDeviceMemory) {
     read_device_memory(63);
     EXPECT_DEATH(read_device_memory(64), "heap-buffer-overflow");
 }

@@ -63,6 +63,7 @@ struct Thread {
     Indices indices;
     Waiting waiting;
     std::uint64_t result = 0;
+    bool waits_for_others = false;
     Fiber fiber;
 };
 
@@ -79,7 +80,6 @@ public:
     Thread& at(int number) {
         while (static_cast<int>(all_.size()) <= number) {
             all_.push_back(std::make_unique<Thread>(*this));
-            all_.back()->number = static_cast<int>(all_.size()) - 1;
         }
         return *all_[static_cast<std::size_t>(number)];
     }
@@ -92,9 +92,12 @@ private:
 
 thread_local Threads threads_of_host;
 
+enum class Turn { moved, only_waited, ended };
+
 class Block {
 public:
-    Block(Dim3 grid, Dim3 block, std::size_t dynamic_bytes, const std::function<void()>& kernel)
+    /// Its threads are those of the host thread from `first` on.
+    Block(Dim3 grid, Dim3 block, std::size_t dynamic_bytes, const std::function<void()>& kernel, int first)
         : kernel_(kernel),
           grid_(grid),
           size_(block),
@@ -103,7 +106,7 @@ public:
           random_(settings().seed),
           order_(static_cast<std::size_t>(count_)) {
         for (int i = 0; i < count_; ++i) {
-            threads_.push_back(&threads_of_host.at(i));
+            threads_.push_back(&threads_of_host.at(first + i));
         }
         std::iota(order_.begin(), order_.end(), 0);
         if (settings().order == Order::descending) {
@@ -111,21 +114,60 @@ public:
         }
     }
 
-    void run(Dim3 index) {
+    void start(Dim3 index) {
         for (int i = 0; i < count_; ++i) {
             Thread& thread = at(i);
             const auto n = static_cast<unsigned>(i);
+            thread.number = i;
             thread.indices = {Dim3(n % size_.x, n / size_.x % size_.y, n / size_.x / size_.y), index, size_, grid_};
             thread.state = State::ready;
         }
         memory_.clear();
         shared_memory(nullptr, dynamic_bytes_);
-        try {
-            take_turns();
-        } catch (...) {
-            give_up();
-            throw;
+    }
+
+    // Every thread that can runs until it waits.
+    Turn take_turn() {
+        bool any = false;
+        bool moved = false;
+        if (settings().order == Order::shuffled) {
+            std::shuffle(order_.begin(), order_.end(), random_);
         }
+        for (const int number : order_) {
+            Thread& thread = at(number);
+            if (thread.state == State::ready) {
+                any = true;
+                thread.waits_for_others = false;
+                enter(thread);
+                moved = moved || !thread.waits_for_others;
+            }
+        }
+        if (any) {
+            return moved ? Turn::moved : Turn::only_waited;
+        }
+        if (open_barrier()) {
+            return Turn::moved;
+        }
+        memory_.clear();
+        return Turn::ended;
+    }
+
+    [[noreturn]] void refuse_waiting() const {
+        broken(**std::find_if(threads_.begin(), threads_.end(),
+                              [](const Thread* thread) { return thread->waits_for_others; }),
+               "waits for what no running thread writes");
+    }
+
+    // Every fiber that is inside the kernel unwinds.
+    void give_up() {
+        given_up_ = true;
+        for (Thread* thread : threads_) {
+            current_ = thread;
+            while (thread->state != State::ended) {
+                thread->fiber.enter();
+            }
+        }
+        failure_ = nullptr;
         memory_.clear();
     }
 
@@ -183,25 +225,6 @@ public:
 
 private:
     Thread& at(int number) const { return *threads_[static_cast<std::size_t>(number)]; }
-
-    void take_turns() {
-        for (;;) {
-            bool any = false;
-            if (settings().order == Order::shuffled) {
-                std::shuffle(order_.begin(), order_.end(), random_);
-            }
-            for (const int number : order_) {
-                Thread& thread = at(number);
-                if (thread.state == State::ready) {
-                    any = true;
-                    enter(thread);
-                }
-            }
-            if (!any && !open_barrier()) {
-                return;
-            }
-        }
-    }
 
     void enter(Thread& thread) {
         current_ = &thread;
@@ -310,19 +333,6 @@ private:
         return all;
     }
 
-    // Every fiber that is inside the kernel unwinds.
-    void give_up() {
-        given_up_ = true;
-        for (Thread* thread : threads_) {
-            current_ = thread;
-            while (thread->state != State::ended) {
-                thread->fiber.enter();
-            }
-        }
-        failure_ = nullptr;
-        memory_.clear();
-    }
-
     [[noreturn]] static void broken(const Thread& thread, const std::string& why) {
         throw BrokenKernel("thread " + text(thread.indices.thread) + " of block " + text(thread.indices.block) +
                            ", waiting at " + text(thread.waiting.site) + ", " + why);
@@ -368,6 +378,73 @@ std::vector<Dim3> block_order(Dim3 grid) {
     return blocks;
 }
 
+// The blocks of a launch that run at the same time.
+class Residents {
+public:
+    Residents(Dim3 grid, Dim3 block, std::size_t dynamic_bytes, const std::function<void()>& kernel)
+        : waiting_(block_order(grid)), random_(settings().seed) {
+        std::reverse(waiting_.begin(), waiting_.end());
+        const auto threads = static_cast<int>(block.x * block.y * block.z);
+        const int most = std::min(settings().resident_blocks, static_cast<int>(waiting_.size()));
+        for (int i = 0; i < most; ++i) {
+            all_.push_back(std::make_unique<Block>(grid, block, dynamic_bytes, kernel, i * threads));
+        }
+    }
+
+    void run() {
+        for (auto& block : all_) {
+            start_next(*block);
+        }
+        try {
+            while (!all_.empty()) {
+                take_turns();
+            }
+        } catch (...) {
+            for (auto& block : all_) {
+                running = block.get();
+                block->give_up();
+            }
+            throw;
+        }
+        running = nullptr;
+    }
+
+private:
+    void start_next(Block& block) {
+        block.start(waiting_.back());
+        waiting_.pop_back();
+    }
+
+    void take_turns() {
+        std::shuffle(all_.begin(), all_.end(), random_);
+        bool moved = false;
+        for (std::size_t i = 0; i < all_.size(); ++i) {
+            if (random_() % 2 == 0 && all_.size() > 1) {
+                moved = true;  // some are faster than others
+                continue;
+            }
+            running = all_[i].get();
+            const Turn turn = running->take_turn();
+            moved = moved || turn != Turn::only_waited;
+            if (turn != Turn::ended) {
+                continue;
+            }
+            if (!waiting_.empty()) {
+                start_next(*running);
+            } else {
+                all_.erase(all_.begin() + static_cast<std::ptrdiff_t>(i--));
+            }
+        }
+        if (!moved && !all_.empty()) {
+            all_.front()->refuse_waiting();
+        }
+    }
+
+    std::vector<Dim3> waiting_;  // in reverse
+    std::mt19937 random_;
+    std::vector<std::unique_ptr<Block>> all_;
+};
+
 }  // namespace
 
 Settings& settings() {
@@ -380,12 +457,7 @@ void run(Dim3 grid, Dim3 block, std::size_t dynamic_shared_bytes, const std::fun
     if (threads == 0 || threads > most_threads || std::size_t{grid.x} * grid.y * grid.z == 0) {
         throw BrokenKernel("a launch of " + text(grid) + " blocks of " + text(block) + " threads");
     }
-    Block runner(grid, block, dynamic_shared_bytes, kernel);
-    running = &runner;
-    for (const Dim3 index : block_order(grid)) {
-        runner.run(index);
-    }
-    running = nullptr;
+    Residents(grid, block, dynamic_shared_bytes, kernel).run();
 }
 
 const Indices& indices() {
@@ -409,6 +481,12 @@ void atomic_done() {
     if (settings().turn_after_atomics) {
         running->wait(State::ready);
     }
+}
+
+void wait_for_others(Site site) {
+    running->current().waiting.site = site;
+    running->current().waits_for_others = true;
+    running->wait(State::ready);
 }
 
 void* shared_memory(const void* tag, std::size_t bytes) {

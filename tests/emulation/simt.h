@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string>
 
-/// CUDA's execution model on one host thread: the threads of a block are fibers, blocks run one after the other. A
-/// thread runs until it has to wait for others, so that whatever a kernel needs a barrier for goes wrong without it in
-/// one order of threads or another.
+/// CUDA's execution model on one host thread: the threads of a block are fibers, blocks run one after the other or some
+/// of them in turns. A thread runs until it has to wait for others, so that whatever a kernel needs a barrier for goes
+/// wrong without it in one order of threads or another.
 namespace disparityd::simt {
 
 constexpr int warp_lanes = 32;
@@ -29,6 +29,8 @@ struct Settings {
     unsigned char poison = 0xa5;  ///< what memory holds that nobody has written
     /// Another thread's turn after every atomic operation.
     bool turn_after_atomics = false;
+    /// Blocks that run at the same time, taking turns; the next one begins where one has ended.
+    int resident_blocks = 1;
 };
 /// For every launch and allocation from now on; set it while no other thread launches.
 Settings& settings();
@@ -64,6 +66,9 @@ int lane();
 
 /// After an atomic operation.
 void atomic_done();
+
+/// By a thread that waits for what another one writes. BrokenKernel when all that could run wait like this.
+void wait_for_others(Site site);
 
 /// Shared memory of the running block: one allocation of its own for each tag, poisoned.
 void* shared_memory(const void* tag, std::size_t bytes);
