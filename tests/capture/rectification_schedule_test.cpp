@@ -76,7 +76,7 @@ TEST(RectificationBook, AppliesFromTheNextFrameOn) {
     EXPECT_NE(made->calibration_id, book.factory().calibration_id);
     book.apply(some, made);
     EXPECT_FALSE(book.state().since);
-    for (const std::uint64_t sequence : {41, 42}) {
+    for (const std::uint64_t sequence : {41U, 42U}) {
         RawFrame next = frame(sequence, other);  // what a source says does not count
         EXPECT_EQ(book.for_frame(next), made);
         EXPECT_EQ(next.correction, some);

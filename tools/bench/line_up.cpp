@@ -132,7 +132,7 @@ void check_contestants(const std::vector<std::string>& words) {
 }
 
 std::vector<cpu::InstructionSet> parse_instruction_sets(const std::string& word) {
-    const std::vector<cpu::InstructionSet> all = cpu::instruction_sets();
+    std::vector<cpu::InstructionSet> all = cpu::instruction_sets();
     if (word == "all") {
         return all;
     }
