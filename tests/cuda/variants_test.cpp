@@ -77,7 +77,7 @@ TEST_F(CudaVariants, CensusIsTheSameFromEveryMemory) {
         right_texture.take(textured.image(1), textured.stream.get());
         census_from_textures(left_texture, right_texture, columns, rows, textured.words(0), textured.words(1),
                              textured.stream.get());
-        for (const std::size_t eye : {0, 1}) {
+        for (const std::size_t eye : {0U, 1U}) {
             EXPECT_EQ(shared.found(eye), expected[eye]);
             EXPECT_EQ(global.found(eye), expected[eye]);
             EXPECT_EQ(textured.found(eye), expected[eye]);
