@@ -22,7 +22,8 @@ protected:
 };
 
 /// While it lives, the emulated device runs in its n-th way: threads and blocks in another order, more or fewer blocks
-/// at a time, memory that nobody has written with another value. A real device has ways of its own, and nothing happens.
+/// at a time, memory that nobody has written with another value. A real device has ways of its own, and nothing
+/// happens.
 class Variation {
 public:
     explicit Variation(int n);
