@@ -268,7 +268,7 @@ void read_device_memory(std::size_t index) {
     cudaFree(neighbour);
 }
 
-@ @TEST(OutOfBoundsDeathTest, OneElementBehindDeviceMemory) {
+TEST(OutOfBoundsDeathTest, OneElementBehindDeviceMemory) {
     read_device_memory(63);
     EXPECT_DEATH(read_device_memory(64), "heap-buffer-overflow");
 }
