@@ -40,9 +40,9 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
 
 }  // namespace
 
-bool has_code_for_device() {
+cudaError_t code_for_device() {
     cudaFuncAttributes attributes;
-    const bool found = cudaFuncGetAttributes(&attributes, census_kernel) == cudaSuccess;
+    const cudaError_t found = cudaFuncGetAttributes(&attributes, census_kernel);
     static_cast<void>(cudaGetLastError());
     return found;
 }

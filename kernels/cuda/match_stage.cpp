@@ -40,10 +40,13 @@ MatchStage::MatchStage(const MatcherConfig& config)
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
         if (options.method != Method::sad) {
-            words_[eye] =
-                DeviceMemory((margin_words + pixels_ + 2 * margin_words) * sizeof(std::uint64_t), "the census words");
+            const std::size_t bytes = (margin_words + pixels_ + 2 * margin_words) * sizeof(std::uint64_t);
+            words_[eye] = DeviceMemory(bytes, "the census words");
+            // What stands in the margins is read and does not matter; that nobody wrote it would be found by checkers.
+            check(cudaMemsetAsync(words_[eye].as<void>(), 0, bytes, stream_.get()), "clearing the census words");
         }
     }
+    stream_.wait("clearing the census words");
     if (options.method == Method::sgm) {
         take_sgm_memory();
     }

@@ -65,7 +65,8 @@ std::string device_problem() {
     if (counted != cudaSuccess) {
         return std::string("the NVIDIA driver reports: ") + cudaGetErrorString(counted);
     }
-    if (!has_code_for_device()) {
+    const cudaError_t code = code_for_device();
+    if (code == cudaErrorInvalidDeviceFunction || code == cudaErrorNoKernelImageForDevice) {
         int major = 0;
         int minor = 0;
         static_cast<void>(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, 0));
@@ -73,6 +74,9 @@ std::string device_problem() {
         return "this program holds no code for compute capability " + std::to_string(major) + "." +
                std::to_string(minor) + "; build it with -DCMAKE_CUDA_ARCHITECTURES=" + std::to_string(major) +
                std::to_string(minor);
+    }
+    if (code != cudaSuccess) {
+        return std::string("the NVIDIA driver reports: ") + cudaGetErrorString(code);
     }
     return {};
 }
@@ -113,7 +117,9 @@ void Stream::wait(const std::string& what) const {
     check(cudaStreamSynchronize(stream_), what);
 }
 
-ExchangeMemory::ExchangeMemory(std::size_t bytes, const std::string& what) : size_(bytes) {
+// From the other constructor on it is destroyed, so that nothing is lost when a later step fails.
+ExchangeMemory::ExchangeMemory(std::size_t bytes, const std::string& what) : ExchangeMemory() {
+    size_ = bytes;
     check_memory(cudaHostAlloc(&host_, bytes, cudaHostAllocMapped), bytes, what, "pinned on the host");
     if (device_is_integrated()) {
         check(cudaHostGetDevicePointer(&mapped_, host_, 0), "mapping " + what);
@@ -152,9 +158,12 @@ void ExchangeMemory::to_host(const Stream& stream) const {
     }
 }
 
-StreamClock::StreamClock(std::size_t marks) : events_(marks) {
-    for (cudaEvent_t& event : events_) {
+StreamClock::StreamClock(std::size_t marks) : StreamClock() {
+    events_.reserve(marks);
+    while (events_.size() < marks) {
+        cudaEvent_t event = nullptr;
         check(cudaEventCreate(&event), "creating an event");
+        events_.push_back(event);
     }
 }
 

@@ -97,6 +97,8 @@ public:
     std::chrono::nanoseconds after(std::size_t i) const;
 
 private:
+    StreamClock() = default;
+
     std::vector<cudaEvent_t> events_;
 };
 

@@ -30,8 +30,8 @@ struct RectifyJob {
 };
 void rectify(const RectifyJob& job, cudaStream_t stream);
 
-/// Whether the program holds code that the device runs.
-bool has_code_for_device();
+/// cudaSuccess when the program holds code that the device runs, else why not.
+cudaError_t code_for_device();
 
 /// Step 3, both images.
 void census(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,

@@ -51,8 +51,13 @@ Work work_of(const std::string& step, const Size& size) {
     if (step == "dsi+aggregate+wta") {
         return {volumes * volume + 23 * pixels, minima_of_path};
     }
-    constexpr std::array<std::pair<const char*, double>, 5> bytes_per_pixel = {
-        {{"rectify", 18}, {"census", 18}, {"left-right+median", 8}, {"speckle", 38}, {"interpolate+depth", 10}}};
+    constexpr std::array<std::pair<const char*, double>, 7> bytes_per_pixel = {{{"sad+wta", 9},
+                                                                                {"dsi+wta", 23},
+                                                                                {"rectify", 18},
+                                                                                {"census", 18},
+                                                                                {"left-right+median", 8},
+                                                                                {"speckle", 38},
+                                                                                {"interpolate+depth", 10}}};
     for (const auto& [name, bytes] : bytes_per_pixel) {
         if (step == name) {
             return {bytes * pixels, 0};

@@ -56,8 +56,16 @@ TEST(EmulatedCudaErrors, NoDevice) {
 
 TEST(EmulatedCudaErrors, NoCodeForTheDevice) {
     simt::Machine machine;
-    machine.code_fits = false;
-    EXPECT_THAT(refusal(machine), AllOf(HasSubstr("9.0"), HasSubstr("CMAKE_CUDA_ARCHITECTURES=90")));
+    for (const cudaError_t code : {cudaErrorInvalidDeviceFunction, cudaErrorNoKernelImageForDevice}) {
+        machine.code = code;
+        EXPECT_THAT(refusal(machine), AllOf(HasSubstr("9.0"), HasSubstr("CMAKE_CUDA_ARCHITECTURES=90")));
+    }
+}
+
+TEST(EmulatedCudaErrors, ADeviceThatIsFullIsNotOneWithoutCode) {
+    simt::Machine machine;
+    machine.code = cudaErrorMemoryAllocation;
+    EXPECT_THAT(refusal(machine), AllOf(HasSubstr("out of memory"), Not(HasSubstr("ARCHITECTURES"))));
 }
 
 TEST(EmulatedCudaErrors, CreatingWithoutAGpuSaysWhy) {
@@ -86,6 +94,27 @@ TEST(EmulatedCudaErrors, TooLittleMemorySaysForWhatAndReturnsTheRest) {
                                         HasSubstr("back end cpu")));
     }
     EXPECT_EQ(simt::allocated_bytes(), before);
+}
+
+TEST(EmulatedCudaErrors, WhereverTheMemoryEndsAllOfItIsReturned) {
+    const std::size_t before = simt::allocated_bytes();
+    const MatcherConfig config{20, 15, default_options(Method::sgm, {0, 16})};
+    int refused = 0;
+    bool made = false;
+    for (std::size_t memory = 0; !made; memory += 997) {
+        simt::Machine small;
+        small.memory = before + memory;
+        const WithMachine machine(small);
+        try {
+            cuda_row().create(config);
+            made = true;
+        } catch (const std::runtime_error& error) {
+            EXPECT_THAT(error.what(), HasSubstr("wanted"));
+            ++refused;
+        }
+        EXPECT_EQ(simt::allocated_bytes(), before);
+    }
+    EXPECT_GT(refused, 20);
 }
 
 TEST(EmulatedCudaErrors, AllMemoryIsReturnedAndNoneTakenPerFrame) {

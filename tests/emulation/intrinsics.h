@@ -6,10 +6,6 @@
 
 /// CUDA's integer and packed intrinsics that kernels/cuda uses, as "CUDA Math API" specifies them.
 
-inline int __popc(unsigned value) {
-    return __builtin_popcount(value);
-}
-
 inline int __popcll(unsigned long long value) {
     return __builtin_popcountll(value);
 }

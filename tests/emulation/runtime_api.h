@@ -15,8 +15,8 @@ struct Machine {
     int devices = 1;
     int driver_version = 13000;  ///< 0: no driver
     bool integrated = false;
-    bool graphs = true;     ///< whether the driver takes them
-    bool code_fits = true;  ///< whether the program holds code for the device
+    bool graphs = true;  ///< whether the driver takes them
+    int code = 0;        ///< what the driver answers when asked for code for the device: a cudaError_t
     std::size_t memory = std::size_t{1} << 32;
     int operations_until_lost = -1;  ///< this many more on the device, then it is lost; negative: never
 };
@@ -39,6 +39,7 @@ enum cudaError_t {
     cudaErrorInsufficientDriver = 35,
     cudaErrorNoDevice = 100,
     cudaErrorInvalidDeviceFunction = 98,
+    cudaErrorNoKernelImageForDevice = 209,
     cudaErrorLaunchFailure = 719,
     cudaErrorNotSupported = 801,
     cudaErrorStreamCaptureUnsupported = 900,
@@ -104,5 +105,5 @@ cudaError_t cudaGraphExecDestroy(cudaGraphExec_t executable);
 struct cudaFuncAttributes {};
 template <typename Kernel>
 cudaError_t cudaFuncGetAttributes(cudaFuncAttributes* /*attributes*/, Kernel /*kernel*/) {
-    return disparityd::simt::machine().code_fits ? cudaSuccess : cudaErrorInvalidDeviceFunction;
+    return static_cast<cudaError_t>(disparityd::simt::machine().code);
 }
