@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <array>
 #include <utility>
 
 #include <gtest/gtest.h>
 
 #include "tests/kernels/guarded.h"
 #include "tests/kernels/instruction_sets.h"
+#include "tests/kernels/post_inputs.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -45,55 +45,6 @@ struct Both {
     }
     GuardedPlane<T> expected, found;
 };
-
-// Any size from one pixel on; often narrower than a vector.
-struct Size {
-    explicit Size(Random& random)
-        : width(pick(random, 1, pick(random, 0, 2) == 0 ? 40 : 300)),
-          height(pick(random, 1, pick(random, 0, 4) == 0 ? 120 : 30)) {}
-    int width, height;
-};
-
-DisparityRange any_range(Random& random) {
-    return {pick(random, 0, 2) == 0 ? pick(random, -256, 256) : pick(random, -20, 20), 16 * pick(random, 1, 16)};
-}
-
-// Disparities as matching leaves them: patches, slopes, and some noise, with holes; or any words at all.
-Image<std::int16_t> disparities(Random& random, Size size, DisparityRange range) {
-    Image<std::int16_t> image(size.width, size.height);
-    const int kind = pick(random, 0, 4);
-    const int holes = pick(random, 0, 2) * pick(random, 0, 50);
-    const int least = 16 * range.first;
-    const int most = 16 * (range.first + range.count - 1);
-    for (int y = 0; y < size.height; ++y) {
-        int patch = pick(random, least, most);
-        for (int x = 0; x < size.width; ++x) {
-            if (pick(random, 0, 19) == 0) {
-                patch = pick(random, least, most);
-            }
-            const int value = kind == 0   ? pick(random, -32768, 32767)
-                              : kind == 1 ? least
-                              : kind == 2 ? patch
-                              : kind == 3 ? least + (x + y) * 3
-                                          : patch + pick(random, -9, 9);
-            const bool hole = pick(random, 1, 100) <= holes;
-            image.at(x, y) = hole ? invalid_disparity(range) : static_cast<std::int16_t>(value);
-        }
-    }
-    return image;
-}
-
-// Winners in whole pixels, where matching finds none one less than the first; or any words at all.
-Image<std::int16_t> winners(Random& random, Size size, DisparityRange range) {
-    Image<std::int16_t> image(size.width, size.height);
-    const bool any = pick(random, 0, 4) == 0;
-    const int spread = pick(random, 0, 2) == 0 ? 2 : range.count;
-    for (std::int16_t& value : image.pixels()) {
-        value = static_cast<std::int16_t>(any ? pick(random, -32768, 32767)
-                                              : range.first - 1 + pick(random, 0, std::min(spread, range.count)));
-    }
-    return image;
-}
 
 class CpuPost : public StepsOfInstructionSet {
 protected:
@@ -189,29 +140,13 @@ protected:
     }
 };
 
-// Regions that meet themselves again far from where they began; of 128, runs end where words of bits do.
+// Of 128, runs end where words of bits do.
 TEST_P(CpuSpeckle, EqualsTheReferenceOnCombsSpiralsAndChessboards) {
     constexpr std::int16_t invalid = -16;
-    using Shape = bool (*)(int x, int y, int side);
-    constexpr std::array<Shape, 5> shapes = {
-        [](int x, int y, int side) { return x % 2 == 0 || y == side - 1; },
-        [](int x, int y, int) { return x % 3 != 1 || y == 0; },
-        [](int x, int y, int side) {
-            const int ring = std::min({x, y, side - 1 - x, side - 1 - y});
-            return ring % 2 == 0 ? !(x == ring && y == ring + 1) : x == ring && y == ring;
-        },
-        [](int x, int y, int) { return (x + y) % 2 == 0; },
-        [](int, int, int) { return true; },
-    };
     for (const int side : {128, 131}) {
-        for (const Shape shape : shapes) {
+        for (const Shape shape : speckle_shapes) {
             for (const int min_size : {2, 500, 8000, side * side, side * side + 1}) {
-                Image<std::int16_t> image(side, side, invalid);
-                for (int y = 0; y < side; ++y) {
-                    for (int x = 0; x < side; ++x) {
-                        image.at(x, y) = shape(x, y, side) ? static_cast<std::int16_t>(x + y) : invalid;
-                    }
-                }
+                const Image<std::int16_t> image = slope_in(shape, side, invalid);
                 expect_same(image, invalid, min_size);
                 ASSERT_FALSE(HasFailure()) << side << ", size " << min_size;
             }
@@ -261,16 +196,6 @@ TEST_P(CpuPost, MaskConfidenceEqualsTheReference) {
     }
 }
 
-DepthScale any_scale(Random& random) {
-    constexpr std::array<std::int64_t, 8> special = {0,       1,  2,       (1 << 30) - 1,
-                                                     1 << 30, -1, -672000, std::int64_t{1} << 50};
-    DepthScale scale;
-    scale.k = pick(random, 0, 2) == 0 ? special[static_cast<std::size_t>(pick(random, 0, 7))]
-                                      : std::int64_t{1} * pick(random, 1, 40000) * pick(random, 1, 20000);
-    scale.offset16 = pick(random, 0, 3) == 0 ? pick(random, -100000, 100000) : pick(random, -3000, 3000);
-    return scale;
-}
-
 TEST_P(CpuPost, DepthEqualsTheReference) {
     Random random(84);
     for (int round = 0; round < 2 * rounds; ++round) {
@@ -290,20 +215,13 @@ TEST_P(CpuPost, DepthEqualsTheReference) {
 
 // Where a quotient in single precision is nearest to the next integer: exact multiples and one beside them.
 TEST_P(CpuPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
-    Image<std::int16_t> all(256, 256);
-    for (int i = 0; i < 65536; ++i) {
-        all.at(i % 256, i / 256) = static_cast<std::int16_t>(i - 32768);
-    }
+    const Image<std::int16_t> all = every_disparity();
     Random random(85);
     for (int round = 0; round < 60; ++round) {
-        const int n = pick(random, 1, 40000);
-        const int quotient = round % 2 == 0 ? pick(random, 65530, 65540) : pick(random, 1, 65536);
-        const std::int64_t k = std::max<std::int64_t>(1, std::int64_t{n} * quotient - n / 2 + pick(random, -1, 1));
-        const int most = round % 3 == 0 ? (1 << 24) + pick(random, -70000, 9) : (1 << 30) + pick(random, -70000, 9);
-        const DepthScale scale{std::min<std::int64_t>(k, most), pick(random, -20, 8000)};
+        const DepthScale scale = scale_at_an_edge(random, round);
         const Both<std::uint16_t> depth(Image<std::uint16_t>(256, 256).plane());
-        reference::depth(std::as_const(all).plane(), -16, scale, depth.expected.plane(), {0, 256});
-        steps().depth(std::as_const(all).plane(), -16, scale, depth.found.plane(), {0, 256});
+        reference::depth(all.plane(), -16, scale, depth.expected.plane(), {0, 256});
+        steps().depth(all.plane(), -16, scale, depth.found.plane(), {0, 256});
         ASSERT_TRUE(same(depth.found, depth.expected)) << "k " << scale.k << ", offset " << scale.offset16;
     }
 }

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstring>
+#include <vector>
+
+#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/steps.h"
+#include "tests/cuda/device_under_test.h"
+#include "tests/kernels/post_inputs.h"
+
+// The steps after matching, one by one, on what the CPU's kernels are tested with.
+namespace disparityd::test {
+namespace {
+
+using CudaPost = CudaDevice;
+using Disparities = Image<std::int16_t>;
+
+/// An image on the device.
+template <typename T>
+class OnDevice {
+public:
+    explicit OnDevice(const Image<T>& image)
+        : width_(image.width()), height_(image.height()), memory_(image.pixels().size() * sizeof(T), "an image") {
+        std::memcpy(memory_.host<void>(), image.pixels().data(), memory_.size());
+    }
+    T* at(const cuda::Stream& stream) const {
+        memory_.to_device(stream);
+        return memory_.device<T>();
+    }
+    std::vector<T> found(const cuda::Stream& stream) const {
+        memory_.to_host(stream);
+        stream.wait("the test");
+        const T* first = memory_.host<T>();
+        return {first, first + static_cast<std::ptrdiff_t>(width_) * height_};
+    }
+
+private:
+    int width_;
+    int height_;
+    cuda::ExchangeMemory memory_;
+};
+
+cuda::Range on_device(DisparityRange range) {
+    return {range.first, range.count};
+}
+
+TEST_F(CudaPost, LeftRightAndMedianEqualTheReference) {
+    Random random(90);
+    for (int round = 0; round < 60 / one_round_of; ++round) {
+        const Variation variation(round);
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        Disparities left = winners(random, size, range);
+        for (std::int16_t& winner : left.pixels()) {  // every pixel of the left image has one
+            winner = static_cast<std::int16_t>(std::clamp<int>(winner, range.first, range.first + range.count - 1));
+        }
+        const Disparities right = winners(random, size, range);
+        Disparities checked = disparities(random, size, range);
+        const int side = std::array{0, 3, 5}[static_cast<std::size_t>(pick(random, 0, 2))];
+        const bool check_left_right = pick(random, 0, 3) > 0;
+
+        const cuda::Stream stream;
+        const OnDevice<std::int16_t> in(checked), left_winner(left), right_winner(right);
+        const OnDevice<std::int16_t> out(Disparities(size.width, size.height, 77));
+        cuda::filter({size.width, size.height, on_device(range), in.at(stream), left_winner.at(stream),
+                      right_winner.at(stream), check_left_right, side, out.at(stream)},
+                     stream.get());
+
+        if (check_left_right) {
+            reference::left_right(std::as_const(left).plane(), right.plane(), range, checked.plane(), checked.rows());
+        }
+        Disparities expected = checked;
+        if (side > 0) {
+            reference::median(std::as_const(checked).plane(), invalid_disparity(range), side, expected.plane(),
+                              checked.rows());
+        }
+        ASSERT_EQ(out.found(stream), expected.pixels()) << "round " << round << ", side " << side;
+    }
+}
+
+std::vector<std::int16_t> without_speckles(const Disparities& image, std::int16_t invalid, int min_size, int max_step) {
+    const cuda::Stream stream;
+    const OnDevice<std::int16_t> disparity(image);
+    const Image<std::uint32_t> empty(image.width(), image.height(), 0x77777777);
+    const OnDevice<std::uint32_t> labels(empty), sizes(empty);
+    cuda::speckle({image.width(), image.height(), invalid, min_size, max_step, disparity.at(stream), labels.at(stream),
+                   sizes.at(stream)},
+                  stream.get());
+    return disparity.found(stream);
+}
+
+void expect_same_speckles(const Disparities& image, std::int16_t invalid, int min_size, int max_step) {
+    Disparities expected = image;
+    std::vector<std::byte> memory(reference::speckle_scratch(image.width(), image.height()));
+    reference::speckle(expected.plane(), invalid, min_size, max_step, memory);
+    ASSERT_EQ(without_speckles(image, invalid, min_size, max_step), expected.pixels())
+        << image.width() << "x" << image.height() << ", size " << min_size << ", step " << max_step;
+}
+
+TEST_F(CudaPost, SpeckleEqualsTheReference) {
+    Random random(91);
+    for (int round = 0; round < 40 / one_round_of; ++round) {
+        const Variation variation(round);
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        expect_same_speckles(disparities(random, size, range), invalid_disparity(range),
+                             pick(random, 1, pick(random, 0, 1) == 0 ? 8 : 400), pick(random, 0, 60));
+    }
+}
+
+TEST_F(CudaPost, SpeckleEqualsTheReferenceOnCombsSpiralsAndChessboards) {
+    constexpr std::int16_t invalid = -16;
+    constexpr int side = 67;
+    int n = 0;
+    for (const Shape shape : speckle_shapes) {
+        for (const int min_size : {2, 500, side * side, side * side + 1}) {
+            if (++n % one_round_of == 0) {
+                const Variation variation(n);
+                expect_same_speckles(slope_in(shape, side, invalid), invalid, min_size, 1);
+            }
+        }
+    }
+}
+
+struct Finished {
+    std::vector<std::int16_t> disparity;
+    std::vector<std::uint8_t> confidence;
+    std::vector<std::uint16_t> depth;
+    bool operator==(const Finished&) const = default;
+};
+
+struct ToFinish {
+    Disparities filtered, right_winner;
+    Image<std::uint8_t> confidence;
+    DisparityRange range;
+    bool interpolate;
+    DepthScale scale;
+};
+
+Finished finished(const ToFinish& from) {
+    const int width = from.filtered.width();
+    const int height = from.filtered.height();
+    const cuda::Stream stream;
+    const OnDevice<std::int16_t> filtered(from.filtered), right(from.right_winner);
+    const OnDevice<std::uint8_t> measured(from.confidence);
+    const OnDevice<std::int16_t> disparity(Disparities(width, height, 77));
+    const OnDevice<std::uint8_t> confidence(Image<std::uint8_t>(width, height, 77));
+    const OnDevice<std::uint16_t> depth(Image<std::uint16_t>(width, height, 77));
+    cuda::finish({width, height, on_device(from.range), from.interpolate, filtered.at(stream), right.at(stream),
+                  measured.at(stream), from.scale.k, from.scale.offset16, disparity.at(stream), confidence.at(stream),
+                  depth.at(stream)},
+                 stream.get());
+    return {disparity.found(stream), confidence.found(stream), depth.found(stream)};
+}
+
+Finished expected_of(const ToFinish& from) {
+    const std::int16_t invalid = invalid_disparity(from.range);
+    Disparities disparity = from.filtered;
+    Image<std::uint8_t> confidence = from.confidence;
+    Image<std::uint16_t> depth(disparity.width(), disparity.height());
+    reference::mask_confidence(std::as_const(disparity).plane(), invalid, confidence.plane(), disparity.rows());
+    if (from.interpolate) {
+        std::vector<std::byte> memory(reference::interpolate_scratch(disparity.width(), disparity.height()));
+        reference::interpolate(disparity.plane(), from.right_winner.plane(), from.range, memory);
+    }
+    reference::depth(std::as_const(disparity).plane(), invalid, from.scale, depth.plane(), disparity.rows());
+    return {disparity.pixels(), confidence.pixels(), depth.pixels()};
+}
+
+TEST_F(CudaPost, InterpolationConfidenceAndDepthEqualTheReference) {
+    Random random(92);
+    for (int round = 0; round < 60 / one_round_of; ++round) {
+        const Variation variation(round);
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const int percent = pick(random, 0, 100);
+        Disparities start = disparities(random, size, range);
+        for (std::int16_t& value : start.pixels()) {
+            value = pick(random, 1, 100) <= percent ? invalid_disparity(range) : value;
+        }
+        const ToFinish all{start,
+                           winners(random, size, range),
+                           noise(random, size.width, size.height),
+                           range,
+                           round % 4 != 0,
+                           any_scale(random)};
+        ASSERT_TRUE(finished(all) == expected_of(all)) << "round " << round << ", " << percent << " % rejected, k "
+                                                       << all.scale.k << ", offset " << all.scale.offset16;
+    }
+}
+
+TEST_F(CudaPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
+    Random random(93);
+    const Disparities all = every_disparity();
+    const Disparities right(all.width(), all.height());
+    for (int round = 0; round < (all_rounds ? 12 : 1); ++round) {
+        const ToFinish from{all,     right, Image<std::uint8_t>(all.width(), all.height(), 9),
+                            {0, 16}, false, scale_at_an_edge(random, round)};
+        ASSERT_TRUE(finished(from) == expected_of(from)) << "k " << from.scale.k << ", offset " << from.scale.offset16;
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::test
