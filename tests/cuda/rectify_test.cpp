@@ -4,12 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/cuda/device_under_test.h"
-#include "tests/kernels/support.h"
+#include "tests/kernels/rectify_inputs.h"
 
 namespace disparityd::test {
 namespace {
 
 using CudaRectify = CudaDevice;
+
+struct FrameSize {
+    int width, height;
+};
 
 constexpr int width = 37;
 constexpr int height = 21;
@@ -34,13 +38,11 @@ struct Maps {
 };
 
 struct Rectified {
-    Image<std::uint8_t> left{width, height, 1};
-    Image<std::uint8_t> right{width, height, 2};
-    Image<std::uint8_t> colour{3 * width, height, 3};
+    Image<std::uint8_t> left, right, colour;
 };
 
-Rectified rectified(Matcher& matcher, const RawImage& raw, const Rectifier& rectifier, bool colour) {
-    Rectified out;
+Rectified rectified(Matcher& matcher, FrameSize size, const RawImage& raw, const Rectifier& rectifier, bool colour) {
+    Rectified out{{size.width, size.height, 1}, {size.width, size.height, 2}, {3 * size.width, size.height, 3}};
     FrameView view;
     view.raw = raw;
     view.rectifier = &rectifier;
@@ -52,15 +54,23 @@ Rectified rectified(Matcher& matcher, const RawImage& raw, const Rectifier& rect
     matcher.run(0, view, serial, {&time, 1});
     return out;
 }
+Rectified rectified(Matcher& matcher, const RawImage& raw, const Rectifier& rectifier, bool colour) {
+    return rectified(matcher, {width, height}, raw, rectifier, colour);
+}
 
-std::unique_ptr<Matcher> matcher_of(std::string_view name) {
-    return backend(name).create({width, height, default_options(Method::sad, {0, 16})});
+std::unique_ptr<Matcher> matcher_of(std::string_view name, FrameSize size = {width, height}) {
+    return backend(name).create({size.width, size.height, default_options(Method::sad, {0, 16})});
 }
 
 void expect_equal(const Rectified& found, const Rectified& expected) {
     EXPECT_EQ(found.left.pixels(), expected.left.pixels());
     EXPECT_EQ(found.right.pixels(), expected.right.pixels());
     EXPECT_EQ(found.colour.pixels(), expected.colour.pixels());
+}
+
+void expect_equal_to_reference(FrameSize size, const RawImage& raw, const Rectifier& rectifier) {
+    expect_equal(rectified(*matcher_of("cuda", size), size, raw, rectifier, true),
+                 rectified(*matcher_of("reference", size), size, raw, rectifier, true));
 }
 
 TEST_F(CudaRectify, EqualsTheReferenceForEveryFormat) {
@@ -79,6 +89,36 @@ TEST_F(CudaRectify, EqualsTheReferenceForEveryFormat) {
             const Rectifier cropped{false, {}, {}, eye_width - width, raw_height - height};
             expect_equal(rectified(*cuda, raw, cropped, colour), rectified(*reference, raw, cropped, colour));
         }
+    }
+}
+
+TEST_F(CudaRectify, EqualsTheReferenceOnAnyMap) {
+    Random random(62);
+    for (int round = 0; round < 60 / one_round_of; ++round) {
+        const Variation variation(round);
+        const PixelFormat format = pixel_formats[round % 3];
+        const Source source(random, format, 2 * pick(random, 1, pick(random, 0, 3) == 0 ? 12 : 100),
+                            pick(random, 1, pick(random, 0, 2) == 0 ? 5 : 60));
+        const FrameSize size{pick(random, 1, pick(random, 0, 3) == 0 ? 30 : 150), pick(random, 1, 40)};
+        const Map left(random, size.width, size.height, source.raw);
+        const Map right(random, size.width, size.height, source.raw);
+        expect_equal_to_reference(size, source.raw, {true, left.view(), right.view(), 0, 0});
+        ASSERT_FALSE(HasFailure()) << "round " << round;
+    }
+}
+
+TEST_F(CudaRectify, EqualsTheReferenceOnEveryFractionBetweenExtremes) {
+    Random random(63);
+    const Source source = extremes(random, 80, 64);
+    const Map map = every_fraction(random, 64, 60, source.raw);
+    expect_equal_to_reference({64, 60}, source.raw, {true, map.view(), map.view(), 0, 0});
+}
+
+TEST_F(CudaRectify, EqualsTheReferenceOnEveryColour) {
+    for (int luma = 0; luma < 256; luma += all_rounds ? 51 : 200) {
+        const std::vector<std::uint8_t> bytes = every_colour(luma);
+        expect_equal_to_reference({512, 256}, {bytes.data(), PixelFormat::yuyv, 512, 256, 2048}, {});
+        ASSERT_FALSE(HasFailure()) << "luma " << luma;
     }
 }
 
