@@ -14,9 +14,15 @@ constexpr std::array<std::string_view, 6> sad_steps = {"upload",  "sad+wta",    
                                                        "speckle", "interpolate+depth", "download"};
 constexpr std::array<std::string_view, 7> census_steps = {
     "upload", "census", "dsi+wta", "left-right+median", "speckle", "interpolate+depth", "download"};
-constexpr std::array<std::string_view, 8> sgm_steps = {
-    "upload",  "census", "dsi+aggregate", "dsi+aggregate+wta", "left-right+median", "speckle", "interpolate+depth",
-    "download"};
+constexpr std::array<std::string_view, 9> sgm_steps = {"upload",
+                                                       "census",
+                                                       "dsi+sweeps",
+                                                       "dsi+path",
+                                                       "dsi+aggregate+wta",
+                                                       "left-right+median",
+                                                       "speckle",
+                                                       "interpolate+depth",
+                                                       "download"};
 
 }  // namespace
 
@@ -184,6 +190,7 @@ void MatchStage::find_winners() {
         census_winners(paths.words, winner_job(), stream_.get());
     } else {
         sweep(paths, stream_.get());
+        mark();
         path_to_left(paths, stream_.get());
         mark();
         aggregate_and_choose(paths, winner_job(), stream_.get());

@@ -41,15 +41,23 @@ struct Work {
 
 Work work_of(const std::string& step, const Size& size) {
     const double pixels = double(size.width) * size.height;
+    const MatchOptions options = default_options(Method::sgm, {0, size.disparities});
+    const cuda::SgmBytes bytes =
+        cuda::sgm_bytes(size.width, size.height, size.disparities, options.sgm.paths, options.sgm.p2);
+    const auto left_volume = static_cast<double>(bytes.left_volume);
+    const double sweep_volumes = 2 * static_cast<double>(bytes.sweep_volume);
     const auto volume = static_cast<double>(cuda::volume_bytes(size.width, size.height, size.disparities));
     const double minima_of_path = 4 * volume / 2;  // for a pair of candidates: two neighbours, jump, penalty, the least
-    constexpr int volumes = 3;  // two sweeps' and the path to the left; the census words are read for each
-    constexpr int stored_paths = 7;
-    if (step == "dsi+aggregate") {
-        return {volumes * (volume + 16 * pixels), stored_paths * minima_of_path};
+    // Census words are read wherever costs are counted; edges of strips are written and read.
+    if (step == "dsi+sweeps") {
+        constexpr int paths = 6;
+        return {sweep_volumes + 2 * static_cast<double>(bytes.edges) + 2 * 16 * pixels, paths * minima_of_path};
+    }
+    if (step == "dsi+path") {
+        return {left_volume + 16 * pixels, minima_of_path};
     }
     if (step == "dsi+aggregate+wta") {
-        return {volumes * volume + 23 * pixels, minima_of_path};
+        return {sweep_volumes + left_volume + 23 * pixels, minima_of_path};
     }
     constexpr std::array<std::pair<const char*, double>, 7> bytes_per_pixel = {{{"sad+wta", 9},
                                                                                 {"dsi+wta", 23},

@@ -110,7 +110,7 @@ TEST_F(CudaDevice, StagesWorkOnTwoFramesAtTheSameTime) {
     }
     const auto run = [&](int stage, const FrameView& view) {
         Serial serial;
-        std::array<std::chrono::nanoseconds, 8> times{};
+        std::array<std::chrono::nanoseconds, 9> times{};
         const std::size_t steps = matcher->stages()[static_cast<std::size_t>(stage)].steps.size();
         matcher->run(stage, view, serial, std::span(times).first(steps));
     };
