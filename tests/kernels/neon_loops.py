@@ -20,7 +20,7 @@ EXPECTED = {
 }
 REMAINDER = 8  # instructions: the compiler's own loop for what is left over of vectors that it made
 # Where the time goes: the check would mean nothing if one of these were missing or had no vectors.
-HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census(", "census_left", "census_right", "median_rows",
+HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census(", "census_row", "census_right", "median_rows",
        "adaptive_jumps")
 
 VECTOR = re.compile(r"\b[vqd]\d+(\.\d*[bhsd])?\b")
