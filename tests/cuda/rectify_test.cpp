@@ -20,23 +20,6 @@ constexpr int height = 21;
 constexpr int eye_width = 44;
 constexpr int raw_height = 26;
 
-// Maps that also point outside the source, at its last row and column, and far away.
-struct Maps {
-    explicit Maps(Random& random) : xy(2 * width, height), fraction(width, height) {
-        for (std::int16_t& value : xy.pixels()) {
-            value = static_cast<std::int16_t>(pick(random, 0, 9) == 0 ? pick(random, -32768, 32767)
-                                                                      : pick(random, -2, eye_width + 1));
-        }
-        for (std::uint16_t& value : fraction.pixels()) {
-            value = static_cast<std::uint16_t>(pick(random, 0, 1023));
-        }
-    }
-    RectifyMap view() const { return {xy.plane(), fraction.plane()}; }
-
-    Image<std::int16_t> xy;
-    Image<std::uint16_t> fraction;
-};
-
 struct Rectified {
     Image<std::uint8_t> left, right, colour;
 };
@@ -75,14 +58,14 @@ void expect_equal_to_reference(FrameSize size, const RawImage& raw, const Rectif
 
 TEST_F(CudaRectify, EqualsTheReferenceForEveryFormat) {
     Random random(60);
-    const Maps left(random);
-    const Maps right(random);
     const auto reference = matcher_of("reference");
     const auto cuda = matcher_of("cuda");
-    for (const PixelFormat format : {PixelFormat::grey8, PixelFormat::yuyv, PixelFormat::bgr24}) {
+    for (const PixelFormat format : pixel_formats) {
         const int row_bytes = 2 * eye_width * bytes_per_pixel(format);
         const auto bytes = noise(random, row_bytes + 13, raw_height);
         const RawImage raw{bytes.plane().data, format, eye_width, raw_height, row_bytes + 13};
+        const Map left(random, width, height, raw);
+        const Map right(random, width, height, raw);
         for (const bool colour : {false, true}) {
             const Rectifier mapped{true, left.view(), right.view(), 0, 0};
             expect_equal(rectified(*cuda, raw, mapped, colour), rectified(*reference, raw, mapped, colour));
@@ -129,8 +112,8 @@ TEST_F(CudaRectify, MapsAreTakenAgainWhenTheirIdChanges) {
     const auto bytes = noise(random, 2 * eye_width, raw_height);
     const RawImage raw{bytes.plane().data, PixelFormat::grey8, eye_width, raw_height, 2 * eye_width};
     for (const std::uint64_t id : std::initializer_list<std::uint64_t>{1, 2, 0, 0, 1}) {
-        const Maps left(random);
-        const Maps right(random);
+        const Map left(random, width, height, raw);
+        const Map right(random, width, height, raw);
         Rectifier rectifier{true, left.view(), right.view(), 0, 0};
         rectifier.id = id;
         expect_equal(rectified(*cuda, raw, rectifier, true), rectified(*reference, raw, rectifier, true));
