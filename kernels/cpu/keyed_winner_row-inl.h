@@ -182,10 +182,9 @@ public:
     }
 
     void run(Minima& minima, std::int16_t* right_winner) {
-        const int batches = (width_ + at_once - 1) / at_once;
         Batch before;
-        for (int i = 0; i <= batches; ++i) {
-            const Batch batch = i < batches ? batch_at(i) : Batch{0, 0, before.keys};
+        for (int i = 0; i <= batches(); ++i) {
+            const Batch batch = i < batches() ? batch_at(i) : Batch{};
             all_keys(batch, before, minima);
             for (int k = 0; k < batch.count; k += 8) {
                 winners(k, minima.least + batch.x + k, minima.winner + batch.x + k);
@@ -216,9 +215,10 @@ private:
         std::uint16_t* of(int i) const { return keys + i * candidates; }
     };
 
+    int batches() const { return (width_ + at_once - 1) / at_once; }
+
     Batch batch_at(int i) {
-        const int batches = (width_ + at_once - 1) / at_once;
-        const int x = (direction > 0 ? i : batches - 1 - i) * at_once;
+        const int x = (direction > 0 ? i : batches() - 1 - i) * at_once;
         return {x, std::min(at_once, width_ - x), keys_ + i % 2 * at_once * candidates};
     }
 

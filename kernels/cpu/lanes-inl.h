@@ -183,25 +183,18 @@ HWY_INLINE hn::Vec<Words> multiply_add_bytes(Words, V v, hn::Vec<Words> factors)
 }
 #endif
 
-/// 2^shift times the sum of the even (the odd) bytes of `a` and `b`, as words; shift is at most 6.
-template <int shift, class Words, class V>
-HWY_INLINE hn::Vec<Words> sum_of_even_bytes(Words words, V a, V b) {
+/// 2^shift times the sum of the even (or the odd) bytes of `a` and `b`, as words; shift is at most 6.
+template <bool odd, int shift, class Words, class V>
+HWY_INLINE hn::Vec<Words> sum_of_bytes(Words words, V a, V b) {
 #if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
-    const auto factor = hn::Set(words, std::uint16_t{1 << shift});
+    const auto factor = hn::Set(words, std::uint16_t{(odd ? 256 : 1) << shift});
     return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
 #else
-    const auto byte = hn::Set(words, std::uint16_t{0x00ff});
-    return hn::ShiftLeft<shift>(hn::Add(hn::And(hn::BitCast(words, a), byte), hn::And(hn::BitCast(words, b), byte)));
-#endif
-}
-template <int shift, class Words, class V>
-HWY_INLINE hn::Vec<Words> sum_of_odd_bytes(Words words, V a, V b) {
-#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
-    const auto factor = hn::Set(words, std::uint16_t{256 << shift});
-    return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
-#else
-    return hn::ShiftLeft<shift>(
-        hn::Add(hn::ShiftRight<8>(hn::BitCast(words, a)), hn::ShiftRight<8>(hn::BitCast(words, b))));
+    const auto part = [&](V v) {
+        const auto w = hn::BitCast(words, v);
+        return odd ? hn::ShiftRight<8>(w) : hn::And(w, hn::Set(words, std::uint16_t{0x00ff}));
+    };
+    return hn::ShiftLeft<shift>(hn::Add(part(a), part(b)));
 #endif
 }
 

@@ -72,8 +72,8 @@ struct Kernels {
             const auto b = hn::Load(bytes, up + at + r * lanes);
             const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
             // 512 C: the odd byte leaves the word by itself.
-            out[r] = hn::Add(sum_of_even_bytes<key_bits>(words, a, b), hn::ShiftLeft<key_bits + 3>(c));
-            out[r + registers] = hn::Add(sum_of_odd_bytes<key_bits>(words, a, b), hn::ShiftLeft<1>(hn::And(c, high)));
+            out[r] = hn::Add(sum_of_bytes<false, key_bits>(words, a, b), hn::ShiftLeft<key_bits + 3>(c));
+            out[r + registers] = hn::Add(sum_of_bytes<true, key_bits>(words, a, b), hn::ShiftLeft<1>(hn::And(c, high)));
         }
     }
 
