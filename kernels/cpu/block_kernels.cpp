@@ -58,10 +58,10 @@ struct Block {
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
-            const auto row = static_cast<std::size_t>(y);
-            MatchingCostRow<Tag, registers>(geometry, left_planes + row * geometry.census.left_row(),
-                                            right_planes + row * geometry.census.right_row(), scratch)
-                .run();
+            const auto planes = [&](int of) {
+                return planes_of_row(geometry.census, left_planes, right_planes, std::min(of, rows.last - 1));
+            };
+            MatchingCostRow<Tag, registers>(geometry, planes(y), planes(y + 1), scratch).run();
             KeyedWinnerSearch<KeyTag, classes, key_bits, 1, 0, decltype(keys)>(geometry, keys)
                 .run(minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));

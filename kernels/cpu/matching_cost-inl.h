@@ -9,6 +9,7 @@
 #endif
 
 #include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/prefetch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -58,11 +59,11 @@ class MatchingCostRow {
     static constexpr int candidates = registers * lanes;
 
 public:
-    MatchingCostRow(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
-                    std::uint8_t* costs)
+    MatchingCostRow(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs)
         : geometry_(geometry),
-          left_(left),
-          right_(right),
+          left_(census.left),
+          right_(census.right),
+          next_(next),
           costs_(costs),
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
@@ -74,8 +75,13 @@ public:
                                 : registers <= 4                       ? 2
                                                                        : 1;
         const int width = geometry_.width;
+        const int portions = std::max(width / at_once, 1);
+        Prefetch next_left(next_.left, geometry_.census.left_row(), portions);
+        Prefetch next_right(next_.right, geometry_.census.right_row(), portions);
         int x = 0;
         for (; x + at_once <= width; x += at_once) {
+            next_left.portion();
+            next_right.portion();
             pixels<at_once>(x);
         }
         for (; x < width; ++x) {
@@ -215,6 +221,7 @@ private:
     const SgmGeometry& geometry_;
     const std::uint8_t* left_;
     const std::uint8_t* right_;
+    CensusRow next_;
     std::uint8_t* costs_;
     std::uint8_t raised_;
 };

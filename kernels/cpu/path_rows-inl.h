@@ -20,6 +20,7 @@
 #include "kernels/cpu/path_form.h"
 #include "kernels/cpu/path_offsets-inl.h"
 #include "kernels/cpu/path_sums-inl.h"
+#include "kernels/cpu/prefetch-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -282,13 +283,6 @@ private:
             least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
         }
         state.least = broadcast_least(tag_, least);
-    }
-
-    // What is needed a row later would only push what is needed now out of the first-level cache.
-    static HWY_INLINE void prefetch_to_second_level(const std::uint8_t* from) {
-        constexpr int reading = 0;
-        constexpr int second_level = 2;
-        __builtin_prefetch(from, reading, second_level);
     }
 
     static HWY_INLINE void prefetch(const State& state, std::ptrdiff_t offset) {

@@ -24,9 +24,9 @@ struct Kernels {
     using Paths = Aggregation<Tag, registers, eight_paths_in_bytes>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
-    static void matching_cost(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
+    static void matching_cost(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next,
                               std::uint8_t* costs) {
-        MatchingCostRow<Tag, registers>(geometry, left, right, costs).run();
+        MatchingCostRow<Tag, registers>(geometry, census, next, costs).run();
     }
 
     using SumTag = hn::Repartition<std::int16_t, Tag>;

@@ -40,6 +40,12 @@ struct CensusLayout {
     std::size_t right_row() const { return static_cast<std::size_t>(planes) * static_cast<std::size_t>(right_pitch); }
 };
 
+/// The planes of one row of each image.
+struct CensusRow {
+    const std::uint8_t* left = nullptr;
+    const std::uint8_t* right = nullptr;
+};
+
 /// What stays the same for all rows of a frame.
 struct SgmGeometry {
     int width = 0;
@@ -142,8 +148,8 @@ struct SgmKernels {
     void (*census_left)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
     /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
     void (*census_right)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
-    /// Matching costs of one row from the row's planes.
-    void (*matching_cost)(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
+    /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon.
+    void (*matching_cost)(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next,
                           std::uint8_t* costs);
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
     /// steps, in order. To reach position p, `before` must be done up to p + 1. `state`, max_sweep_state bytes aligned
@@ -162,6 +168,12 @@ struct SgmKernels {
 inline SgmGeometry geometry_for(const SgmKernels& kernels, int width, int height, DisparityRange range) {
     const CensusLayout census = kernels.census_layout(width, kernels.layout);
     return {width, height, range, kernels.layout, census, kernels.raised_cost};
+}
+
+/// Row y of the planes of all rows.
+inline CensusRow planes_of_row(const CensusLayout& layout, const std::uint8_t* left, const std::uint8_t* right, int y) {
+    const auto row = static_cast<std::size_t>(y);
+    return {left + row * layout.left_row(), right + row * layout.right_row()};
 }
 
 /// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()): 8 paths, P2 up to max_byte_p2.

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "kernels/cpu/path_kernels.h"
-#include "kernels/cpu/sweep_plan.h"
 #include "kernels/cpu/sweep_progress.h"
 
 namespace disparityd::cpu {
@@ -97,7 +96,9 @@ void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat&
         const int y = rows.row(i);
         SweepRow& row = sweep_rows[i];
         std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
-        row.costs = matching_cost(frame.planes, y, stream_ || kept == nullptr ? seat.costs[i] : kept);
+        std::uint8_t* costs = stream_ || kept == nullptr ? seat.costs[i] : kept;
+        kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, row_ahead(frame, rows, i)), costs);
+        row.costs = costs;
         row.costs_copy = stream_ ? kept : nullptr;
         row.sums = memory_.sums(y);
         set_jumps(frame, pass, y, seat.jumps[i], row);
@@ -113,9 +114,12 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSea
     SweepRow sweep_rows[most_rows_at_once];
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
-        const int next = std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
+        const int next = row_ahead(frame, rows, i);
         SweepRow& row = sweep_rows[i];
-        row.costs = costs_kept ? memory_.costs(y) : matching_cost(frame.planes, y, seat.costs[i]);
+        row.costs = costs_kept ? memory_.costs(y) : seat.costs[i];
+        if (!costs_kept) {
+            kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, next), seat.costs[i]);
+        }
         row.sums = seat.sums[i];
         set_jumps(frame, pass, y, seat.jumps[i], row);
         row.prefetch[0] = memory_.sums(y);
@@ -160,13 +164,14 @@ void SgmSweeps::set_jumps(const Frame& frame, const SweepPass& pass, int y, std:
     std::copy_n(jumps, 4, row.jumps);
 }
 
-const std::uint8_t* SgmSweeps::matching_cost(std::span<const std::byte> planes, int y, std::uint8_t* out) const {
-    const auto* left = reinterpret_cast<const std::uint8_t*>(planes.data());
+int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const {
+    return std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
+}
+
+CensusRow SgmSweeps::planes_of_row(const Frame& frame, int y) const {
+    const auto* left = reinterpret_cast<const std::uint8_t*>(frame.planes.data());
     const std::uint8_t* right = left + static_cast<std::size_t>(geometry_.height) * geometry_.census.left_row();
-    const auto row = static_cast<std::size_t>(y);
-    kernels_.matching_cost(geometry_, left + row * geometry_.census.left_row(),
-                           right + row * geometry_.census.right_row(), out);
-    return out;
+    return cpu::planes_of_row(geometry_.census, left, right, y);
 }
 
 }  // namespace disparityd::cpu

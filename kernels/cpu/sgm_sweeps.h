@@ -6,7 +6,7 @@
 
 #include "kernels/cpu/sgm_kernels.h"
 #include "kernels/cpu/sweep_memory.h"
-#include "kernels/cpu/sweep_turns.h"
+#include "kernels/cpu/sweep_plan.h"
 #include "kernels/parallel.h"
 
 namespace disparityd::cpu {
@@ -43,7 +43,9 @@ private:
     void find_winners(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;
     void aggregate(Frame& frame, const RowGroup& group, const SweepPass& pass, const SweepRow* rows, int count) const;
     void set_jumps(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* jumps, SweepRow& row) const;
-    const std::uint8_t* matching_cost(std::span<const std::byte> planes, int y, std::uint8_t* out) const;
+    /// The row that follows row i of these in this worker's next group.
+    int row_ahead(const Frame& frame, const SweepRows& rows, int i) const;
+    CensusRow planes_of_row(const Frame& frame, int y) const;
 
     MatchOptions options_;
     SgmKernels kernels_;

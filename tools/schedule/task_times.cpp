@@ -37,10 +37,10 @@ struct TimedKernels {
 
 TimedKernels timed;
 
-void timed_matching_cost(const SgmGeometry& geometry, const std::uint8_t* left, const std::uint8_t* right,
+void timed_matching_cost(const SgmGeometry& geometry, const cpu::CensusRow& census, const cpu::CensusRow& next,
                          std::uint8_t* costs) {
     const auto start = Clock::now();
-    timed.real.matching_cost(geometry, left, right, costs);
+    timed.real.matching_cost(geometry, census, next, costs);
     timed.costs.push_back(microseconds_since(start));
 }
 

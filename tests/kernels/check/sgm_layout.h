@@ -82,9 +82,8 @@ struct SgmPlanes {
         });
     }
     void matching_cost(int y, std::uint8_t* row) const {
-        const auto line = static_cast<std::size_t>(y);
-        layout.kernels.matching_cost(layout.geometry, left.data() + line * layout.geometry.census.left_row(),
-                                     right.data() + line * layout.geometry.census.right_row(), row);
+        const cpu::CensusRow census = cpu::planes_of_row(layout.geometry.census, left.data(), right.data(), y);
+        layout.kernels.matching_cost(layout.geometry, census, census, row);
     }
 
     const SgmLayout& layout;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// Asking for memory before it is needed.
+#if defined(DISPARITYD_CPU_PREFETCH_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_PREFETCH_INL_H_
+#undef DISPARITYD_CPU_PREFETCH_INL_H_
+#else
+#define DISPARITYD_CPU_PREFETCH_INL_H_
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/cpu/lanes-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+/// What is needed a row later would only push what is needed now out of the first-level cache.
+HWY_INLINE void prefetch_to_second_level(const std::uint8_t* from) {
+    constexpr int reading = 0;
+    constexpr int second_level = 2;
+    __builtin_prefetch(from, reading, second_level);
+}
+
+/// Asks for `bytes` from `from` on in `portions` equal parts.
+class Prefetch {
+public:
+    Prefetch(const std::uint8_t* from, std::size_t bytes, int portions)
+        : at_(from), lines_(static_cast<int>(bytes / line) / portions + 1) {}
+
+    HWY_INLINE void portion() {
+        for (int i = 0; i < lines_; ++i) {
+            prefetch_to_second_level(at_);
+            at_ += line;
+        }
+    }
+
+private:
+    static constexpr std::size_t line = 64;
+
+    const std::uint8_t* at_;
+    int lines_;
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
