@@ -54,18 +54,42 @@ HWY_INLINE V from_lane_above(Tag tag, V v, V edge) {
     }
 }
 
+#if HWY_TARGET == HWY_AVX3_DL
+/// For each lane the one `distance` after it, or the last there is.
+template <int lanes, int distance>
+struct LanesMoved {
+    alignas(64) std::uint8_t from[lanes] = {};
+
+    constexpr LanesMoved() {
+        for (int i = 0; i < lanes; ++i) {
+            const int source = i + distance;
+            from[i] = static_cast<std::uint8_t>(source < 0 ? 0 : source < lanes ? source : lanes - 1);
+        }
+    }
+};
+template <int lanes, int distance>
+inline constexpr LanesMoved<lanes, distance> lanes_moved;
+
+/// Lanes past an end stay what they are.
+template <int distance, class V>
+HWY_INLINE V move_lanes(V v) {
+    const auto* from = lanes_moved<sizeof(v.raw), distance>.from;
+    if constexpr (sizeof(v.raw) == 64) {
+        return V{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
+    } else {
+        return V{_mm256_permutexvar_epi8(_mm256_load_si256(reinterpret_cast<const __m256i*>(from)), v.raw)};
+    }
+}
+#endif
+
 /// For the neighbours of a path's lanes: like from_lane_below, with 255 beyond the end. With one or two registers per
 /// pixel the first lane may as well be its own neighbour (a neighbour costs a penalty more), which saves an operation.
 template <int registers, class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V path_from_below(Tag tag, V v, V none) {
 #if HWY_TARGET == HWY_AVX3_DL
-    if constexpr (hn::MaxLanes(Tag()) == 64) {
-        alignas(64) static constexpr std::uint8_t from[64] = {
-            0,  0,  1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20,
-            21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42,
-            43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62};
-        const V moved{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
-        return registers <= 2 ? moved : hn::Or(moved, V{_mm512_maskz_mov_epi8(1, none.raw)});
+    if constexpr (hn::MaxLanes(Tag()) > 16) {
+        const V moved = move_lanes<-1>(v);
+        return registers <= 2 ? moved : hn::IfThenElse(hn::FirstN(tag, 1), none, moved);
     }
 #endif
     return from_lane_below(tag, v, none);
@@ -74,13 +98,9 @@ HWY_INLINE V path_from_below(Tag tag, V v, V none) {
 template <int registers, class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V path_from_above(Tag tag, V v, V none) {
 #if HWY_TARGET == HWY_AVX3_DL
-    if constexpr (hn::MaxLanes(Tag()) == 64) {
-        alignas(64) static constexpr std::uint8_t from[64] = {
-            1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22,
-            23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44,
-            45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 63};
-        const V moved{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
-        return registers <= 2 ? moved : hn::Or(moved, V{_mm512_maskz_mov_epi8(1ULL << 63, none.raw)});
+    if constexpr (hn::MaxLanes(Tag()) > 16) {
+        const V moved = move_lanes<1>(v);
+        return registers <= 2 ? moved : hn::IfThenElse(hn::FirstN(tag, hn::MaxLanes(Tag()) - 1), moved, none);
     }
 #endif
     return from_lane_above(tag, v, none);
