@@ -169,6 +169,8 @@ class KeyedWinnerSearch {
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 16;
+    // Where masks are no vectors: a few loads in place of stores on which other loads wait.
+    static constexpr bool rivals_by_mask = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && classes <= 2;
     using Places = CandidatePlaces<classes, lanes>;
 
 public:
@@ -191,7 +193,7 @@ public:
                 right_winners(k, batch.x + k);
             }
             for (int k = 0; k < before.count; k += 8) {
-                second(before, k, minima.second + before.x + k);
+                second(before, k, minima);
             }
             before = batch;
         }
@@ -296,9 +298,31 @@ private:
         std::uint16_t* all = batch.of(i);
         minima.before[x] = static_cast<std::int16_t>(all[place[0]]);
         minima.after[x] = static_cast<std::int16_t>(all[place[2]]);
-        all[place[0]] = no_key;
-        all[place[1]] = no_key;
-        all[place[2]] = no_key;
+        if constexpr (!rivals_by_mask) {
+            all[place[0]] = no_key;
+            all[place[1]] = no_key;
+            all[place[2]] = no_key;
+        }
+    }
+
+    // The least key of each lane, those around the winner aside.
+    HWY_INLINE V least_rivals(const std::uint16_t* keys, int winner) const {
+        if constexpr (rivals_by_mask) {
+            V least = hn::Set(tag_, no_key);
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                const auto rival = hn::LoadMaskBits(tag_, rivals<classes, lanes>.of(winner, q));
+                least = hn::IfThenElse(rival, hn::Min(least, hn::Load(tag_, keys + q * lanes)), least);
+            }
+            return least;
+        } else {
+            V least = hn::Load(tag_, keys);
+            DISPARITYD_UNROLL
+            for (int q = 1; q < classes; ++q) {
+                least = hn::Min(least, hn::Load(tag_, keys + q * lanes));
+            }
+            return least;
+        }
     }
 
     void sums_of_keys(std::int16_t* keys) const {
@@ -308,17 +332,13 @@ private:
         }
     }
 
-    HWY_INLINE void second(const Batch& batch, int i, std::int16_t* least) {
+    HWY_INLINE void second(const Batch& batch, int i, Minima& minima) {
         const hn::FixedTag<std::uint16_t, 8> block;
-        const auto least_key = least_of_pixels(tag_, [&](int k) {
-            V v = hn::Load(tag_, batch.of(i + k));
-            DISPARITYD_UNROLL
-            for (int q = 1; q < classes; ++q) {
-                v = hn::Min(v, hn::Load(tag_, batch.of(i + k) + q * lanes));
-            }
-            return v;
-        });
-        hn::StoreU(hn::ShiftRight<bits>(least_key), block, reinterpret_cast<std::uint16_t*>(least));
+        const std::int16_t* winner = minima.winner + batch.x + i;
+        const auto least_key =
+            least_of_pixels(tag_, [&](int k) { return least_rivals(batch.of(i + k), winner[k]); });
+        hn::StoreU(hn::ShiftRight<bits>(least_key), block,
+                   reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }
 
     void finish_right(std::int16_t* right_winner) {
