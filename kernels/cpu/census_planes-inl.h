@@ -12,6 +12,7 @@
 #include <cstring>
 
 #include "kernels/cpu/lanes-inl.h"
+#include "kernels/cpu/prefetch-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 #include "kernels/steps.h"
 
@@ -130,9 +131,10 @@ HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
 }
 
 /// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
-/// vectors are written. Bits have the same order in both orders of columns.
+/// vectors are written. Bits have the same order in both orders of columns. `next` is asked for.
 template <Order order>
-void census_row(const CensusWindow<order>& window, int y, int first, int count, std::uint8_t* planes, int pitch) {
+void census_row(const CensusWindow<order>& window, int y, int first, int count, std::uint8_t* planes, int pitch,
+                Memory next) {
     const hn::ScalableTag<std::int8_t> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     constexpr int right = order == Order::natural ? 1 : -1;
@@ -140,7 +142,9 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
     for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
         rows[dy + census_radius_y] = reinterpret_cast<const std::int8_t*>(window.row(y + dy) + first);
     }
+    Prefetch soon(next, std::max((count + lanes - 1) / lanes, 1));
     for (int x = 0; x < count; x += lanes) {
+        soon.portion();
         const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
         auto bits = hn::Zero(tag);
         std::uint8_t* out = planes + x;
@@ -170,10 +174,11 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
 
 inline void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
     CensusWindow<Order::natural> window(image, rows.first);
+    const std::size_t row_bytes = geometry.census.left_row();
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
-        census_row(window, y, 0, geometry.width, planes + static_cast<std::size_t>(y) * geometry.census.left_row(),
-                   geometry.census.left_pitch);
+        std::uint8_t* out = planes + static_cast<std::size_t>(y) * row_bytes;
+        census_row(window, y, 0, geometry.width, out, geometry.census.left_pitch, {out + row_bytes, row_bytes});
     }
 }
 
@@ -233,10 +238,11 @@ void census_right(const SgmGeometry& geometry, Plane<const std::uint8_t> image, 
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row();
+        const Memory next{out + census.right_row(), census.right_row()};
         if constexpr (registers == 1) {
-            census_row(window, y, first_column, columns, out + first_entry, census.right_pitch);
+            census_row(window, y, first_column, columns, out + first_entry, census.right_pitch, next);
         } else {
-            census_row(window, y, first_column, columns, whole[0] + first_entry, longest);
+            census_row(window, y, first_column, columns, whole[0] + first_entry, longest, next);
             for (int i = 0; i < census_planes; ++i) {
                 split<registers>(whole[i], entries, out + i * census.right_pitch, census.right_part);
             }

@@ -76,8 +76,8 @@ public:
                                                                        : 1;
         const int width = geometry_.width;
         const int portions = std::max(width / at_once, 1);
-        Prefetch next_left(next_.left, geometry_.census.left_row(), portions);
-        Prefetch next_right(next_.right, geometry_.census.right_row(), portions);
+        Prefetch next_left({next_.left, geometry_.census.left_row()}, portions);
+        Prefetch next_right({next_.right, geometry_.census.right_row()}, portions);
         int x = 0;
         for (; x + at_once <= width; x += at_once) {
             next_left.portion();

@@ -22,11 +22,16 @@ HWY_INLINE void prefetch_to_second_level(const std::uint8_t* from) {
     __builtin_prefetch(from, reading, second_level);
 }
 
-/// Asks for `bytes` from `from` on in `portions` equal parts.
+struct Memory {
+    const std::uint8_t* from;
+    std::size_t bytes;
+};
+
+/// Asks for memory in `portions` equal parts.
 class Prefetch {
 public:
-    Prefetch(const std::uint8_t* from, std::size_t bytes, int portions)
-        : at_(from), lines_(static_cast<int>(bytes / line) / portions + 1) {}
+    Prefetch(Memory memory, int portions)
+        : at_(memory.from), lines_(static_cast<int>(memory.bytes / line) / portions + 1) {}
 
     HWY_INLINE void portion() {
         for (int i = 0; i < lines_; ++i) {
