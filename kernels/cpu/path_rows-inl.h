@@ -60,23 +60,29 @@ public:
                 restore(states_[j], state + j * state_bytes);
             }
         }
-        // While all rows are inside the image. At the left border they begin one after the other.
-        const int end_inside = std::min(steps.end, width_ / least_block * least_block);
+        // Rows begin one after the other and end so; in between all are inside the image.
+        const int whole_blocks = width_ / least_block * least_block;
         int t = steps.first;
-        if constexpr (rows_at_once > 1) {
-            const int end_of_first = std::min(end_inside, row_lag * (rows_at_once - 1));
-            if (t < end_of_first) {
-                blocks_inside<1>(t, end_of_first);
-                t = end_of_first;
+        const auto go_to = [&](int end, auto go) {
+            end = std::min(end, steps.end);
+            if (t < end) {
+                go(t, end);
+                t = end;
             }
+        };
+        const auto at_border = [&](int first, int end) { blocks_at_border(first, end); };
+        if constexpr (rows_at_once == 2) {
+            go_to(std::min(row_lag, whole_blocks), [&](int first, int end) { blocks_inside<0, 1>(first, end); });
         }
-        if (t < end_inside) {
-            blocks_inside<rows_at_once>(t, end_inside);
-            t = end_inside;
+        go_to(whole_blocks, [&](int first, int end) { blocks_inside<0, rows_at_once>(first, end); });
+        if constexpr (rows_at_once == 2) {
+            go_to(std::max(rounded_up(width_, least_block), row_lag), at_border);
+            go_to(whole_blocks + row_lag, [&](int first, int end) {
+                reduce_at_border(first - least_block);
+                blocks_inside<1, 1>(first, end);
+            });
         }
-        for (; t < steps.end; t += least_block) {
-            block_at_border(t);
-        }
+        go_to(steps.end, at_border);
         if (t == steps_of(width_, rows_at_once)) {
             reduce_at_border(t - least_block);
             return;
@@ -309,9 +315,9 @@ private:
         });
     }
 
-    // The first `count` rows. The minima of a block are taken while the next one is worked on, spread among its pixels,
-    // those of the first row first: the last pixel of the second row needs the first of them.
-    template <int count>
+    // `count` rows from `first_row` on. The minima of a block are taken while the next one is worked on, spread among
+    // its pixels, those of the first row first: the last pixel of the second row needs the first of them.
+    template <int first_row, int count>
     void blocks_inside(int first, int end) {
         const hn::FixedTag<std::uint8_t, 16> block;
         constexpr int reductions = paths_before * count;
@@ -322,7 +328,7 @@ private:
         for (int t = first; t < end; t += least_block) {
             DISPARITYD_UNROLL
             for (int j = 0; j < count; ++j) {
-                begin_block(j, t, offsets[j]);
+                begin_block(first_row + j, t, offsets[j]);
             }
             for (int i = 0; i < least_block / share; ++i) {
                 DISPARITYD_UNROLL
@@ -330,12 +336,12 @@ private:
                     int p[count];
                     DISPARITYD_UNROLL
                     for (int j = 0; j < count; ++j) {
-                        p[j] = t + i * share + k - row_lag * j;
+                        p[j] = t + i * share + k - row_lag * (first_row + j);
                     }
-                    local.template pixels<count>(local.states_, p, offsets, i * share + k);
+                    local.template pixels<count>(local.states_ + first_row, p, offsets, i * share + k);
                 }
                 const int row = i / paths_before;
-                const int p = t - least_block - row_lag * row;
+                const int p = t - least_block - row_lag * (first_row + row);
                 if (i < reductions && p >= 0) {
                     const int path = path_before(i % paths_before);
                     hn::StoreU(least_of(path, p), block, before_.least[path] + p);
@@ -347,8 +353,14 @@ private:
         }
         // One by one: a copy of them all would be a copy of memory.
         DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
+        for (int j = first_row; j < first_row + count; ++j) {
             states_[j] = local.states_[j];
+        }
+    }
+
+    void blocks_at_border(int first, int end) {
+        for (int t = first; t < end; t += least_block) {
+            block_at_border(t);
         }
     }
 
