@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cpu/sgm_kernels.h"
 
+#include "kernels/cpu/sgm_winners.h"
+
 #define HWY_TARGET_INCLUDE "kernels/cpu/sgm_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
@@ -11,10 +13,8 @@
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
 #include "kernels/cpu/aggregation-inl.h"
-#include "kernels/cpu/keyed_winner_row-inl.h"
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
-#include "kernels/cpu/winner_row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -29,76 +29,6 @@ struct Kernels {
         MatchingCostRow<Tag, registers>(geometry, census, next, costs).run();
     }
 
-    using SumTag = hn::Repartition<std::int16_t, Tag>;
-    using KeyTag = hn::Repartition<std::uint16_t, Tag>;
-    static constexpr int classes = 2 * registers;
-    static constexpr int paths = 8;
-    static constexpr int key_bits = 6;  // beside sums of up to 8 * 63 + 8 * 62
-
-    static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
-                       const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
-        Minima minima;
-        if (direction > 0) {
-            find_winners<1>(geometry, down, up, costs, minima, out.right_winner);
-        } else {
-            find_winners<-1>(geometry, down, up, costs, minima, out.right_winner);
-        }
-        LeftResults(geometry, options).row(minima, geometry.width, out);
-    }
-
-    template <int direction>
-    static void find_winners(const SgmGeometry& geometry, const std::uint8_t* down, const std::uint8_t* up,
-                             const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
-        if constexpr (KeyGroups<KeyTag, classes, key_bits>::possible) {
-            const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
-            KeyedWinnerSearch<KeyTag, classes, key_bits, direction, paths * raised_cost, decltype(keys)>(geometry, keys)
-                .run(minima, right_winner);
-        } else {
-            const auto sums = [=](int x, hn::Vec<SumTag>* out) { sums_of(x, down, up, costs, out); };
-            WinnerSearch<SumTag, classes, direction, decltype(sums)>(geometry, sums).run(minima, right_winner);
-        }
-    }
-
-    // 64 S of pixel x, S = down + up + 8 C, in the classes of winner_row-inl.h. C and so S are still raised.
-    static HWY_INLINE void keys_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   hn::Vec<KeyTag>* out) {
-        const Tag bytes;
-        const KeyTag words;
-        const auto high = hn::Set(words, std::uint16_t{0xff00});
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const auto a = hn::Load(bytes, down + at + r * lanes);
-            const auto b = hn::Load(bytes, up + at + r * lanes);
-            const auto c = hn::BitCast(words, hn::Load(bytes, costs + at + r * lanes));
-            // 512 C: the odd byte leaves the word by itself.
-            out[r] = hn::Add(sum_of_bytes<false, key_bits>(words, a, b), hn::ShiftLeft<key_bits + 3>(c));
-            out[r + registers] = hn::Add(sum_of_bytes<true, key_bits>(words, a, b), hn::ShiftLeft<1>(hn::And(c, high)));
-        }
-    }
-
-    // S itself, of C no longer raised.
-    static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   hn::Vec<SumTag>* out) {
-        const Tag bytes;
-        const KeyTag words;
-        const SumTag sums;
-        const auto low = hn::Set(words, std::uint16_t{0x00ff});
-        const auto eightfold = hn::Set(words, std::uint16_t{8 * 63});
-        const auto too_large = hn::Set(bytes, std::uint8_t{raised_cost});
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
-            const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
-            const auto c = hn::BitCast(words, hn::Sub(hn::Load(bytes, costs + at + r * lanes), too_large));
-            const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
-            const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
-            out[r] = hn::BitCast(sums, hn::Add(even, hn::And(hn::ShiftLeft<3>(c), eightfold)));
-            out[r + registers] = hn::BitCast(sums, hn::Add(odd, hn::And(hn::ShiftRight<5>(c), eightfold)));
-        }
-    }
-
     static SgmKernels table() {
         SgmKernels kernels;
         kernels.layout = {lanes, registers};
@@ -111,7 +41,6 @@ struct Kernels {
         kernels.matching_cost = matching_cost;
         kernels.aggregate = Paths::aggregate;
         kernels.jumps = adaptive_jumps;
-        kernels.winner = winner;
         return kernels;
     }
 };
@@ -130,7 +59,12 @@ namespace disparityd::cpu {
 
 SgmKernels sgm_kernels(std::int64_t target, int disparities) {
     const auto built = DISPARITYD_FUNCTION_FOR(target, kernels_of);
-    return built != nullptr ? built(disparities) : SgmKernels{};
+    if (built == nullptr) {
+        return {};
+    }
+    SgmKernels kernels = built(disparities);
+    kernels.winner = sgm_winner(target, disparities);
+    return kernels;
 }
 
 }  // namespace disparityd::cpu
