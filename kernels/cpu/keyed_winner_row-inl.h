@@ -14,9 +14,9 @@
 
 #include <algorithm>
 
-#include "kernels/cpu/candidate_places.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/left_results-inl.h"
+#include "kernels/cpu/rivals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -169,8 +169,6 @@ class KeyedWinnerSearch {
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 16;
-    // Where masks are no vectors: a few loads in place of stores on which other loads wait.
-    static constexpr bool rivals_by_mask = HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && classes <= 2;
     using Places = CandidatePlaces<classes, lanes>;
 
 public:
@@ -259,11 +257,11 @@ private:
             hn::Store(least, tag_, least_ + i * lanes);
             hn::Store(right.add(key), tag_, right_least_ + i * lanes);
             if (n < before.count) {
-                take_neighbours(before, n, minima);
+                neighbours(before, n, minima);
             }
         }
         for (int n = batch.count; n < before.count; ++n) {
-            take_neighbours(before, n, minima);
+            neighbours(before, n, minima);
         }
         right_ = right;
     }
@@ -291,38 +289,9 @@ private:
         }
     }
 
-    // The keys beside a winner; they and the winner do not take part in the search for the second.
-    HWY_INLINE void take_neighbours(const Batch& batch, int i, Minima& minima) {
+    HWY_INLINE void neighbours(const Batch& batch, int i, Minima& minima) {
         const int x = batch.x + i;
-        const std::uint16_t* place = places_.around(minima.winner[x]);
-        std::uint16_t* all = batch.of(i);
-        minima.before[x] = static_cast<std::int16_t>(all[place[0]]);
-        minima.after[x] = static_cast<std::int16_t>(all[place[2]]);
-        if constexpr (!rivals_by_mask) {
-            all[place[0]] = no_key;
-            all[place[1]] = no_key;
-            all[place[2]] = no_key;
-        }
-    }
-
-    // The least key of each lane, those around the winner aside.
-    HWY_INLINE V least_rivals(const std::uint16_t* keys, int winner) const {
-        if constexpr (rivals_by_mask) {
-            V least = hn::Set(tag_, no_key);
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                const auto rival = hn::LoadMaskBits(tag_, rivals<classes, lanes>.of(winner, q));
-                least = hn::IfThenElse(rival, hn::Min(least, hn::Load(tag_, keys + q * lanes)), least);
-            }
-            return least;
-        } else {
-            V least = hn::Load(tag_, keys);
-            DISPARITYD_UNROLL
-            for (int q = 1; q < classes; ++q) {
-                least = hn::Min(least, hn::Load(tag_, keys + q * lanes));
-            }
-            return least;
-        }
+        take_neighbours(places_, minima.winner[x], no_key, batch.of(i), &minima.before[x], &minima.after[x]);
     }
 
     void sums_of_keys(std::int16_t* keys) const {
@@ -335,8 +304,8 @@ private:
     HWY_INLINE void second(const Batch& batch, int i, Minima& minima) {
         const hn::FixedTag<std::uint16_t, 8> block;
         const std::int16_t* winner = minima.winner + batch.x + i;
-        const auto least_key =
-            least_of_pixels(tag_, [&](int k) { return least_rivals(batch.of(i + k), winner[k]); });
+        const auto least_key = least_of_pixels(
+            tag_, [&](int k) { return least_rivals<classes>(tag_, batch.of(i + k), winner[k], no_key); });
         hn::StoreU(hn::ShiftRight<bits>(least_key), block,
                    reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }

@@ -97,7 +97,8 @@ void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat&
         SweepRow& row = sweep_rows[i];
         std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
         std::uint8_t* costs = stream_ || kept == nullptr ? seat.costs[i] : kept;
-        kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, row_ahead(frame, rows, i)), costs);
+        kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, row_ahead(frame, rows, i)),
+                               costs);
         row.costs = costs;
         row.costs_copy = stream_ ? kept : nullptr;
         row.sums = memory_.sums(y);

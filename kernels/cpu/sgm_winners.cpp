@@ -92,8 +92,8 @@ struct Winners {
 };
 
 inline SgmWinner winner_of(int disparities) {
-    return with_layout(disparities,
-                       [](auto tag, auto registers) -> SgmWinner { return Winners<decltype(tag), registers()>::winner; });
+    return with_layout(
+        disparities, [](auto tag, auto registers) -> SgmWinner { return Winners<decltype(tag), registers()>::winner; });
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

@@ -13,9 +13,9 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "kernels/cpu/candidate_places.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/left_results-inl.h"
+#include "kernels/cpu/rivals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -121,7 +121,7 @@ public:
             sums_and_right(x, count, minima.least + x);
             winners(minima.least + x, count, minima.winner + x);
             neighbours(x, count, minima);
-            second(count, minima.second + x);
+            second(count, minima.winner + x, minima.second + x);
         }
         finish_right(right_winner);
     }
@@ -154,12 +154,16 @@ private:
                 }
             }
             V m = s[0];
+            V first = index[0];
+            hn::Store(s[0], tag_, sums(i));
             DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
+            for (int q = 1; q < classes; ++q) {
+                first = hn::IfThenElse(hn::Lt(s[q], m), index[q], first);
                 m = hn::Min(m, s[q]);
                 hn::Store(s[q], tag_, sums(i) + q * lanes);
             }
             hn::Store(m, tag_, by_lane_ + i * lanes);
+            hn::Store(first, tag_, first_ + i * lanes);
             right.add(s, index, right_row_ + right_entry(x + i, direction > 0 ? candidates - 1 : 0));
         }
         right_ = right;
@@ -179,47 +183,25 @@ private:
         }
     }
 
+    // The first candidate with the least sum of its lane, in the first lane that has the least of all.
     HWY_INLINE void winners(const std::int16_t* least, int count, std::int16_t* winner) {
-        V index[classes];
-        std::copy_n(index_, classes, index);
-        const V none = hn::Set(tag_, no_sum);
-        DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
-            const V m = hn::Set(tag_, least[i]);
-            V first = none;
-            DISPARITYD_UNROLL
-            for (int q = classes - 1; q >= 0; --q) {
-                const V s = hn::Load(tag_, sums(i) + q * lanes);
-                first = hn::IfThenElse(hn::Eq(s, m), index[q], first);
-            }
-            hn::Store(first, tag_, by_lane_ + i * lanes);
+            const auto found = hn::Eq(hn::Load(tag_, by_lane_ + i * lanes), hn::Set(tag_, least[i]));
+            winner[i] = first_[i * lanes + hn::FindFirstTrue(tag_, found)];
         }
-        least_of_lanes(count, winner);
     }
 
-    // The sums beside each winner; they and the winner do not take part in the search for the second.
     HWY_INLINE void neighbours(int x, int count, Minima& minima) {
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
-            const std::uint16_t* place = places_.around(minima.winner[x + i]);
-            std::int16_t* s = sums(i);
-            minima.before[x + i] = s[place[0]];
-            minima.after[x + i] = s[place[2]];
-            s[place[0]] = no_sum;
-            s[place[1]] = no_sum;
-            s[place[2]] = no_sum;
+            take_neighbours(places_, minima.winner[x + i], no_sum, sums(i), &minima.before[x + i],
+                            &minima.after[x + i]);
         }
     }
 
-    // The least sum with |candidate - winner| > 1.
-    HWY_INLINE void second(int count, std::int16_t* least) {
+    HWY_INLINE void second(int count, const std::int16_t* winner, std::int16_t* least) {
         for (int i = 0; i < count; ++i) {
-            V m = hn::Load(tag_, sums(i));
-            DISPARITYD_UNROLL
-            for (int q = 1; q < classes; ++q) {
-                m = hn::Min(m, hn::Load(tag_, sums(i) + q * lanes));
-            }
-            hn::Store(m, tag_, by_lane_ + i * lanes);
+            hn::Store(least_rivals<classes>(tag_, sums(i), winner[i], no_sum), tag_, by_lane_ + i * lanes);
         }
         least_of_lanes(count, least);
     }
@@ -248,6 +230,7 @@ private:
     RightWinners<Tag, classes, direction> right_;
     alignas(64) std::int16_t sums_[at_once * candidates];
     alignas(64) std::int16_t by_lane_[at_once * lanes] = {};
+    alignas(64) std::int16_t first_[at_once * lanes];
     std::int16_t right_row_[right_size];
 };
 
