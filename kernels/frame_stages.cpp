@@ -61,25 +61,33 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
             std::copy_n(frame.disparity.row(y), frame.disparity.width, unfiltered.row(y));
         }
     });
-    if (post.median > 0) {
-        over_rows(height, workers,
-                  [&](Rows rows) { steps_.median(unfiltered, invalid, post.median, frame.disparity, rows); });
-    }
-    if (post.speckle_size > 0) {
-        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
-                       workers);
-    }
     const auto write_depth = [&](Rows rows) {
         if (frame.depth) {
             steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows);
         }
     };
-    over_rows(height, workers, [&](Rows rows) {
+    const auto finish = [&](Rows rows) {
         steps_.mask_confidence(frame.disparity, invalid, frame.confidence, rows);
         if (!post.interpolate) {
             write_depth(rows);
         }
-    });
+    };
+    const bool despeckle = post.speckle_size > 0;
+    if (post.median > 0) {
+        over_rows(height, workers, [&](Rows rows) {
+            steps_.median(unfiltered, invalid, post.median, frame.disparity, rows);
+            if (!despeckle) {
+                finish(rows);  // each time that workers are woken takes as long as many rows
+            }
+        });
+    }
+    if (despeckle) {
+        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
+                       workers);
+    }
+    if (post.median == 0 || despeckle) {
+        over_rows(height, workers, finish);
+    }
     if (post.interpolate) {
         steps_.interpolate(frame.disparity, scratch.right_winner(frame.scratch), options.range,
                            scratch.work(frame.scratch), workers);
