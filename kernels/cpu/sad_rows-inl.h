@@ -86,7 +86,10 @@ public:
     /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, 1, ..
     class WindowSums {
     public:
-        explicit WindowSums(const SadRows& rows) : rows_(&rows) {
+        explicit WindowSums(const SadRows& rows)
+            : rows_(&rows),
+              first_inside_(rows.geometry_.range.first + rows.geometry_.range.count - 1),
+              last_inside_(rows.geometry_.range.first + rows.geometry_.width - 1) {
             const int last = rows.geometry_.width - 1;
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
@@ -107,11 +110,16 @@ public:
                 const W change = hn::Sub(hn::Load(Words(), next + q * lanes), hn::Load(Words(), oldest + q * lanes));
                 sum_[q] = hn::Add(sum_[q], change);
             }
-            rows_->set_outside(x, out);
+            if (x < first_inside_ || x > last_inside_) {
+                rows_->set_outside(x, out);
+            }
         }
 
     private:
         const SadRows* rows_;
+        // Pixels with all their candidates in the right image.
+        int first_inside_;
+        int last_inside_;
         W sum_[classes];
     };
 
@@ -188,9 +196,6 @@ private:
         const DisparityRange range = geometry_.range;
         const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
         const int last = std::clamp(x + 1 - range.first, first, range.count);
-        if (first == 0 && last == range.count) {
-            return;
-        }
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
