@@ -26,6 +26,7 @@ HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census(", "censu
 VECTOR = re.compile(r"\b[vqd]\d+(\.\d*[bhsd])?\b")
 BRANCH = re.compile(r"(?:b\.\w+|b|cbn?z|tbn?z)\s+(?:.*,\s*)?([0-9a-f]+) <(.*?)(\+0x[0-9a-f]+)?>$")
 LEAVES = re.compile(r"(bl|blr|ret)\b")
+MEMORY = re.compile(r"(ld|st)[a-z0-9]*\b")
 PIXELS = re.compile(r"(ldu?rs?|stu?r)[bh]\b")
 
 
@@ -52,6 +53,8 @@ def innermost_loops(name, body):
         # A branch to another function is not linked yet and seems to lead to the beginning of this one.
         if branch and branch[2] == name and branch[3] and place.get(int(branch[1], 16), i + 1) <= i:
             loops.add((place[int(branch[1], 16)], i))
+    # One that only asks for memory (prfm) is part of the loop around it.
+    loops = {(first, last) for first, last in loops if any(MEMORY.match(text) for _, text in body[first : last + 1])}
     for first, last in loops:
         if not any((a, b) != (first, last) and first <= a and b <= last for a, b in loops):
             yield [text for _, text in body[first : last + 1]]
