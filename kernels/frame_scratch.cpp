@@ -32,14 +32,14 @@ FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config
     : FrameScratch(steps, config, words_of_both(config)) {}
 
 FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config, std::size_t census_bytes)
-    : width_(config.width), height_(config.height) {
+    : width_(config.width), height_(config.height), filtered_(config.options.post.median > 0) {
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     const PostOptions& post = config.options.post;
     right_winner_ = align(pixels * sizeof(std::int16_t));
-    shared_ = right_winner_ + align(pixels * sizeof(std::int16_t));
+    matched_ = right_winner_ + align(pixels * sizeof(std::int16_t));
+    shared_ = matched_ + (filtered_ ? align(pixels * sizeof(std::int16_t)) : 0);
     right_census_ = shared_ + align(pixels * sizeof(std::uint64_t));
-    bytes_ = shared_ + std::max({census_bytes, post.median > 0 ? pixels * sizeof(std::int16_t) : 0,
-                                 post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
+    bytes_ = shared_ + std::max({census_bytes, post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
                                  post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
 }
 
@@ -59,8 +59,8 @@ Plane<std::uint64_t> FrameScratch::right_census(std::span<std::byte> scratch) co
     return plane_at<std::uint64_t>(scratch, right_census_, width_, height_);
 }
 
-Plane<std::int16_t> FrameScratch::unfiltered(std::span<std::byte> scratch) const {
-    return plane_at<std::int16_t>(scratch, shared_, width_, height_);
+Plane<std::int16_t> FrameScratch::matched(const FrameView& frame) const {
+    return filtered_ ? plane_at<std::int16_t>(frame.scratch, matched_, width_, height_) : frame.disparity;
 }
 
 }  // namespace disparityd

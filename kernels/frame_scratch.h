@@ -9,6 +9,7 @@
 
 namespace disparityd {
 
+struct FrameView;
 struct KernelSteps;
 struct MatcherConfig;
 
@@ -24,20 +25,24 @@ public:
     Plane<std::int16_t> left_winner(std::span<std::byte> scratch) const;
     Plane<std::int16_t> right_winner(std::span<std::byte> scratch) const;
 
+    /// Where matching leaves its disparities: in the frame's plane, but where a median is to read them and write there.
+    Plane<std::int16_t> matched(const FrameView& frame) const;
+
     /// From census to match.
     Plane<std::uint64_t> left_census(std::span<std::byte> scratch) const;
     Plane<std::uint64_t> right_census(std::span<std::byte> scratch) const;
 
     std::span<std::byte> census(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
 
-    /// During post-processing, one after the other, in the place of the census words.
-    Plane<std::int16_t> unfiltered(std::span<std::byte> scratch) const;
+    /// During post-processing, in the place of the census words.
     std::span<std::byte> work(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
 
 private:
     int width_;
     int height_;
+    bool filtered_;
     std::size_t right_winner_;  // offsets
+    std::size_t matched_;
     std::size_t shared_;
     std::size_t right_census_;
     std::size_t bytes_;

@@ -51,16 +51,13 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
     const MatchOptions& options = config_.options;
     const PostOptions& post = options.post;
     const std::int16_t invalid = invalid_disparity(options.range);
-    const Plane<std::int16_t> unfiltered = scratch.unfiltered(frame.scratch);
-    over_rows(height, workers, [&](Rows rows) {
-        if (post.left_right_check) {
+    const Plane<std::int16_t> matched = scratch.matched(frame);
+    if (post.left_right_check) {
+        over_rows(height, workers, [&](Rows rows) {
             steps_.left_right(scratch.left_winner(frame.scratch), scratch.right_winner(frame.scratch), options.range,
-                              frame.disparity, rows);
-        }
-        for (int y = rows.first; post.median > 0 && y < rows.last; ++y) {
-            std::copy_n(frame.disparity.row(y), frame.disparity.width, unfiltered.row(y));
-        }
-    });
+                              matched, rows);
+        });
+    }
     const auto write_depth = [&](Rows rows) {
         if (frame.depth) {
             steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows);
@@ -75,7 +72,7 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
     const bool despeckle = post.speckle_size > 0;
     if (post.median > 0) {
         over_rows(height, workers, [&](Rows rows) {
-            steps_.median(unfiltered, invalid, post.median, frame.disparity, rows);
+            steps_.median(matched, invalid, post.median, frame.disparity, rows);
             if (!despeckle) {
                 finish(rows);  // each time that workers are woken takes as long as many rows
             }

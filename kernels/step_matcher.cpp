@@ -127,13 +127,14 @@ void StepMatcher::choose_winners(Volume<const T> costs, const WinnerSteps<T>& wi
     const MatchOptions& options = config_.options;
     const Plane<std::int16_t> left = scratch_.left_winner(frame.scratch);
     const Plane<std::int16_t> right = scratch_.right_winner(frame.scratch);
+    const Plane<std::int16_t> disparity = scratch_.matched(frame);
     over_rows(config_.height, workers, [&](Rows block) {
         // Row by row, so that the costs are still in the cache for the second and third look.
         for (int y = block.first; y < block.last; ++y) {
             const Rows row{y, y + 1};
-            winner.left(costs, options.range, options.post.subpixel, left, frame.disparity, row);
+            winner.left(costs, options.range, options.post.subpixel, left, disparity, row);
             winner.right(costs, options.range, right, row);
-            winner.local_extrema(costs, options.range, options.post, left, frame.disparity, frame.confidence, row);
+            winner.local_extrema(costs, options.range, options.post, left, disparity, frame.confidence, row);
         }
     });
 }

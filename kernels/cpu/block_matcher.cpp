@@ -84,7 +84,7 @@ void BlockMatcher::census(const FrameView& frame, Parallel& workers) const {
 }
 
 void BlockMatcher::match(const FrameView& frame, Parallel& workers) const {
-    const WinnerPlanes out{frame.disparity, frame.confidence, scratch_.left_winner(frame.scratch),
+    const WinnerPlanes out{scratch_.matched(frame), frame.confidence, scratch_.left_winner(frame.scratch),
                            scratch_.right_winner(frame.scratch)};
     const PostOptions& post = config_.options.post;
     const auto* left_planes = reinterpret_cast<const std::uint8_t*>(scratch_.census(frame.scratch).data());

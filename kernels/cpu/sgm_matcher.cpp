@@ -38,7 +38,7 @@ void SgmMatcher::run(int stage, const FrameView& frame, Parallel& workers,
         case 1: sweeps_.census(frame.left, frame.right, census, workers); break;
         case 2:
             sweeps_.match(census, frame.left,
-                          {frame.disparity, frame.confidence, scratch_.left_winner(frame.scratch),
+                          {scratch_.matched(frame), frame.confidence, scratch_.left_winner(frame.scratch),
                            scratch_.right_winner(frame.scratch)},
                           workers);
             break;
