@@ -2,7 +2,7 @@
 // Step 6 of docs/algorithm.md for one row: winners of both images, and the sums that steps 7 and 12 look at.
 //
 // Sums are words: class q = 0 .. 2 * registers - 1 holds the candidates 2 * registers * lane + q. They are made once,
-// kept for 16 pixels in the first-level cache, and minima over all lanes are taken for 8 pixels at a time.
+// kept for 32 pixels in the first-level cache, and minima over all lanes are taken for 8 pixels at a time.
 #if defined(DISPARITYD_CPU_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_WINNER_ROW_INL_H_
 #undef DISPARITYD_CPU_WINNER_ROW_INL_H_
@@ -94,7 +94,7 @@ class WinnerSearch {
     using V = hn::Vec<Tag>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int candidates = classes * lanes;
-    static constexpr int at_once = 16;
+    static constexpr int at_once = 32;
 
 public:
     WinnerSearch(const SgmGeometry& geometry, const Sums& sums)
