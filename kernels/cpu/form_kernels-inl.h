@@ -30,9 +30,9 @@ struct FormKernels {
         W odd;
     };
 
-    static HWY_INLINE Pair words_of_bytes(const std::uint8_t* from) {
-        const W v = hn::BitCast(Words(), hn::Load(Tag(), from));
-        return {hn::And(v, hn::Set(Words(), std::uint16_t{0x00ff})), hn::ShiftRight<8>(v)};
+    static HWY_INLINE Pair words_at(const std::uint8_t* from) {
+        const auto v = hn::Load(Tag(), from);
+        return {words_of_bytes<false>(Words(), v), words_of_bytes<true>(Words(), v)};
     }
 
     /// What a sweep left for register r of the pixel that begins at `pixel`.
@@ -42,7 +42,7 @@ struct FormKernels {
             return {hn::Load(Words(), words + r * (lanes / 2)),
                     hn::Load(Words(), words + (registers + r) * (lanes / 2))};
         } else {
-            return words_of_bytes(pixel + r * lanes);
+            return words_at(pixel + r * lanes);
         }
     }
 
@@ -54,7 +54,7 @@ struct FormKernels {
         for (int r = 0; r < registers; ++r) {
             const Pair a = left_sum(down + at * form.sum_bytes(), r);
             const Pair b = left_sum(up + at * form.sum_bytes(), r);
-            const Pair c = words_of_bytes(costs + at + r * lanes);
+            const Pair c = words_at(costs + at + r * lanes);
             out[r] = hn::BitCast(SumTag(), hn::Add(hn::Add(a.even, b.even), hn::ShiftLeft<path_shift>(c.even)));
             out[r + registers] =
                 hn::BitCast(SumTag(), hn::Add(hn::Add(a.odd, b.odd), hn::ShiftLeft<path_shift>(c.odd)));

@@ -203,6 +203,13 @@ HWY_INLINE hn::Vec<Words> multiply_add_bytes(Words, V v, hn::Vec<Words> factors)
 }
 #endif
 
+/// The even (or the odd) bytes of `v` as words.
+template <bool odd, class Words, class V>
+HWY_INLINE hn::Vec<Words> words_of_bytes(Words words, V v) {
+    const auto pairs = hn::BitCast(words, v);
+    return odd ? hn::ShiftRight<8>(pairs) : hn::And(pairs, hn::Set(words, std::uint16_t{0x00ff}));
+}
+
 /// 2^shift times the sum of the even (or the odd) bytes of `a` and `b`, as words; shift is at most 6.
 template <bool odd, int shift, class Words, class V>
 HWY_INLINE hn::Vec<Words> sum_of_bytes(Words words, V a, V b) {
@@ -210,11 +217,7 @@ HWY_INLINE hn::Vec<Words> sum_of_bytes(Words words, V a, V b) {
     const auto factor = hn::Set(words, std::uint16_t{(odd ? 256 : 1) << shift});
     return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
 #else
-    const auto part = [&](V v) {
-        const auto w = hn::BitCast(words, v);
-        return odd ? hn::ShiftRight<8>(w) : hn::And(w, hn::Set(words, std::uint16_t{0x00ff}));
-    };
-    return hn::ShiftLeft<shift>(hn::Add(part(a), part(b)));
+    return hn::ShiftLeft<shift>(hn::Add(words_of_bytes<odd>(words, a), words_of_bytes<odd>(words, b)));
 #endif
 }
 

@@ -58,12 +58,12 @@ public:
     PathSums() {}
 
     HWY_INLINE void set(int r, V m) {
-        even_[r] = even(m);
-        odd_[r] = odd(m);
+        even_[r] = words_of_bytes<false>(Words(), m);
+        odd_[r] = words_of_bytes<true>(Words(), m);
     }
     HWY_INLINE void add(int r, V m) {
-        even_[r] = hn::Add(even_[r], even(m));
-        odd_[r] = hn::Add(odd_[r], odd(m));
+        even_[r] = hn::Add(even_[r], words_of_bytes<false>(Words(), m));
+        odd_[r] = hn::Add(odd_[r], words_of_bytes<true>(Words(), m));
     }
 
     template <bool streaming>
@@ -77,12 +77,6 @@ public:
     }
 
 private:
-    static HWY_INLINE W even(V m) {
-        const Words words;
-        return hn::And(hn::BitCast(words, m), hn::Set(words, std::uint16_t{0x00ff}));
-    }
-    static HWY_INLINE W odd(V m) { return hn::ShiftRight<8>(hn::BitCast(Words(), m)); }
-
     template <bool streaming>
     static HWY_INLINE void store(W sum, std::uint8_t* to) {
         const Words words;

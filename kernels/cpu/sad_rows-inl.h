@@ -170,19 +170,17 @@ private:
         const Tag bytes;
         const Words words;
         const hn::Repartition<std::uint16_t, Tag> unsigned_words;
-        const auto low = hn::Set(unsigned_words, std::uint16_t{0x00ff});
         const V here = hn::Set(bytes, added[x]);
         const V there = hn::Set(bytes, take_old ? taken[x] : std::uint8_t{0});
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            const auto more = hn::BitCast(unsigned_words, difference(here, hn::LoadU(bytes, new_entries[r] - back)));
-            auto even = hn::And(more, low);
-            auto odd = hn::ShiftRight<8>(more);
+            const V more = difference(here, hn::LoadU(bytes, new_entries[r] - back));
+            auto even = words_of_bytes<false>(unsigned_words, more);
+            auto odd = words_of_bytes<true>(unsigned_words, more);
             if constexpr (take_old) {
-                const auto less =
-                    hn::BitCast(unsigned_words, difference(there, hn::LoadU(bytes, old_entries[r] - back)));
-                even = hn::Sub(even, hn::And(less, low));
-                odd = hn::Sub(odd, hn::ShiftRight<8>(less));
+                const V less = difference(there, hn::LoadU(bytes, old_entries[r] - back));
+                even = hn::Sub(even, words_of_bytes<false>(unsigned_words, less));
+                odd = hn::Sub(odd, words_of_bytes<true>(unsigned_words, less));
             }
             std::int16_t* even_sums = column(x) + r * lanes;
             std::int16_t* odd_sums = column(x) + (r + registers) * lanes;

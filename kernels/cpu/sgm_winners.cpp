@@ -74,17 +74,16 @@ struct Winners {
         const Tag bytes;
         const KeyTag words;
         const SumTag sums;
-        const auto low = hn::Set(words, std::uint16_t{0x00ff});
         const auto eightfold = hn::Set(words, std::uint16_t{8 * 63});
         const auto too_large = hn::Set(bytes, std::uint8_t{raised_cost});
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            const auto a = hn::BitCast(words, hn::Load(bytes, down + at + r * lanes));
-            const auto b = hn::BitCast(words, hn::Load(bytes, up + at + r * lanes));
+            const auto a = hn::Load(bytes, down + at + r * lanes);
+            const auto b = hn::Load(bytes, up + at + r * lanes);
             const auto c = hn::BitCast(words, hn::Sub(hn::Load(bytes, costs + at + r * lanes), too_large));
-            const auto even = hn::Add(hn::And(a, low), hn::And(b, low));
-            const auto odd = hn::Add(hn::ShiftRight<8>(a), hn::ShiftRight<8>(b));
+            const auto even = sum_of_bytes<false, 0>(words, a, b);
+            const auto odd = sum_of_bytes<true, 0>(words, a, b);
             out[r] = hn::BitCast(sums, hn::Add(even, hn::And(hn::ShiftLeft<3>(c), eightfold)));
             out[r + registers] = hn::BitCast(sums, hn::Add(odd, hn::And(hn::ShiftRight<5>(c), eightfold)));
         }
