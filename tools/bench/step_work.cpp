@@ -36,7 +36,7 @@ StepWork post_process(const PostOptions& post, double pixels) {
         work.byte_operations += 4 * 2 * pixels;
     }
     if (post.median > 0) {
-        work.bytes += (2 + 2 + 2 + 2) * pixels;
+        work.bytes += (2 + 2) * pixels;
         work.byte_operations += exchange * (post.median == 3 ? median3_exchanges : median5_exchanges) * pixels;
     }
     if (post.speckle_size > 0) {
