@@ -47,26 +47,4 @@ private:
     const std::uint16_t* places_ = all.data();
 };
 
-/// Which candidates of a pixel are not beside a winner, |candidate - winner| > 1, as masks of the lanes of a class.
-template <int classes, int lanes>
-class Rivals {
-public:
-    constexpr Rivals() {
-        for (int winner = 0; winner < classes * lanes; ++winner) {
-            for (int k = 0; k < classes * lanes; ++k) {
-                if (k < winner - 1 || k > winner + 1) {
-                    masks_[winner][k % classes][k / classes / 8] |= static_cast<std::uint8_t>(1 << k / classes % 8);
-                }
-            }
-        }
-    }
-
-    constexpr const std::uint8_t* of(int winner, int q) const { return masks_[winner][q]; }
-
-private:
-    std::uint8_t masks_[classes * lanes][classes][(lanes + 7) / 8] = {};
-};
-template <int classes, int lanes>
-inline constexpr Rivals<classes, lanes> rivals;
-
 }  // namespace disparityd::cpu

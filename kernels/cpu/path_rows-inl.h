@@ -70,7 +70,11 @@ public:
                 t = end;
             }
         };
-        const auto at_border = [&](int first, int end) { blocks_at_border(first, end); };
+        const auto at_border = [&](int first, int end) {
+            for (int block = first; block < end; block += least_block) {
+                block_at_border(block);
+            }
+        };
         if constexpr (rows_at_once == 2) {
             go_to(std::min(row_lag, whole_blocks), [&](int first, int end) { blocks_inside<0, 1>(first, end); });
         }
@@ -355,12 +359,6 @@ private:
         DISPARITYD_UNROLL
         for (int j = first_row; j < first_row + count; ++j) {
             states_[j] = local.states_[j];
-        }
-    }
-
-    void blocks_at_border(int first, int end) {
-        for (int t = first; t < end; t += least_block) {
-            block_at_border(t);
         }
     }
 

@@ -27,7 +27,7 @@ struct Memory {
     std::size_t bytes;
 };
 
-/// Asks for memory in `portions` equal parts.
+/// Asks for memory in `portions` equal parts of whole lines, and so perhaps for a little of what follows it.
 class Prefetch {
 public:
     Prefetch(Memory memory, int portions)

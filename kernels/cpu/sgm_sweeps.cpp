@@ -96,10 +96,7 @@ void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat&
         const int y = rows.row(i);
         SweepRow& row = sweep_rows[i];
         std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
-        std::uint8_t* costs = stream_ || kept == nullptr ? seat.costs[i] : kept;
-        kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, row_ahead(frame, rows, i)),
-                               costs);
-        row.costs = costs;
+        row.costs = matching_cost(frame, rows, i, stream_ || kept == nullptr ? seat.costs[i] : kept);
         row.costs_copy = stream_ ? kept : nullptr;
         row.sums = memory_.sums(y);
         set_jumps(frame, pass, y, seat.jumps[i], row);
@@ -115,16 +112,12 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSea
     SweepRow sweep_rows[most_rows_at_once];
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
-        const int next = row_ahead(frame, rows, i);
         SweepRow& row = sweep_rows[i];
-        row.costs = costs_kept ? memory_.costs(y) : seat.costs[i];
-        if (!costs_kept) {
-            kernels_.matching_cost(geometry_, planes_of_row(frame, y), planes_of_row(frame, next), seat.costs[i]);
-        }
+        row.costs = costs_kept ? memory_.costs(y) : matching_cost(frame, rows, i, seat.costs[i]);
         row.sums = seat.sums[i];
         set_jumps(frame, pass, y, seat.jumps[i], row);
         row.prefetch[0] = memory_.sums(y);
-        row.prefetch[1] = keep_costs_ ? memory_.costs(next) : nullptr;
+        row.prefetch[1] = keep_costs_ ? memory_.costs(row_ahead(frame, rows, i)) : nullptr;
     }
     aggregate(frame, group, pass, sweep_rows, rows.count);
     frame.progress.wait_for_sums();
@@ -169,10 +162,13 @@ int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const
     return std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
 }
 
-CensusRow SgmSweeps::planes_of_row(const Frame& frame, int y) const {
+const std::uint8_t* SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i,
+                                             std::uint8_t* out) const {
     const auto* left = reinterpret_cast<const std::uint8_t*>(frame.planes.data());
     const std::uint8_t* right = left + static_cast<std::size_t>(geometry_.height) * geometry_.census.left_row();
-    return cpu::planes_of_row(geometry_.census, left, right, y);
+    const auto planes = [&](int y) { return planes_of_row(geometry_.census, left, right, y); };
+    kernels_.matching_cost(geometry_, planes(rows.row(i)), planes(row_ahead(frame, rows, i)), out);
+    return out;
 }
 
 }  // namespace disparityd::cpu

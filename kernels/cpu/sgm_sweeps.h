@@ -45,7 +45,8 @@ private:
     void set_jumps(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* jumps, SweepRow& row) const;
     /// The row that follows row i of these in this worker's next group.
     int row_ahead(const Frame& frame, const SweepRows& rows, int i) const;
-    CensusRow planes_of_row(const Frame& frame, int y) const;
+    /// Of row i of these.
+    const std::uint8_t* matching_cost(const Frame& frame, const SweepRows& rows, int i, std::uint8_t* out) const;
 
     MatchOptions options_;
     SgmKernels kernels_;
