@@ -20,11 +20,14 @@ HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
 // Where the processor counts the bits of bytes, a plane holds 8 bits of a pixel; elsewhere bits are counted by table
-// lookup, 4 at a time.
+// lookup, 4 at a time: those of a left pixel choose one of 16 tables of 16 bytes, and are the upper half of their byte,
+// which is then the table's place.
 #if HWY_TARGET == HWY_AVX3_DL || HWY_ARCH_ARM
 constexpr int bits_per_plane = 8;
+constexpr int lowest_left_bit = 0;
 #else
 constexpr int bits_per_plane = 4;
+constexpr int lowest_left_bit = 4;
 #endif
 constexpr int census_bits = 62;
 constexpr int census_planes = (census_bits + bits_per_plane - 1) / bits_per_plane;
@@ -120,7 +123,7 @@ HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
     DISPARITYD_UNROLL
     for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
         if (!bytes_between_is_cheap || dx <= 0 || dx == census_radius_x) {
-            middle[dx] = loaded_once(hn::LoadU(tag, from + dx));
+            middle[dx] = in_register(hn::LoadU(tag, from + dx));
         }
     }
     if constexpr (bytes_between_is_cheap) {
@@ -131,13 +134,15 @@ HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
 }
 
 /// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
-/// vectors are written. Bits have the same order in both orders of columns. `next` is asked for.
+/// vectors are written. Bits have the same order in both orders of columns, natural for the left image and mirrored for
+/// the right. `next` is asked for.
 template <Order order>
 void census_row(const CensusWindow<order>& window, int y, int first, int count, std::uint8_t* planes, int pitch,
                 Memory next) {
     const hn::ScalableTag<std::int8_t> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     constexpr int right = order == Order::natural ? 1 : -1;
+    constexpr int lowest_bit = order == Order::natural ? lowest_left_bit : 0;
     const std::int8_t* rows[2 * census_radius_y + 1];
     for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
         rows[dy + census_radius_y] = reinterpret_cast<const std::int8_t*>(window.row(y + dy) + first);
@@ -159,7 +164,7 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
                     continue;
                 }
                 const auto less = hn::Lt(beside[census_radius_x + right * dx], centre);
-                bits = add_where(less, bits, hn::Set(tag, static_cast<std::int8_t>(1 << bit)));
+                bits = add_where(less, bits, hn::Set(tag, static_cast<std::int8_t>(1 << (lowest_bit + bit))));
                 if (++bit == bits_per_plane) {
                     hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
                     out += pitch;

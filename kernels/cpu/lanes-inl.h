@@ -119,9 +119,10 @@ HWY_INLINE hn::Vec<Tag> broadcast_byte(Tag tag, const std::uint8_t* from) {
 #endif
 }
 
-/// `v`, loaded once: GCC repeats a load for each use that can have it as an operand, where loads are what is scarce.
+/// `v`, from here on in a register of its own: GCC repeats a load for each use that can have it as an operand, where
+/// loads are what is scarce, and copies what a loop adds up from register to register.
 template <class V>
-HWY_INLINE V loaded_once(V v) {
+HWY_INLINE V in_register(V v) {
 #if HWY_COMPILER_GCC_ACTUAL && HWY_ARCH_X86
     __asm__("" : "+v"(v.raw));
 #endif

@@ -32,10 +32,10 @@ struct DifferingBits {
 };
 inline constexpr DifferingBits differing_bits;
 
-/// What counts the bits in which bytes of a plane differ from `left`: the table of one half byte.
+/// What counts the bits in which bytes of a plane differ from `left`: the table of one half byte, `left` its place.
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
-    return hn::LoadDup128(tag, differing_bits.of[left]);
+    return hn::LoadDup128(tag, differing_bits.of[0] + left);
 }
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V count_differing(Tag, V counter, V right) {
@@ -71,7 +71,7 @@ public:
         constexpr int at_once = HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86 ? (registers <= 2   ? 4
                                                                           : registers <= 4 ? 2
                                                                                            : 1)
-                                : registers == 1                       ? 4
+                                : registers <= 2                       ? 4
                                 : registers <= 4                       ? 2
                                                                        : 1;
         const int width = geometry_.width;
@@ -97,10 +97,11 @@ private:
     template <int count>
     HWY_INLINE void pixels(int x) const {
         constexpr int sources = registers + count - 1;
-        const int entry = geometry_.width - x - count;  // of pixel x + count - 1, register 0
+        // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
+        const auto entry = static_cast<unsigned>(geometry_.width - x - count);
         std::ptrdiff_t source[sources];
         DISPARITYD_UNROLL
-        for (int s = 0; s < sources; ++s) {
+        for (unsigned s = 0; s < sources; ++s) {
             source[s] = part_entry(entry + s);
         }
         V cost[count][registers];
@@ -114,15 +115,15 @@ private:
             V bits[sources];
             if constexpr (bytes_between_is_cheap && registers == 1 && count == 4) {
                 // Four loads across cache lines would take longer than all that is done with them.
-                bits[0] = loaded_once(hn::LoadU(tag_, right + source[0]));
-                const V next = loaded_once(hn::LoadU(tag_, right + source[0] + 4));
+                bits[0] = in_register(hn::LoadU(tag_, right + source[0]));
+                const V next = in_register(hn::LoadU(tag_, right + source[0] + 4));
                 bits[1] = bytes_between<1>(bits[0], next);
                 bits[2] = bytes_between<2>(bits[0], next);
                 bits[3] = bytes_between<3>(bits[0], next);
             } else {
                 DISPARITYD_UNROLL
                 for (int s = 0; s < sources; ++s) {
-                    bits[s] = loaded_once(hn::LoadU(tag_, right + source[s]));
+                    bits[s] = in_register(hn::LoadU(tag_, right + source[s]));
                 }
             }
             DISPARITYD_UNROLL
@@ -130,23 +131,25 @@ private:
                 const V left_bits = counter(tag_, left[i]);
                 DISPARITYD_UNROLL
                 for (int r = 0; r < registers; ++r) {
-                    cost[i][r] = hn::Add(cost[i][r], count_differing(tag_, left_bits, bits[count - 1 - i + r]));
+                    const V differing = count_differing(tag_, left_bits, bits[count - 1 - i + r]);
+                    cost[i][r] = in_register(hn::Add(cost[i][r], differing));
                 }
             }
             left += geometry_.census.left_pitch;
             right += geometry_.census.right_pitch;
         }
+        std::uint8_t* const out = pixel(x);
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                hn::Store(cost[i][r], tag_, pixel(x + i) + r * lanes);
+                hn::Store(cost[i][r], tag_, out + i * candidates + r * lanes);
             }
         }
     }
 
-    std::ptrdiff_t part_entry(int entry) const {
-        return static_cast<std::ptrdiff_t>(entry) % registers * geometry_.census.right_part + entry / registers;
+    std::ptrdiff_t part_entry(unsigned entry) const {
+        return static_cast<std::ptrdiff_t>(entry % registers) * geometry_.census.right_part + entry / registers;
     }
 
     std::uint8_t raised(int cost) const { return static_cast<std::uint8_t>(raised_ + cost); }
