@@ -35,6 +35,8 @@ class PathRows {
     static constexpr int paths_before = form.diagonals ? 3 : 1;
     static constexpr int path_before(int i) { return form.diagonals ? i : 1; }
     static constexpr bool less_p1 = !form.any_p2;
+    // With 16 vector registers matching costs are better loaded again for each path than stored and restored.
+    static constexpr bool loads_again = HWY_ARCH_X86 && HWY_TARGET > HWY_AVX3 && registers > 2 && !form.any_p2;
 
 public:
     PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
@@ -211,12 +213,14 @@ private:
         }
     }
 
-    HWY_INLINE void finish_path(int path, int p, const V* m, const V* cost, Sums& sums) const {
+    HWY_INLINE void finish_path(const State& state, int path, int p, const V* m, const V* cost, Sums& sums) const {
         std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
+        const std::uint8_t* again = state.costs + static_cast<std::ptrdiff_t>(p) * step_;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             sums.add(r, m[r]);
-            hn::Store(path_cost(m[r], cost[r]), tag_, costs + r * lanes());
+            const V matching_cost = loads_again ? hn::Load(tag_, again + r * lanes()) : cost[r];
+            hn::Store(path_cost(m[r], matching_cost), tag_, costs + r * lanes());
         }
     }
 
@@ -236,14 +240,14 @@ private:
         for (int j = 0; j < count; ++j) {
             load_before(states[j], 1, p[j], p[j], blocks[j], i, n);
             continue_path<less_p1>(n, m);
-            finish_path(1, p[j], m, cost[j], sums[j]);
+            finish_path(states[j], 1, p[j], m, cost[j], sums[j]);
         }
         if constexpr (form.diagonals) {
             DISPARITYD_UNROLL
             for (int j = 0; j < count; ++j) {
                 load_before(states[j], 2, p[j] + 1, p[j], blocks[j], i, n);
                 continue_path<less_p1>(n, m);
-                finish_path(2, p[j], m, cost[j], sums[j]);
+                finish_path(states[j], 2, p[j], m, cost[j], sums[j]);
             }
         }
         DISPARITYD_UNROLL
@@ -252,7 +256,7 @@ private:
                 // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
                 continue_path<less_p1>(states[j].diagonal, m);
                 load_before(states[j], 0, p[j], p[j] + 1, blocks[j], i, states[j].diagonal);
-                finish_path(0, p[j], m, cost[j], sums[j]);
+                finish_path(states[j], 0, p[j], m, cost[j], sums[j]);
             }
             sums[j].template store<streaming>(states[j].sums +
                                               static_cast<std::ptrdiff_t>(p[j]) * step_ * form.sum_bytes());
@@ -278,7 +282,7 @@ private:
             cost[r] = hn::Load(tag_, state.costs + offset);
             if constexpr (streaming) {
                 hn::Stream(cost[r], tag_, state.costs_copy + offset);
-            } else {
+            } else if (r * lanes() % cache_line == 0) {
                 prefetch(state, offset);
             }
             if constexpr (form.any_p2) {
@@ -298,7 +302,7 @@ private:
     static HWY_INLINE void prefetch(const State& state, std::ptrdiff_t offset) {
         prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step);
         if constexpr (form.word_sums) {
-            prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step + lanes());
+            prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step + cache_line);
         }
         prefetch_to_second_level(state.prefetch[1] + offset);
     }

@@ -15,6 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+constexpr int cache_line = 64;
+
 /// What is needed a row later would only push what is needed now out of the first-level cache.
 HWY_INLINE void prefetch_to_second_level(const std::uint8_t* from) {
     constexpr int reading = 0;
@@ -31,18 +33,16 @@ struct Memory {
 class Prefetch {
 public:
     Prefetch(Memory memory, int portions)
-        : at_(memory.from), lines_(static_cast<int>(memory.bytes / line) / portions + 1) {}
+        : at_(memory.from), lines_(static_cast<int>(memory.bytes / cache_line) / portions + 1) {}
 
     HWY_INLINE void portion() {
         for (int i = 0; i < lines_; ++i) {
             prefetch_to_second_level(at_);
-            at_ += line;
+            at_ += cache_line;
         }
     }
 
 private:
-    static constexpr std::size_t line = 64;
-
     const std::uint8_t* at_;
     int lines_;
 };
