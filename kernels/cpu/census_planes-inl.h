@@ -114,19 +114,20 @@ private:
     alignas(64) std::uint8_t rows_[rows][max_side + 2 * row_slack] = {};
 };
 
-/// What is at from - census_radius_x .. from + census_radius_x. Where it is cheap, some of it without loads, which
-/// would all but one cross cache lines.
+/// What is at from - census_radius_x .. from + census_radius_x. Where no more is loaded for it, some of it without
+/// loads, which would all but one cross cache lines.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
     static_assert(census_radius_x == 4);
+    constexpr bool between = bytes_to_next == census_radius_x;
     V* middle = beside + census_radius_x;
     DISPARITYD_UNROLL
     for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
-        if (!bytes_between_is_cheap || dx <= 0 || dx == census_radius_x) {
+        if (!between || dx <= 0 || dx == census_radius_x) {
             middle[dx] = in_register(hn::LoadU(tag, from + dx));
         }
     }
-    if constexpr (bytes_between_is_cheap) {
+    if constexpr (between) {
         middle[1] = bytes_between<1>(middle[0], middle[4]);
         middle[2] = bytes_between<2>(middle[0], middle[4]);
         middle[3] = bytes_between<3>(middle[0], middle[4]);

@@ -129,10 +129,10 @@ HWY_INLINE V in_register(V v) {
     return v;
 }
 
-/// Whether bytes_between() is a single operation.
-constexpr bool bytes_between_is_cheap = HWY_TARGET == HWY_AVX3_DL;
+/// How many bytes after `v` the `next` of bytes_between() is loaded.
+constexpr int bytes_to_next = HWY_TARGET == HWY_AVX3_DL ? 4 : 16;
 
-/// What a load 1, 2 or 3 `bytes` after that of `v` would give, when `next` was loaded 4 bytes after it.
+/// What a load 1, 2 or 3 `bytes` after that of `v` would give, in one operation.
 template <int bytes, class V>
 HWY_INLINE V bytes_between(V v, V next) {
 #if HWY_TARGET == HWY_AVX3_DL
@@ -144,10 +144,7 @@ HWY_INLINE V bytes_between(V v, V next) {
         return V{_mm_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
     }
 #else
-    const hn::DFromV<V> tag;
-    const hn::Repartition<std::uint32_t, decltype(tag)> words;
-    return hn::BitCast(tag, hn::Or(hn::ShiftRight<8 * bytes>(hn::BitCast(words, v)),
-                                   hn::ShiftLeft<32 - 8 * bytes>(hn::BitCast(words, next))));
+    return hn::CombineShiftRightBytes<bytes>(hn::DFromV<V>(), next, v);
 #endif
 }
 

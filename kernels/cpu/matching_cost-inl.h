@@ -113,10 +113,10 @@ private:
         const std::uint8_t* right = right_;
         for (int plane = 0; plane < census_planes; ++plane) {
             V bits[sources];
-            if constexpr (bytes_between_is_cheap && registers == 1 && count == 4) {
+            if constexpr (registers == 1 && count == 4) {
                 // Four loads across cache lines would take longer than all that is done with them.
                 bits[0] = in_register(hn::LoadU(tag_, right + source[0]));
-                const V next = in_register(hn::LoadU(tag_, right + source[0] + 4));
+                const V next = in_register(hn::LoadU(tag_, right + source[0] + bytes_to_next));
                 bits[1] = bytes_between<1>(bits[0], next);
                 bits[2] = bytes_between<2>(bits[0], next);
                 bits[3] = bytes_between<3>(bits[0], next);

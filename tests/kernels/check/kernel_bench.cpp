@@ -96,9 +96,12 @@ int bench_kernels(const std::string& filter) {
     for (const KernelCase& kernel : kernel_cases()) {
         if (kernel.name.find(filter) != std::string::npos) {
             ++found;
-            bench(kernel, 64, counter);
-            if (!kernel.per_pixel) {
-                bench(kernel, 128, counter);
+            if (kernel.per_pixel) {
+                bench(kernel, 64, counter);
+                continue;
+            }
+            for (const int disparities : {32, 64, 128}) {
+                bench(kernel, disparities, counter);
             }
         }
     }
