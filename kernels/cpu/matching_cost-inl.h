@@ -111,6 +111,7 @@ private:
         }
         const std::uint8_t* left = left_ + x;
         const std::uint8_t* right = right_;
+        DISPARITYD_UNROLL
         for (int plane = 0; plane < census_planes; ++plane) {
             V bits[sources];
             if constexpr (registers == 1 && count == 4) {

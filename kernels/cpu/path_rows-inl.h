@@ -36,7 +36,7 @@ class PathRows {
     static constexpr int path_before(int i) { return form.diagonals ? i : 1; }
     static constexpr bool less_p1 = !form.any_p2;
     // With 16 vector registers matching costs are better loaded again for each path than stored and restored.
-    static constexpr bool loads_again = HWY_ARCH_X86 && HWY_TARGET > HWY_AVX3 && registers > 2 && !form.any_p2;
+    static constexpr bool loads_again = HWY_ARCH_X86 && (HWY_TARGET > HWY_AVX3) && registers > 2 && !form.any_p2;
 
 public:
     PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
