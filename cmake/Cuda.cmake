@@ -17,10 +17,13 @@ set(DISPARITYD_CUDA_STEPS
   sweep.cu)
 set(DISPARITYD_CUDA_HOST
   backend.cpp
+  device.cpp
   graph.cpp
   match_stage.cpp
+  memory.cpp
   rectify_stage.cpp
-  runtime.cpp)
+  stream.cpp
+  stream_clock.cpp)
 
 # Of the machines that are looked after those that this toolkit builds for: Ampere (80, which 86 and Ada's 89 run too), Jetson
 # Orin, Hopper, Blackwell (100, 120), Jetson Thor (101 before CUDA 13, then 110). The last one's intermediate code makes newer

@@ -3,9 +3,9 @@
 
 #include <stdexcept>
 
+#include "kernels/cuda/device.h"
 #include "kernels/cuda/match_stage.h"
 #include "kernels/cuda/rectify_stage.h"
-#include "kernels/cuda/runtime.h"
 #include "kernels/frame_stages.h"
 #include "kernels/step_clock.h"
 

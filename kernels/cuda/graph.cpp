@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/graph.h"
 
+#include "kernels/cuda/device.h"
+
 namespace disparityd::cuda {
 
 Graph::~Graph() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/stream.h"
 
 namespace disparityd::cuda {
 

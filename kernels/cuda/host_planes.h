@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "kernels/cuda/runtime.h"
 #include "kernels/image.h"
 
 namespace disparityd::cuda {

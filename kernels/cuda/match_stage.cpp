@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/match_stage.h"
 
+#include "kernels/cuda/device.h"
 #include "kernels/cuda/host_planes.h"
 
 namespace disparityd::cuda {

@@ -7,8 +7,10 @@
 #include <span>
 
 #include "kernels/cuda/graph.h"
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/memory.h"
 #include "kernels/cuda/steps.h"
+#include "kernels/cuda/stream.h"
+#include "kernels/cuda/stream_clock.h"
 #include "kernels/matcher.h"
 
 namespace disparityd::cuda {

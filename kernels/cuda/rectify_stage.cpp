@@ -2,7 +2,9 @@
 #include "kernels/cuda/rectify_stage.h"
 
 #include <string>
+#include <vector>
 
+#include "kernels/cuda/device.h"
 #include "kernels/cuda/host_planes.h"
 #include "kernels/cuda/steps.h"
 #include "kernels/frame_stages.h"

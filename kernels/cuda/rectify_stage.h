@@ -4,7 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/memory.h"
+#include "kernels/cuda/stream.h"
 #include "kernels/matcher.h"
 
 namespace disparityd::cuda {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/device.h"
 #include "kernels/cuda/hand_over.h"
 #include "kernels/cuda/path_costs.h"
-#include "kernels/cuda/runtime.h"
 #include "kernels/cuda/strips.h"
 
 namespace disparityd::cuda {

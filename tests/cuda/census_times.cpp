@@ -5,6 +5,7 @@
 #include <array>
 #include <memory>
 
+#include "kernels/cuda/memory.h"
 #include "tests/cuda/census_variants.h"
 #include "tests/cuda/event_times.h"
 #include "tests/kernels/support.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/census_word.h"
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/device.h"
 #include "tests/cuda/census_variants.h"
 
 namespace disparityd::test {

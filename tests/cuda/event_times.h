@@ -5,7 +5,7 @@
 #include <chrono>
 #include <vector>
 
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/stream_clock.h"
 
 namespace disparityd::test {
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/cuda/machine_floor.h"
 
+#include "kernels/cuda/device.h"
+#include "kernels/cuda/memory.h"
 #include "tests/cuda/event_times.h"
 #include "tests/cuda/minima.h"
 

@@ -2,7 +2,7 @@
 #include <cstring>
 #include <vector>
 
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/memory.h"
 #include "kernels/cuda/steps.h"
 #include "tests/cuda/device_under_test.h"
 #include "tests/kernels/post_inputs.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/cuda/runtime.h"
+#include "kernels/cuda/memory.h"
 #include "tests/cuda/census_variants.h"
 #include "tests/cuda/device_under_test.h"
 #include "tests/cuda/minima.h"
