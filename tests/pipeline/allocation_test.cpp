@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From capture to shared memory nothing is allocated per frame: the allocator is interposed and counts.
+// From capture to shared memory nothing is allocated per frame.
 #include <array>
 #include <atomic>
-#include <cerrno>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -16,63 +14,19 @@
 #include "kernels/matcher.h"
 #include "pipeline/pipeline.h"
 #include "proto/shared_memory_writer.h"
-
-namespace {
-
-std::atomic<bool> counting{false};
-std::atomic<std::uint64_t> allocations{0};
-
-void count() {
-    if (counting.load(std::memory_order_relaxed)) {
-        allocations.fetch_add(1, std::memory_order_relaxed);
-    }
-}
-
-}  // namespace
-
-// The C library's own names for what these replace; operator new ends in malloc too.
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* old, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-
-void* malloc(std::size_t size) {
-    count();
-    return __libc_malloc(size);
-}
-void* calloc(std::size_t number, std::size_t size) {
-    count();
-    return __libc_calloc(number, size);
-}
-void* realloc(void* old, std::size_t size) {
-    count();
-    return __libc_realloc(old, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) {
-    count();
-    return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
-    count();
-    return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
-    count();
-    *memory = __libc_memalign(alignment, size);
-    return *memory != nullptr ? 0 : ENOMEM;
-}
-}
+#include "tests/kernels/counted_memory.h"
 
 namespace disparityd::pipeline {
 namespace {
 
+namespace counted_memory = test::counted_memory;
+
 TEST(Allocation, TheCounterCounts) {
-    counting = true;
+    counted_memory::reset();
     auto* volatile number = new int(7);
-    counting = false;
+    const std::size_t calls = counted_memory::calls();
     delete number;
-    EXPECT_GE(allocations.exchange(0), 1U);
+    EXPECT_GE(calls, 1U);
 }
 
 // The chain of the daemon without its sockets: scene, rectification, matching, shared memory.
@@ -163,10 +117,9 @@ TEST_P(NoAllocation, FromCaptureToSharedMemory) {
     const Chain chain(GetParam().options());
     chain.wait_for(20);  // queues and thread-local places of the libraries are made with the first frames
     const std::uint64_t before = chain.published();
-    counting = true;
+    counted_memory::reset();
     chain.wait_for(before + 60);
-    counting = false;
-    EXPECT_EQ(allocations.exchange(0), 0U);
+    EXPECT_EQ(counted_memory::calls(), 0U);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, NoAllocation,
