@@ -68,12 +68,7 @@ public:
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
     void run() const {
-        constexpr int at_once = HWY_TARGET <= HWY_AVX3 && HWY_ARCH_X86 ? (registers <= 2   ? 4
-                                                                          : registers <= 4 ? 2
-                                                                                           : 1)
-                                : registers <= 2                       ? 4
-                                : registers <= 4                       ? 2
-                                                                       : 1;
+        constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
         const int width = geometry_.width;
         const int portions = std::max(width / at_once, 1);
         Prefetch next_left({next_.left, geometry_.census.left_row()}, portions);
