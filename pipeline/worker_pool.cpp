@@ -10,6 +10,7 @@
 
 #include <pthread.h>
 
+#include "kernels/look_for_a_while.h"
 #include "pipeline/core_places.h"
 #include "pipeline/cores.h"
 #include "pipeline/waiting_line.h"
@@ -36,8 +37,8 @@ struct Job {
     const int count;
     FunctionRef<void(int)> task;
     std::atomic<int> next{0};
-    // Under the pool's lock.
-    int helpers = 0;
+    // Changed under the pool's lock.
+    std::atomic<int> helpers{0};
     std::condition_variable left;
     Job* following = nullptr;
 };
@@ -53,8 +54,9 @@ struct Waiter {
 
 struct Helper {
     std::thread thread;
-    Job* job = nullptr;           ///< what it is to work at; none: it has no seat
+    Job* job = nullptr;           ///< what it is to work at; none: it sleeps without a seat, or looks out
     bool begun = false;           ///< it is awake and at it
+    bool looking_out = false;     ///< for another job, with its seat
     unsigned chosen_at = 0;       ///< value of changes_ then
     int core = CorePlaces::none;  ///< which it is bound to; taken while it works
     std::condition_variable woken;
@@ -109,6 +111,11 @@ public:
         std::unique_lock lock(mutex_);
         jobs_.remove(job);
         withdraw_late_helpers(job);
+        if (job.helpers > 0) {
+            lock.unlock();
+            look_for_a_while([&] { return job.helpers.load(std::memory_order_relaxed) == 0; });
+            lock.lock();
+        }
         job.left.wait(lock, [&] { return job.helpers == 0; });
     }
 
@@ -117,6 +124,7 @@ public:
         std::unique_lock lock(mutex_);
         if (free_seats_ > 0) {
             --free_seats_;
+            ++callers_;
             const int core = cores_.take(sched_getcpu(), CorePlaces::none);
             lock.unlock();
             return bind_self(core);
@@ -130,6 +138,7 @@ public:
 
     void leave_seat(int core) {
         const std::lock_guard lock(mutex_);
+        --callers_;
         free_seat(core);
         call_helpers();
     }
@@ -153,24 +162,47 @@ private:
                 while (changes_.load(std::memory_order_relaxed) == chosen_at && job.run_one()) {
                 }
                 lock.lock();
-                leave(self, job);
+                leave(self, job, lock);
             }
         }
     }
 
     /// The helper goes on with another job, or gives its seat away and sleeps.
-    void leave(Helper& self, Job& job) {
+    void leave(Helper& self, Job& job, std::unique_lock<std::mutex>& lock) {
         self.job = nullptr;
         self.begun = false;
         if (--job.helpers == 0) {
             job.left.notify_one();
         }
-        Job* next = waiters_.first() == nullptr ? neediest(&job) : nullptr;
+        Job* next = job_of_helper(&job);
+        if (next == nullptr) {
+            look_out(self, lock);
+            next = job_of_helper(nullptr);
+        }
         if (next != nullptr) {
             assign(self, *next);
         } else {
             free_seat(self.core);
         }
+    }
+
+    /// None where somebody waits for the helper's seat.
+    Job* job_of_helper(const Job* current) const { return waiters_.first() == nullptr ? neediest(current) : nullptr; }
+
+    /// While somebody has a frame in work: the next step of it most likely wants help sooner than a sleeping thread
+    /// would be awake.
+    void look_out(Helper& self, std::unique_lock<std::mutex>& lock) {
+        if (waiters_.first() != nullptr) {
+            return;
+        }
+        const unsigned seen = changes_.load(std::memory_order_relaxed);
+        self.looking_out = true;
+        lock.unlock();
+        look_for_a_while([&] {
+            return changes_.load(std::memory_order_relaxed) != seen || callers_.load(std::memory_order_relaxed) == 0;
+        });
+        lock.lock();
+        self.looking_out = false;
     }
 
     /// Nothing is left to do for those that were called and have not come yet: on a busy machine that may take long.
@@ -214,6 +246,7 @@ private:
         waiters_.remove(*waiter);
         waiter->core = cores_.bound() && bind(waiter->thread, core) ? core : CorePlaces::none;
         waiter->seated = true;
+        ++callers_;
         waiter->called.notify_one();
     }
 
@@ -236,7 +269,7 @@ private:
     Helper* sleeping_helper() {
         Helper* found = nullptr;
         for (Helper& helper : helpers_) {
-            if (helper.job == nullptr && (found == nullptr || cores_.is_free(helper.core))) {
+            if (helper.job == nullptr && !helper.looking_out && (found == nullptr || cores_.is_free(helper.core))) {
                 found = &helper;
                 if (cores_.is_free(helper.core)) {
                     break;
@@ -283,6 +316,7 @@ private:
     WaitingLine<Waiter> waiters_;  ///< nobody waits while a seat is free
     int free_seats_;
     std::atomic<unsigned> changes_{0};  ///< of jobs_ and waiters_: somebody has come
+    std::atomic<int> callers_{0};       ///< seats held by others than helpers; changed under the lock
     bool stopping_ = false;
     std::vector<Helper> helpers_;
 };

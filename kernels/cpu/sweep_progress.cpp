@@ -1,35 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cpu/sweep_progress.h"
 
-#include <chrono>
-
 #include "hwy/cache_control.h"
+#include "kernels/look_for_a_while.h"
 
 namespace disparityd::cpu {
 
 namespace {
 
-// Rows take some ten microseconds, as waking a sleeping thread does: waiting so long costs less than sleeping.
-constexpr std::chrono::microseconds patience(20);
-
-template <class Reached>
-bool look_for_a_while(const std::atomic<int>& value, Reached reached) {
-    constexpr int looks_per_time = 16;
-    const auto end = std::chrono::steady_clock::now() + patience;
-    do {
-        for (int i = 0; i < looks_per_time; ++i) {
-            hwy::Pause();
-            if (reached(value.load(std::memory_order_acquire))) {
-                return true;
-            }
-        }
-    } while (std::chrono::steady_clock::now() < end);
-    return false;
-}
-
 template <class Reached>
 void wait_until(const std::atomic<int>& value, Reached reached) {
-    if (reached(value.load(std::memory_order_acquire)) || look_for_a_while(value, reached)) {
+    // Rows take some ten microseconds.
+    if (look_for_a_while([&] { return reached(value.load(std::memory_order_acquire)); })) {
         return;
     }
     for (int seen = value.load(std::memory_order_acquire); !reached(seen);

@@ -210,8 +210,7 @@ std::map<std::string, std::string> sleeping_helpers() {
 }
 
 // Not a matter of time: a thread that sleeps and was never switched to meanwhile has used nothing.
-TEST(WorkerPool, IdleHelpersSleep) {
-    WorkerPool pool(4);
+void expect_idle_helpers_sleep(WorkerPool& pool) {
     for (int round = 0; round < 100; ++round) {
         pool.for_each(50, [](int) {});
     }
@@ -224,6 +223,27 @@ TEST(WorkerPool, IdleHelpersSleep) {
         quiet = before.size() == 3 && sleeping_helpers() == before;
     }
     EXPECT_TRUE(quiet) << "helpers without work run";
+}
+
+TEST(WorkerPool, IdleHelpersSleep) {
+    WorkerPool pool(4);
+    expect_idle_helpers_sleep(pool);
+}
+
+TEST(WorkerPool, IdleHelpersSleepWhileSomebodyHasAFrameInWork) {
+    WorkerPool pool(4);
+    const WorkerPool::Seat seat(pool);
+    expect_idle_helpers_sleep(pool);
+}
+
+// A helper that looks out for work has a seat, which somebody else wants.
+TEST(WorkerPool, SeatsAreFreeAtOnceWhenTheWorkHasEnded) {
+    WorkerPool pool(2);
+    const WorkerPool::Seat seat(pool);
+    for (int round = 0; round < 200; ++round) {
+        pool.for_each(2, [](int) {});
+        std::thread([&] { const WorkerPool::Seat other(pool); }).join();
+    }
 }
 
 TEST(WorkerPool, ZeroMeansAllCores) {
