@@ -5,7 +5,7 @@
 
 namespace disparityd {
 
-/// Tells the processor that the thread only waits.
+/// Tells the processor that the thread only waits; Highway has it for x86 alone.
 inline void pause_processor() {
 #if defined(__x86_64__)
     __builtin_ia32_pause();

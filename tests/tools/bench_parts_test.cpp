@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <sstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -117,19 +115,26 @@ TEST(VectorPathsTest, SumsEqualTheReference) {
 /// Counts its runs, measured or not.
 class CountingContestant final : public Contestant {
 public:
-    CountingContestant(std::vector<int>& order, int number, std::chrono::milliseconds takes = {})
-        : order_(order), number_(number), takes_(takes) {}
+    CountingContestant(std::vector<int>& order, int number) : order_(order), number_(number) {}
     void prepare() override {}
-    void run() override {
-        order_.push_back(number_);
-        std::this_thread::sleep_for(takes_);
-    }
+    void run() override { order_.push_back(number_); }
 
 private:
     std::vector<int>& order_;
     int number_;
-    std::chrono::milliseconds takes_;
 };
+
+Contestants contestants(std::vector<int>& order, int count) {
+    Contestants all;
+    for (int i = 0; i < count; ++i) {
+        all.push_back(std::make_unique<CountingContestant>(order, i));
+    }
+    return all;
+}
+
+StereoPair small_pair() {
+    return {"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
+}
 
 std::vector<int> turns(std::vector<int> runs) {
     runs.erase(std::unique(runs.begin(), runs.end()), runs.end());
@@ -138,12 +143,8 @@ std::vector<int> turns(std::vector<int> runs) {
 
 TEST(AlternationTest, EverybodyRunsOncePerRound) {
     std::vector<int> order;
-    Contestants three;
-    for (int i = 0; i < 3; ++i) {
-        three.push_back(std::make_unique<CountingContestant>(order, i));
-    }
-    const StereoPair pair{"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
-    const auto found = alternate(pair, three, {.rounds = 4, .seconds = 3600, .least_rounds = 3});
+    const auto found =
+        alternate(small_pair(), contestants(order, 3), {.rounds = 4, .seconds = 3600, .least_rounds = 3});
     EXPECT_EQ(turns(order), (std::vector<int>{0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2}));
     ASSERT_EQ(found.size(), 3U);
     EXPECT_EQ(found[0].ms.size(), 4U);
@@ -153,29 +154,20 @@ TEST(AlternationTest, EverybodyRunsOncePerRound) {
 
 TEST(AlternationTest, WhoIsSlowSitsOutRounds) {
     std::vector<int> order;
-    Contestants two;
-    for (int i = 0; i < 2; ++i) {
-        two.push_back(std::make_unique<CountingContestant>(order, i));
-    }
-    const StereoPair pair{"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
     // With no time at all everybody is too slow: the least number of rounds, spread over all.
-    const auto found = alternate(pair, two, {.rounds = 30, .seconds = 0, .least_rounds = 3});
+    const auto found = alternate(small_pair(), contestants(order, 2), {.rounds = 30, .seconds = 0, .least_rounds = 3});
     EXPECT_EQ(turns(order), (std::vector<int>{0, 1, 0, 1, 0, 1}));
     EXPECT_EQ(found[1].ms.size(), 3U);
 }
 
 TEST(AlternationTest, AFrameIsMeasuredAfterAnotherUnlessItIsLong) {
-    for (const int takes : {0, 60}) {
+    // Before the first one nobody knows how long it takes.
+    for (const auto& [long_frame_ms, runs] : {std::pair{3.6e6, 6U}, std::pair{0.0, 4U}}) {
         std::vector<int> order;
-        Contestants one;
-        one.push_back(std::make_unique<CountingContestant>(order, 0, std::chrono::milliseconds(takes)));
-        const StereoPair pair{"made", cv::Mat(4, 6, CV_8UC1), cv::Mat(4, 6, CV_8UC1), 16};
-        const auto found = alternate(pair, one, {.rounds = 3, .seconds = 3600, .least_rounds = 3});
-        ASSERT_EQ(found[0].ms.size(), 3U);
-        // Before the first one nobody knows how long it takes. On a busy machine nothing need be short.
-        const auto after_short =
-            std::count_if(found[0].ms.begin(), found[0].ms.end() - 1, [](double ms) { return ms < 50; });
-        EXPECT_EQ(std::ssize(order), 3 + 1 + after_short) << takes << " ms";
+        const Patience patience{.rounds = 3, .seconds = 3600, .least_rounds = 3, .long_frame_ms = long_frame_ms};
+        const auto found = alternate(small_pair(), contestants(order, 1), patience);
+        EXPECT_EQ(found[0].ms.size(), 3U);
+        EXPECT_EQ(order.size(), runs) << long_frame_ms << " ms";
     }
 }
 

@@ -41,12 +41,7 @@ Measurement begin(const StereoPair& pair, const Contestant& contestant) {
     return measurement;
 }
 
-/// Frames that take longer than this do without one that is not measured: it would change them by less than noise does.
-constexpr double long_frame_ms = 50;
-
-/// Frames follow each other, as in a stream: what is measured begins with a contestant's own data in the caches and all
-/// its cores awake, whatever the contestant before it did.
-void run_once(Contestant& contestant, Measurement& measurement) {
+void run_once(Contestant& contestant, Measurement& measurement, double long_frame_ms) {
     contestant.prepare();
     if (measurement.ms.empty() || measurement.ms.back() < long_frame_ms) {
         contestant.run();
@@ -117,7 +112,7 @@ std::vector<Measurement> alternate(const StereoPair& pair, const Contestants& co
         for (std::size_t i = 0; i < contestants.size() && !tools::interrupted(); ++i) {
             if (round == 0 || takes_part(round, rounds_for(measurements[i], patience), patience.rounds)) {
                 progress.show(static_cast<std::uint64_t>(round), pair.scene + ' ' + contestants[i]->name);
-                run_once(*contestants[i], measurements[i]);
+                run_once(*contestants[i], measurements[i], patience.long_frame_ms);
             }
         }
     }

@@ -11,9 +11,10 @@ namespace disparityd::bench {
 
 /// How often each contestant runs on a pair.
 struct Patience {
-    int rounds = 15;       ///< at most
-    double seconds = 0.8;  ///< who has used up as much time of its own runs less often ..
-    int least_rounds = 3;  ///< .. but at least this often
+    int rounds = 15;            ///< at most
+    double seconds = 0.8;       ///< who has used up as much time of its own runs less often ..
+    int least_rounds = 3;       ///< .. but at least this often
+    double long_frame_ms = 50;  ///< after one of these the next is measured without another before it
 };
 
 /// Times of one contestant on one pair.
@@ -42,9 +43,10 @@ struct Measurement {
     double gde_per_second() const;
 };
 
-/// Runs all contestants in turn, round after round, so that whatever else the machine does meets them all alike. A slow
-/// one sits out rounds, evenly spread. Ends early, with what there is, when the user interrupts; contestants that had
-/// no turn by then are left out.
+/// Runs all contestants in turn, round after round, so that whatever else the machine does meets them all alike. A
+/// frame is measured right after another one, as in a stream: with the contestant's own data in the caches and all its
+/// cores awake, whatever the contestant before it did. A slow one sits out rounds, evenly spread. Ends early, with what
+/// there is, when the user interrupts; contestants that had no turn by then are left out.
 std::vector<Measurement> alternate(const StereoPair& pair, const Contestants& contestants, const Patience& patience);
 
 }  // namespace disparityd::bench
