@@ -33,12 +33,12 @@ struct Block {
                     Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
         using Windows = SadRows<Tag, registers>;
         Windows windows(geometry, left, right, scratch);
+        WinnerSearch<Words, classes> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
             y == rows.first ? windows.begin(y) : windows.move_to(y);
-            WinnerSearch<Words, classes, 1, typename Windows::WindowSums>(geometry, windows.sums())
-                .run(minima, out.row(y).right_winner);
+            search.run(typename Windows::WindowSums(windows), minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }
     }

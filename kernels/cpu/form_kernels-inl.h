@@ -48,16 +48,17 @@ struct FormKernels {
 
     /// S of pixel x: what both sweeps left, and C once for each path.
     static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   hn::Vec<SumTag>* out) {
+                                   std::int16_t* out) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             const Pair a = left_sum(down + at * form.sum_bytes(), r);
             const Pair b = left_sum(up + at * form.sum_bytes(), r);
             const Pair c = words_at(costs + at + r * lanes);
-            out[r] = hn::BitCast(SumTag(), hn::Add(hn::Add(a.even, b.even), hn::ShiftLeft<path_shift>(c.even)));
-            out[r + registers] =
-                hn::BitCast(SumTag(), hn::Add(hn::Add(a.odd, b.odd), hn::ShiftLeft<path_shift>(c.odd)));
+            const W even = hn::Add(hn::Add(a.even, b.even), hn::ShiftLeft<path_shift>(c.even));
+            const W odd = hn::Add(hn::Add(a.odd, b.odd), hn::ShiftLeft<path_shift>(c.odd));
+            hn::Store(hn::BitCast(SumTag(), even), SumTag(), out + r * (lanes / 2));
+            hn::Store(hn::BitCast(SumTag(), odd), SumTag(), out + (registers + r) * (lanes / 2));
         }
     }
 
@@ -65,9 +66,13 @@ struct FormKernels {
     static void winner(const SgmGeometry& geometry, const PostOptions& options, int /*direction*/,
                        const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
                        const WinnerRow& out) {
-        const auto sums = [=](int x, hn::Vec<SumTag>* of_pixel) { sums_of(x, down, up, costs, of_pixel); };
+        const auto sums = [=](int x, int count, std::int16_t* to) {
+            for (int i = 0; i < count; ++i) {
+                sums_of(x + i, down, up, costs, to + i * registers * lanes);
+            }
+        };
         Minima minima;
-        WinnerSearch<SumTag, classes, 1, decltype(sums)>(geometry, sums).run(minima, out.right_winner);
+        WinnerSearch<SumTag, classes>(geometry).run(sums, minima, out.right_winner);
         LeftResults(geometry, options).row(minima, geometry.width, out);
     }
 };

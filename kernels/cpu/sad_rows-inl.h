@@ -83,13 +83,11 @@ public:
         add_row<true>(left_.row(added), left_.row(taken));
     }
 
-    /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, 1, ..
+    /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, x = count, ..; candidates
+    /// of one pixel after the other go to `out`, class after class.
     class WindowSums {
     public:
-        explicit WindowSums(const SadRows& rows)
-            : rows_(&rows),
-              first_inside_(rows.geometry_.range.first + rows.geometry_.range.count - 1),
-              last_inside_(rows.geometry_.range.first + rows.geometry_.width - 1) {
+        explicit WindowSums(const SadRows& rows) : rows_(rows) {
             const int last = rows.geometry_.width - 1;
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
@@ -100,30 +98,51 @@ public:
             }
         }
 
-        HWY_INLINE void operator()(int x, W* out) {
-            const int last = rows_->geometry_.width - 1;
-            const std::int16_t* next = rows_->column(std::min(x + 1 + sad_radius_x, last));
-            const std::int16_t* oldest = rows_->column(std::max(x - sad_radius_x, 0));
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                out[q] = sum_[q];
-                const W change = hn::Sub(hn::Load(Words(), next + q * lanes), hn::Load(Words(), oldest + q * lanes));
-                sum_[q] = hn::Add(sum_[q], change);
+        void operator()(int x, int count, std::int16_t* out) {
+            if (x >= sad_radius_x && x + count + sad_radius_x < rows_.geometry_.width) {
+                move<true>(x, count, out);
+            } else {
+                move<false>(x, count, out);
             }
-            if (x < first_inside_ || x > last_inside_) {
-                rows_->set_outside(x, out);
-            }
+            rows_.set_outside(x, count, out);
         }
 
     private:
-        const SadRows* rows_;
-        // Pixels with all their candidates in the right image.
-        int first_inside_;
-        int last_inside_;
+        template <bool inside>
+        HWY_INLINE void move(int x, int count, std::int16_t* out) {
+            const int last = rows_.geometry_.width - 1;
+            // A copy that nobody else can see stays in registers.
+            W sum[classes];
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                sum[q] = sum_[q];
+            }
+            const std::int16_t* next = rows_.column(x + 1 + sad_radius_x);
+            const std::int16_t* oldest = rows_.column(x - sad_radius_x);
+            for (int i = 0; i < count; ++i) {
+                if constexpr (!inside) {
+                    next = rows_.column(std::min(x + i + 1 + sad_radius_x, last));
+                    oldest = rows_.column(std::max(x + i - sad_radius_x, 0));
+                }
+                DISPARITYD_UNROLL
+                for (int q = 0; q < classes; ++q) {
+                    hn::Store(sum[q], Words(), out + q * lanes);
+                    const W more = hn::Add(sum[q], hn::Load(Words(), next + q * lanes));
+                    sum[q] = hn::Sub(more, hn::Load(Words(), oldest + q * lanes));
+                }
+                next += candidates;
+                oldest += candidates;
+                out += candidates;
+            }
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                sum_[q] = sum[q];
+            }
+        }
+
+        const SadRows& rows_;
         W sum_[classes];
     };
-
-    WindowSums sums() const { return WindowSums(*this); }
 
 private:
     int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
@@ -189,18 +208,24 @@ private:
         }
     }
 
-    // Candidates outside the right image.
-    HWY_INLINE void set_outside(int x, W* sums) const {
+    // Candidates outside the right image, of pixels x .. x + count - 1.
+    void set_outside(int x, int count, std::int16_t* sums) const {
         const DisparityRange range = geometry_.range;
-        const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
-        const int last = std::clamp(x + 1 - range.first, first, range.count);
-        DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
-                                hn::Set(Words(), static_cast<std::int16_t>(q)));
-            const auto early = hn::Lt(k, hn::Set(Words(), static_cast<std::int16_t>(first)));
-            const auto late = hn::Lt(hn::Set(Words(), static_cast<std::int16_t>(last - 1)), k);
-            sums[q] = hn::IfThenElse(hn::Or(early, late), hn::Set(Words(), sad_outside), sums[q]);
+        for (int end = x + count; x < end; ++x, sums += candidates) {
+            const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
+            const int last = std::clamp(x + 1 - range.first, first, range.count);
+            if (first == 0 && last == range.count) {
+                continue;
+            }
+            const W first_inside = hn::Set(Words(), static_cast<std::int16_t>(first));
+            const W last_inside = hn::Set(Words(), static_cast<std::int16_t>(last - 1));
+            for (int q = 0; q < classes; ++q) {
+                const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
+                                    hn::Set(Words(), static_cast<std::int16_t>(q)));
+                const auto outside = hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k));
+                const W sum = hn::Load(Words(), sums + q * lanes);
+                hn::Store(hn::IfThenElse(outside, hn::Set(Words(), sad_outside), sum), Words(), sums + q * lanes);
+            }
         }
     }
 

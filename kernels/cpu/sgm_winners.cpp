@@ -45,8 +45,12 @@ struct Winners {
             KeyedWinnerSearch<KeyTag, classes, key_bits, direction, paths * raised_cost, decltype(keys)>(geometry, keys)
                 .run(minima, right_winner);
         } else {
-            const auto sums = [=](int x, hn::Vec<SumTag>* out) { sums_of(x, down, up, costs, out); };
-            WinnerSearch<SumTag, classes, direction, decltype(sums)>(geometry, sums).run(minima, right_winner);
+            const auto sums = [=](int x, int count, std::int16_t* to) {
+                for (int i = 0; i < count; ++i) {
+                    sums_of(x + i, down, up, costs, to + i * registers * lanes);
+                }
+            };
+            WinnerSearch<SumTag, classes>(geometry).run(sums, minima, right_winner);
         }
     }
 
@@ -70,7 +74,7 @@ struct Winners {
 
     // S itself, of C no longer raised.
     static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   hn::Vec<SumTag>* out) {
+                                   std::int16_t* out) {
         const Tag bytes;
         const KeyTag words;
         const SumTag sums;
@@ -82,10 +86,10 @@ struct Winners {
             const auto a = hn::Load(bytes, down + at + r * lanes);
             const auto b = hn::Load(bytes, up + at + r * lanes);
             const auto c = hn::BitCast(words, hn::Sub(hn::Load(bytes, costs + at + r * lanes), too_large));
-            const auto even = sum_of_bytes<false, 0>(words, a, b);
-            const auto odd = sum_of_bytes<true, 0>(words, a, b);
-            out[r] = hn::BitCast(sums, hn::Add(even, hn::And(hn::ShiftLeft<3>(c), eightfold)));
-            out[r + registers] = hn::BitCast(sums, hn::Add(odd, hn::And(hn::ShiftRight<5>(c), eightfold)));
+            const auto even = hn::Add(sum_of_bytes<false, 0>(words, a, b), hn::And(hn::ShiftLeft<3>(c), eightfold));
+            const auto odd = hn::Add(sum_of_bytes<true, 0>(words, a, b), hn::And(hn::ShiftRight<5>(c), eightfold));
+            hn::Store(hn::BitCast(sums, even), sums, out + r * (lanes / 2));
+            hn::Store(hn::BitCast(sums, odd), sums, out + (registers + r) * (lanes / 2));
         }
     }
 };
