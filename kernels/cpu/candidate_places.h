@@ -10,9 +10,9 @@ namespace disparityd::cpu {
 /// Where the sum of each candidate of a pixel lies: candidate classes * lane + q at q * lanes + lane.
 template <int classes, int lanes>
 class CandidatePlaces {
+public:
     static constexpr int candidates = classes * lanes;
 
-public:
     /// `count`: number of candidates that count, at least 3.
     explicit CandidatePlaces(int count) {
         if (count != candidates) {

@@ -305,7 +305,7 @@ private:
         const hn::FixedTag<std::uint16_t, 8> block;
         const std::int16_t* winner = minima.winner + batch.x + i;
         const auto least_key = least_of_pixels(
-            tag_, [&](int k) { return least_rivals<classes>(tag_, batch.of(i + k), winner[k], no_key); });
+            tag_, [&](int k) { return least_rivals<classes, no_key>(tag_, batch.of(i + k), winner[k]); });
         hn::StoreU(hn::ShiftRight<bits>(least_key), block,
                    reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }

@@ -37,20 +37,47 @@ private:
 template <int classes, int lanes>
 inline constexpr Rivals<classes, lanes> rivals;
 
-/// How the winner and those beside it are left out of the search: where masks are no vectors, a few loads in place of
-/// stores on which other loads wait.
-template <int classes>
-constexpr bool rivals_by_mask = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) && (classes <= 2);
+/// The same as words, class after class: 0 for a candidate that is not beside the winner, `none` for one that is.
+template <int classes, int lanes, class T, T none>
+class NoRivals {
+public:
+    constexpr NoRivals() {
+        using Places = CandidatePlaces<classes, lanes>;
+        for (int winner = 0; winner < Places::candidates; ++winner) {
+            for (int k = 0; k < Places::candidates; ++k) {
+                words_[winner][Places::of(k)] = k < winner - 1 || k > winner + 1 ? T{0} : none;
+            }
+        }
+    }
 
-/// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where masks
-/// do not do it, these values and the winner's own become `none`.
+    constexpr const T* of(int winner) const { return words_[winner]; }
+
+private:
+    alignas(64) T words_[classes * lanes][classes * lanes] = {};
+};
+template <int classes, int lanes, class T, T none>
+inline constexpr NoRivals<classes, lanes, T, none> no_rivals;
+
+/// How the winner and those beside it are left out of the search.
+enum class LeaveOut : std::uint8_t {
+    by_mask,   ///< where masks are no vectors
+    by_words,  ///< while a table of them leaves room in the first-level cache
+    by_store,  ///< of three words: many instructions for one pixel
+};
+template <int classes, int lanes>
+constexpr LeaveOut leave_out = HWY_ARCH_X86 != 0 && HWY_TARGET <= HWY_AVX3 && classes <= 2 ? LeaveOut::by_mask
+                               : classes * lanes <= 64                                     ? LeaveOut::by_words
+                                                                                           : LeaveOut::by_store;
+
+/// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where no
+/// masks and tables do it, these values and the winner's own become `none`.
 template <int classes, int lanes, class T>
 HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, int winner, T none, T* values,
                                 std::int16_t* before, std::int16_t* after) {
     const std::uint16_t* place = places.around(winner);
     *before = static_cast<std::int16_t>(values[place[0]]);
     *after = static_cast<std::int16_t>(values[place[2]]);
-    if constexpr (!rivals_by_mask<classes>) {
+    if constexpr (leave_out<classes, lanes> == LeaveOut::by_store) {
         values[place[0]] = none;
         values[place[1]] = none;
         values[place[2]] = none;
@@ -58,25 +85,25 @@ HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, i
 }
 
 /// After take_neighbours(): the least value in each lane of all classes.
-template <int classes, class Tag, class T = hn::TFromD<Tag>>
-HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner, T none) {
+template <int classes, auto none, class Tag, class T = hn::TFromD<Tag>>
+HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
     constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    if constexpr (rivals_by_mask<classes>) {
-        auto least = hn::Set(tag, none);
-        DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            const auto less = hn::Min(least, hn::Load(tag, values + q * lanes));
-            least = hn::IfThenElse(hn::LoadMaskBits(tag, rivals<classes, lanes>.of(winner, q)), less, least);
+    constexpr LeaveOut how = leave_out<classes, lanes>;
+    auto least = hn::Set(tag, none);
+    DISPARITYD_UNROLL
+    for (int q = 0; q < classes; ++q) {
+        const auto v = hn::Load(tag, values + q * lanes);
+        if constexpr (how == LeaveOut::by_mask) {
+            const auto mask = hn::LoadMaskBits(tag, rivals<classes, lanes>.of(winner, q));
+            least = hn::IfThenElse(mask, hn::Min(least, v), least);
+        } else if constexpr (how == LeaveOut::by_words) {
+            const auto left_out = hn::Load(tag, no_rivals<classes, lanes, T, none>.of(winner) + q * lanes);
+            least = q == 0 ? hn::Or(v, left_out) : hn::Min(least, hn::Or(v, left_out));
+        } else {
+            least = q == 0 ? v : hn::Min(least, v);
         }
-        return least;
-    } else {
-        auto least = hn::Load(tag, values);
-        DISPARITYD_UNROLL
-        for (int q = 1; q < classes; ++q) {
-            least = hn::Min(least, hn::Load(tag, values + q * lanes));
-        }
-        return least;
     }
+    return least;
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

@@ -208,24 +208,32 @@ private:
         }
     }
 
-    // Candidates outside the right image, of pixels x .. x + count - 1.
+    // Candidates outside the right image, of pixels x .. x + count - 1: those near an end of the row have some.
     void set_outside(int x, int count, std::int16_t* sums) const {
         const DisparityRange range = geometry_.range;
-        for (int end = x + count; x < end; ++x, sums += candidates) {
-            const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
-            const int last = std::clamp(x + 1 - range.first, first, range.count);
-            if (first == 0 && last == range.count) {
+        const int first_whole = range.first + range.count - 1;
+        const int last_whole = range.first + geometry_.width - 1;
+        for (int i = 0; i < count; ++i) {
+            if (x + i >= first_whole && x + i <= last_whole) {
+                i = std::min(last_whole - x, count - 1);
                 continue;
             }
-            const W first_inside = hn::Set(Words(), static_cast<std::int16_t>(first));
-            const W last_inside = hn::Set(Words(), static_cast<std::int16_t>(last - 1));
-            for (int q = 0; q < classes; ++q) {
-                const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
-                                    hn::Set(Words(), static_cast<std::int16_t>(q)));
-                const auto outside = hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k));
-                const W sum = hn::Load(Words(), sums + q * lanes);
-                hn::Store(hn::IfThenElse(outside, hn::Set(Words(), sad_outside), sum), Words(), sums + q * lanes);
-            }
+            set_outside(x + i, sums + i * candidates);
+        }
+    }
+
+    HWY_INLINE void set_outside(int x, std::int16_t* sums) const {
+        const DisparityRange range = geometry_.range;
+        const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
+        const int last = std::clamp(x + 1 - range.first, first, range.count);
+        const W first_inside = hn::Set(Words(), static_cast<std::int16_t>(first));
+        const W last_inside = hn::Set(Words(), static_cast<std::int16_t>(last - 1));
+        for (int q = 0; q < classes; ++q) {
+            const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
+                                hn::Set(Words(), static_cast<std::int16_t>(q)));
+            const auto outside = hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k));
+            const W sum = hn::Load(Words(), sums + q * lanes);
+            hn::Store(hn::IfThenElse(outside, hn::Set(Words(), sad_outside), sum), Words(), sums + q * lanes);
         }
     }
 

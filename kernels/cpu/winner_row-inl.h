@@ -186,7 +186,7 @@ private:
 
     HWY_INLINE void second(int count, const std::int16_t* winner, std::int16_t* least) {
         for (int i = 0; i < count; ++i) {
-            hn::Store(least_rivals<classes>(tag_, sums_of(i), winner[i], no_sum), tag_, by_lane_ + i * lanes);
+            hn::Store(least_rivals<classes, no_sum>(tag_, sums_of(i), winner[i]), tag_, by_lane_ + i * lanes);
         }
         least_of_lanes(count, least);
     }
