@@ -19,6 +19,11 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+/// What candidate k is called in a search: less than 0, so that 0 can stand for what was not found.
+constexpr std::int16_t name_of_candidate(int k) {
+    return static_cast<std::int16_t>(k - max_disparities);
+}
+
 /// Winners of the right image: the least sum along each diagonal, carried from pixel to pixel.
 template <class Tag, int classes>
 class RightWinners {
@@ -35,17 +40,18 @@ public:
         }
     }
 
-    /// Sums of the next pixel to the right. The winner of the right pixel whose candidates are complete with it (the
-    /// one that this pixel meets at the last candidate) goes to *done; what is written to lower entries means nothing.
-    HWY_INLINE void add(const V* sums, const V* index, std::int16_t* done) {
+    /// Sums of the next pixel to the right, and the names of its candidates. The name of the winner of the right pixel
+    /// whose candidates are complete with it (the one that this pixel meets at the last candidate) goes to *done; what
+    /// is written to lower entries means nothing.
+    HWY_INLINE void add(const V* sums, const V* name, std::int16_t* done) {
         const V least = from_lane_below(tag_, least_[last_class], none());
         const V winner = from_lane_below(tag_, winner_[last_class], no_winner());
         DISPARITYD_UNROLL
         for (int q = last_class; q > 0; --q) {
-            winner_[q] = hn::IfThenElse(hn::Lt(sums[q], least_[q - 1]), index[q], winner_[q - 1]);
+            winner_[q] = hn::IfThenElse(hn::Lt(sums[q], least_[q - 1]), name[q], winner_[q - 1]);
             least_[q] = hn::Min(sums[q], least_[q - 1]);
         }
-        winner_[0] = hn::IfThenElse(hn::Lt(sums[0], least), index[0], winner);
+        winner_[0] = hn::IfThenElse(hn::Lt(sums[0], least), name[0], winner);
         least_[0] = hn::Min(sums[0], least);
         hn::StoreU(upper_block(tag_, winner_[last_class]), block_, done - 7);
     }
@@ -65,7 +71,7 @@ public:
 private:
     // Less than the sum of what is no candidate.
     static HWY_INLINE V none() { return hn::Set(Tag(), std::int16_t{no_sum - 1}); }
-    static HWY_INLINE V no_winner() { return hn::Set(Tag(), std::int16_t{-1}); }
+    static HWY_INLINE V no_winner() { return hn::Set(Tag(), name_of_candidate(-1)); }
 
     Tag tag_{};
     hn::FixedTag<std::int16_t, 8> block_{};
@@ -86,16 +92,17 @@ public:
         : width_(geometry.width), range_(geometry.range), places_(range_.count) {
         for (int k = 0; k < candidates; ++k) {
             const auto place = Places::of(k);
-            index_[place] = static_cast<std::int16_t>(k);
+            names_[place] = name_of_candidate(k);
             padding_[place] = k < range_.count ? std::int16_t{0} : no_sum;
         }
+        std::fill_n(first_, at_once * lanes, name_of_candidate(0));  // of pixels past the end of the row too
     }
 
     /// sums(x, count, std::int16_t* to) gives the sums of pixels x .. x + count - 1, one pixel after the other; it is
     /// asked for each pixel once, from left to right.
     template <class Sums>
     void run(Sums sums, Minima& minima, std::int16_t* right_winner) {
-        std::fill_n(right_row_ + right_origin, width_, std::int16_t{-1});
+        std::fill_n(right_row_ + right_origin, width_, name_of_candidate(-1));
         Right right;
         for (int x = 0; x < width_; x += at_once) {
             const int count = std::min(at_once, width_ - x);
@@ -104,8 +111,7 @@ public:
                 set_padding(count);
             }
             least_and_right(x, count, right);
-            least_of_lanes(count, minima.least + x);
-            winners(minima.least + x, count, minima.winner + x);
+            winners(count, minima.least + x, minima.winner + x);
             neighbours(x, count, minima);
             second(count, minima.winner + x, minima.second + x);
         }
@@ -135,10 +141,10 @@ private:
     }
 
     HWY_INLINE void least_and_right(int x, int count, Right& right) {
-        V index[classes];
+        V name[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            index[q] = hn::Load(tag_, index_ + q * lanes);
+            name[q] = hn::Load(tag_, names_ + q * lanes);
         }
         std::int16_t* done = right_row_ + right_entry(x, candidates - 1);
         for (int i = 0; i < count; ++i) {
@@ -148,32 +154,29 @@ private:
                 s[q] = hn::Load(tag_, sums_of(i) + q * lanes);
             }
             V least = s[0];
-            V first = index[0];
+            V first = name[0];
             DISPARITYD_UNROLL
             for (int q = 1; q < classes; ++q) {
-                first = hn::IfThenElse(hn::Lt(s[q], least), index[q], first);
+                first = hn::IfThenElse(hn::Lt(s[q], least), name[q], first);
                 least = hn::Min(least, s[q]);
             }
             hn::Store(least, tag_, by_lane_ + i * lanes);
             hn::Store(first, tag_, first_ + i * lanes);
-            right.add(s, index, done - i);
+            right.add(s, name, done - i);
         }
     }
 
-    // The least lane of each vector of by_lane_.
-    HWY_INLINE void least_of_lanes(int count, std::int16_t* least) {
-        const hn::FixedTag<std::int16_t, 8> block;
+    // Of each pixel the least sum of all lanes, and the first candidate that has it.
+    HWY_INLINE void winners(int count, std::int16_t* least, std::int16_t* winner) {
+        const auto none = hn::Set(block_, static_cast<std::int16_t>(-name_of_candidate(0)));
         for (int i = 0; i < count; i += 8) {
-            hn::StoreU(least_of_pixels(tag_, [&](int k) { return hn::Load(tag_, by_lane_ + (i + k) * lanes); }), block,
-                       least + i);
-        }
-    }
-
-    // The first candidate with the least sum of its lane, in the first lane that has the least of all.
-    HWY_INLINE void winners(const std::int16_t* least, int count, std::int16_t* winner) {
-        for (int i = 0; i < count; ++i) {
-            const auto found = hn::Eq(hn::Load(tag_, by_lane_ + i * lanes), hn::Set(tag_, least[i]));
-            winner[i] = first_[i * lanes + hn::FindFirstTrue(tag_, found)];
+            const auto sums = [&](int k) { return hn::Load(tag_, by_lane_ + (i + k) * lanes); };
+            hn::StoreU(least_of_pixels(tag_, sums), block_, least + i);
+            const auto names = [&](int k) {
+                const auto found = hn::Eq(sums(k), hn::Set(tag_, least[i + k]));
+                return hn::IfThenElseZero(found, hn::Load(tag_, first_ + (i + k) * lanes));
+            };
+            hn::StoreU(hn::Add(least_of_pixels(tag_, names), none), block_, winner + i);
         }
     }
 
@@ -185,10 +188,12 @@ private:
     }
 
     HWY_INLINE void second(int count, const std::int16_t* winner, std::int16_t* least) {
-        for (int i = 0; i < count; ++i) {
-            hn::Store(least_rivals<classes, no_sum>(tag_, sums_of(i), winner[i]), tag_, by_lane_ + i * lanes);
+        for (int i = 0; i < count; i += 8) {
+            const auto rivals = [&](int k) {
+                return least_rivals<classes, no_sum>(tag_, sums_of(i + k), winner[i + k]);
+            };
+            hn::StoreU(least_of_pixels(tag_, rivals), block_, least + i);
         }
-        least_of_lanes(count, least);
     }
 
     HWY_INLINE void finish_right(const Right& right, std::int16_t* right_winner) {
@@ -200,15 +205,16 @@ private:
         const std::int16_t* found = right_row_ + right_origin + width_ - 1;
         for (int i = 0; i < width_; ++i) {
             // Where no candidate was met: -1, one less than the first candidate.
-            right_winner[i] = static_cast<std::int16_t>(found[-i] + range_.first);
+            right_winner[i] = static_cast<std::int16_t>(found[-i] - name_of_candidate(-range_.first));
         }
     }
 
     Tag tag_{};
+    hn::FixedTag<std::int16_t, 8> block_{};
     int width_;
     DisparityRange range_;
     Places places_;
-    alignas(64) std::int16_t index_[candidates];
+    alignas(64) std::int16_t names_[candidates];
     alignas(64) std::int16_t padding_[candidates];
     alignas(64) std::int16_t sums_[at_once * candidates];
     alignas(64) std::int16_t by_lane_[at_once * lanes] = {};
