@@ -131,7 +131,7 @@ public:
     }
 
     /// Least keys on their way: entry j of block b was met last at the j-th candidate of the block.
-    void rest(std::uint16_t (*keys)[block_size]) const {
+    HWY_INLINE void rest(std::uint16_t (*keys)[block_size]) const {
         alignas(64) std::uint16_t lanes[Groups::lanes];
         for (int q = 0; q < classes; ++q) {
             hn::Store(least_[q], tag_, lanes);
@@ -182,10 +182,11 @@ public:
     }
 
     void run(Minima& minima, std::int16_t* right_winner) {
+        Right right;
         Batch before;
         for (int i = 0; i <= batches(); ++i) {
             const Batch batch = i < batches() ? batch_at(i) : Batch{};
-            all_keys(batch, before, minima);
+            all_keys(batch, before, right, minima);
             for (int k = 0; k < batch.count; k += 8) {
                 winners(k, minima.least + batch.x + k, minima.winner + batch.x + k);
                 right_winners(k, batch.x + k);
@@ -197,7 +198,7 @@ public:
         }
         sums_of_keys(minima.before);
         sums_of_keys(minima.after);
-        finish_right(right_winner);
+        finish_right(right, right_winner);
     }
 
 private:
@@ -224,10 +225,8 @@ private:
 
     // Keys of a batch, and in between the sums beside the winners of the batch before: scattered loads and stores
     // beside vector operations.
-    HWY_INLINE void all_keys(const Batch& batch, const Batch& before, Minima& minima) {
-        // Copies that nobody else can see stay in registers.
-        Right right = right_;
-        const Keys keys_of = keys_of_;
+    HWY_INLINE void all_keys(const Batch& batch, const Batch& before, Right& right, Minima& minima) {
+        const Keys keys_of = keys_of_;  // a copy that nobody else can see stays in registers
         V candidate[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
@@ -263,7 +262,6 @@ private:
         for (int n = batch.count; n < before.count; ++n) {
             neighbours(before, n, minima);
         }
-        right_ = right;
     }
 
     // Of the eight pixels from the i-th of the batch on.
@@ -310,9 +308,9 @@ private:
                    reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }
 
-    void finish_right(std::int16_t* right_winner) {
+    HWY_INLINE void finish_right(const Right& right, std::int16_t* right_winner) {
         std::uint16_t rest[Groups::blocks][Groups::block_size];
-        right_.rest(rest);
+        right.rest(rest);
         const int first = std::min(0, range_.first);
         const int end = std::max(width_, width_ + range_.first + candidates) + lanes;
         for (int b = 0; b < Groups::blocks; ++b) {
@@ -360,7 +358,6 @@ private:
     const Keys& keys_of_;
     Places places_;
     alignas(64) std::uint16_t padding_[candidates];
-    Right right_;
     alignas(64) std::uint16_t keys_[2 * at_once * candidates] = {};
     alignas(64) std::uint16_t least_[at_once * lanes] = {};
     alignas(64) std::uint16_t right_least_[at_once * lanes] = {};
