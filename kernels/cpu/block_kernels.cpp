@@ -55,6 +55,7 @@ struct Block {
                 key[r + registers] = hn::And(costs, hn::Set(words, std::uint16_t{0xff00}));
             }
         };
+        KeyedWinnerSearch<KeyTag, classes, key_bits, 0> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
@@ -62,8 +63,7 @@ struct Block {
                 return planes_of_row(geometry.census, left_planes, right_planes, std::min(of, rows.last - 1));
             };
             MatchingCostRow<Tag, registers>(geometry, planes(y), planes(y + 1), scratch).run();
-            KeyedWinnerSearch<KeyTag, classes, key_bits, 1, 0, decltype(keys)>(geometry, keys)
-                .run(minima, out.row(y).right_winner);
+            search.run(keys, minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }
     }

@@ -62,10 +62,8 @@ struct FormKernels {
         }
     }
 
-    /// Always from the left: what the sweep left in the caches counts for less than code for both directions.
-    static void winner(const SgmGeometry& geometry, const PostOptions& options, int /*direction*/,
-                       const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                       const WinnerRow& out) {
+    static void winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
+                       const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
         const auto sums = [=](int x, int count, std::int16_t* to) {
             for (int i = 0; i < count; ++i) {
                 sums_of(x + i, down, up, costs, to + i * registers * lanes);

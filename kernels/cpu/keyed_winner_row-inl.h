@@ -83,7 +83,7 @@ HWY_INLINE void first_of_groups(Tag tag, const hn::Vec<Tag>* keys, hn::Vec<Tag>*
 }
 
 /// Winners of the right image: the least key along each diagonal of a block, carried from pixel to pixel.
-template <class Tag, int classes, int bits, int direction>
+template <class Tag, int classes, int bits>
 class RightKeys {
     using V = hn::Vec<Tag>;
     using Groups = KeyGroups<Tag, classes, bits>;
@@ -98,26 +98,16 @@ public:
         }
     }
 
-    /// Keys of the next pixel. The last lane (direction 1) or the first (-1) of each block of what is returned belongs
-    /// to the right pixel whose candidates in this block are complete.
+    /// Keys of the next pixel to the right. The last lane of each block of what is returned belongs to the right pixel
+    /// whose candidates in this block are complete.
     HWY_INLINE V add(const V* keys) {
-        if constexpr (direction > 0) {
-            const V first = hn::CombineShiftRightBytes<14>(tag_, least_[last_class], none_);
-            DISPARITYD_UNROLL
-            for (int q = last_class; q > 0; --q) {
-                least_[q] = hn::Min(keys[q], least_[q - 1]);
-            }
-            least_[0] = hn::Min(keys[0], first);
-            return least_[last_class];
-        } else {
-            const V last = hn::CombineShiftRightBytes<2>(tag_, none_, least_[0]);
-            DISPARITYD_UNROLL
-            for (int q = 0; q < last_class; ++q) {
-                least_[q] = hn::Min(keys[q], least_[q + 1]);
-            }
-            least_[last_class] = hn::Min(keys[last_class], last);
-            return least_[0];
+        const V first = hn::CombineShiftRightBytes<14>(tag_, least_[last_class], none_);
+        DISPARITYD_UNROLL
+        for (int q = last_class; q > 0; --q) {
+            least_[q] = hn::Min(keys[q], least_[q - 1]);
         }
+        least_[0] = hn::Min(keys[0], first);
+        return least_[last_class];
     }
 
     /// Of eight pixels' returned vectors: the one lane per block that counts, in the order of the pixels.
@@ -142,17 +132,11 @@ public:
     }
 
 private:
-    // The last (or first) lanes of `T` of two vectors, side by side, where they are the last (or first) again.
+    // The last lanes of `T` of two vectors, side by side, where they are the last again.
     template <class T, class Load>
     static HWY_INLINE auto pairs(Load load) {
         const hn::Repartition<T, Tag> wide;
-        const auto a = hn::BitCast(wide, load(0));
-        const auto b = hn::BitCast(wide, load(1));
-        if constexpr (direction > 0) {
-            return hn::InterleaveUpper(wide, a, b);
-        } else {
-            return hn::InterleaveLower(wide, a, b);
-        }
+        return hn::InterleaveUpper(wide, hn::BitCast(wide, load(0)), hn::BitCast(wide, load(1)));
     }
 
     Tag tag_{};
@@ -160,20 +144,20 @@ private:
     V least_[classes];
 };
 
-/// `Keys` gives the sums of pixel x, too large by `raised` and shifted by `bits`: keys(x, V* out).
-template <class Tag, int classes, int bits, int direction, int raised, class Keys>
+/// Sums are too large by `raised`.
+template <class Tag, int classes, int bits, int raised>
 class KeyedWinnerSearch {
     using V = hn::Vec<Tag>;
     using Groups = KeyGroups<Tag, classes, bits>;
-    using Right = RightKeys<Tag, classes, bits, direction>;
+    using Right = RightKeys<Tag, classes, bits>;
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 16;
     using Places = CandidatePlaces<classes, lanes>;
 
 public:
-    KeyedWinnerSearch(const SgmGeometry& geometry, const Keys& keys)
-        : width_(geometry.width), range_(geometry.range), keys_of_(keys), places_(range_.count) {
+    explicit KeyedWinnerSearch(const SgmGeometry& geometry)
+        : width_(geometry.width), range_(geometry.range), places_(range_.count) {
         if (range_.count != candidates) {
             for (int k = 0; k < candidates; ++k) {
                 padding_[Places::of(k)] = k < range_.count ? std::uint16_t{0} : no_key;
@@ -181,12 +165,14 @@ public:
         }
     }
 
-    void run(Minima& minima, std::int16_t* right_winner) {
+    /// keys(x, V* to) gives the sums of pixel x, shifted by `bits`.
+    template <class Keys>
+    void run(Keys keys, Minima& minima, std::int16_t* right_winner) {
         Right right;
         Batch before;
         for (int i = 0; i <= batches(); ++i) {
             const Batch batch = i < batches() ? batch_at(i) : Batch{};
-            all_keys(batch, before, right, minima);
+            all_keys(keys, batch, before, right, minima);
             for (int k = 0; k < batch.count; k += 8) {
                 winners(k, minima.least + batch.x + k, minima.winner + batch.x + k);
                 right_winners(k, batch.x + k);
@@ -202,8 +188,8 @@ public:
     }
 
 private:
-    // Of a right pixel, block b is complete at the left pixel that it meets at the block's last candidate (direction 1)
-    // or first (-1). Keys of left pixels beside the image are none.
+    // Of a right pixel, block b is complete at the left pixel that it meets at the block's last candidate. Keys of
+    // left pixels beside the image are none.
     static constexpr int right_origin = max_disparities + 64;
     static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
 
@@ -219,24 +205,23 @@ private:
     int batches() const { return (width_ + at_once - 1) / at_once; }
 
     Batch batch_at(int i) {
-        const int x = (direction > 0 ? i : batches() - 1 - i) * at_once;
+        const int x = i * at_once;
         return {x, std::min(at_once, width_ - x), keys_ + i % 2 * at_once * candidates};
     }
 
     // Keys of a batch, and in between the sums beside the winners of the batch before: scattered loads and stores
     // beside vector operations.
-    HWY_INLINE void all_keys(const Batch& batch, const Batch& before, Right& right, Minima& minima) {
-        const Keys keys_of = keys_of_;  // a copy that nobody else can see stays in registers
+    template <class Keys>
+    HWY_INLINE void all_keys(const Keys& keys, const Batch& batch, const Batch& before, Right& right, Minima& minima) {
         V candidate[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits, raised>.names + q * lanes);
         }
         const bool padded = range_.count != candidates;
-        for (int n = 0; n < batch.count; ++n) {
-            const int i = direction > 0 ? n : batch.count - 1 - n;
+        for (int i = 0; i < batch.count; ++i) {
             V key[classes];
-            keys_of(batch.x + i, key);
+            keys(batch.x + i, key);
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 key[q] = hn::Add(key[q], candidate[q]);
@@ -255,12 +240,12 @@ private:
             }
             hn::Store(least, tag_, least_ + i * lanes);
             hn::Store(right.add(key), tag_, right_least_ + i * lanes);
-            if (n < before.count) {
-                neighbours(before, n, minima);
+            if (i < before.count) {
+                neighbours(before, i, minima);
             }
         }
-        for (int n = batch.count; n < before.count; ++n) {
-            neighbours(before, n, minima);
+        for (int i = batch.count; i < before.count; ++i) {
+            neighbours(before, i, minima);
         }
     }
 
@@ -318,7 +303,7 @@ private:
             std::fill(row + first, row, no_key);
             std::fill(row + width_, row + end, no_key);
             for (int j = 0; j < Groups::block_size; ++j) {
-                row[direction > 0 ? width_ - 1 + (Groups::block_size - 1 - j) : -j] = rest[b][j];
+                row[width_ - 1 + (Groups::block_size - 1 - j)] = rest[b][j];
             }
         }
         int x = 0;
@@ -338,7 +323,7 @@ private:
         V groups[Groups::count];
         DISPARITYD_UNROLL
         for (int b = 0; b < Groups::blocks; ++b) {
-            const int at = x + range_.first + Groups::block_size * b + (direction > 0 ? Groups::block_size - 1 : 0);
+            const int at = x + range_.first + Groups::block_size * (b + 1) - 1;
             const V keys = hn::LoadU(tag_, right_row_[b] + right_origin + at);
             V& group = groups[b / blocks_of_group];
             group = b % blocks_of_group == 0 ? keys : hn::Min(group, keys);
@@ -355,7 +340,6 @@ private:
     hn::RebindToSigned<Tag> words_{};
     int width_;
     DisparityRange range_;
-    const Keys& keys_of_;
     Places places_;
     alignas(64) std::uint16_t padding_[candidates];
     alignas(64) std::uint16_t keys_[2 * at_once * candidates] = {};

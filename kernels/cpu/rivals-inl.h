@@ -65,9 +65,9 @@ enum class LeaveOut : std::uint8_t {
     by_store,  ///< of three words: many instructions for one pixel
 };
 template <int classes, int lanes>
-constexpr LeaveOut leave_out = HWY_ARCH_X86 != 0 && HWY_TARGET <= HWY_AVX3 && classes <= 2 ? LeaveOut::by_mask
-                               : classes * lanes <= 64                                     ? LeaveOut::by_words
-                                                                                           : LeaveOut::by_store;
+constexpr LeaveOut leave_out = HWY_ARCH_X86 != 0 && HWY_TARGET <= HWY_AVX3&& classes <= 2 ? LeaveOut::by_mask
+                               : classes* lanes <= 64                                     ? LeaveOut::by_words
+                                                                                          : LeaveOut::by_store;
 
 /// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where no
 /// masks and tables do it, these values and the winner's own become `none`.

@@ -160,7 +160,7 @@ struct SgmKernels {
     void (*jumps)(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
                   const std::uint8_t* row_before, std::uint8_t* const* jumps);
     /// Winners of one row: S = down + up + C once for each path.
-    void (*winner)(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
+    void (*winner)(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                    const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
 };
 

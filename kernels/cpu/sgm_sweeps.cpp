@@ -123,8 +123,8 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSea
     frame.progress.wait_for_sums();
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
-        kernels_.winner(geometry_, options_.post, rows.direction, memory_.sums(y), sweep_rows[i].sums,
-                        sweep_rows[i].costs, frame.results.row(y));
+        kernels_.winner(geometry_, options_.post, memory_.sums(y), sweep_rows[i].sums, sweep_rows[i].costs,
+                        frame.results.row(y));
     }
 }
 

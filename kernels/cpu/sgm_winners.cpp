@@ -26,24 +26,18 @@ struct Winners {
     static constexpr int paths = 8;
     static constexpr int key_bits = 6;  // beside sums of up to 8 * 63 + 8 * 62
 
-    static void winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
+    static void winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
         Minima minima;
-        if (direction > 0) {
-            find_winners<1>(geometry, down, up, costs, minima, out.right_winner);
-        } else {
-            find_winners<-1>(geometry, down, up, costs, minima, out.right_winner);
-        }
+        find_winners(geometry, down, up, costs, minima, out.right_winner);
         LeftResults(geometry, options).row(minima, geometry.width, out);
     }
 
-    template <int direction>
     static void find_winners(const SgmGeometry& geometry, const std::uint8_t* down, const std::uint8_t* up,
                              const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
         if constexpr (KeyGroups<KeyTag, classes, key_bits>::possible) {
             const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
-            KeyedWinnerSearch<KeyTag, classes, key_bits, direction, paths * raised_cost, decltype(keys)>(geometry, keys)
-                .run(minima, right_winner);
+            KeyedWinnerSearch<KeyTag, classes, key_bits, paths * raised_cost>(geometry).run(keys, minima, right_winner);
         } else {
             const auto sums = [=](int x, int count, std::int16_t* to) {
                 for (int i = 0; i < count; ++i) {

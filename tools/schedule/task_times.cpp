@@ -56,10 +56,10 @@ void timed_aggregate(const SgmGeometry& geometry, const cpu::SweepPass& pass, co
     }
 }
 
-void timed_winner(const SgmGeometry& geometry, const PostOptions& options, int direction, const std::uint8_t* down,
+void timed_winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                   const std::uint8_t* up, const std::uint8_t* costs, const cpu::WinnerRow& out) {
     const auto start = Clock::now();
-    timed.real.winner(geometry, options, direction, down, up, costs, out);
+    timed.real.winner(geometry, options, down, up, costs, out);
     timed.winners.push_back(microseconds_since(start));
 }
 

@@ -168,8 +168,8 @@ KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     return {[layout, rows, out, input, row_bytes] {
                 for (int y = 0; y < input.height; ++y) {
                     const std::size_t at = static_cast<std::size_t>(y) * row_bytes;
-                    layout->kernels.winner(layout->geometry, input.options.post, y % 2 == 0 ? 1 : -1, &rows[0][at],
-                                           &rows[1][at], &rows[2][at], out.row(y));
+                    layout->kernels.winner(layout->geometry, input.options.post, &rows[0][at], &rows[1][at],
+                                           &rows[2][at], out.row(y));
                 }
             },
             {},
