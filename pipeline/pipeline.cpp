@@ -100,6 +100,12 @@ public:
 
     PipelineStatus status() const {
         PipelineStatus status;
+        {
+            // First, so that the status of a source that has ended counts all its frames.
+            const std::lock_guard lock(mutex_);
+            status.ended = ended_;
+            status.error = error_;
+        }
         const Intake::Counters& counters = intake_->counters();
         // Against the flow, so that a frame which moves meanwhile is never published before it was captured.
         status.published = published_.load(std::memory_order_acquire);
@@ -115,9 +121,6 @@ public:
                                                            : "total",
                                     times_[i].summary()});
         }
-        const std::lock_guard lock(mutex_);
-        status.ended = ended_;
-        status.error = error_;
         return status;
     }
 

@@ -125,6 +125,21 @@ TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
 }
 
 // With the matcher held, live frames pile up; the newest must win and every loss be counted.
+// Asked all the time, so that the question and the end meet in every order.
+TEST(Pipeline, AStatusOfTheEndCountsEveryFrame) {
+    for (int run = 0; run < 300; ++run) {
+        fakes::Source source(3);
+        fakes::Matcher matcher;
+        Chain chain({.policy = Policy::replay, .slots = 3}, source, matcher, 1);
+        chain.pipeline.start();
+        PipelineStatus status;
+        while (!status.ended) {
+            status = chain.pipeline.status();
+        }
+        ASSERT_EQ(status.published, 3U) << "run " << run;
+    }
+}
+
 TEST(Pipeline, LiveDropsTheOldestAndCounts) {
     std::counting_semaphore<> gate(0);
     std::binary_semaphore entered(0);
