@@ -64,11 +64,8 @@ struct FormKernels {
 
     static void winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
-        const auto sums = [=](int x, int count, std::int16_t* to) {
-            for (int i = 0; i < count; ++i) {
-                sums_of(x + i, down, up, costs, to + i * registers * lanes);
-            }
-        };
+        const auto sums =
+            pixel_by_pixel<registers * lanes>([=](int x, std::int16_t* to) { sums_of(x, down, up, costs, to); });
         Minima minima;
         WinnerSearch<SumTag, classes>(geometry).run(sums, minima, out.right_winner);
         LeftResults(geometry, options).row(minima, geometry.width, out);

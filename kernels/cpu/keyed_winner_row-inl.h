@@ -46,7 +46,7 @@ struct KeyTables {
 
     constexpr KeyTables() {
         for (int k = 0; k < candidates; ++k) {
-            names[k % classes * Groups::lanes + k / classes] =
+            names[CandidatePlaces<classes, Groups::lanes>::of(k)] =
                 static_cast<std::uint16_t>(k % Groups::group_size - (raised << bits));
         }
     }
@@ -274,7 +274,7 @@ private:
 
     HWY_INLINE void neighbours(const Batch& batch, int i, Minima& minima) {
         const int x = batch.x + i;
-        take_neighbours(places_, minima.winner[x], no_key, batch.of(i), &minima.before[x], &minima.after[x]);
+        take_neighbours<no_key>(places_, minima.winner[x], batch.of(i), &minima.before[x], &minima.after[x]);
     }
 
     void sums_of_keys(std::int16_t* keys) const {
@@ -288,7 +288,7 @@ private:
         const hn::FixedTag<std::uint16_t, 8> block;
         const std::int16_t* winner = minima.winner + batch.x + i;
         const auto least_key = least_of_pixels(
-            tag_, [&](int k) { return least_rivals<classes, no_key>(tag_, batch.of(i + k), winner[k]); });
+            tag_, [&](int k) { return least_rivals<no_key, classes>(tag_, batch.of(i + k), winner[k]); });
         hn::StoreU(hn::ShiftRight<bits>(least_key), block,
                    reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }

@@ -232,7 +232,7 @@ HWY_INLINE V add_where(Mask mask, V v, V bytes) {
     }
 }
 
-/// The last 128 bits of `v`, and the first.
+/// The last 128 bits of `v`.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE auto upper_block(Tag tag, V v) {
     if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
@@ -241,16 +241,6 @@ HWY_INLINE auto upper_block(Tag tag, V v) {
     } else {
         const hn::Half<Tag> half;
         return upper_block(half, hn::UpperHalf(half, v));
-    }
-}
-template <class Tag, class V = hn::Vec<Tag>>
-HWY_INLINE auto lower_block(Tag tag, V v) {
-    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
-        (void)tag;
-        return v;
-    } else {
-        const hn::Half<Tag> half;
-        return lower_block(half, hn::LowerHalf(half, v));
     }
 }
 

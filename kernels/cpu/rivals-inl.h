@@ -17,9 +17,9 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 /// Which candidates of a pixel are not beside a winner, |candidate - winner| > 1, as masks of the lanes of a class.
 template <int classes, int lanes>
-class Rivals {
+class RivalMasks {
 public:
-    constexpr Rivals() {
+    constexpr RivalMasks() {
         for (int winner = 0; winner < classes * lanes; ++winner) {
             for (int k = 0; k < classes * lanes; ++k) {
                 if (k < winner - 1 || k > winner + 1) {
@@ -35,13 +35,13 @@ private:
     std::uint8_t masks_[classes * lanes][classes][(lanes + 7) / 8] = {};
 };
 template <int classes, int lanes>
-inline constexpr Rivals<classes, lanes> rivals;
+inline constexpr RivalMasks<classes, lanes> rival_masks;
 
 /// The same as words, class after class: 0 for a candidate that is not beside the winner, `none` for one that is.
 template <int classes, int lanes, class T, T none>
-class NoRivals {
+class RivalWords {
 public:
-    constexpr NoRivals() {
+    constexpr RivalWords() {
         using Places = CandidatePlaces<classes, lanes>;
         for (int winner = 0; winner < Places::candidates; ++winner) {
             for (int k = 0; k < Places::candidates; ++k) {
@@ -56,7 +56,7 @@ private:
     alignas(64) T words_[classes * lanes][classes * lanes] = {};
 };
 template <int classes, int lanes, class T, T none>
-inline constexpr NoRivals<classes, lanes, T, none> no_rivals;
+inline constexpr RivalWords<classes, lanes, T, none> rival_words;
 
 /// How the winner and those beside it are left out of the search.
 enum class LeaveOut : std::uint8_t {
@@ -65,14 +65,14 @@ enum class LeaveOut : std::uint8_t {
     by_store,  ///< of three words: many instructions for one pixel
 };
 template <int classes, int lanes>
-constexpr LeaveOut leave_out = HWY_ARCH_X86 != 0 && HWY_TARGET <= HWY_AVX3&& classes <= 2 ? LeaveOut::by_mask
-                               : classes* lanes <= 64                                     ? LeaveOut::by_words
-                                                                                          : LeaveOut::by_store;
+constexpr LeaveOut leave_out = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) && (classes <= 2) ? LeaveOut::by_mask
+                               : CandidatePlaces<classes, lanes>::candidates <= 64               ? LeaveOut::by_words
+                                                                                                 : LeaveOut::by_store;
 
-/// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where no
-/// masks and tables do it, these values and the winner's own become `none`.
-template <int classes, int lanes, class T>
-HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, int winner, T none, T* values,
+/// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where neither
+/// masks nor words do it, these values and the winner's own become `none`.
+template <auto none, int classes, int lanes, class T>
+HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, int winner, T* values,
                                 std::int16_t* before, std::int16_t* after) {
     const std::uint16_t* place = places.around(winner);
     *before = static_cast<std::int16_t>(values[place[0]]);
@@ -85,7 +85,7 @@ HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, i
 }
 
 /// After take_neighbours(): the least value in each lane of all classes.
-template <int classes, auto none, class Tag, class T = hn::TFromD<Tag>>
+template <auto none, int classes, class Tag, class T = hn::TFromD<Tag>>
 HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
     constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     constexpr LeaveOut how = leave_out<classes, lanes>;
@@ -94,10 +94,10 @@ HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
     for (int q = 0; q < classes; ++q) {
         const auto v = hn::Load(tag, values + q * lanes);
         if constexpr (how == LeaveOut::by_mask) {
-            const auto mask = hn::LoadMaskBits(tag, rivals<classes, lanes>.of(winner, q));
+            const auto mask = hn::LoadMaskBits(tag, rival_masks<classes, lanes>.of(winner, q));
             least = hn::IfThenElse(mask, hn::Min(least, v), least);
         } else if constexpr (how == LeaveOut::by_words) {
-            const auto left_out = hn::Load(tag, no_rivals<classes, lanes, T, none>.of(winner) + q * lanes);
+            const auto left_out = hn::Load(tag, rival_words<classes, lanes, T, none>.of(winner) + q * lanes);
             least = q == 0 ? hn::Or(v, left_out) : hn::Min(least, hn::Or(v, left_out));
         } else {
             least = q == 0 ? v : hn::Min(least, v);

@@ -100,15 +100,15 @@ public:
 
         void operator()(int x, int count, std::int16_t* out) {
             if (x >= sad_radius_x && x + count + sad_radius_x < rows_.geometry_.width) {
-                move<true>(x, count, out);
-            } else {
                 move<false>(x, count, out);
+            } else {
+                move<true>(x, count, out);
             }
             rows_.set_outside(x, count, out);
         }
 
     private:
-        template <bool inside>
+        template <bool near_end>
         HWY_INLINE void move(int x, int count, std::int16_t* out) {
             const int last = rows_.geometry_.width - 1;
             // A copy that nobody else can see stays in registers.
@@ -117,21 +117,19 @@ public:
             for (int q = 0; q < classes; ++q) {
                 sum[q] = sum_[q];
             }
-            const std::int16_t* next = rows_.column(x + 1 + sad_radius_x);
-            const std::int16_t* oldest = rows_.column(x - sad_radius_x);
+            const auto next_of = [&](int i) { return rows_.column(std::min(x + i + 1 + sad_radius_x, last)); };
+            const auto oldest_of = [&](int i) { return rows_.column(std::max(x + i - sad_radius_x, 0)); };
+            const std::int16_t* next = next_of(0);
+            const std::int16_t* oldest = oldest_of(0);
             for (int i = 0; i < count; ++i) {
-                if constexpr (!inside) {
-                    next = rows_.column(std::min(x + i + 1 + sad_radius_x, last));
-                    oldest = rows_.column(std::max(x + i - sad_radius_x, 0));
-                }
                 DISPARITYD_UNROLL
                 for (int q = 0; q < classes; ++q) {
                     hn::Store(sum[q], Words(), out + q * lanes);
                     const W more = hn::Add(sum[q], hn::Load(Words(), next + q * lanes));
                     sum[q] = hn::Sub(more, hn::Load(Words(), oldest + q * lanes));
                 }
-                next += candidates;
-                oldest += candidates;
+                next = near_end ? next_of(i + 1) : next + candidates;
+                oldest = near_end ? oldest_of(i + 1) : oldest + candidates;
                 out += candidates;
             }
             DISPARITYD_UNROLL

@@ -29,23 +29,16 @@ struct Winners {
     static void winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
         Minima minima;
-        find_winners(geometry, down, up, costs, minima, out.right_winner);
-        LeftResults(geometry, options).row(minima, geometry.width, out);
-    }
-
-    static void find_winners(const SgmGeometry& geometry, const std::uint8_t* down, const std::uint8_t* up,
-                             const std::uint8_t* costs, Minima& minima, std::int16_t* right_winner) {
         if constexpr (KeyGroups<KeyTag, classes, key_bits>::possible) {
-            const auto keys = [=](int x, hn::Vec<KeyTag>* out) { keys_of(x, down, up, costs, out); };
-            KeyedWinnerSearch<KeyTag, classes, key_bits, paths * raised_cost>(geometry).run(keys, minima, right_winner);
+            const auto keys = [=](int x, hn::Vec<KeyTag>* to) { keys_of(x, down, up, costs, to); };
+            KeyedWinnerSearch<KeyTag, classes, key_bits, paths * raised_cost>(geometry).run(keys, minima,
+                                                                                            out.right_winner);
         } else {
-            const auto sums = [=](int x, int count, std::int16_t* to) {
-                for (int i = 0; i < count; ++i) {
-                    sums_of(x + i, down, up, costs, to + i * registers * lanes);
-                }
-            };
-            WinnerSearch<SumTag, classes>(geometry).run(sums, minima, right_winner);
+            const auto sums =
+                pixel_by_pixel<registers * lanes>([=](int x, std::int16_t* to) { sums_of(x, down, up, costs, to); });
+            WinnerSearch<SumTag, classes>(geometry).run(sums, minima, out.right_winner);
         }
+        LeftResults(geometry, options).row(minima, geometry.width, out);
     }
 
     // 64 S of pixel x, S = down + up + 8 C, in the classes of winner_row-inl.h. C and so S are still raised.

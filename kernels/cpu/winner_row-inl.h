@@ -24,6 +24,31 @@ constexpr std::int16_t name_of_candidate(int k) {
     return static_cast<std::int16_t>(k - max_disparities);
 }
 
+/// The names of all candidates, class after class.
+template <int classes, int lanes>
+struct CandidateNames {
+    using Places = CandidatePlaces<classes, lanes>;
+    alignas(64) std::int16_t names[Places::candidates] = {};
+
+    constexpr CandidateNames() {
+        for (int k = 0; k < Places::candidates; ++k) {
+            names[Places::of(k)] = name_of_candidate(k);
+        }
+    }
+};
+template <int classes, int lanes>
+inline constexpr CandidateNames<classes, lanes> candidate_names;
+
+/// Sums for WinnerSearch::run() from those of one pixel: sums_of(x, std::int16_t* to).
+template <int candidates, class SumsOf>
+auto pixel_by_pixel(SumsOf sums_of) {
+    return [sums_of](int x, int count, std::int16_t* to) {
+        for (int i = 0; i < count; ++i) {
+            sums_of(x + i, to + i * candidates);
+        }
+    };
+}
+
 /// Winners of the right image: the least sum along each diagonal, carried from pixel to pixel.
 template <class Tag, int classes>
 class RightWinners {
@@ -90,10 +115,8 @@ class WinnerSearch {
 public:
     explicit WinnerSearch(const SgmGeometry& geometry)
         : width_(geometry.width), range_(geometry.range), places_(range_.count) {
-        for (int k = 0; k < candidates; ++k) {
-            const auto place = Places::of(k);
-            names_[place] = name_of_candidate(k);
-            padding_[place] = k < range_.count ? std::int16_t{0} : no_sum;
+        for (int k = 0; k < candidates && range_.count != candidates; ++k) {
+            padding_[Places::of(k)] = k < range_.count ? std::int16_t{0} : no_sum;
         }
         std::fill_n(first_, at_once * lanes, name_of_candidate(0));  // of pixels past the end of the row too
     }
@@ -107,6 +130,7 @@ public:
         for (int x = 0; x < width_; x += at_once) {
             const int count = std::min(at_once, width_ - x);
             sums(x, count, sums_);
+            std::fill(sums_of(count), sums_of((count + 7) / 8 * 8), std::int16_t{0});  // searched in eights
             if (range_.count != candidates) {
                 set_padding(count);
             }
@@ -144,7 +168,7 @@ private:
         V name[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            name[q] = hn::Load(tag_, names_ + q * lanes);
+            name[q] = hn::Load(tag_, candidate_names<classes, lanes>.names + q * lanes);
         }
         std::int16_t* done = right_row_ + right_entry(x, candidates - 1);
         for (int i = 0; i < count; ++i) {
@@ -182,15 +206,15 @@ private:
 
     HWY_INLINE void neighbours(int x, int count, Minima& minima) {
         for (int i = 0; i < count; ++i) {
-            take_neighbours(places_, minima.winner[x + i], no_sum, sums_of(i), &minima.before[x + i],
-                            &minima.after[x + i]);
+            take_neighbours<no_sum>(places_, minima.winner[x + i], sums_of(i), &minima.before[x + i],
+                                    &minima.after[x + i]);
         }
     }
 
     HWY_INLINE void second(int count, const std::int16_t* winner, std::int16_t* least) {
         for (int i = 0; i < count; i += 8) {
             const auto rivals = [&](int k) {
-                return least_rivals<classes, no_sum>(tag_, sums_of(i + k), winner[i + k]);
+                return least_rivals<no_sum, classes>(tag_, sums_of(i + k), winner[i + k]);
             };
             hn::StoreU(least_of_pixels(tag_, rivals), block_, least + i);
         }
@@ -214,7 +238,6 @@ private:
     int width_;
     DisparityRange range_;
     Places places_;
-    alignas(64) std::int16_t names_[candidates];
     alignas(64) std::int16_t padding_[candidates];
     alignas(64) std::int16_t sums_[at_once * candidates];
     alignas(64) std::int16_t by_lane_[at_once * lanes] = {};
