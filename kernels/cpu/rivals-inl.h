@@ -15,14 +15,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-/// Which candidates of a pixel are not beside a winner, |candidate - winner| > 1, as masks of the lanes of a class.
+constexpr bool is_rival(int k, int winner) {
+    return k < winner - 1 || k > winner + 1;
+}
+
+/// The rivals of a winner as masks of the lanes of a class.
 template <int classes, int lanes>
 class RivalMasks {
 public:
     constexpr RivalMasks() {
         for (int winner = 0; winner < classes * lanes; ++winner) {
             for (int k = 0; k < classes * lanes; ++k) {
-                if (k < winner - 1 || k > winner + 1) {
+                if (is_rival(k, winner)) {
                     masks_[winner][k % classes][k / classes / 8] |= static_cast<std::uint8_t>(1 << k / classes % 8);
                 }
             }
@@ -37,7 +41,7 @@ private:
 template <int classes, int lanes>
 inline constexpr RivalMasks<classes, lanes> rival_masks;
 
-/// The same as words, class after class: 0 for a candidate that is not beside the winner, `none` for one that is.
+/// The same as words, class after class: 0 for a rival, `none` for the winner and those beside it.
 template <int classes, int lanes, class T, T none>
 class RivalWords {
 public:
@@ -45,7 +49,7 @@ public:
         using Places = CandidatePlaces<classes, lanes>;
         for (int winner = 0; winner < Places::candidates; ++winner) {
             for (int k = 0; k < Places::candidates; ++k) {
-                words_[winner][Places::of(k)] = k < winner - 1 || k > winner + 1 ? T{0} : none;
+                words_[winner][Places::of(k)] = is_rival(k, winner) ? T{0} : none;
             }
         }
     }
@@ -92,13 +96,13 @@ HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
     auto least = hn::Set(tag, none);
     DISPARITYD_UNROLL
     for (int q = 0; q < classes; ++q) {
-        const auto v = hn::Load(tag, values + q * lanes);
+        auto v = hn::Load(tag, values + q * lanes);
+        if constexpr (how == LeaveOut::by_words) {
+            v = hn::Or(v, hn::Load(tag, rival_words<classes, lanes, T, none>.of(winner) + q * lanes));
+        }
         if constexpr (how == LeaveOut::by_mask) {
             const auto mask = hn::LoadMaskBits(tag, rival_masks<classes, lanes>.of(winner, q));
             least = hn::IfThenElse(mask, hn::Min(least, v), least);
-        } else if constexpr (how == LeaveOut::by_words) {
-            const auto left_out = hn::Load(tag, rival_words<classes, lanes, T, none>.of(winner) + q * lanes);
-            least = q == 0 ? hn::Or(v, left_out) : hn::Min(least, hn::Or(v, left_out));
         } else {
             least = q == 0 ? v : hn::Min(least, v);
         }

@@ -124,7 +124,6 @@ TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
     EXPECT_EQ(source.wrong_returns(), 0);
 }
 
-// With the matcher held, live frames pile up; the newest must win and every loss be counted.
 // Asked all the time, so that the question and the end meet in every order.
 TEST(Pipeline, AStatusOfTheEndCountsEveryFrame) {
     for (int run = 0; run < 300; ++run) {
@@ -140,6 +139,7 @@ TEST(Pipeline, AStatusOfTheEndCountsEveryFrame) {
     }
 }
 
+// With the matcher held, live frames pile up; the newest must win and every loss be counted.
 TEST(Pipeline, LiveDropsTheOldestAndCounts) {
     std::counting_semaphore<> gate(0);
     std::binary_semaphore entered(0);
