@@ -52,15 +52,7 @@ TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
 }
 
 TEST_F(CudaDevice, TheLargestPenaltiesAndCostsDoNotOverflow) {
-    Random random(53);
-    Pair pair(random, 90, 5);
-    for (int y = 0; y < 5; ++y) {
-        for (int x = 0; x < 90; ++x) {
-            // Census words that differ in as many bits as can be: rising on the left, falling on the right.
-            pair.left.at(x, y) = static_cast<std::uint8_t>(x + y);
-            pair.right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
-        }
-    }
+    const Pair pair = pair_of_opposites(90, 5);
     for (const int p1 : {1, 192}) {
         for (const int disparities : {80, 256}) {
             MatchOptions options;
@@ -85,10 +77,7 @@ TEST_F(CudaDevice, NothingIsLeftFromTheFrameBefore) {
         const Pair other(random, 33, 21);
         const auto matcher = backend("cuda").create({33, 21, options});
         for (const Pair* pair : {&one, &other, &one}) {
-            Frame frame(*matcher, pair->left, pair->right);
-            match(*matcher, frame.view, serial);
-            ASSERT_EQ((Result{frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()}),
-                      result_of("reference", *pair, options));
+            ASSERT_EQ(result_of(*matcher, *pair, serial), result_of("reference", *pair, options));
         }
     }
 }

@@ -45,19 +45,6 @@ protected:
         return daemon;
     }
 
-    static v1::Status status(WireClient& client) {
-        v1::Envelope request;
-        request.mutable_status_request();
-        EXPECT_TRUE(client.send(request));
-        while (const auto answer = client.receive()) {
-            if (answer->envelope.has_status()) {
-                return answer->envelope.status();
-            }
-        }
-        ADD_FAILURE() << "no status";
-        return {};
-    }
-
     static WireClient subscriber(const std::string& address, const std::vector<v1::Product>& products,
                                  const std::string& name = "test") {
         WireClient client(address);

@@ -63,19 +63,6 @@ protected:
         status(client);
     }
 
-    v1::Status status(WireClient& client) {
-        v1::Envelope request;
-        request.mutable_status_request();
-        EXPECT_TRUE(client.send(request));
-        while (const auto answer = client.receive()) {
-            if (answer->envelope.has_status()) {
-                return answer->envelope.status();
-            }
-        }
-        ADD_FAILURE() << "no status";
-        return {};
-    }
-
     SocketServerConfig config_;
     FrameFeed feed_{64, 48, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT, v1::LEFT_COLOUR}};
     std::unique_ptr<SocketServer> server_;

@@ -177,6 +177,18 @@ bool WireClient::is_closed(std::chrono::milliseconds timeout) {
     return false;
 }
 
+v1::Status status(WireClient& client) {
+    v1::Envelope request;
+    request.mutable_status_request();
+    client.send(request);
+    while (const auto answer = client.receive()) {
+        if (answer->envelope.has_status()) {
+            return answer->envelope.status();
+        }
+    }
+    throw std::runtime_error("the daemon has not said its status");
+}
+
 v1::Envelope subscription(const std::vector<v1::Product>& products) {
     v1::Envelope message;
     message.mutable_subscribe();

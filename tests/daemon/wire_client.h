@@ -56,6 +56,9 @@ private:
     int fd_ = -1;
 };
 
+/// Asks for the daemon's status; what comes before it is thrown away. Throws std::runtime_error when none comes.
+v1::Status status(WireClient& client);
+
 v1::Envelope subscription(const std::vector<v1::Product>& products);
 
 }  // namespace disparityd::test

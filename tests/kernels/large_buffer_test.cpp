@@ -40,6 +40,7 @@ TEST(LargeBuffer, Moves) {
     LargeBuffer second(std::move(first));
     EXPECT_EQ(second.data(), data);
     LargeBuffer third;
+    EXPECT_EQ(third.data(), nullptr);
     third = std::move(second);
     EXPECT_EQ(third.data(), data);
     EXPECT_EQ(third.size(), large_page + 1);

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "kernels/large_buffer.h"
-#include "tests/kernels/support.h"
+#include "kernels/cpu/backend.h"
+#include "tests/kernels/any_pair.h"
 
 namespace disparityd::test {
 namespace {
@@ -161,55 +161,23 @@ TEST_P(EveryMethod, ARegionOutsideTheFrameIsRefused) {
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::Values(Method::sad, Method::census, Method::sgm),
                          [](const auto& instance) { return std::string(name(instance.param)); });
 
-MatchOptions any_options(Random& random) {
-    MatchOptions options;
-    options.method = static_cast<Method>(pick(random, 0, 2));
-    options.range = {pick(random, -40, 40), 16 * pick(random, 1, 4)};
-    options.sgm.paths = pick(random, 0, 1) == 0 ? 4 : 8;
-    options.sgm.p2 = pick(random, 2, 193);
-    options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
-    options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
-    options.post.subpixel = pick(random, 0, 1) == 1;
-    options.post.local_extrema = pick(random, 0, 1) == 1;
-    options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 30);
-    options.post.left_right_check = pick(random, 0, 3) > 0;
-    options.post.median = std::array{0, 3, 5}[static_cast<std::size_t>(pick(random, 0, 2))];
-    options.post.speckle_size = pick(random, 0, 1) * pick(random, 0, 40);
-    options.post.speckle_step = pick(random, 0, 2);
-    options.post.interpolate = pick(random, 0, 1) == 1;
-    return options;
-}
+class EveryInstructionSet : public testing::TestWithParam<cpu::InstructionSet> {};
 
-void expect_equal_to_reference(Random& random, int width, int height, const MatchOptions& options,
-                               std::initializer_list<int> worker_counts) {
-    ASSERT_EQ(problem(options), "");
-    const ShiftedPair pair(random, width, height, pick(random, -5, 20));
-    Serial serial;
-    const auto reference = backend("reference").create({width, height, options});
-    Frame expected(*reference, pair.left, pair.right);
-    match(*reference, expected.view, serial);
-    const auto matcher = backend("cpu").create({width, height, options});
-    for (const int count : worker_counts) {
-        ShuffledWorkers workers(count, static_cast<unsigned>(random()));
-        Frame frame(*matcher, pair.left, pair.right);
-        match(*matcher, frame.view, workers);
-        ASSERT_EQ(frame.disparity.pixels(), expected.disparity.pixels())
-            << width << "x" << height << " " << name(options.method) << ", " << count << " workers";
-        ASSERT_EQ(frame.confidence.pixels(), expected.confidence.pixels());
-        ASSERT_EQ(frame.depth.pixels(), expected.depth.pixels());
-    }
-}
-
-TEST(CpuBackend, EqualsTheReferenceForAnyOptionsAndWorkers) {
+TEST_P(EveryInstructionSet, EqualsTheReferenceForAnyOptionsAndWorkers) {
     Random random(24);
     for (int round = 0; round < 40; ++round) {
-        const int width = pick(random, 1, 70);
-        const int height = pick(random, 1, 40);
-        expect_equal_to_reference(random, width, height, any_options(random), {1, 2, 3, 7});
+        const Pair pair(random, pick(random, 1, round % 4 == 0 ? 150 : 70), pick(random, 1, 40));
+        const MatchOptions options = any_options(random);
+        const auto matcher = cpu::create({pair.width(), pair.height(), options}, GetParam());
+        const Result expected = result_of("reference", pair, options);
+        for (const int count : {1, 2, 3, 7}) {
+            ShuffledWorkers workers(count, static_cast<unsigned>(random()));
+            expect_result(result_of(*matcher, pair, workers), expected, matcher->config(), workers);
+        }
     }
 }
 
-TEST(CpuBackend, EqualsTheReferenceOnHostileSizes) {
+TEST_P(EveryInstructionSet, EqualsTheReferenceOnHostileSizes) {
     Random random(25);
     for (const auto& [width, height] :
          {std::pair{1, 1}, {1, 40}, {40, 1}, {2, 2}, {15, 9}, {33, 3}, {3, 33}, {63, 5}, {64, 4}}) {
@@ -218,11 +186,16 @@ TEST(CpuBackend, EqualsTheReferenceOnHostileSizes) {
                 MatchOptions options = any_options(random);
                 options.method = method;
                 options.range = range;
-                expect_equal_to_reference(random, width, height, options, {pick(random, 2, 5)});
+                const auto matcher = cpu::create({width, height, options}, GetParam());
+                ShuffledWorkers workers(pick(random, 2, 5), static_cast<unsigned>(random()));
+                expect_equal_to_reference(*matcher, Pair(random, width, height), workers);
             }
         }
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(CpuKernels, EveryInstructionSet, testing::ValuesIn(cpu::instruction_sets()),
+                         [](const auto& set) { return set.param.name; });
 
 TEST(CpuBackend, NothingIsLeftFromTheFrameBefore) {
     Random random(26);
@@ -273,28 +246,6 @@ TEST(CpuBackend, WhatTravelsWithAFrameIsItsOwn) {
     run(3, first);
     EXPECT_EQ(first.disparity.pixels(), alone.disparity.pixels());
     EXPECT_EQ(first.confidence.pixels(), alone.confidence.pixels());
-}
-
-TEST(LargeBuffer, SaysHowMuchMemoryIsMissing) {
-    try {
-        const LargeBuffer buffer(std::size_t{1} << 60);
-        FAIL() << "no machine has an exbibyte";
-    } catch (const std::runtime_error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("1152921504607 MB"));
-    }
-}
-
-TEST(LargeBuffer, IsZeroedAndMoves) {
-    LargeBuffer buffer(100000);
-    EXPECT_EQ(std::count(buffer.data(), buffer.data() + buffer.size(), std::byte{0}), 100000);
-    std::byte* const memory = buffer.data();
-    LargeBuffer other = std::move(buffer);
-    EXPECT_EQ(other.data(), memory);
-    EXPECT_EQ(other.size(), 100000U);
-    LargeBuffer third;
-    EXPECT_EQ(third.data(), nullptr);
-    third = std::move(other);
-    EXPECT_EQ(third.data(), memory);
 }
 
 TEST(Backends, TheLargestImageDoesNotWrapSizes) {

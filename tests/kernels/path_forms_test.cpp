@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// SGM beyond 8 paths with sums in bytes: large P2, and 4 paths.
+// SGM in all its forms: 8 or 4 paths, sums in bytes or, for a large P2, in words.
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ struct Form {
     int p2_most;
 };
 
-constexpr Form forms[] = {{"EightPathsWide", 8, cpu::max_byte_p2 + 1, 193},
+constexpr Form forms[] = {{"EightPaths", 8, 2, cpu::max_byte_p2},
+                          {"EightPathsWide", 8, cpu::max_byte_p2 + 1, 193},
                           {"FourPaths", 4, 2, cpu::max_byte_p2_of_4_paths},
                           {"FourPathsWide", 4, cpu::max_byte_p2_of_4_paths + 1, 193}};
 
@@ -36,9 +37,9 @@ protected:
 
 TEST_P(PathForms, EqualTheReference) {
     Random random(70);
-    for (int round = 0; round < 40; ++round) {
+    for (int round = 0; round < 60; ++round) {
         const int width = pick(random, 1, round % 2 == 0 ? 200 : 40);
-        ShuffledWorkers workers(pick(random, 1, 6), static_cast<unsigned>(random()));
+        ShuffledWorkers workers(pick(random, 1, 8), static_cast<unsigned>(random()));
         random_case(random, width, pick(random, 1, 14), options(random))
             .expect_from(target(), round % 3 == 0 ? in_cache : 0, workers);
     }
@@ -48,17 +49,33 @@ TEST_P(PathForms, EqualTheReferenceForEveryNumberOfDisparities) {
     Random random(71);
     Serial serial;
     for (int disparities = 16; disparities <= max_disparities; disparities += 16) {
-        MatchOptions how = options(random);
-        how.range = {-disparities / 2, disparities};
-        random_case(random, 130, 6, how).expect_from(target(), disparities % 32 == 0 ? 0 : in_cache, serial);
+        for (const int first : {0, -disparities / 2}) {
+            MatchOptions how = options(random);
+            how.range = {first, disparities};
+            random_case(random, 130, 6, how).expect_from(target(), disparities % 32 == 0 ? 0 : in_cache, serial);
+        }
     }
 }
 
 TEST_P(PathForms, EqualTheReferenceOnHostileSizes) {
     Random random(72);
     Serial serial;
-    for (const auto& [width, height] :
-         {std::pair{1, 1}, {1, 9}, {9, 1}, {2, 2}, {15, 3}, {16, 2}, {17, 3}, {33, 2}, {49, 3}, {64, 3}, {65, 2}}) {
+    for (const auto& [width, height] : {std::pair{1, 1},
+                                        {1, 9},
+                                        {9, 1},
+                                        {2, 2},
+                                        {15, 3},
+                                        {16, 2},
+                                        {17, 3},
+                                        {31, 2},
+                                        {32, 3},
+                                        {33, 2},
+                                        {48, 4},
+                                        {49, 3},
+                                        {63, 2},
+                                        {64, 3},
+                                        {65, 2},
+                                        {96, 5}}) {
         for (const DisparityRange range : {DisparityRange{0, 16}, {0, 256}, {-256, 256}, {256, 16}, {-256, 16}}) {
             MatchOptions how = options(random);
             how.range = range;
@@ -72,20 +89,12 @@ TEST_P(PathForms, TheLargestPenaltiesAndCostsDoNotOverflow) {
     MatchOptions how;
     how.sgm.paths = form().paths;
     how.sgm.p2 = form().p2_most;
-    // Census words that differ in as many bits as can be: rising on the left, falling on the right.
-    Image<std::uint8_t> left(140, 8);
-    Image<std::uint8_t> right(140, 8);
-    for (int x = 0; x < left.width(); ++x) {
-        for (int y = 0; y < left.height(); ++y) {
-            left.at(x, y) = static_cast<std::uint8_t>(x + y);
-            right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
-        }
-    }
+    const Pair pair = pair_of_opposites(140, 8);
     for (const int p1 : {1, 10, how.sgm.p2 - 1}) {
         for (const int disparities : {16, 48, 64, 80, 128, 144, 256}) {
             how.sgm.p1 = p1;
             how.range = {0, disparities};
-            SgmCase(left, right, how).expect_from(target(), 0, serial);
+            SgmCase(pair, how).expect_from(target(), 0, serial);
         }
     }
 }
@@ -104,17 +113,9 @@ TEST_P(PathForms, WholeMatcherEqualsTheReference) {
     Serial serial;
     for (int round = 0; round < 4; ++round) {
         const MatchOptions how = options(random);
-        const SgmCase images = random_case(random, pick(random, 1, 150), pick(random, 1, 20), how);
-        const MatcherConfig config{images.width(), images.height(), how};
-        const auto reference = backend("reference").create(config);
-        const auto matcher = cpu::create(config, std::get<0>(GetParam()));
-        Frame expected(*reference, images.left, images.right);
-        Frame found(*matcher, images.left, images.right);
-        match(*reference, expected.view, serial);
-        match(*matcher, found.view, serial);
-        ASSERT_EQ(found.disparity.pixels(), expected.disparity.pixels()) << images.width() << "x" << images.height();
-        ASSERT_EQ(found.confidence.pixels(), expected.confidence.pixels());
-        ASSERT_EQ(found.depth.pixels(), expected.depth.pixels());
+        const Pair pair(random, pick(random, 1, 150), pick(random, 1, 20));
+        const auto matcher = cpu::create({pair.width(), pair.height(), how}, std::get<0>(GetParam()));
+        expect_equal_to_reference(*matcher, pair, serial);
     }
 }
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "kernels/cpu/sgm_sweeps.h"
+#include "tests/kernels/any_pair.h"
 #include "tests/kernels/guarded.h"
-#include "tests/kernels/support.h"
 
 namespace disparityd::test {
 
@@ -30,27 +30,20 @@ struct SgmResults {
 /// A pair, how it is matched, and what the reference finds.
 class SgmCase {
 public:
-    SgmCase(Image<std::uint8_t> left_image, Image<std::uint8_t> right_image, const MatchOptions& how)
-        : left(std::move(left_image)),
-          right(std::move(right_image)),
-          options(how),
-          expected(left.width(), left.height()) {
+    SgmCase(Pair images, const MatchOptions& how)
+        : pair(std::move(images)), options(how), expected(pair.width(), pair.height()) {
         run_reference();
     }
-
-    int width() const { return left.width(); }
-    int height() const { return left.height(); }
 
     /// Everything that SgmSweeps writes is as expected and nothing else is touched. `cache_bytes`: 0 has volumes
     /// written past the caches.
     void expect_from(std::int64_t target, std::size_t cache_bytes, Parallel& workers) const {
-        const cpu::SgmSweeps sweeps(width(), height(), options, target, cache_bytes);
+        const cpu::SgmSweeps sweeps(pair.width(), pair.height(), options, target, cache_bytes);
         const GuardedMemory<std::uint8_t> census(sweeps.census_bytes());
         const std::span<std::byte> planes(reinterpret_cast<std::byte*>(census.data()), census.size());
-        const SgmResults found(width(), height());
-        Serial serial;
-        sweeps.census(left.plane(), right.plane(), planes, serial);
-        sweeps.match(planes, left.plane(), found.view(), workers);
+        const SgmResults found(pair.width(), pair.height());
+        sweeps.census(pair.left.plane(), pair.right.plane(), planes, workers);
+        sweeps.match(planes, pair.left.plane(), found.view(), workers);
         EXPECT_TRUE(census.intact());
         EXPECT_TRUE(found.intact());
         EXPECT_EQ(differences(found.winner.plane(), expected.winner.plane()), 0);
@@ -58,32 +51,34 @@ public:
         EXPECT_EQ(differences(found.disparity.plane(), expected.disparity.plane()), 0);
         EXPECT_EQ(differences(found.confidence.plane(), expected.confidence.plane()), 0);
         ASSERT_FALSE(testing::Test::HasFailure())
-            << width() << "x" << height() << ", D " << options.range.count << " from " << options.range.first << ", "
-            << options.sgm.paths << " paths, P1 " << options.sgm.p1 << ", P2 " << options.sgm.p2
+            << pair.width() << "x" << pair.height() << ", D " << options.range.count << " from " << options.range.first
+            << ", " << options.sgm.paths << " paths, P1 " << options.sgm.p1 << ", P2 " << options.sgm.p2
             << (options.sgm.adaptive_p2 ? " adaptive, " : ", ") << workers.workers() << " workers, cache "
             << cache_bytes;
     }
 
-    Image<std::uint8_t> left, right;
+    Pair pair;
     MatchOptions options;
     SgmResults expected;
 
 private:
     void run_reference() const {
-        const Rows rows = left.rows();
-        Image<std::uint64_t> left_words(width(), height());
-        Image<std::uint64_t> right_words(width(), height());
-        reference::census(left.plane(), left_words.plane(), rows);
-        reference::census(right.plane(), right_words.plane(), rows);
-        const std::size_t candidates = left.pixels().size() * static_cast<std::size_t>(options.range.count);
+        const int width = pair.width();
+        const int height = pair.height();
+        const Rows rows = pair.left.rows();
+        Image<std::uint64_t> left_words(width, height);
+        Image<std::uint64_t> right_words(width, height);
+        reference::census(pair.left.plane(), left_words.plane(), rows);
+        reference::census(pair.right.plane(), right_words.plane(), rows);
+        const std::size_t candidates = pair.left.pixels().size() * static_cast<std::size_t>(options.range.count);
         std::vector<std::uint8_t> costs(candidates);
         std::vector<std::uint16_t> sums(candidates);
-        std::vector<std::byte> scratch(reference::aggregate_scratch(width(), height(), options.range.count));
-        const Volume<std::uint8_t> cost_volume{costs.data(), width(), height(), options.range.count};
-        const Volume<std::uint16_t> sum_volume{sums.data(), width(), height(), options.range.count};
+        std::vector<std::byte> scratch(reference::aggregate_scratch(width, height, options.range.count));
+        const Volume<std::uint8_t> cost_volume{costs.data(), width, height, options.range.count};
+        const Volume<std::uint16_t> sum_volume{sums.data(), width, height, options.range.count};
         Serial serial;
         reference::matching_cost(left_words.plane(), right_words.plane(), options.range, cost_volume, rows);
-        reference::aggregate(cost_volume, left.plane(), options.sgm, sum_volume, scratch, serial);
+        reference::aggregate(cost_volume, pair.left.plane(), options.sgm, sum_volume, scratch, serial);
         reference::winner_left<std::uint16_t>(sum_volume, options.range, options.post.subpixel, expected.winner.plane(),
                                               expected.disparity.plane(), rows);
         reference::winner_right<std::uint16_t>(sum_volume, options.range, expected.right_winner.plane(), rows);
@@ -103,18 +98,8 @@ private:
     }
 };
 
-/// Images that have broken vector code before: all equal, two values, a shifted copy, extremes, noise.
 inline SgmCase random_case(Random& random, int width, int height, const MatchOptions& options) {
-    const int kind = pick(random, 0, 4);
-    Image<std::uint8_t> left = noise(random, width, height, 0, kind == 1 ? 1 : 255);
-    Image<std::uint8_t> right =
-        kind == 2 ? shifted(random, left, pick(random, -20, 20)) : noise(random, width, height, 0, 255);
-    for (Image<std::uint8_t>* image : {&left, &right}) {
-        for (std::uint8_t& pixel : image->pixels()) {
-            pixel = kind == 0 ? std::uint8_t{90} : kind == 3 && pixel < 128 ? 0 : kind == 3 ? 255 : pixel;
-        }
-    }
-    return {std::move(left), std::move(right), options};
+    return {Pair(random, width, height), options};
 }
 
 /// Any options of SGM with a P2 of p2_least .. p2_most.

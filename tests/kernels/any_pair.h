@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/kernels/support.h"
+
+namespace disparityd::test {
+
+using Bytes = Image<std::uint8_t>;
+
+/// Images that have broken vector code before: all equal, two values, extremes, noise, a shifted copy.
+struct Pair {
+    Pair(Random& random, int width, int height) : left(width, height), right(width, height) {
+        const int kind = pick(random, 0, 4);
+        left = kind == 0 ? Bytes(width, height, static_cast<std::uint8_t>(pick(random, 0, 255)))
+                         : noise(random, width, height, 0, kind == 1 ? 1 : 255);
+        right = kind == 0   ? left
+                : kind == 2 ? shifted(random, left, pick(random, -20, 20))
+                            : noise(random, width, height);
+        for (Bytes* image : {&left, &right}) {
+            for (std::uint8_t& pixel : image->pixels()) {
+                pixel = kind != 3 ? pixel : pixel < 128 ? 0 : 255;
+            }
+        }
+    }
+    Pair(Bytes left_image, Bytes right_image) : left(std::move(left_image)), right(std::move(right_image)) {}
+
+    int width() const { return left.width(); }
+    int height() const { return left.height(); }
+
+    Bytes left, right;
+};
+
+/// Census words that differ in as many bits as can be: rising on the left, falling on the right.
+inline Pair pair_of_opposites(int width, int height) {
+    Pair pair{Bytes(width, height), Bytes(width, height)};
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            pair.left.at(x, y) = static_cast<std::uint8_t>(x + y);
+            pair.right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
+        }
+    }
+    return pair;
+}
+
+/// Any options of any method.
+inline MatchOptions any_options(Random& random) {
+    MatchOptions options;
+    options.method = static_cast<Method>(pick(random, 0, 2));
+    options.range = {pick(random, -40, 40), 16 * pick(random, 1, 5)};
+    options.sgm.paths = pick(random, 0, 2) == 0 ? 4 : 8;
+    options.sgm.p2 = pick(random, 2, 193);
+    options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
+    options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
+    options.post.subpixel = pick(random, 0, 3) > 0;
+    options.post.local_extrema = pick(random, 0, 1) == 1;
+    options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 99);
+    options.post.left_right_check = pick(random, 0, 3) > 0;
+    options.post.median = std::array{0, 3, 5}[static_cast<std::size_t>(pick(random, 0, 2))];
+    options.post.speckle_size = pick(random, 0, 1) * pick(random, 0, 40);
+    options.post.speckle_step = pick(random, 0, 2);
+    options.post.interpolate = pick(random, 0, 1) == 1;
+    return options;
+}
+
+/// What a matcher says of a pair.
+struct Result {
+    std::vector<std::int16_t> disparity;
+    std::vector<std::uint8_t> confidence;
+    std::vector<std::uint16_t> depth;
+    bool operator==(const Result&) const = default;
+};
+
+inline Result result_of(Matcher& matcher, const Pair& pair, Parallel& workers) {
+    Frame frame(matcher, pair.left, pair.right);
+    match(matcher, frame.view, workers);
+    return {frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()};
+}
+
+/// The same of a back end by name.
+inline Result result_of(std::string_view name, const Pair& pair, const MatchOptions& options) {
+    Serial serial;
+    return result_of(*backend(name).create({pair.width(), pair.height(), options}), pair, serial);
+}
+
+inline void expect_result(const Result& found, const Result& expected, const MatcherConfig& config,
+                          const Parallel& workers) {
+    const MatchOptions& options = config.options;
+    const auto where = [&] {
+        return testing::Message() << config.width << "x" << config.height << " " << name(options.method) << ", D "
+                                  << options.range.count << " from " << options.range.first << ", "
+                                  << options.sgm.paths << " paths, " << workers.workers() << " workers";
+    };
+    ASSERT_EQ(found.disparity, expected.disparity) << where();
+    ASSERT_EQ(found.confidence, expected.confidence) << where();
+    ASSERT_EQ(found.depth, expected.depth) << where();
+}
+
+inline void expect_equal_to_reference(Matcher& matcher, const Pair& pair, Parallel& workers) {
+    const MatchOptions& options = matcher.config().options;
+    ASSERT_EQ(problem(options), "");
+    expect_result(result_of(matcher, pair, workers), result_of("reference", pair, options), matcher.config(), workers);
+}
+
+}  // namespace disparityd::test
