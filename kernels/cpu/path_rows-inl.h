@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 5 of docs/algorithm.md, the four paths of one sweep: one along the row and three from the row before.
-//
-// A path arrives at a pixel as N(d) = min(L(d) - min L, P2) of the pixel it comes from; M(d) = min(N(d), N(d-1) + P1,
-// N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d). Where P2 is small all these are raised, see
-// path_offsets-inl.h.
+// Step 5 of docs/algorithm.md, row by row: in which order pixels and their minima are worked on.
 #if defined(DISPARITYD_CPU_PATH_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_PATH_ROWS_INL_H_
 #undef DISPARITYD_CPU_PATH_ROWS_INL_H_
@@ -13,53 +9,35 @@
 
 #include <algorithm>
 #include <type_traits>
-#include <utility>
 
 #include "kernels/cpu/census_planes-inl.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
-#include "kernels/cpu/path_form.h"
-#include "kernels/cpu/path_offsets-inl.h"
-#include "kernels/cpu/path_sums-inl.h"
-#include "kernels/cpu/prefetch-inl.h"
+#include "kernels/cpu/path_pixels-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+/// A row, or two rows, the second some pixels behind the first.
 template <class Tag, int registers, int rows_at_once, bool streaming, PathForm form>
 class PathRows {
-    using V = hn::Vec<Tag>;
-    using Sums = PathSums<Tag, registers, form.word_sums>;
-    static constexpr int candidates = registers * static_cast<int>(hn::MaxLanes(Tag()));
-    // Of the paths of PathRow those that there are.
-    static constexpr int paths_before = form.diagonals ? 3 : 1;
-    static constexpr int path_before(int i) { return form.diagonals ? i : 1; }
-    static constexpr bool less_p1 = !form.any_p2;
-    // With 16 vector registers matching costs are better loaded again for each path than stored and restored.
-    static constexpr bool loads_again = HWY_ARCH_X86 && (HWY_TARGET > HWY_AVX3) && registers > 2 && !form.any_p2;
+    using Pixels = PathPixels<Tag, registers, streaming, form>;
+    using State = typename Pixels::State;
+    static constexpr int candidates = Pixels::candidates;
+    static constexpr int paths_before = Pixels::paths_before;
+    static constexpr int state_bytes = Pixels::state_bytes;
 
 public:
     PathRows(const SgmGeometry& geometry, const SweepPass& pass, const PathRow& before)
-        : width_(geometry.width),
-          step_(pass.direction * candidates),
-          p1_(hn::Set(tag_, static_cast<std::uint8_t>(pass.p1))),
-          less_(static_cast<std::uint8_t>(paths_before * pass.p1)),
-          none_(hn::Set(tag_, std::uint8_t{255})),
-          before_(before) {
-        if constexpr (form.any_p2) {
-            set_padding(geometry.range.count);
-        } else {
-            padding_[0] = hn::Zero(tag_);
-        }
-    }
+        : width_(geometry.width), before_(before), pixels_(geometry, pass, before) {}
 
     /// What a row carries from one call to the next goes to `state`.
     void run(const SweepRow* rows, bool from_right, SweepSteps steps, std::uint8_t* state) {
         DISPARITYD_UNROLL
         for (int j = 0; j < rows_at_once; ++j) {
-            begin(states_[j], rows[j], from_right);
+            pixels_.begin(states_[j], rows[j], from_right);
             if (steps.first > 0) {
-                restore(states_[j], state + j * state_bytes);
+                pixels_.restore(states_[j], state + j * state_bytes);
             }
         }
         // Rows begin one after the other and end so; in between all are inside the image.
@@ -95,222 +73,17 @@ public:
         }
         DISPARITYD_UNROLL
         for (int j = 0; j < rows_at_once; ++j) {
-            save(states_[j], state + j * state_bytes);
+            pixels_.save(states_[j], state + j * state_bytes);
         }
     }
 
 private:
-    // A row on its way. The path along the row is kept as L with min L beside it: the minimum, a long chain of
-    // dependent operations, is then needed late in the next pixel only.
-    struct State {
-        // Written out: GCC compiles an implicit one for the baseline, which cannot call what is of this instruction
-        // set.
-        State() {}
-
-        V along[registers];
-        V diagonal[registers];
-        V least;
-        const std::uint8_t* costs;
-        std::uint8_t* sums;
-        std::uint8_t* costs_copy;
-        const std::uint8_t* prefetch[2];
-        std::ptrdiff_t prefetch_step;
-        const std::uint8_t* jumps[4];
-    };
-
-    void begin(State& state, const SweepRow& row, bool from_right) {
-        const std::ptrdiff_t first = from_right ? static_cast<std::ptrdiff_t>(width_ - 1) * candidates : 0;
-        state.costs = row.costs + first;
-        state.sums = row.sums + first * form.sum_bytes();
-        state.costs_copy = row.costs_copy == nullptr ? nullptr : row.costs_copy + first;
-        state.prefetch_step = row.prefetch[0] == nullptr ? 1 : form.sum_bytes();
-        state.prefetch[0] = row.prefetch[0] == nullptr ? state.costs : row.prefetch[0] + first * form.sum_bytes();
-        state.prefetch[1] = row.prefetch[1] == nullptr ? state.costs : row.prefetch[1] + first;
-        std::copy_n(row.jumps, 4, state.jumps);
-        state.least = hn::Zero(tag_);
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            state.along[r] = hn::Zero(tag_);
-            state.diagonal[r] = form.any_p2 ? hn::Zero(tag_) : hn::Set(tag_, raised_by(row.jumps[0][0]));
-        }
-    }
-
-    // 255 where there is no candidate: out of reach of all others, and it stays there.
-    void set_padding(int count) {
-        for (int r = 0; r < registers; ++r) {
-            alignas(64) std::uint8_t lane_padding[hn::MaxLanes(Tag())];
-            for (int lane = 0; lane < lanes(); ++lane) {
-                lane_padding[lane] = registers * lane + r < count ? std::uint8_t{0} : std::uint8_t{255};
-            }
-            padding_[r] = hn::Load(tag_, lane_padding);
-        }
-    }
-
-    static constexpr int state_bytes = 2 * candidates + static_cast<int>(hn::MaxLanes(Tag()));
-
-    void save(const State& state, std::uint8_t* to) const {
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            hn::Store(state.along[r], tag_, to + r * lanes());
-            hn::Store(state.diagonal[r], tag_, to + candidates + r * lanes());
-        }
-        hn::Store(state.least, tag_, to + 2 * candidates);
-    }
-
-    void restore(State& state, const std::uint8_t* from) const {
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            state.along[r] = hn::Load(tag_, from + r * lanes());
-            state.diagonal[r] = hn::Load(tag_, from + candidates + r * lanes());
-        }
-        state.least = hn::Load(tag_, from + 2 * candidates);
-    }
-
-    // M from N, for one path; with `less_p1`, and N raised, less by P1: P1 is taken from N(d) instead of added to its
-    // neighbours, which needs no saturation.
-    template <bool less_p1>
-    HWY_INLINE void continue_path(const V* n, V* m) const {
-        const V below = path_from_below<registers>(tag_, n[registers - 1], none_);
-        const V above = path_from_above<registers>(tag_, n[0], none_);
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const V before = r == 0 ? below : n[r - 1];
-            const V after = r == registers - 1 ? above : n[r + 1];
-            const V step = hn::Min(before, after);
-            m[r] = less_p1 ? hn::Min(hn::Sub(n[r], p1_), step) : hn::Min(n[r], hn::SaturatedAdd(step, p1_));
-        }
-    }
-
-    // N of the pixel at `from` of the row before, for the pixel at `to`; `block` has the offsets of the pixel in work,
-    // the i-th of its block.
-    HWY_INLINE void load_before(const State& state, int path, int from, int to, const PathOffsets& block, int i,
-                                V* n) const {
-        const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(from) * candidates;
-        if constexpr (form.any_p2) {
-            const V least = hn::Set(tag_, before_.least[path][from]);
-            const V jump = hn::Set(tag_, state.jumps[path][to]);
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                n[r] = hn::Min(hn::Sub(hn::Load(tag_, costs + r * lanes()), least), jump);
-            }
-        } else {
-            const V offset = broadcast_byte(tag_, &block.from_before[path][i]);
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                n[r] = hn::SaturatedAdd(hn::Load(tag_, costs + r * lanes()), offset);
-            }
-        }
-    }
-
-    static constexpr int lanes() { return static_cast<int>(hn::MaxLanes(Tag())); }
-
-    // L = M + C.
-    static HWY_INLINE V path_cost(V m, V cost) {
-        if constexpr (form.any_p2) {
-            return hn::SaturatedAdd(m, cost);
-        } else {
-            return hn::Add(m, cost);
-        }
-    }
-
-    HWY_INLINE void finish_path(const State& state, int path, int p, const V* m, const V* cost, Sums& sums) const {
-        std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
-        const std::uint8_t* again = state.costs + static_cast<std::ptrdiff_t>(p) * step_;
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            sums.add(r, m[r]);
-            const V matching_cost = loads_again ? hn::Load(tag_, again + r * lanes()) : cost[r];
-            hn::Store(path_cost(m[r], matching_cost), tag_, costs + r * lanes());
-        }
-    }
-
-    // One pixel in each of `count` rows, row j at position p[j]; step by step side by side, so that the processor has
-    // independent work while one row waits for its minimum.
-    template <int count>
-    HWY_INLINE void pixels(State* states, const int* p, const PathOffsets* blocks, int i) {
-        V cost[count][registers];
-        Sums sums[count];
-        V n[registers];
-        V m[registers];
-        DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
-            along_row(states[j], p[j], blocks[j], i, cost[j], sums[j]);
-        }
-        DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
-            load_before(states[j], 1, p[j], p[j], blocks[j], i, n);
-            continue_path<less_p1>(n, m);
-            finish_path(states[j], 1, p[j], m, cost[j], sums[j]);
-        }
-        if constexpr (form.diagonals) {
-            DISPARITYD_UNROLL
-            for (int j = 0; j < count; ++j) {
-                load_before(states[j], 2, p[j] + 1, p[j], blocks[j], i, n);
-                continue_path<less_p1>(n, m);
-                finish_path(states[j], 2, p[j], m, cost[j], sums[j]);
-            }
-        }
-        DISPARITYD_UNROLL
-        for (int j = 0; j < count; ++j) {
-            if constexpr (form.diagonals) {
-                // The pixel before overwrote its own entry: what this one needs was taken from there just in time.
-                continue_path<less_p1>(states[j].diagonal, m);
-                load_before(states[j], 0, p[j], p[j] + 1, blocks[j], i, states[j].diagonal);
-                finish_path(states[j], 0, p[j], m, cost[j], sums[j]);
-            }
-            sums[j].template store<streaming>(states[j].sums +
-                                              static_cast<std::ptrdiff_t>(p[j]) * step_ * form.sum_bytes());
-        }
-    }
-
-    HWY_INLINE void along_row(State& state, int p, const PathOffsets& block, int i, V* cost, Sums& sums) const {
-        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(p) * step_;
-        V m[registers];
-        continue_path<false>(state.along, m);
-        V limit;
-        V surplus;
-        if constexpr (form.any_p2) {
-            limit = hn::Add(state.least, hn::Set(tag_, state.jumps[3][p]));
-        } else {
-            limit = hn::Sub(broadcast_byte(tag_, &block.along[i]), state.least);
-            surplus = broadcast_byte(tag_, &block.surplus[i]);
-        }
-        V least = none_;
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const std::ptrdiff_t offset = at + r * lanes();
-            cost[r] = hn::Load(tag_, state.costs + offset);
-            if constexpr (streaming) {
-                hn::Stream(cost[r], tag_, state.costs_copy + offset);
-            } else if (r * lanes() % cache_line == 0) {
-                prefetch(state, offset);
-            }
-            if constexpr (form.any_p2) {
-                cost[r] = hn::Or(cost[r], padding_[r]);
-                m[r] = hn::Sub(hn::Min(m[r], limit), state.least);
-                sums.set(r, m[r]);
-            } else {
-                m[r] = hn::SaturatedAdd(m[r], limit);
-                sums.set(r, hn::Sub(m[r], surplus));
-            }
-            state.along[r] = path_cost(m[r], cost[r]);
-            least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
-        }
-        state.least = broadcast_least(tag_, least);
-    }
-
-    static HWY_INLINE void prefetch(const State& state, std::ptrdiff_t offset) {
-        prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step);
-        if constexpr (form.word_sums) {
-            prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step + cache_line);
-        }
-        prefetch_to_second_level(state.prefetch[1] + offset);
-    }
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
     // min L of the 16 pixels from p on. Half of 64 lanes at a time: the first minimum of a pixel then needs no
     // shuffles.
     HWY_INLINE hn::Vec<hn::FixedTag<std::uint8_t, 16>> least_of(int path, int p) const {
-        using Part = std::conditional_t<lanes() == 64, hn::FixedTag<std::uint8_t, std::min(lanes(), 32)>, Tag>;
+        using Part = std::conditional_t<lanes == 64, hn::FixedTag<std::uint8_t, std::min(lanes, 32)>, Tag>;
         constexpr int part_lanes = static_cast<int>(hn::MaxLanes(Part()));
         const std::uint8_t* costs = before_.costs[path] + static_cast<std::ptrdiff_t>(p) * candidates;
         return least_of_pixels(Part(), [&](int i) {
@@ -346,12 +119,12 @@ private:
                     for (int j = 0; j < count; ++j) {
                         p[j] = t + i * share + k - row_lag * (first_row + j);
                     }
-                    local.template pixels<count>(local.states_ + first_row, p, offsets, i * share + k);
+                    local.pixels_.template pixels<count>(local.states_ + first_row, p, offsets, i * share + k);
                 }
                 const int row = i / paths_before;
                 const int p = t - least_block - row_lag * (first_row + row);
                 if (i < reductions && p >= 0) {
-                    const int path = path_before(i % paths_before);
+                    const int path = Pixels::path_before(i % paths_before);
                     hn::StoreU(least_of(path, p), block, before_.least[path] + p);
                     if (path == 2 && row + 1 < count) {
                         begin_block(row + 1, t, offsets[row + 1]);
@@ -378,7 +151,7 @@ private:
             for (int j = 0; j < rows_at_once; ++j) {
                 const int p = t + i - row_lag * j;
                 if (p >= 0 && p < width_) {
-                    pixels<1>(&states_[j], &p, &offsets[j], i);
+                    pixels_.template pixels<1>(&states_[j], &p, &offsets[j], i);
                 }
             }
         }
@@ -388,10 +161,8 @@ private:
     // first row's block before are there.
     HWY_INLINE void begin_block(int j, int t, PathOffsets& offsets) const {
         const int p = t - row_lag * j;
-        if constexpr (!form.any_p2) {
-            if (p >= 0 && p < width_) {
-                offsets.take(before_, states_[j].jumps, less_, p);
-            }
+        if (p >= 0 && p < width_) {
+            pixels_.take_offsets(states_[j], p, offsets);
         }
     }
 
@@ -402,7 +173,7 @@ private:
             const int first = std::max(p, 0);
             const int last = std::min(p + least_block, width_);
             for (int i = 0; i < paths_before && first < last; ++i) {
-                const int path = path_before(i);
+                const int path = Pixels::path_before(i);
                 alignas(16) std::uint8_t least[least_block];
                 hn::Store(least_of(path, p), block, least);
                 std::copy(least + (first - p), least + (last - p), before_.least[path] + first);
@@ -410,48 +181,11 @@ private:
         }
     }
 
-    const Tag tag_{};
     int width_;
-    std::ptrdiff_t step_;
-    V p1_;
-    std::uint8_t less_;  // with less_p1, what the M of all paths from the row before lack together
-    V none_;
-    V padding_[form.any_p2 ? registers : 1];  // with any_p2
     PathRow before_;
+    Pixels pixels_;
     State states_[rows_at_once];
 };
-
-/// P2 of each position of a row, for SweepRow::jumps; see SgmKernels::jumps.
-inline void adaptive_jumps(const SgmGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
-                           const std::uint8_t* row_before, std::uint8_t* const* jumps) {
-    const hn::ScalableTag<std::uint8_t> tag;
-    const int lanes = static_cast<int>(hn::Lanes(tag));
-    const int width = geometry.width;
-    // Both rows in the order of the sweep; beyond their ends is no pixel, and no path that could make use of a penalty.
-    alignas(64) std::uint8_t here[max_side + 2 * row_slack];
-    alignas(64) std::uint8_t before[max_side + 2 * row_slack];
-    for (const auto& [from, to] : {std::pair{row, here}, {row_before, before}}) {
-        std::fill_n(to, row_slack, std::uint8_t{0});
-        std::fill_n(to + row_slack + width, row_slack, std::uint8_t{0});
-        if (pass.direction > 0) {
-            std::copy_n(from, width, to + row_slack);
-        } else {
-            mirror(from, width, to + row_slack);
-        }
-    }
-    const auto largest = hn::Set(tag, static_cast<std::uint8_t>(pass.p2));
-    const auto smallest = hn::Set(tag, static_cast<std::uint8_t>(pass.p1 + 1));
-    const std::uint8_t* middle = before + row_slack;
-    const std::uint8_t* sources[4] = {middle - 1, middle, middle + 1, here + row_slack - 1};
-    for (int path = 0; path < 4; ++path) {
-        for (int p = 0; p < width; p += lanes) {
-            const auto a = hn::LoadU(tag, here + row_slack + p);
-            const auto b = hn::LoadU(tag, sources[path] + p);
-            const auto difference = hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
-            hn::StoreU(hn::Max(smallest, hn::SaturatedSub(largest, difference)), tag, jumps[path] + p);
-        }
-    }
-}
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

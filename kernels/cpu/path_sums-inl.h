@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the paths of a sweep add at a pixel (see path_rows-inl.h), and how it lies in memory.
+// What the paths of a sweep add at a pixel (see path_pixels-inl.h), and how it lies in memory.
 #if defined(DISPARITYD_CPU_PATH_SUMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_PATH_SUMS_INL_H_
 #undef DISPARITYD_CPU_PATH_SUMS_INL_H_

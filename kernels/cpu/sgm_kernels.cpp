@@ -12,6 +12,7 @@
 // reference.
 #define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/adaptive_jumps-inl.h"
 #include "kernels/cpu/aggregation-inl.h"
 #include "kernels/cpu/layouts-inl.h"
 #include "kernels/cpu/matching_cost-inl.h"
