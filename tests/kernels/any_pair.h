@@ -93,8 +93,8 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
     const MatchOptions& options = config.options;
     const auto where = [&] {
         return testing::Message() << config.width << "x" << config.height << " " << name(options.method) << ", D "
-                                  << options.range.count << " from " << options.range.first << ", "
-                                  << options.sgm.paths << " paths, " << workers.workers() << " workers";
+                                  << options.range.count << " from " << options.range.first << ", " << options.sgm.paths
+                                  << " paths, " << workers.workers() << " workers";
     };
     ASSERT_EQ(found.disparity, expected.disparity) << where();
     ASSERT_EQ(found.confidence, expected.confidence) << where();
