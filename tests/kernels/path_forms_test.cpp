@@ -52,7 +52,9 @@ TEST_P(PathForms, EqualTheReferenceForEveryNumberOfDisparities) {
         for (const int first : {0, -disparities / 2}) {
             MatchOptions how = options(random);
             how.range = {first, disparities};
-            random_case(random, 130, 6, how).expect_from(target(), disparities % 32 == 0 ? 0 : in_cache, serial);
+            const SgmCase images = random_case(random, 130, 6, how);
+            images.expect_from(target(), 0, serial);
+            images.expect_from(target(), in_cache, serial);
         }
     }
 }
