@@ -19,7 +19,6 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 template <class Tag, int registers>
 struct Block {
-    using Words = hn::Repartition<std::int16_t, Tag>;
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int key_bits = 8;  // beside costs of bytes
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
@@ -33,7 +32,7 @@ struct Block {
                     Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
         using Windows = SadRows<Tag, registers>;
         Windows windows(geometry, left, right, scratch);
-        WinnerSearch<Words, classes> search(geometry);
+        WinnerSearch<KeyTag, classes> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {

@@ -29,6 +29,18 @@ public:
     /// The places of candidates k - 1, k and k + 1. At an end of the range the neighbour that exists stands for both.
     const std::uint16_t* around(int k) const { return places_ + k; }
 
+    /// The candidate at each place.
+    struct Numbers {
+        alignas(64) std::int16_t at[candidates];
+    };
+    static constexpr Numbers numbers = [] {
+        Numbers all_places = {};
+        for (int k = 0; k < candidates; ++k) {
+            all_places.at[of(k)] = static_cast<std::int16_t>(k);
+        }
+        return all_places;
+    }();
+
 private:
     using Table = std::array<std::uint16_t, candidates + 2>;
 

@@ -190,7 +190,7 @@ inline void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> i
 
 /// Lane i of out[r] is from[registers * i + r]. `registers` is 1, 2, 3 or 4 times a power of two.
 template <int registers, class Tag>
-HWY_INLINE void load_split(Tag tag, const std::uint8_t* from, hn::Vec<Tag>* out) {
+HWY_INLINE void load_split(Tag tag, const hn::TFromD<Tag>* from, hn::Vec<Tag>* out) {
     if constexpr (registers == 1) {
         out[0] = hn::LoadU(tag, from);
     } else if constexpr (registers == 2) {
@@ -214,9 +214,9 @@ HWY_INLINE void load_split(Tag tag, const std::uint8_t* from, hn::Vec<Tag>* out)
 }
 
 /// from[registers * i + r] to to[r * part + i]; whole vectors are read and written.
-template <int registers>
-void split(const std::uint8_t* from, int count, std::uint8_t* to, int part) {
-    const hn::ScalableTag<std::uint8_t> tag;
+template <int registers, class T>
+void split(const T* from, int count, T* to, int part) {
+    const hn::ScalableTag<T> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     for (int i = 0; registers * i < count; i += lanes) {
         hn::Vec<decltype(tag)> v[registers];

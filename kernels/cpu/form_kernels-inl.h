@@ -17,7 +17,6 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 template <class Tag, int registers, PathForm form>
 struct FormKernels {
     using Words = hn::Repartition<std::uint16_t, Tag>;
-    using SumTag = hn::Repartition<std::int16_t, Tag>;
     using W = hn::Vec<Words>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int classes = 2 * registers;
@@ -46,9 +45,9 @@ struct FormKernels {
         }
     }
 
-    /// S of pixel x: what both sweeps left, and C once for each path.
-    static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   std::int16_t* out) {
+    /// Keys of pixel x. S is what both sweeps left, and C once for each path.
+    static HWY_INLINE void store_keys(int x, const std::uint8_t* down, const std::uint8_t* up,
+                                      const std::uint8_t* costs, std::uint16_t* out) {
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
@@ -57,17 +56,17 @@ struct FormKernels {
             const Pair c = words_at(costs + at + r * lanes);
             const W even = hn::Add(hn::Add(a.even, b.even), hn::ShiftLeft<path_shift>(c.even));
             const W odd = hn::Add(hn::Add(a.odd, b.odd), hn::ShiftLeft<path_shift>(c.odd));
-            hn::Store(hn::BitCast(SumTag(), even), SumTag(), out + r * (lanes / 2));
-            hn::Store(hn::BitCast(SumTag(), odd), SumTag(), out + (registers + r) * (lanes / 2));
+            hn::Store(key_of_sum<classes>(even, r), Words(), out + r * (lanes / 2));
+            hn::Store(key_of_sum<classes>(odd, registers + r), Words(), out + (registers + r) * (lanes / 2));
         }
     }
 
     static void winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
-        const auto sums =
-            pixel_by_pixel<registers * lanes>([=](int x, std::int16_t* to) { sums_of(x, down, up, costs, to); });
+        const auto keys =
+            pixel_by_pixel<registers * lanes>([=](int x, std::uint16_t* to) { store_keys(x, down, up, costs, to); });
         Minima minima;
-        WinnerSearch<SumTag, classes>(geometry).run(sums, minima, out.right_winner);
+        WinnerSearch<Words, classes>(geometry).run(keys, minima, out.right_winner);
         LeftResults(geometry, options).row(minima, geometry.width, out);
     }
 };

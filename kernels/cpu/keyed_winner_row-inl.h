@@ -21,8 +21,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-constexpr std::uint16_t no_key = 0xffff;
-
 /// How keys of `classes` words per lane are grouped.
 template <class Tag, int classes, int bits>
 struct KeyGroups {
@@ -110,16 +108,6 @@ public:
         return least_[last_class];
     }
 
-    /// Of eight pixels' returned vectors: the one lane per block that counts, in the order of the pixels.
-    template <class Load>
-    static HWY_INLINE V finished(Tag tag, Load load) {
-        return hn::BitCast(tag, pairs<std::uint64_t>([&](int i) {
-                               return pairs<std::uint32_t>([&](int j) {
-                                   return pairs<std::uint16_t>([&](int k) { return load(4 * i + 2 * j + k); });
-                               });
-                           }));
-    }
-
     /// Least keys on their way: entry j of block b was met last at the j-th candidate of the block.
     HWY_INLINE void rest(std::uint16_t (*keys)[block_size]) const {
         alignas(64) std::uint16_t lanes[Groups::lanes];
@@ -132,13 +120,6 @@ public:
     }
 
 private:
-    // The last lanes of `T` of two vectors, side by side, where they are the last again.
-    template <class T, class Load>
-    static HWY_INLINE auto pairs(Load load) {
-        const hn::Repartition<T, Tag> wide;
-        return hn::InterleaveUpper(wide, hn::BitCast(wide, load(0)), hn::BitCast(wide, load(1)));
-    }
-
     Tag tag_{};
     V none_ = hn::Set(tag_, no_key);
     V least_[classes];
@@ -182,8 +163,8 @@ public:
             }
             before = batch;
         }
-        sums_of_keys(minima.before);
-        sums_of_keys(minima.after);
+        sums_of_keys<bits>(minima.before, width_);
+        sums_of_keys<bits>(minima.after, width_);
         finish_right(right, right_winner);
     }
 
@@ -265,7 +246,7 @@ private:
     HWY_INLINE void right_winners(int i, int x) {
         alignas(64) std::uint16_t blocks[lanes];
         const auto load = [&](int k) { return hn::Load(tag_, right_least_ + (i + k) * lanes); };
-        hn::Store(Right::finished(tag_, load), tag_, blocks);
+        hn::Store(last_lanes_side_by_side(tag_, load), tag_, blocks);
         DISPARITYD_UNROLL
         for (int b = 0; b < Groups::blocks; ++b) {
             std::copy_n(blocks + 8 * b, 8, right_row_[b] + right_origin + x);
@@ -274,21 +255,14 @@ private:
 
     HWY_INLINE void neighbours(const Batch& batch, int i, Minima& minima) {
         const int x = batch.x + i;
-        take_neighbours<no_key>(places_, minima.winner[x], batch.of(i), &minima.before[x], &minima.after[x]);
-    }
-
-    void sums_of_keys(std::int16_t* keys) const {
-        for (int x = 0; x < width_; x += lanes) {
-            auto* at = reinterpret_cast<std::uint16_t*>(keys + x);
-            hn::Store(hn::ShiftRight<bits>(hn::Load(tag_, at)), tag_, at);
-        }
+        take_neighbours(places_, minima.winner[x], batch.of(i), &minima.before[x], &minima.after[x]);
     }
 
     HWY_INLINE void second(const Batch& batch, int i, Minima& minima) {
         const hn::FixedTag<std::uint16_t, 8> block;
         const std::int16_t* winner = minima.winner + batch.x + i;
-        const auto least_key = least_of_pixels(
-            tag_, [&](int k) { return least_rivals<no_key, classes>(tag_, batch.of(i + k), winner[k]); });
+        const auto least_key =
+            least_of_pixels(tag_, [&](int k) { return least_rivals<classes>(tag_, batch.of(i + k), winner[k]); });
         hn::StoreU(hn::ShiftRight<bits>(least_key), block,
                    reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
     }

@@ -106,13 +106,18 @@ HWY_INLINE V path_from_above(Tag tag, V v, V none) {
     return from_lane_above(tag, v, none);
 }
 
-/// The byte at `from` in all lanes, from memory: GCC likes to take it through a general register, which costs double.
+/// What is at `from` in all lanes, from memory: GCC likes to take it through a general register, which costs double.
 template <class Tag>
-HWY_INLINE hn::Vec<Tag> broadcast_byte(Tag tag, const std::uint8_t* from) {
+HWY_INLINE hn::Vec<Tag> broadcast(Tag tag, const hn::TFromD<Tag>* from) {
 #if HWY_COMPILER_GCC_ACTUAL && HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
     (void)tag;
     hn::Vec<Tag> v;
-    __asm__("vpbroadcastb %1, %0" : "=v"(v.raw) : "m"(*from));
+    if constexpr (sizeof(*from) == 1) {
+        __asm__("vpbroadcastb %1, %0" : "=v"(v.raw) : "m"(*from));
+    } else {
+        static_assert(sizeof(*from) == 2);
+        __asm__("vpbroadcastw %1, %0" : "=v"(v.raw) : "m"(*from));
+    }
     return v;
 #else
     return hn::Set(tag, *from);
@@ -216,6 +221,16 @@ HWY_INLINE hn::Vec<Words> sum_of_bytes(Words words, V a, V b) {
     return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
 #else
     return hn::ShiftLeft<shift>(hn::Add(words_of_bytes<odd>(words, a), words_of_bytes<odd>(words, b)));
+#endif
+}
+
+/// 2^shift times what each even byte of `v` is more than the odd byte after it; shift is at most 6.
+template <int shift, class Words, class V>
+HWY_INLINE hn::Vec<Words> difference_of_bytes(Words words, V v) {
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    return multiply_add_bytes(words, v, hn::Set(words, std::uint16_t{((256 - (1 << shift)) << 8) | (1 << shift)}));
+#else
+    return hn::ShiftLeft<shift>(hn::Sub(words_of_bytes<false>(words, v), words_of_bytes<true>(words, v)));
 #endif
 }
 

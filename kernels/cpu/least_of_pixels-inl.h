@@ -33,6 +33,19 @@ HWY_INLINE auto least_of_pixels(Tag tag, Load load) {
     return least_of_blocks(tag, least_by_block<1>(tag, 0, load));
 }
 
+/// Of the words of eight pixels the last of every 128-bit block, in the order of the pixels.
+template <class Tag, class Load>
+HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag tag, Load load) {
+    const auto pair = [](auto wide, auto first, auto second) {
+        return hn::InterleaveUpper(wide, hn::BitCast(wide, first), hn::BitCast(wide, second));
+    };
+    const auto four = [&](int i) {
+        const hn::Repartition<std::uint32_t, Tag> twos;
+        return pair(twos, pair(tag, load(i), load(i + 1)), pair(tag, load(i + 2), load(i + 3)));
+    };
+    return hn::BitCast(tag, pair(hn::Repartition<std::uint64_t, Tag>(), four(0), four(4)));
+}
+
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

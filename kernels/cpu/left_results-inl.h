@@ -19,9 +19,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-/// Larger than any sum.
-constexpr std::int16_t no_sum = 0x7fff;
-
 /// What is known of the winner of each pixel of a row: counted from 0, its sum, the sums beside it (at an end of the
 /// range the one that exists stands for both), and the least sum of candidates that are no neighbours.
 struct Minima {

@@ -194,7 +194,7 @@ private:
                 n[r] = hn::Min(hn::Sub(hn::Load(tag_, costs + r * lanes()), least), jump);
             }
         } else {
-            const V offset = broadcast_byte(tag_, &block.from_before[path][i]);
+            const V offset = broadcast(tag_, &block.from_before[path][i]);
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
                 n[r] = hn::SaturatedAdd(hn::Load(tag_, costs + r * lanes()), offset);
@@ -233,8 +233,8 @@ private:
         if constexpr (form.any_p2) {
             limit = hn::Add(state.least, hn::Set(tag_, state.jumps[3][p]));
         } else {
-            limit = hn::Sub(broadcast_byte(tag_, &block.along[i]), state.least);
-            surplus = broadcast_byte(tag_, &block.surplus[i]);
+            limit = hn::Sub(broadcast(tag_, &block.along[i]), state.least);
+            surplus = broadcast(tag_, &block.surplus[i]);
         }
         V least = none_;
         DISPARITYD_UNROLL

@@ -15,6 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+constexpr std::uint16_t no_key = 0xffff;
+
 constexpr bool is_rival(int k, int winner) {
     return k < winner - 1 || k > winner + 1;
 }
@@ -41,26 +43,26 @@ private:
 template <int classes, int lanes>
 inline constexpr RivalMasks<classes, lanes> rival_masks;
 
-/// The same as words, class after class: 0 for a rival, `none` for the winner and those beside it.
-template <int classes, int lanes, class T, T none>
+/// The same as words, class after class: 0 for a rival, no_key for the winner and those beside it.
+template <int classes, int lanes>
 class RivalWords {
 public:
     constexpr RivalWords() {
         using Places = CandidatePlaces<classes, lanes>;
         for (int winner = 0; winner < Places::candidates; ++winner) {
             for (int k = 0; k < Places::candidates; ++k) {
-                words_[winner][Places::of(k)] = is_rival(k, winner) ? T{0} : none;
+                words_[winner][Places::of(k)] = is_rival(k, winner) ? std::uint16_t{0} : no_key;
             }
         }
     }
 
-    constexpr const T* of(int winner) const { return words_[winner]; }
+    constexpr const std::uint16_t* of(int winner) const { return words_[winner]; }
 
 private:
-    alignas(64) T words_[classes * lanes][classes * lanes] = {};
+    alignas(64) std::uint16_t words_[classes * lanes][classes * lanes] = {};
 };
-template <int classes, int lanes, class T, T none>
-inline constexpr RivalWords<classes, lanes, T, none> rival_words;
+template <int classes, int lanes>
+inline constexpr RivalWords<classes, lanes> rival_words;
 
 /// How the winner and those beside it are left out of the search.
 enum class LeaveOut : std::uint8_t {
@@ -73,32 +75,32 @@ constexpr LeaveOut leave_out = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) &
                                : CandidatePlaces<classes, lanes>::candidates <= 64               ? LeaveOut::by_words
                                                                                                  : LeaveOut::by_store;
 
-/// Of the values of a pixel, class after class, what stands beside the winner goes to *before and *after; where neither
-/// masks nor words do it, these values and the winner's own become `none`.
-template <auto none, int classes, int lanes, class T>
-HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, int winner, T* values,
+/// Of the keys of a pixel, class after class, what stands beside the winner goes to *before and *after; where neither
+/// masks nor words do it, these keys and the winner's own become no_key.
+template <int classes, int lanes>
+HWY_INLINE void take_neighbours(const CandidatePlaces<classes, lanes>& places, int winner, std::uint16_t* keys,
                                 std::int16_t* before, std::int16_t* after) {
     const std::uint16_t* place = places.around(winner);
-    *before = static_cast<std::int16_t>(values[place[0]]);
-    *after = static_cast<std::int16_t>(values[place[2]]);
+    *before = static_cast<std::int16_t>(keys[place[0]]);
+    *after = static_cast<std::int16_t>(keys[place[2]]);
     if constexpr (leave_out<classes, lanes> == LeaveOut::by_store) {
-        values[place[0]] = none;
-        values[place[1]] = none;
-        values[place[2]] = none;
+        keys[place[0]] = no_key;
+        keys[place[1]] = no_key;
+        keys[place[2]] = no_key;
     }
 }
 
-/// After take_neighbours(): the least value in each lane of all classes.
-template <auto none, int classes, class Tag, class T = hn::TFromD<Tag>>
-HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
+/// After take_neighbours(): the least key in each lane of all classes.
+template <int classes, class Tag>
+HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const std::uint16_t* keys, int winner) {
     constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     constexpr LeaveOut how = leave_out<classes, lanes>;
-    auto least = hn::Set(tag, none);
+    auto least = hn::Set(tag, no_key);
     DISPARITYD_UNROLL
     for (int q = 0; q < classes; ++q) {
-        auto v = hn::Load(tag, values + q * lanes);
+        auto v = hn::Load(tag, keys + q * lanes);
         if constexpr (how == LeaveOut::by_words) {
-            v = hn::Or(v, hn::Load(tag, rival_words<classes, lanes, T, none>.of(winner) + q * lanes));
+            v = hn::Or(v, hn::Load(tag, rival_words<classes, lanes>.of(winner) + q * lanes));
         }
         if constexpr (how == LeaveOut::by_mask) {
             const auto mask = hn::LoadMaskBits(tag, rival_masks<classes, lanes>.of(winner, q));
@@ -108,6 +110,16 @@ HWY_INLINE hn::Vec<Tag> least_rivals(Tag tag, const T* values, int winner) {
         }
     }
     return least;
+}
+
+/// Of `count` keys, their sums; whole vectors are written.
+template <int bits>
+void sums_of_keys(std::int16_t* keys, int count) {
+    const hn::ScalableTag<std::uint16_t> tag;
+    for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+        auto* at = reinterpret_cast<std::uint16_t*>(keys + i);
+        hn::Store(hn::ShiftRight<bits>(hn::Load(tag, at)), tag, at);
+    }
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 2 of docs/algorithm.md by running sums: a row of sums over the window's height for each column and candidate,
 // to which each image row adds its new row of differences and takes the oldest away; and along the row a sum over the
-// window's width, moved on in the same way. Sums are words in the classes of winner_row-inl.h.
+// window's width, moved on in the same way. Sums are keys of winner_row-inl.h, names in them from the start.
 #if defined(DISPARITYD_CPU_SAD_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_SAD_ROWS_INL_H_
 #undef DISPARITYD_CPU_SAD_ROWS_INL_H_
@@ -12,75 +12,115 @@
 #include <algorithm>
 
 #include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/winner_row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
 constexpr int sad_radius_x = 4;
 constexpr int sad_radius_y = 3;
-constexpr std::int16_t sad_outside = (2 * sad_radius_x + 1) * (2 * sad_radius_y + 1) * 255;
+constexpr std::uint16_t sad_outside = (2 * sad_radius_x + 1) * (2 * sad_radius_y + 1) * 255;
 
-/// A row of the right image for absolute differences: mirrored as census_right() has it, split by register, its border
-/// replicated as far as candidates reach.
-template <int registers>
-class MirroredRow {
+/// Two rows of an image, a byte of each in turn: of the row that a window gains and of the one that it loses.
+class RowPair {
 public:
-    void set(const SgmGeometry& geometry, const std::uint8_t* row) {
+    void set(const std::uint8_t* gained, const std::uint8_t* lost, int count) {
+        const hn::ScalableTag<std::uint8_t> tag;
+        const int lanes = static_cast<int>(hn::Lanes(tag));
+        auto* out = reinterpret_cast<std::uint8_t*>(pairs_);
+        int i = 0;
+        for (; i + lanes <= count; i += lanes) {
+            hn::StoreInterleaved2(hn::LoadU(tag, gained + i), hn::LoadU(tag, lost + i), tag, out + 2 * i);
+        }
+        for (; i < count; ++i) {
+            out[2 * i] = gained[i];
+            out[2 * i + 1] = lost[i];
+        }
+    }
+
+    const std::uint16_t* pairs() const { return pairs_; }
+
+private:
+    alignas(64) std::uint16_t pairs_[max_side + max_disparities + 2 * row_slack];
+};
+
+/// Two rows of the right image: mirrored as census_right() has it, split by class, the border replicated as far as
+/// candidates reach.
+template <int classes>
+class MirroredRows {
+public:
+    void set(const SgmGeometry& geometry, const std::uint8_t* gained, const std::uint8_t* lost) {
+        const int entries = geometry.width + geometry.layout.candidates();
+        mirror_row(geometry, gained, gained_);
+        mirror_row(geometry, lost, lost_);
+        pair_.set(gained_, lost_, entries);
+        split<classes>(pair_.pairs(), entries, parts_, part);
+        for (int i = 0; i + 1 < classes; ++i) {
+            std::copy_n(parts_ + i * part + 1, entries / classes + 1, parts_ + (classes + i) * part);
+        }
+    }
+
+    /// Entry i, and the `classes - 1` entries after it each `part` words further.
+    const std::uint16_t* entry(int i) const {
+        const auto number = static_cast<unsigned>(i);
+        return parts_ + number % classes * part + number / classes;
+    }
+
+    static constexpr int part = ((max_side + max_disparities) / classes + 63) / 64 * 64 + row_slack;
+
+private:
+    static void mirror_row(const SgmGeometry& geometry, const std::uint8_t* row, std::uint8_t* to) {
         const int width = geometry.width;
         const int entries = width + geometry.layout.candidates();
         const int first = std::clamp(-geometry.range.first, 0, entries);  // entries before it are right of the image
         const int end = std::clamp(width - geometry.range.first, 0, entries);
-        std::fill_n(mirrored_, first, row[width - 1]);
+        std::fill_n(to, first, row[width - 1]);
         if (end > first) {
-            mirror(row + width - geometry.range.first - end, end - first, mirrored_ + first);
+            mirror(row + width - geometry.range.first - end, end - first, to + first);
         }
-        std::fill_n(mirrored_ + end, entries - end, row[0]);
-        split<registers>(mirrored_, entries, parts_, part);
+        std::fill_n(to + end, entries - end, row[0]);
     }
 
-    const std::uint8_t* entry(int i) const { return parts_ + i % registers * part + i / registers; }
-
-private:
-    static constexpr int longest = max_side + max_disparities;
-    static constexpr int part = (longest / registers + 63) / 64 * 64 + row_slack;
-
-    alignas(64) std::uint8_t mirrored_[longest + 4 * row_slack] = {};
-    alignas(64) std::uint8_t parts_[part * registers] = {};
+    std::uint8_t gained_[max_side + max_disparities];
+    std::uint8_t lost_[max_side + max_disparities];
+    RowPair pair_;
+    // The first parts stand there twice, the second time from their second entry on.
+    alignas(64) std::uint16_t parts_[(2 * classes - 1) * part];
 };
 
 template <class Tag, int registers>
 class SadRows {
-    using Words = hn::Repartition<std::int16_t, Tag>;
+    using Words = hn::Repartition<std::uint16_t, Tag>;
     using V = hn::Vec<Tag>;
     using W = hn::Vec<Words>;
+    using Right = MirroredRows<2 * registers>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Words()));
     static constexpr int classes = 2 * registers;
     static constexpr int candidates = classes * lanes;
+    static_assert(sad_outside <= largest_sum);
 
 public:
     static std::size_t scratch_bytes(const SgmGeometry& geometry) {
-        return sizeof(std::int16_t) * static_cast<std::size_t>(geometry.width) * candidates;
+        return sizeof(std::uint16_t) * static_cast<std::size_t>(geometry.width) * candidates;
     }
 
     SadRows(const SgmGeometry& geometry, Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
             std::uint8_t* scratch)
-        : geometry_(geometry), left_(left), right_(right), columns_(reinterpret_cast<std::int16_t*>(scratch)) {}
+        : geometry_(geometry), left_(left), right_(right), columns_(reinterpret_cast<std::uint16_t*>(scratch)) {}
 
     void begin(int y) {
-        std::fill_n(columns_, static_cast<std::ptrdiff_t>(geometry_.width) * candidates, std::int16_t{0});
+        std::fill_n(columns_, static_cast<std::ptrdiff_t>(geometry_.width) * candidates, std::uint16_t{0});
+        static constexpr std::uint8_t nothing[max_side] = {};
         for (int dy = -sad_radius_y; dy <= sad_radius_y; ++dy) {
-            new_.set(geometry_, right_.row(inside(y + dy)));
-            add_row<false>(left_.row(inside(y + dy)), nullptr);
+            move_columns(left_.row(inside(y + dy)), nothing, right_.row(inside(y + dy)), nothing);
         }
     }
 
     /// From y - 1 to y.
     void move_to(int y) {
-        const int added = inside(y + sad_radius_y);
-        const int taken = inside(y - 1 - sad_radius_y);
-        new_.set(geometry_, right_.row(added));
-        old_.set(geometry_, right_.row(taken));
-        add_row<true>(left_.row(added), left_.row(taken));
+        const int gained = inside(y + sad_radius_y);
+        const int lost = inside(y - 1 - sad_radius_y);
+        move_columns(left_.row(gained), left_.row(lost), right_.row(gained), right_.row(lost));
     }
 
     /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, x = count, ..; candidates
@@ -91,14 +131,14 @@ public:
             const int last = rows.geometry_.width - 1;
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
-                sum_[q] = hn::Zero(Words());
+                sum_[q] = hn::Set(Words(), name_of_class<classes>(q));
                 for (int dx = -sad_radius_x; dx <= sad_radius_x; ++dx) {
                     sum_[q] = hn::Add(sum_[q], hn::Load(Words(), rows.column(std::clamp(dx, 0, last)) + q * lanes));
                 }
             }
         }
 
-        void operator()(int x, int count, std::int16_t* out) {
+        void operator()(int x, int count, std::uint16_t* out) {
             if (x >= sad_radius_x && x + count + sad_radius_x < rows_.geometry_.width) {
                 move<false>(x, count, out);
             } else {
@@ -109,7 +149,7 @@ public:
 
     private:
         template <bool near_end>
-        HWY_INLINE void move(int x, int count, std::int16_t* out) {
+        HWY_INLINE void move(int x, int count, std::uint16_t* out) {
             const int last = rows_.geometry_.width - 1;
             // A copy that nobody else can see stays in registers.
             W sum[classes];
@@ -119,8 +159,8 @@ public:
             }
             const auto next_of = [&](int i) { return rows_.column(std::min(x + i + 1 + sad_radius_x, last)); };
             const auto oldest_of = [&](int i) { return rows_.column(std::max(x + i - sad_radius_x, 0)); };
-            const std::int16_t* next = next_of(0);
-            const std::int16_t* oldest = oldest_of(0);
+            const std::uint16_t* next = next_of(0);
+            const std::uint16_t* oldest = oldest_of(0);
             for (int i = 0; i < count; ++i) {
                 DISPARITYD_UNROLL
                 for (int q = 0; q < classes; ++q) {
@@ -144,70 +184,45 @@ public:
 
 private:
     int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
-    std::int16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
+    std::uint16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
     HWY_INLINE static V difference(V a, V b) { return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)); }
 
-    // Entry of a pixel and register. `registers` pixels later the same register has the entry before, in the same part.
-    static constexpr int pixels_at_once = registers;
+    // Entry width - 1 - x is candidate 0 of pixel x: a part earlier at each pixel of a group.
+    static constexpr int pixels_at_once = classes_of_part<classes>;
 
-    template <bool take_old>
-    void add_row(const std::uint8_t* added, const std::uint8_t* taken) {
-        const std::uint8_t* new_entries[2 * registers - 1];
-        const std::uint8_t* old_entries[2 * registers - 1];
+    void move_columns(const std::uint8_t* left_gained, const std::uint8_t* left_lost, const std::uint8_t* right_gained,
+                      const std::uint8_t* right_lost) {
         const int width = geometry_.width;
+        left_rows_.set(left_gained, left_lost, width);
+        right_rows_.set(geometry_, right_gained, right_lost);
+        const std::uint16_t* left = left_rows_.pairs();
         int x = 0;
-        const auto point = [&](int count) {
-            for (int i = 0; i < registers + count - 1; ++i) {
-                new_entries[i] = new_.entry(width - x - count + i);
-                old_entries[i] = old_.entry(width - x - count + i);
-            }
-        };
-        if (width >= pixels_at_once) {
-            point(pixels_at_once);
+        for (; (width - x) % pixels_at_once != 0; ++x) {
+            move_column(left + x, right_rows_.entry(width - 1 - x), column(x));
         }
-        for (std::ptrdiff_t block = 0; x + pixels_at_once <= width; x += pixels_at_once, ++block) {
+        for (; x < width; x += pixels_at_once) {
+            const std::uint16_t* right = right_rows_.entry(width - 1 - x);
+            std::uint16_t* sums = column(x);
             DISPARITYD_UNROLL
             for (int i = 0; i < pixels_at_once; ++i) {
-                const int first = pixels_at_once - 1 - i;
-                add_pixel<take_old>(x + i, added, taken, new_entries + first, old_entries + first, block);
+                move_column(left + x + i, right - i * Right::part, sums + i * candidates);
             }
-        }
-        for (; x < width; ++x) {
-            point(1);
-            add_pixel<take_old>(x, added, taken, new_entries, old_entries, 0);
         }
     }
 
-    // Register r's differences are to what stands `back` bytes before new_entries[r] and old_entries[r].
-    template <bool take_old>
-    HWY_INLINE void add_pixel(int x, const std::uint8_t* added, const std::uint8_t* taken,
-                              const std::uint8_t* const* new_entries, const std::uint8_t* const* old_entries,
-                              std::ptrdiff_t back) {
-        const Tag bytes;
-        const Words words;
-        const hn::Repartition<std::uint16_t, Tag> unsigned_words;
-        const V here = hn::Set(bytes, added[x]);
-        const V there = hn::Set(bytes, take_old ? taken[x] : std::uint8_t{0});
+    static HWY_INLINE void move_column(const std::uint16_t* left, const std::uint16_t* right, std::uint16_t* sums) {
+        const V here = hn::BitCast(Tag(), broadcast(Words(), left));
         DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const V more = difference(here, hn::LoadU(bytes, new_entries[r] - back));
-            auto even = words_of_bytes<false>(unsigned_words, more);
-            auto odd = words_of_bytes<true>(unsigned_words, more);
-            if constexpr (take_old) {
-                const V less = difference(there, hn::LoadU(bytes, old_entries[r] - back));
-                even = hn::Sub(even, words_of_bytes<false>(unsigned_words, less));
-                odd = hn::Sub(odd, words_of_bytes<true>(unsigned_words, less));
-            }
-            std::int16_t* even_sums = column(x) + r * lanes;
-            std::int16_t* odd_sums = column(x) + (r + registers) * lanes;
-            hn::Store(hn::Add(hn::Load(words, even_sums), hn::BitCast(words, even)), words, even_sums);
-            hn::Store(hn::Add(hn::Load(words, odd_sums), hn::BitCast(words, odd)), words, odd_sums);
+        for (int q = 0; q < classes; ++q) {
+            const V there = hn::BitCast(Tag(), hn::LoadU(Words(), right + q * Right::part));
+            const W change = difference_of_bytes<name_bits>(Words(), difference(here, there));
+            hn::Store(hn::Add(hn::Load(Words(), sums + q * lanes), change), Words(), sums + q * lanes);
         }
     }
 
     // Candidates outside the right image, of pixels x .. x + count - 1: those near an end of the row have some.
-    void set_outside(int x, int count, std::int16_t* sums) const {
+    void set_outside(int x, int count, std::uint16_t* sums) const {
         const DisparityRange range = geometry_.range;
         const int first_whole = range.first + range.count - 1;
         const int last_whole = range.first + geometry_.width - 1;
@@ -220,27 +235,30 @@ private:
         }
     }
 
-    HWY_INLINE void set_outside(int x, std::int16_t* sums) const {
+    HWY_INLINE void set_outside(int x, std::uint16_t* sums) const {
+        const hn::RebindToSigned<Words> numbers;
         const DisparityRange range = geometry_.range;
         const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
         const int last = std::clamp(x + 1 - range.first, first, range.count);
-        const W first_inside = hn::Set(Words(), static_cast<std::int16_t>(first));
-        const W last_inside = hn::Set(Words(), static_cast<std::int16_t>(last - 1));
+        const auto first_inside = hn::Set(numbers, static_cast<std::int16_t>(first));
+        const auto last_inside = hn::Set(numbers, static_cast<std::int16_t>(last - 1));
+        DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            const W k = hn::Add(hn::Mul(hn::Iota(Words(), 0), hn::Set(Words(), std::int16_t{classes})),
-                                hn::Set(Words(), static_cast<std::int16_t>(q)));
-            const auto outside = hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k));
+            const auto k = hn::Load(numbers, CandidatePlaces<classes, lanes>::numbers.at + q * lanes);
+            const auto outside = hn::VecFromMask(numbers, hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k)));
+            const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside), q);
             const W sum = hn::Load(Words(), sums + q * lanes);
-            hn::Store(hn::IfThenElse(outside, hn::Set(Words(), sad_outside), sum), Words(), sums + q * lanes);
+            hn::Store(hn::IfThenElse(hn::MaskFromVec(hn::BitCast(Words(), outside)), key, sum), Words(),
+                      sums + q * lanes);
         }
     }
 
     const SgmGeometry& geometry_;
     Plane<const std::uint8_t> left_;
     Plane<const std::uint8_t> right_;
-    std::int16_t* columns_;
-    MirroredRow<registers> new_;
-    MirroredRow<registers> old_;
+    std::uint16_t* columns_;
+    RowPair left_rows_;
+    Right right_rows_;
 };
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

@@ -20,7 +20,6 @@ template <class Tag, int registers>
 struct Winners {
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
-    using SumTag = hn::Repartition<std::int16_t, Tag>;
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int classes = 2 * registers;
     static constexpr int paths = 8;
@@ -34,9 +33,9 @@ struct Winners {
             KeyedWinnerSearch<KeyTag, classes, key_bits, paths * raised_cost>(geometry).run(keys, minima,
                                                                                             out.right_winner);
         } else {
-            const auto sums =
-                pixel_by_pixel<registers * lanes>([=](int x, std::int16_t* to) { sums_of(x, down, up, costs, to); });
-            WinnerSearch<SumTag, classes>(geometry).run(sums, minima, out.right_winner);
+            const auto keys = pixel_by_pixel<registers * lanes>(
+                [=](int x, std::uint16_t* to) { store_keys(x, down, up, costs, to); });
+            WinnerSearch<KeyTag, classes>(geometry).run(keys, minima, out.right_winner);
         }
         LeftResults(geometry, options).row(minima, geometry.width, out);
     }
@@ -59,12 +58,11 @@ struct Winners {
         }
     }
 
-    // S itself, of C no longer raised.
-    static HWY_INLINE void sums_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   std::int16_t* out) {
+    // Keys of WinnerSearch, of C no longer raised.
+    static HWY_INLINE void store_keys(int x, const std::uint8_t* down, const std::uint8_t* up,
+                                      const std::uint8_t* costs, std::uint16_t* out) {
         const Tag bytes;
         const KeyTag words;
-        const SumTag sums;
         const auto eightfold = hn::Set(words, std::uint16_t{8 * 63});
         const auto too_large = hn::Set(bytes, std::uint8_t{raised_cost});
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * registers * lanes;
@@ -75,8 +73,8 @@ struct Winners {
             const auto c = hn::BitCast(words, hn::Sub(hn::Load(bytes, costs + at + r * lanes), too_large));
             const auto even = hn::Add(sum_of_bytes<false, 0>(words, a, b), hn::And(hn::ShiftLeft<3>(c), eightfold));
             const auto odd = hn::Add(sum_of_bytes<true, 0>(words, a, b), hn::And(hn::ShiftRight<5>(c), eightfold));
-            hn::Store(hn::BitCast(sums, even), sums, out + r * (lanes / 2));
-            hn::Store(hn::BitCast(sums, odd), sums, out + (registers + r) * (lanes / 2));
+            hn::Store(key_of_sum<classes>(even, r), words, out + r * (lanes / 2));
+            hn::Store(key_of_sum<classes>(odd, registers + r), words, out + (registers + r) * (lanes / 2));
         }
     }
 };

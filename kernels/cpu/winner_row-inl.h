@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 6 of docs/algorithm.md for one row: winners of both images, and the sums that steps 7 and 12 look at.
 //
-// Sums are words: class q = 0 .. 2 * registers - 1 holds the candidates 2 * registers * lane + q. They are made once,
-// kept for 32 pixels in the first-level cache, and minima over all lanes are taken for 8 pixels at a time.
+// Sums are words in classes: class q = 0 .. 2 * registers - 1 holds the candidates 2 * registers * lane + q. Two bits
+// of a word name its class among those of a part, two to four of them, so that a minimum within a part finds the
+// candidate too; between parts names take part in comparisons. Keys are made once, kept for 32 pixels in the
+// first-level cache, and minima over all lanes are taken for 8 pixels at a time.
 #if defined(DISPARITYD_CPU_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_WINNER_ROW_INL_H_
 #undef DISPARITYD_CPU_WINNER_ROW_INL_H_
@@ -19,118 +21,217 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-/// What candidate k is called in a search: less than 0, so that 0 can stand for what was not found.
-constexpr std::int16_t name_of_candidate(int k) {
-    return static_cast<std::int16_t>(k - max_disparities);
+constexpr int name_bits = 2;
+
+/// Sums whose keys are in order, below that of none.
+constexpr int largest_sum = (no_key >> name_bits) - 1;
+
+template <int classes>
+constexpr int classes_of_part = classes % 4 == 0   ? 4
+                                : classes % 3 == 0 ? 3
+                                                   : 2;
+
+/// The name of a class in its part.
+template <int classes>
+constexpr std::uint16_t name_of_class(int q) {
+    return static_cast<std::uint16_t>(q % classes_of_part<classes>);
 }
 
-/// The names of all candidates, class after class.
-template <int classes, int lanes>
-struct CandidateNames {
-    using Places = CandidatePlaces<classes, lanes>;
-    alignas(64) std::int16_t names[Places::candidates] = {};
+template <int classes, class V>
+HWY_INLINE V key_of_sum(V sum, int q) {
+    return hn::Or(hn::ShiftLeft<name_bits>(sum), hn::Set(hn::DFromV<V>(), name_of_class<classes>(q)));
+}
 
-    constexpr CandidateNames() {
-        for (int k = 0; k < Places::candidates; ++k) {
-            names[Places::of(k)] = name_of_candidate(k);
-        }
-    }
-};
-template <int classes, int lanes>
-inline constexpr CandidateNames<classes, lanes> candidate_names;
-
-/// Sums for WinnerSearch::run() from those of one pixel: sums_of(x, std::int16_t* to).
-template <int candidates, class SumsOf>
-auto pixel_by_pixel(SumsOf sums_of) {
-    return [sums_of](int x, int count, std::int16_t* to) {
+/// Keys for WinnerSearch::run() from those of one pixel: keys_of(x, std::uint16_t* to).
+template <int candidates, class KeysOf>
+auto pixel_by_pixel(KeysOf keys_of) {
+    return [keys_of](int x, int count, std::uint16_t* to) {
         for (int i = 0; i < count; ++i) {
-            sums_of(x + i, to + i * candidates);
+            keys_of(x + i, to + i * candidates);
         }
     };
 }
 
-/// Winners of the right image: the least sum along each diagonal, carried from pixel to pixel.
+/// In each lane the least sum so far, shifted as in a key, and the candidate that has it.
 template <class Tag, int classes>
-class RightWinners {
+struct Leader {
     using V = hn::Vec<Tag>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    static constexpr int last_class = classes - 1;
+    static constexpr std::uint16_t name_mask = (1 << name_bits) - 1;
+    static constexpr std::uint16_t no_sum = no_key & ~name_mask;
+    static constexpr std::uint16_t no_candidate = 0xffff;
+
+    /// Of the least keys of part 0.
+    explicit HWY_INLINE Leader(V key) : sum(sum_of(key)), candidate(candidate_of(key, 0)) {}
+    HWY_INLINE Leader(V least_sum, V its_candidate) : sum(least_sum), candidate(its_candidate) {}
+
+    /// Least keys of a part whose candidates are larger.
+    HWY_INLINE void meet(V key, int part) {
+        const V least = hn::Min(sum_of(key), sum);
+        candidate = hn::IfThenElse(hn::Eq(least, sum), candidate, candidate_of(key, part));
+        sum = least;
+    }
+
+    V sum;
+    V candidate;
+
+private:
+    static HWY_INLINE V sum_of(V key) { return hn::AndNot(hn::Set(Tag(), name_mask), key); }
+    static HWY_INLINE V candidate_of(V key, int part) {
+        using Places = CandidatePlaces<classes, lanes>;
+        const hn::RebindToSigned<Tag> numbers;
+        const auto first = hn::Load(numbers, Places::numbers.at + part * classes_of_part<classes> * lanes);
+        return hn::Add(hn::BitCast(Tag(), first), hn::And(key, hn::Set(Tag(), name_mask)));
+    }
+};
+
+/// Winners of the right image. A right pixel meets one candidate of each left pixel, the next one at the next pixel:
+/// the least key of a part is carried from class to class, what leads after a part waits until the next part is met.
+template <class Tag, int classes, int at_once>
+class RightWinners {
+    using V = hn::Vec<Tag>;
+    using Leads = Leader<Tag, classes>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int part_classes = classes_of_part<classes>;
+    static constexpr int parts = classes / part_classes;
 
 public:
+    /// Least keys of parts that are not met as a whole yet, by the class met last.
+    struct Partial {
+        V of[parts][part_classes - 1];
+    };
+
     RightWinners() {
+        for (auto& of_part : waiting_) {
+            for (int i = 0; i < part_classes; ++i) {
+                hn::Store(no_sum(), Tag(), of_part[i].sums);
+                hn::Store(no_candidate(), Tag(), of_part[i].candidates);
+            }
+        }
         DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            least_[q] = none();
-            winner_[q] = no_winner();
+        for (auto& of_part : partial_.of) {
+            std::fill_n(of_part, part_classes - 1, hn::Set(Tag(), no_key));
         }
     }
 
-    /// Sums of the next pixel to the right, and the names of its candidates. The name of the winner of the right pixel
-    /// whose candidates are complete with it (the one that this pixel meets at the last candidate) goes to *done; what
-    /// is written to lower entries means nothing.
-    HWY_INLINE void add(const V* sums, const V* name, std::int16_t* done) {
-        const V least = from_lane_below(tag_, least_[last_class], none());
-        const V winner = from_lane_below(tag_, winner_[last_class], no_winner());
+    Partial partial() const { return partial_; }
+
+    /// Keys of the i-th pixel of a block.
+    HWY_INLINE void add(const V* keys, int i, Partial& partial) {
         DISPARITYD_UNROLL
-        for (int q = last_class; q > 0; --q) {
-            winner_[q] = hn::IfThenElse(hn::Lt(sums[q], least_[q - 1]), name[q], winner_[q - 1]);
-            least_[q] = hn::Min(sums[q], least_[q - 1]);
+        for (int part = 0; part < parts; ++part) {
+            const V* met = keys + part * part_classes;
+            V* least = partial.of[part];
+            const V of_part = hn::Min(met[part_classes - 1], least[part_classes - 2]);
+            DISPARITYD_UNROLL
+            for (int q = part_classes - 2; q > 0; --q) {
+                least[q] = hn::Min(met[q], least[q - 1]);
+            }
+            least[0] = met[0];
+            Leads leader = before(part, i);
+            leader.meet(of_part, part);
+            Waiting& waits = waiting_[part][i + part_classes];
+            hn::Store(leader.sum, Tag(), waits.sums);
+            hn::Store(leader.candidate, Tag(), waits.candidates);
         }
-        winner_[0] = hn::IfThenElse(hn::Lt(sums[0], least), name[0], winner);
-        least_[0] = hn::Min(sums[0], least);
-        hn::StoreU(upper_block(tag_, winner_[last_class]), block_, done - 7);
     }
 
-    /// The winners of right pixels on the way: entry k was met at candidate k by the last pixel.
-    HWY_INLINE void rest(std::int16_t* winners) const {
-        DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            alignas(64) std::int16_t lane_winners[lanes];
-            hn::Store(winner_[q], tag_, lane_winners);
-            for (int lane = 0; lane < lanes; ++lane) {
-                winners[classes * lane + q] = lane_winners[lane];
+    /// The winners of the right pixels whose candidates are complete with the i-th pixel (which meets them at the last
+    /// candidate) and the seven pixels after it, in reverse.
+    HWY_INLINE void finished(int i, std::uint16_t* winners) const {
+        const hn::FixedTag<std::uint16_t, 8> block;
+        const Waiting* waits = waiting_[parts - 1] + part_classes + i;
+        const auto last_lanes = [&](int k) { return hn::Load(block, waits[7 - k].candidates + lanes - 8); };
+        hn::StoreU(last_lanes_side_by_side(block, last_lanes), block, winners);
+    }
+
+    /// After a whole block.
+    void next_block(const Partial& partial) {
+        partial_ = partial;
+        for (auto& of_part : waiting_) {
+            DISPARITYD_UNROLL
+            for (int i = 0; i < part_classes; ++i) {
+                const Waiting& last = of_part[at_once + i];
+                hn::Store(hn::Load(Tag(), last.sums), Tag(), of_part[i].sums);
+                hn::Store(hn::Load(Tag(), last.candidates), Tag(), of_part[i].candidates);
+            }
+        }
+    }
+
+    /// After the last block, of `count` pixels: the winners of right pixels on the way. Entry k was met at candidate k
+    /// by the last pixel.
+    void rest(const Partial& partial, int count, std::uint16_t* winners) const {
+        for (int part = 0; part < parts; ++part) {
+            for (int q = 0; q < part_classes; ++q) {
+                alignas(64) std::uint16_t of_lanes[lanes];
+                if (q == part_classes - 1) {
+                    std::copy_n(waiting_[part][count - 1 + part_classes].candidates, lanes, of_lanes);
+                } else {
+                    Leads leader = before(part, count - 1 + (part_classes - 1 - q));
+                    leader.meet(partial.of[part][q], part);
+                    hn::Store(leader.candidate, Tag(), of_lanes);
+                }
+                for (int lane = 0; lane < lanes; ++lane) {
+                    winners[classes * lane + part * part_classes + q] = of_lanes[lane];
+                }
             }
         }
     }
 
 private:
-    // Less than the sum of what is no candidate.
-    static HWY_INLINE V none() { return hn::Set(Tag(), std::int16_t{no_sum - 1}); }
-    static HWY_INLINE V no_winner() { return hn::Set(Tag(), name_of_candidate(-1)); }
+    // What leads in each lane after a part, for the pixel that meets the next part.
+    struct Waiting {
+        alignas(2 * lanes) std::uint16_t sums[lanes];
+        alignas(2 * lanes) std::uint16_t candidates[lanes];
+    };
 
-    Tag tag_{};
-    hn::FixedTag<std::int16_t, 8> block_{};
-    V least_[classes];
-    V winner_[classes];
+    static HWY_INLINE V no_sum() { return hn::Set(Tag(), Leads::no_sum); }
+    static HWY_INLINE V no_candidate() { return hn::Set(Tag(), Leads::no_candidate); }
+
+    // What leads before a part that is complete with the i-th pixel. Candidates of a lane follow those of the lane
+    // before it; not by a load that is moved by a lane, since that would wait until the stores before it have left the
+    // core.
+    HWY_INLINE Leads before(int part, int i) const {
+        const Waiting& waits = waiting_[(part + parts - 1) % parts][i];
+        const V sum = hn::Load(Tag(), waits.sums);
+        const V candidate = hn::Load(Tag(), waits.candidates);
+        if (part > 0) {
+            return {sum, candidate};
+        }
+        return {from_lane_below(Tag(), sum, no_sum()), from_lane_below(Tag(), candidate, no_candidate())};
+    }
+
+    Partial partial_;
+    Waiting waiting_[parts][at_once + part_classes];
 };
 
 template <class Tag, int classes>
 class WinnerSearch {
     using V = hn::Vec<Tag>;
-    using Right = RightWinners<Tag, classes>;
+    using Leads = Leader<Tag, classes>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 32;
+    using Right = RightWinners<Tag, classes, at_once>;
 
 public:
     explicit WinnerSearch(const SgmGeometry& geometry)
         : width_(geometry.width), range_(geometry.range), places_(range_.count) {
         for (int k = 0; k < candidates && range_.count != candidates; ++k) {
-            padding_[Places::of(k)] = k < range_.count ? std::int16_t{0} : no_sum;
+            padding_[Places::of(k)] = k < range_.count ? std::uint16_t{0} : no_key;
         }
-        std::fill_n(first_, at_once * lanes, name_of_candidate(0));  // of pixels past the end of the row too
     }
 
-    /// sums(x, count, std::int16_t* to) gives the sums of pixels x .. x + count - 1, one pixel after the other; it is
+    /// keys(x, count, std::uint16_t* to) gives the keys of pixels x .. x + count - 1, one pixel after the other; it is
     /// asked for each pixel once, from left to right.
-    template <class Sums>
-    void run(Sums sums, Minima& minima, std::int16_t* right_winner) {
-        std::fill_n(right_row_ + right_origin, width_, name_of_candidate(-1));
+    template <class Keys>
+    void run(Keys keys, Minima& minima, std::int16_t* right_winner) {
+        std::fill_n(right_row_ + right_origin, width_, Leads::no_candidate);
         Right right;
         for (int x = 0; x < width_; x += at_once) {
             const int count = std::min(at_once, width_ - x);
-            sums(x, count, sums_);
-            std::fill(sums_of(count), sums_of((count + 7) / 8 * 8), std::int16_t{0});  // searched in eights
+            keys(x, count, keys_);
+            std::fill(keys_of(count), keys_of((count + 7) / 8 * 8), std::uint16_t{0});  // searched in eights
             if (range_.count != candidates) {
                 set_padding(count);
             }
@@ -139,18 +240,20 @@ public:
             neighbours(x, count, minima);
             second(count, minima.winner + x, minima.second + x);
         }
-        finish_right(right, right_winner);
+        sums_of_keys<name_bits>(minima.before, width_);
+        sums_of_keys<name_bits>(minima.after, width_);
+        finish_right(right_winner);
     }
 
 private:
     using Places = CandidatePlaces<classes, lanes>;
 
-    // Right pixels from beyond the right end of the image to left of it, so that nothing needs to ask where one is.
-    // Backwards, because then what is written too much is written over later.
+    // Right pixels, backwards from beyond the right end of the image to left of it, so that nothing needs to ask where
+    // one is.
     static constexpr int right_origin = 2 * max_disparities;
     static constexpr int right_size = max_side + 4 * max_disparities;
 
-    std::int16_t* sums_of(int i) { return sums_ + i * candidates; }
+    std::uint16_t* keys_of(int i) { return keys_ + i * candidates; }
 
     // The right pixel that left pixel x meets at candidate k, as an index of right_row_.
     int right_entry(int x, int k) const { return right_origin + width_ - 1 - (x - range_.first - k); }
@@ -158,91 +261,98 @@ private:
     void set_padding(int count) {
         for (int i = 0; i < count; ++i) {
             for (int at = 0; at < candidates; at += lanes) {
-                const V sums = hn::Load(tag_, sums_of(i) + at);
-                hn::Store(hn::Or(sums, hn::Load(tag_, padding_ + at)), tag_, sums_of(i) + at);
+                const V keys = hn::Load(tag_, keys_of(i) + at);
+                hn::Store(hn::Or(keys, hn::Load(tag_, padding_ + at)), tag_, keys_of(i) + at);
             }
         }
     }
 
     HWY_INLINE void least_and_right(int x, int count, Right& right) {
-        V name[classes];
-        DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            name[q] = hn::Load(tag_, candidate_names<classes, lanes>.names + q * lanes);
-        }
-        std::int16_t* done = right_row_ + right_entry(x, candidates - 1);
+        constexpr int part_classes = classes_of_part<classes>;
+        auto partial = right.partial();
         for (int i = 0; i < count; ++i) {
-            V s[classes];
+            V key[classes];
+            V least[classes / part_classes];
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
-                s[q] = hn::Load(tag_, sums_of(i) + q * lanes);
+                key[q] = hn::Load(tag_, keys_of(i) + q * lanes);
+                V& of_part = least[q / part_classes];
+                of_part = q % part_classes == 0 ? key[q] : hn::Min(of_part, key[q]);
             }
-            V least = s[0];
-            V first = name[0];
+            Leads leader(least[0]);
             DISPARITYD_UNROLL
-            for (int q = 1; q < classes; ++q) {
-                first = hn::IfThenElse(hn::Lt(s[q], least), name[q], first);
-                least = hn::Min(least, s[q]);
+            for (int part = 1; part < classes / part_classes; ++part) {
+                leader.meet(least[part], part);
             }
-            hn::Store(least, tag_, by_lane_ + i * lanes);
-            hn::Store(first, tag_, first_ + i * lanes);
-            right.add(s, name, done - i);
+            hn::Store(leader.sum, tag_, by_lane_ + i * lanes);
+            hn::Store(leader.candidate, tag_, first_ + i * lanes);
+            right.add(key, i, partial);
+        }
+        // What is written too much is written over later.
+        for (int i = 0; i < count; i += 8) {
+            right.finished(i, right_row_ + right_entry(x + i + 7, candidates - 1));
+        }
+        if (x + count < width_) {
+            right.next_block(partial);
+            return;
+        }
+        std::uint16_t rest[candidates];
+        right.rest(partial, count, rest);
+        for (int k = 0; k < candidates; ++k) {
+            right_row_[right_entry(width_ - 1, k)] = rest[k];
         }
     }
 
     // Of each pixel the least sum of all lanes, and the first candidate that has it.
     HWY_INLINE void winners(int count, std::int16_t* least, std::int16_t* winner) {
-        const auto none = hn::Set(block_, static_cast<std::int16_t>(-name_of_candidate(0)));
+        const auto none = hn::Set(tag_, Leads::no_candidate);
         for (int i = 0; i < count; i += 8) {
             const auto sums = [&](int k) { return hn::Load(tag_, by_lane_ + (i + k) * lanes); };
-            hn::StoreU(least_of_pixels(tag_, sums), block_, least + i);
-            const auto names = [&](int k) {
-                const auto found = hn::Eq(sums(k), hn::Set(tag_, least[i + k]));
-                return hn::IfThenElseZero(found, hn::Load(tag_, first_ + (i + k) * lanes));
+            alignas(16) std::uint16_t least_sums[8];
+            const auto of_pixels = least_of_pixels(tag_, sums);
+            hn::Store(of_pixels, block_, least_sums);
+            hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(of_pixels)), words_, least + i);
+            const auto candidates_found = [&](int k) {
+                const auto found = hn::Eq(sums(k), hn::Set(tag_, least_sums[k]));
+                return hn::IfThenElse(found, hn::Load(tag_, first_ + (i + k) * lanes), none);
             };
-            hn::StoreU(hn::Add(least_of_pixels(tag_, names), none), block_, winner + i);
+            hn::StoreU(hn::BitCast(words_, least_of_pixels(tag_, candidates_found)), words_, winner + i);
         }
     }
 
     HWY_INLINE void neighbours(int x, int count, Minima& minima) {
         for (int i = 0; i < count; ++i) {
-            take_neighbours<no_sum>(places_, minima.winner[x + i], sums_of(i), &minima.before[x + i],
-                                    &minima.after[x + i]);
+            take_neighbours(places_, minima.winner[x + i], keys_of(i), &minima.before[x + i], &minima.after[x + i]);
         }
     }
 
     HWY_INLINE void second(int count, const std::int16_t* winner, std::int16_t* least) {
         for (int i = 0; i < count; i += 8) {
-            const auto rivals = [&](int k) {
-                return least_rivals<no_sum, classes>(tag_, sums_of(i + k), winner[i + k]);
-            };
-            hn::StoreU(least_of_pixels(tag_, rivals), block_, least + i);
+            const auto rivals = [&](int k) { return least_rivals<classes>(tag_, keys_of(i + k), winner[i + k]); };
+            const auto keys = least_of_pixels(tag_, rivals);
+            hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(keys)), words_, least + i);
         }
     }
 
-    HWY_INLINE void finish_right(const Right& right, std::int16_t* right_winner) {
-        std::int16_t rest[candidates];
-        right.rest(rest);
-        for (int k = 0; k < candidates; ++k) {
-            right_row_[right_entry(width_ - 1, k)] = rest[k];
-        }
-        const std::int16_t* found = right_row_ + right_origin + width_ - 1;
+    void finish_right(std::int16_t* right_winner) const {
+        const std::uint16_t* found = right_row_ + right_origin + width_ - 1;
         for (int i = 0; i < width_; ++i) {
             // Where no candidate was met: -1, one less than the first candidate.
-            right_winner[i] = static_cast<std::int16_t>(found[-i] - name_of_candidate(-range_.first));
+            right_winner[i] = static_cast<std::int16_t>(found[-i] + range_.first);
         }
     }
 
     Tag tag_{};
-    hn::FixedTag<std::int16_t, 8> block_{};
+    hn::FixedTag<std::uint16_t, 8> block_{};
+    hn::FixedTag<std::int16_t, 8> words_{};
     int width_;
     DisparityRange range_;
     Places places_;
-    alignas(64) std::int16_t padding_[candidates];
-    alignas(64) std::int16_t sums_[at_once * candidates];
-    alignas(64) std::int16_t by_lane_[at_once * lanes] = {};
-    alignas(64) std::int16_t first_[at_once * lanes];
-    std::int16_t right_row_[right_size];
+    alignas(64) std::uint16_t padding_[candidates];
+    alignas(64) std::uint16_t keys_[at_once * candidates];
+    alignas(64) std::uint16_t by_lane_[at_once * lanes] = {};
+    alignas(64) std::uint16_t first_[at_once * lanes] = {};
+    std::uint16_t right_row_[right_size];
 };
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE
