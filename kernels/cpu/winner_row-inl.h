@@ -98,6 +98,9 @@ class RightWinners {
 public:
     /// Least keys of parts that are not met as a whole yet, by the class met last.
     struct Partial {
+        // Written out: GCC compiles an implicit one for the baseline.
+        Partial() {}
+
         V of[parts][part_classes - 1];
     };
 
