@@ -247,18 +247,6 @@ HWY_INLINE V add_where(Mask mask, V v, V bytes) {
     }
 }
 
-/// The last 128 bits of `v`.
-template <class Tag, class V = hn::Vec<Tag>>
-HWY_INLINE auto upper_block(Tag tag, V v) {
-    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
-        (void)tag;
-        return v;
-    } else {
-        const hn::Half<Tag> half;
-        return upper_block(half, hn::UpperHalf(half, v));
-    }
-}
-
 /// Min of the 128-bit blocks of `v`: one block.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE auto least_of_blocks(Tag tag, V v) {
