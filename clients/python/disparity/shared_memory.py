@@ -6,6 +6,7 @@ import pathlib
 
 from .errors import DisparityError, Gone
 from .frame import Frame, plane_array
+from .frame_source import FrameSource
 
 LIBRARY = "libdisparity-client.so.0"
 
@@ -81,7 +82,7 @@ def _declare(library):
     return library
 
 
-class SharedMemoryReader:
+class SharedMemoryReader(FrameSource):
     """Reads /disparityd.<name>. Not for several threads at once. Times are in seconds.
 
     Raises DisparityError when the library or the object is missing or access is denied, Gone when the daemon has
@@ -98,12 +99,6 @@ class SharedMemoryReader:
             message = self._error()
             self.close()
             raise DisparityError(message)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
 
     def __del__(self):
         self.close()
@@ -134,16 +129,6 @@ class SharedMemoryReader:
         if result != _FRAME:
             raise DisparityError(self._error())
         return self._copy()
-
-    def __iter__(self):
-        """Frames until the daemon is gone."""
-        while True:
-            try:
-                frame = self.read()
-            except Gone:
-                return
-            if frame is not None:
-                yield frame
 
     def heartbeat_age(self):
         """Seconds since the daemon's last sign of life; a huge number when it is gone."""

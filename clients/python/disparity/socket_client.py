@@ -4,8 +4,9 @@ import collections
 import time
 
 from . import disparity_pb2 as pb
-from .errors import DisparityError, Gone
+from .errors import DisparityError
 from .frame import DISPARITY, Frame, plane_array
+from .frame_source import FrameSource
 from .stream import MessageStream, raw_bytes
 
 PROTOCOL_VERSION = 1
@@ -17,7 +18,7 @@ _MOST_PENDING = 8
 _MOST_SENSORS = 256
 
 
-class SocketClient:
+class SocketClient(FrameSource):
     """One connection to "tcp:HOST:PORT" or "unix:PATH". Not for several threads at once.
 
     Times are in seconds. Raises ValueError for an address that is none, DisparityError when the daemon cannot be
@@ -45,12 +46,6 @@ class SocketClient:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.close()
 
     def close(self):
         self._stream.close()
@@ -101,16 +96,6 @@ class SocketClient:
         sensors.skipped_for_client += self._sensors_dropped
         self._sensors_dropped = 0
         return sensors
-
-    def __iter__(self):
-        """Frames until the daemon is gone."""
-        while True:
-            try:
-                frame = self.read()
-            except Gone:
-                return
-            if frame is not None:
-                yield frame
 
     def status(self, timeout=5.0):
         """Asks for the daemon's status: a disparity_pb2.Status."""
