@@ -30,7 +30,8 @@ struct StereoCalibration {
 };
 
 /// Reads a calibration file for frames of width x height per eye: a factory .conf, OpenCV YAML/XML (keys M1 D1 M2 D2
-/// R T, or two files intrinsics/extrinsics joined), or a ROS camera_info pair given as "left.yaml,right.yaml".
+/// R T, or two files intrinsics/extrinsics joined), a ROS camera_info pair given as "left.yaml,right.yaml", or the
+/// calib.txt of a Middlebury (2014) or KITTI scene.
 /// Throws std::invalid_argument with one line: file, key, what was found, what is allowed.
 StereoCalibration read_calibration(const std::string& path, int width, int height);
 

@@ -28,7 +28,7 @@ public:
         wait,     ///< nothing until next(), or until a frame comes
         open,     ///< look for the camera, open it and start the stream; then started() or absent()
         restart,  ///< stop the stream and start it; then started() or failed()
-        reopen,   ///< close the device; then absent(now, at_once), so that it is opened again
+        reopen,   ///< close the device; then reopen_at_once()
         reset,    ///< reset the device on the USB, close it; then absent()
     };
 

@@ -106,7 +106,7 @@ enum class Pace {
 };
 
 struct SourceOptions {
-    std::string uri;  ///< "scene:vga@15", a folder, a pattern with %d, a video file
+    std::string uri;  ///< "v4l2:hd720@30", "scene:vga@15", a folder, a pattern with %d, a video file
     int loans = 8;    ///< frames that may be out at the same time
     Pace pace = Pace::source;
     bool loop = false;             ///< start again after the last frame
@@ -131,7 +131,7 @@ struct SourceOptions {
 
 /// A row of the table of sources.
 struct SourceKind {
-    std::string_view name;         ///< "scene", "folder", "recording"
+    std::string_view name;         ///< "v4l2", "scene", "folder", "recording"
     std::string_view description;  ///< one line for people, with an example
     bool (*accepts)(const std::string& uri);
     std::unique_ptr<FrameSource> (*open)(const SourceOptions& options);

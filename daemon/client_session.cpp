@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
@@ -22,6 +23,8 @@ constexpr std::chrono::seconds hello_timeout{5};
 /// Answers that may wait for a client before nothing more is read from it.
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;
+constexpr std::string_view messages_of_clients =
+    "hello, subscribe, status_request, record_start, record_stop, camera_request";
 
 /// A name that can stand in a log line.
 std::string printable(std::string text) {
@@ -169,10 +172,14 @@ void ClientSession::handle(const v1::Envelope& message) {
                 });
             break;
         case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
+        case v1::Envelope::BODY_NOT_SET:  // of a newer client, which can do without
+            send_error(fmt::format("Envelope: no message that disparityd {} knows, allowed: {}", DISPARITYD_VERSION,
+                                   messages_of_clients),
+                       false);
+            break;
         default:
-            send_error(fmt::format("message {} of Envelope is not for clients to send, allowed: hello, subscribe, "
-                                   "status_request, record_start, record_stop, camera_request",
-                                   static_cast<int>(message.body_case())),
+            send_error(fmt::format("message {} of Envelope is not for clients to send, allowed: {}",
+                                   static_cast<int>(message.body_case()), messages_of_clients),
                        true);
     }
 }

@@ -37,11 +37,13 @@ std::string_view FallbackMatcher::substitute() const {
 
 void FallbackMatcher::replace(const std::string& why) {
     const std::lock_guard lock(mutex_);
-    if (second_) {
+    if (replaced_.load(std::memory_order_relaxed)) {
         return;  // the other stage came first
     }
-    second_ = second_row_.create(first_->config());
-    second_scratch_ = LargeBuffer(second_->scratch_bytes());
+    // Both or none: where there is no memory for the scratch, the next frame tries again.
+    std::unique_ptr<Matcher> second = second_row_.create(first_->config());
+    second_scratch_ = LargeBuffer(second->scratch_bytes());
+    second_ = std::move(second);
     trouble_ = why + "; the back end " + std::string(second_row_.name) + " goes on";
     replaced_.store(true, std::memory_order_release);
 }

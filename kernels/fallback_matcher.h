@@ -23,7 +23,8 @@ public:
     const MatcherConfig& config() const override { return first_->config(); }
     std::size_t scratch_bytes() const override { return first_->scratch_bytes(); }
     std::span<const StageInfo> stages() const override { return first_->stages(); }
-    /// Lets std::invalid_argument through: that is the caller's mistake, on every back end.
+    /// Lets std::invalid_argument through: that is the caller's mistake, on every back end. Throws std::runtime_error
+    /// when the second matcher cannot be made either; the next call tries again.
     void run(int stage, const FrameView& frame, Parallel& workers,
              std::span<std::chrono::nanoseconds> step_times) override;
     std::string trouble() const override;

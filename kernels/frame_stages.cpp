@@ -13,8 +13,8 @@ namespace disparityd {
 void check_fits(const FrameView& frame) {
     const Rectifier& rectifier = *frame.rectifier;
     const bool fits = rectifier.mapped || (rectifier.crop_x >= 0 && rectifier.crop_y >= 0 &&
-                                           rectifier.crop_x + frame.left.width <= frame.raw.eye_width &&
-                                           rectifier.crop_y + frame.left.height <= frame.raw.height);
+                                           rectifier.crop_x <= frame.raw.eye_width - frame.left.width &&
+                                           rectifier.crop_y <= frame.raw.height - frame.left.height);
     if (!fits) {
         throw std::invalid_argument("region of " + std::to_string(frame.left.width) + "x" +
                                     std::to_string(frame.left.height) + " at (" + std::to_string(rectifier.crop_x) +

@@ -34,11 +34,12 @@ struct PostOptions {
     int uniqueness = 0;            ///< step 7: percent, 0 .. 99; 0 switches the uniqueness test off
     bool left_right_check = true;  ///< step 8
     int median = 3;                ///< step 9: 0 (off), 3 or 5
-    int speckle_size = 0;          ///< step 10: regions of fewer pixels are rejected; 0 switches it off
-    int speckle_step = 1;          ///< step 10: neighbours differing by at most this many whole pixels belong together
+    int speckle_size = 0;          ///< step 10: regions of fewer pixels, 0 .. 2^26, are rejected; 0 switches it off
+    int speckle_step = 1;          ///< step 10: neighbours differing by at most so many px, 0 .. 256, belong together
     bool interpolate = false;      ///< step 11
 };
 
+/// What is set here is not tuned: start from default_options().
 struct MatchOptions {
     Method method = Method::sgm;
     DisparityRange range;

@@ -39,7 +39,7 @@ Plane<std::uint8_t> as_frame_has_it(Plane<const std::uint8_t> image) {
 }  // namespace
 
 PairMatcher::PairMatcher(int width, int height, const MatchOptions& options, std::string_view back_end)
-    : matcher_(backend(back_end).create({width, height, options})),
+    : matcher_(make_matcher(back_end, {width, height, options})),
       scratch_(matcher_->scratch_bytes()),
       confidence_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "kernels/large_buffer.h"
@@ -25,17 +26,22 @@ struct PairResults {
 class PairMatcher {
 public:
     /// `width` and `height`: 1 .. 8192 each. `back_end`: a name of backends(), or "auto" for the fastest that this
-    /// machine can run. Throws std::invalid_argument with one line for people when an argument is not allowed,
+    /// machine can run: one that is on a GPU which has no memory left, or is lost later, gives way to the next, and
+    /// trouble() says so. Throws std::invalid_argument with one line for people when an argument is not allowed,
     /// std::runtime_error when the memory is missing.
     PairMatcher(int width, int height, const MatchOptions& options, std::string_view back_end = "auto");
 
     /// Left pixel (x, y) and right pixel (x - disparity, y) show the same; the images are read only. `workers`: Serial
     /// for the calling thread alone, or an own Parallel around the program's threads; results do not depend on it.
-    /// Throws std::invalid_argument when a plane has another size.
+    /// Throws std::invalid_argument when a plane has another size, std::runtime_error when a back end chosen by name loses
+    /// its device.
     void match(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, const PairResults& results,
                Parallel& workers);
 
     const MatcherConfig& config() const { return matcher_->config(); }
+
+    /// One line on what went wrong and was made good; empty as long as all is well. From any thread.
+    std::string trouble() const { return matcher_->trouble(); }
 
 private:
     std::unique_ptr<Matcher> matcher_;

@@ -10,7 +10,7 @@
 
 namespace disparityd::pipeline {
 
-/// Memory aligned to a cache line, allocated once, zeroed.
+/// Memory aligned to a cache line, allocated once, zeroed. std::runtime_error when there is not enough.
 class AlignedBuffer {
 public:
     AlignedBuffer() = default;

@@ -60,8 +60,8 @@ enum class ReadResult {
 /// Reads frames from shared memory. The writer never waits for a reader.
 class DISPARITY_API SharedMemoryReader {
 public:
-    /// Maps /disparityd.<name> read-only. Throws std::runtime_error with one line (what, where, what to do) when
-    /// there is none, access is denied, or its version is not ours.
+    /// Maps /disparityd.<name> read-only. Throws std::invalid_argument for a name that is not allowed, std::runtime_error
+    /// with one line (what, where, what to do) when there is none, access is denied, or its version is not ours.
     explicit SharedMemoryReader(const std::string& name = "default");
     ~SharedMemoryReader();
     SharedMemoryReader(SharedMemoryReader&&) noexcept;
@@ -147,6 +147,7 @@ public:
     const std::string& welcome() const;
 
     /// Replaces the subscription. Frames of the one before may still arrive; a refusal comes out of the next read().
+    /// Throws std::runtime_error when the connection has ended.
     void subscribe(const Subscription& subscription);
 
     /// Waits for the next frame (older ones waiting in the socket are delivered first, none is skipped here).
@@ -161,12 +162,12 @@ public:
     ReadResult read_sensors(SensorBatch& batch, std::chrono::milliseconds timeout);
 
     /// Asks for the daemon's status; the answer is the serialized disparityd.v1.Status message of proto/. Up to 8
-    /// frames that arrive meanwhile are kept for read(), the newest win. Throws std::runtime_error when no answer comes
-    /// in time.
+    /// frames that arrive meanwhile are kept for read(), the newest win. This and the questions below throw
+    /// std::runtime_error when the daemon refuses (in its words), no answer comes in time, or the connection has ended.
     std::string status(std::chrono::milliseconds timeout);
 
-    /// The newest status message that came by itself (Subscription::status_interval_s) during read() since the last
-    /// call of this; empty when none did.
+    /// The newest status message that came by itself (Subscription::status_interval_s) during any call since the last
+    /// one of this; empty when none did.
     std::string take_status();
 
     /// Starts or stops a recording on the daemon's machine; the answer is a serialized disparityd.v1.RecordStatus.

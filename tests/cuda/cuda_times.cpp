@@ -181,6 +181,10 @@ void run(std::ostream& json) {
 }  // namespace disparityd::test
 
 int main(int argc, char** argv) {
+    if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
+        std::fputs("usage: disparity-cuda-times [FILE]\nTimes of the back end cuda as a table; as JSON to FILE.\n", stderr);
+        return 2;
+    }
     try {
         std::ofstream json(argc > 1 ? argv[1] : "/dev/null");
         disparityd::test::run(json);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/socket_server.h"
 
+#include <array>
 #include <stdexcept>
 #include <thread>
 
@@ -149,6 +150,23 @@ TEST_F(SocketServerTest, BadSubscriptionsAreRefusedAndTheOldOneStays) {
     const auto message = client.receive_frame();
     ASSERT_TRUE(message);
     EXPECT_EQ(message->envelope.frame().planes(0).product(), v1::CONFIDENCE);
+}
+
+// As docs/protocol.md promises newer clients.
+TEST_F(SocketServerTest, AnUnknownMessageIsAnsweredAndTheConnectionStays) {
+    start();
+    WireClient client = connect(tcp_);
+    v1::Envelope empty;
+    ASSERT_TRUE(client.send(empty));
+    const std::array<std::uint8_t, 7> field_99_of_no_bytes = {3, 0, 0, 0, 0x9a, 0x06, 0};
+    ASSERT_TRUE(client.send_bytes(field_99_of_no_bytes));
+    for (int i = 0; i < 2; ++i) {
+        const auto answer = client.receive();
+        ASSERT_TRUE(answer && answer->envelope.has_error());
+        EXPECT_THAT(answer->envelope.error().message(), HasSubstr("allowed: hello, subscribe"));
+        EXPECT_FALSE(answer->envelope.error().closing());
+    }
+    EXPECT_NO_THROW(status(client));
 }
 
 TEST_F(SocketServerTest, MaxRateSkipsAndCounts) {

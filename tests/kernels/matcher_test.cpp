@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -150,7 +152,8 @@ TEST_P(EveryMethod, ARegionOutsideTheFrameIsRefused) {
     Frame frame(*matcher, Image<std::uint8_t>(24, 10), Image<std::uint8_t>(24, 10));
     frame.view.raw = {bytes.plane().data, PixelFormat::grey8, 30, 12, 60};
     std::chrono::nanoseconds time{};
-    for (const auto& [x, y] : {std::pair{7, 0}, {0, 3}, {-1, 0}, {0, -1}}) {
+    constexpr int most = std::numeric_limits<int>::max();
+    for (const auto& [x, y] : {std::pair{7, 0}, {0, 3}, {-1, 0}, {0, -1}, {most, 0}, {0, most}}) {
         const Rectifier rectifier{false, {}, {}, x, y};
         frame.view.rectifier = &rectifier;
         EXPECT_THROW(matcher->run(0, frame.view, serial, {&time, 1}), std::invalid_argument);
@@ -192,6 +195,46 @@ TEST_P(EveryInstructionSet, EqualsTheReferenceOnHostileSizes) {
                 ShuffledWorkers workers(pick(random, 2, 5), static_cast<unsigned>(random()));
                 expect_equal_to_reference(*matcher, Pair(random, width, height), workers);
             }
+        }
+    }
+}
+
+// Rows as long as they may be, where arrays of a fixed size are full.
+TEST_P(EveryInstructionSet, EqualsTheReferenceOnTheLongestRows) {
+    Random random(28);
+    struct Case {
+        int width;
+        DisparityRange range;
+    };
+    for (const auto& [width, range] : {Case{max_side, {256, 256}}, {max_side, {-256, 256}}, {max_side - 1, {0, 256}},
+                                       {max_side, {256, 16}}, {max_side, {-256, 16}}}) {
+        for (const auto& [method, p2] :
+             {std::pair{Method::sad, 2}, {Method::census, 2}, {Method::sgm, 63}, {Method::sgm, 193}}) {
+            MatchOptions options = any_options(random);
+            options.method = method;
+            options.range = range;
+            options.sgm.p2 = p2;
+            options.sgm.p1 = p2 / 2;
+            options.post.left_right_check = true;
+            options.post.interpolate = true;
+            const auto matcher = cpu::create({width, 2, options}, GetParam());
+            ShuffledWorkers workers(2, static_cast<unsigned>(random()));
+            expect_equal_to_reference(*matcher, Pair(random, width, 2), workers);
+        }
+    }
+}
+
+// The largest sums of absolute differences that there can be, of every candidate.
+TEST_P(EveryInstructionSet, EqualsTheReferenceOnBlackBesideWhite) {
+    Random random(29);
+    for (const DisparityRange range : {DisparityRange{0, 16}, {-7, 64}, {3, 256}}) {
+        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+            MatchOptions options = any_options(random);
+            options.method = method;
+            options.range = range;
+            const auto matcher = cpu::create({90, 21, options}, GetParam());
+            Serial serial;
+            expect_equal_to_reference(*matcher, {Bytes(90, 21, 0), Bytes(90, 21, 255)}, serial);
         }
     }
 }

@@ -34,10 +34,11 @@ void DaemonAddress::add_to(CLI::App& app) {
     const std::string group = "Which daemon";
     app.add_option(
            "--socket", socket,
-           "tcp:HOST:PORT or unix:PATH; default: the daemon's default Unix socket, then " + std::string(default_tcp))
+           "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, " +
+               std::string(default_tcp))
         ->type_name("ADDRESS")
         ->group(group);
-    app.add_option("--name", name, "name of its shared memory; default: default")->type_name("NAME")->group(group);
+    app.add_option("--name", name, "its name, that of its shared memory and Unix socket; default: default")->type_name("NAME")->group(group);
 }
 
 std::vector<std::string> DaemonAddress::sockets() const {

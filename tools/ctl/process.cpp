@@ -261,7 +261,7 @@ void add_process(CLI::App& program, Action& action) {
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
     CLI::Option& self_calibrate = *command.add_flag(
         "--self-calibrate", arguments->self_calibrate,
-        "estimate from the frames how the cameras have turned, every 80 frames and sooner at the start");
+        "estimate from the frames how the cameras have turned, four times in every 80 frames");
     command
         .add_flag("--no-self-calibration", arguments->no_self_calibration,
                   "leave out the corrections that a recording has")

@@ -97,7 +97,7 @@ void print(const v1::Status& status) {
                             std::to_string(status.corrupt()) + " damaged");
     print_row("recording", record_text(status.record()));
     if (status.has_self_calibration()) {
-        print_row("self-calibr.", self_calibration_text(status.self_calibration()));
+        print_row("self-calib.", self_calibration_text(status.self_calibration()));
     }
     for (const std::string& notice : status.notices()) {
         print_row("notice", notice);

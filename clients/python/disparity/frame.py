@@ -84,7 +84,7 @@ class Frame:
 
     @property
     def depth(self):
-        """uint16, mm; DEPTH_UNKNOWN, DEPTH_BEYOND."""
+        """uint16, mm; 0 = unknown, 65535 = valid but beyond 65.534 m."""
         return self._plane(DEPTH, "depth")
 
     @property

@@ -3,6 +3,7 @@
 // The kernels of the cpu back end, in the manner of dav1d's checkasm:
 //   cpu_kernels_check [GoogleTest's options]   every kernel of every instruction set here against the reference
 //   cpu_kernels_check --bench [FILTER]         their times beside the reference's; FILTER: a part of their names
+//   cpu_kernels_check --help                   GoogleTest's options
 #include <cstdio>
 #include <cstring>
 
@@ -20,7 +21,7 @@ int main(int argc, char** argv) {
         }
         return 0;
     }
-    if (argc > 1) {
+    if (argc > 1 && !testing::GTEST_FLAG(help)) {
         std::fprintf(stderr,
                      "cpu_kernels_check: error: found '%s', allowed: GoogleTest's options, or --bench [FILTER]\n",
                      argv[1]);
