@@ -21,7 +21,7 @@ bool everywhere() {
 }
 
 std::unique_ptr<Matcher> create_reference(const MatcherConfig& config) {
-    return std::make_unique<StepMatcher>(config, reference::steps, Spread::callers_thread);
+    return std::make_unique<StepMatcher>(config, reference::steps);
 }
 
 std::string nothing_missing() {

@@ -28,10 +28,10 @@ Plane<T> plane_at(std::span<std::byte> scratch, std::size_t offset, int width, i
 
 }  // namespace
 
-FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config)
+FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config)
     : FrameScratch(steps, config, words_of_both(config)) {}
 
-FrameScratch::FrameScratch(const KernelSteps& steps, const MatcherConfig& config, std::size_t census_bytes)
+FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config, std::size_t census_bytes)
     : width_(config.width), height_(config.height), filtered_(config.options.post.median > 0) {
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     const PostOptions& post = config.options.post;

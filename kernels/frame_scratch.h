@@ -10,15 +10,15 @@
 namespace disparityd {
 
 struct FrameView;
-struct KernelSteps;
+struct FrameSteps;
 struct MatcherConfig;
 
 /// How a frame's scratch is divided: what travels with a frame from one stage to the next.
 class FrameScratch {
 public:
-    FrameScratch(const KernelSteps& steps, const MatcherConfig& config);
+    FrameScratch(const FrameSteps& steps, const MatcherConfig& config);
     /// With room for a census of another form than two planes of words.
-    FrameScratch(const KernelSteps& steps, const MatcherConfig& config, std::size_t census_bytes);
+    FrameScratch(const FrameSteps& steps, const MatcherConfig& config, std::size_t census_bytes);
 
     std::size_t bytes() const { return bytes_; }
 

@@ -17,13 +17,13 @@ void check_fits(const FrameView& frame);
 class FrameStages {
 public:
     /// `steps` outlives this.
-    FrameStages(const KernelSteps& steps, const MatcherConfig& config) : steps_(steps), config_(config) {}
+    FrameStages(const FrameSteps& steps, const MatcherConfig& config) : steps_(steps), config_(config) {}
 
     void rectify(const FrameView& frame, Parallel& workers) const;
     void post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
 
 private:
-    const KernelSteps& steps_;
+    const FrameSteps& steps_;
     MatcherConfig config_;
 };
 

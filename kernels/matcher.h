@@ -94,8 +94,8 @@ public:
     virtual std::span<const StageInfo> stages() const = 0;
 
     /// Runs one stage on one frame. step_times has one entry per step of the stage, each is set to the time it took.
-    /// Throws std::invalid_argument when the rectifier's region does not lie inside the raw frame, std::runtime_error when
-    /// a device fails.
+    /// Throws std::invalid_argument when the rectifier's region does not lie inside the raw frame, std::runtime_error
+    /// when a device fails.
     virtual void run(int stage, const FrameView& frame, Parallel& workers,
                      std::span<std::chrono::nanoseconds> step_times) = 0;
 

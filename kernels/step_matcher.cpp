@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "kernels/over_rows.h"
 #include "kernels/step_clock.h"
 
 namespace disparityd {
@@ -50,93 +49,84 @@ Volume<T> volume(const LargeBuffer& buffer, const MatcherConfig& config) {
 
 }  // namespace
 
-StepMatcher::StepMatcher(const MatcherConfig& config, const KernelSteps& steps, Spread spread)
+StepMatcher::StepMatcher(const MatcherConfig& config, const KernelSteps& steps)
     : config_(checked(config)),
-      steps_(steps),
-      spread_(spread),
-      scratch_(steps, config),
-      frame_stages_(steps, config),
+      steps_(steps.matching),
+      scratch_(steps.frame, config),
+      frame_stages_(steps.frame, config),
       stages_(stages_of(config.options.method)),
       costs_(candidates(config) * (config.options.method == Method::sad ? sizeof(std::uint16_t) : 1)) {
     if (config.options.method == Method::sgm) {
         sums_ = LargeBuffer(candidates(config) * sizeof(std::uint16_t));
         aggregate_scratch_ =
-            LargeBuffer(steps.aggregate_scratch(config.width, config.height, config.options.range.count));
+            LargeBuffer(steps_.aggregate_scratch(config.width, config.height, config.options.range.count));
     }
 }
 
-void StepMatcher::run(int stage, const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) {
-    Serial serial;
-    Parallel& used = spread_ == Spread::workers ? workers : serial;
+void StepMatcher::run(int stage, const FrameView& frame, Parallel& /*workers*/, std::span<nanoseconds> step_times) {
     const std::string_view name = stages_[static_cast<std::size_t>(stage)].name;
     if (name == "match") {
-        config_.options.method == Method::sad ? match_sad(frame, used, step_times) : match(frame, used, step_times);
+        config_.options.method == Method::sad ? match_sad(frame, step_times) : match(frame, step_times);
         return;
     }
+    Serial serial;
     StepClock clock(step_times);
     if (name == "rectify") {
-        frame_stages_.rectify(frame, used);
+        frame_stages_.rectify(frame, serial);
     } else if (name == "census") {
-        census(frame, used);
+        census(frame);
     } else {
-        frame_stages_.post_process(frame, scratch_, used);
+        frame_stages_.post_process(frame, scratch_, serial);
     }
     clock.next();
 }
 
-void StepMatcher::census(const FrameView& frame, Parallel& workers) const {
-    over_rows(config_.height, workers, [&](Rows rows) {
-        steps_.census(frame.left, scratch_.left_census(frame.scratch), rows);
-        steps_.census(frame.right, scratch_.right_census(frame.scratch), rows);
-    });
+void StepMatcher::census(const FrameView& frame) const {
+    steps_.census(frame.left, scratch_.left_census(frame.scratch), rows());
+    steps_.census(frame.right, scratch_.right_census(frame.scratch), rows());
 }
 
-void StepMatcher::match_sad(const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) const {
+void StepMatcher::match_sad(const FrameView& frame, std::span<nanoseconds> step_times) const {
     StepClock clock(step_times);
     const auto costs = volume<std::uint16_t>(costs_, config_);
-    over_rows(config_.height, workers,
-              [&](Rows rows) { steps_.sad(frame.left, frame.right, config_.options.range, costs, rows); });
+    steps_.sad(frame.left, frame.right, config_.options.range, costs, rows());
     clock.next();
-    choose_winners<std::uint16_t>(costs, steps_.winner_u16, frame, workers);
+    choose_winners<std::uint16_t>(costs, steps_.winner_u16, frame);
     clock.next();
 }
 
-void StepMatcher::match(const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) const {
+void StepMatcher::match(const FrameView& frame, std::span<nanoseconds> step_times) const {
     StepClock clock(step_times);
     const auto costs = volume<std::uint8_t>(costs_, config_);
-    over_rows(config_.height, workers, [&](Rows rows) {
-        steps_.matching_cost(scratch_.left_census(frame.scratch), scratch_.right_census(frame.scratch),
-                             config_.options.range, costs, rows);
-    });
+    steps_.matching_cost(scratch_.left_census(frame.scratch), scratch_.right_census(frame.scratch),
+                         config_.options.range, costs, rows());
     clock.next();
     if (config_.options.method == Method::sgm) {
+        Serial serial;
         const auto sums = volume<std::uint16_t>(sums_, config_);
         steps_.aggregate(costs, frame.left, config_.options.sgm, sums,
-                         {aggregate_scratch_.data(), aggregate_scratch_.size()}, workers);
+                         {aggregate_scratch_.data(), aggregate_scratch_.size()}, serial);
         clock.next();
-        choose_winners<std::uint16_t>(sums, steps_.winner_u16, frame, workers);
+        choose_winners<std::uint16_t>(sums, steps_.winner_u16, frame);
     } else {
-        choose_winners<std::uint8_t>(costs, steps_.winner_u8, frame, workers);
+        choose_winners<std::uint8_t>(costs, steps_.winner_u8, frame);
     }
     clock.next();
 }
 
 template <typename T>
-void StepMatcher::choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame,
-                                 Parallel& workers) const {
+void StepMatcher::choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame) const {
     const MatchOptions& options = config_.options;
     const Plane<std::int16_t> left = scratch_.left_winner(frame.scratch);
     const Plane<std::int16_t> right = scratch_.right_winner(frame.scratch);
     const Plane<std::int16_t> disparity = scratch_.matched(frame);
-    over_rows(config_.height, workers, [&](Rows block) {
-        // Row by row, so that the costs are still in the cache for the second and third look.
-        for (int y = block.first; y < block.last; ++y) {
-            const Rows row{y, y + 1};
-            winner.left(costs, options.range, options.post.subpixel, left, disparity, row);
-            winner.right(costs, options.range, right, row);
-            winner.local_extrema(costs, options.range, options.post, left, disparity, frame.confidence, row);
-        }
-    });
+    // Row by row, so that the costs are still in the cache for the second and third look.
+    for (int y = 0; y < config_.height; ++y) {
+        const Rows row{y, y + 1};
+        winner.left(costs, options.range, options.post.subpixel, left, disparity, row);
+        winner.right(costs, options.range, right, row);
+        winner.local_extrema(costs, options.range, options.post, left, disparity, frame.confidence, row);
+    }
 }
 
 }  // namespace disparityd

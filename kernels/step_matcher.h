@@ -11,17 +11,12 @@
 
 namespace disparityd {
 
-/// Where the steps of a matcher run.
-enum class Spread {
-    callers_thread,  ///< the Parallel given to run() is left alone
-    workers,         ///< rows, and lines of a path, over the Parallel given to run()
-};
-
-/// The matching chain of docs/algorithm.md made of the steps in a table, one after the other.
+/// The matching chain of docs/algorithm.md made of the steps in a table, one after the other, in the caller's thread:
+/// the Parallel given to run() is left alone.
 class StepMatcher final : public Matcher {
 public:
     /// `steps` outlives the matcher. Throws as Backend::create does.
-    StepMatcher(const MatcherConfig& config, const KernelSteps& steps, Spread spread);
+    StepMatcher(const MatcherConfig& config, const KernelSteps& steps);
 
     const MatcherConfig& config() const override { return config_; }
     std::size_t scratch_bytes() const override { return scratch_.bytes(); }
@@ -30,16 +25,15 @@ public:
              std::span<std::chrono::nanoseconds> step_times) override;
 
 private:
-    void census(const FrameView& frame, Parallel& workers) const;
-    void match(const FrameView& frame, Parallel& workers, std::span<std::chrono::nanoseconds> step_times) const;
-    void match_sad(const FrameView& frame, Parallel& workers, std::span<std::chrono::nanoseconds> step_times) const;
+    Rows rows() const { return {0, config_.height}; }
+    void census(const FrameView& frame) const;
+    void match(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times) const;
+    void match_sad(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times) const;
     template <typename T>
-    void choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame,
-                        Parallel& workers) const;
+    void choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame) const;
 
     MatcherConfig config_;
-    const KernelSteps& steps_;
-    Spread spread_;
+    const MatchingSteps& steps_;
     FrameScratch scratch_;
     FrameStages frame_stages_;
     std::span<const StageInfo> stages_;

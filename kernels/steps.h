@@ -33,34 +33,19 @@ struct WinnerSteps {
                           Plane<std::uint8_t> confidence, Rows rows);
 };
 
-/// The steps of docs/algorithm.md as one back end computes them. Every table gives the same bytes as the reference's
-/// (tests/kernels compares them).
-///
-/// All are pure functions: no threads of their own, no allocation, no state. A function with `rows` computes these rows
-/// of its output and may be called for disjoint rows at the same time; planes and volumes of one call have one size,
-/// rows of input are read beyond `rows` where a window needs them.
-struct KernelSteps {
+// The steps of docs/algorithm.md as a back end computes them, all with the bytes of the reference's (tests/kernels
+// compares them).
+//
+// All are pure functions: no threads of their own, no allocation, no state. A function with `rows` computes these rows
+// of its output and may be called for disjoint rows at the same time; planes and volumes of one call have one size,
+// rows of input are read beyond `rows` where a window needs them.
+
+/// What comes before and after matching, whatever the method.
+struct FrameSteps {
     /// Step 1: luma of one eye, rectified.
     void (*rectify)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
     /// Step 1: the left eye in colour, rectified; `bgr` is 3 * width wide.
     void (*rectify_colour)(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
-    /// Step 2.
-    void (*sad)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
-                Volume<std::uint16_t> costs, Rows rows);
-    /// Step 3.
-    void (*census)(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
-    /// Step 4.
-    void (*matching_cost)(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
-                          Volume<std::uint8_t> costs, Rows rows);
-
-    /// Step 5, the whole volume: spread over `workers` as the back end sees fit.
-    void (*aggregate)(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
-                      Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
-    std::size_t (*aggregate_scratch)(int width, int height, int disparities);  ///< bytes that aggregate() needs
-
-    /// Steps 6, 7 and 12 on the matching costs of census, and on costs of SAD and sums of SGM.
-    WinnerSteps<std::uint8_t> winner_u8;
-    WinnerSteps<std::uint16_t> winner_u16;
 
     /// Step 8: rejects, in `disparity`, what the winners of both images do not agree on.
     void (*left_right)(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner,
@@ -82,6 +67,33 @@ struct KernelSteps {
     /// Step 12.
     void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
                   Plane<std::uint16_t> depth, Rows rows);
+};
+
+/// Matching, one step after the other.
+struct MatchingSteps {
+    /// Step 2.
+    void (*sad)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
+                Volume<std::uint16_t> costs, Rows rows);
+    /// Step 3.
+    void (*census)(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
+    /// Step 4.
+    void (*matching_cost)(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
+                          Volume<std::uint8_t> costs, Rows rows);
+
+    /// Step 5, the whole volume: spread over `workers` as the back end sees fit.
+    void (*aggregate)(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
+                      Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
+    std::size_t (*aggregate_scratch)(int width, int height, int disparities);  ///< bytes that aggregate() needs
+
+    /// Steps 6, 7 and 12 on the matching costs of census, and on costs of SAD and sums of SGM.
+    WinnerSteps<std::uint8_t> winner_u8;
+    WinnerSteps<std::uint16_t> winner_u16;
+};
+
+/// All of them.
+struct KernelSteps {
+    FrameSteps frame;
+    MatchingSteps matching;
 };
 
 }  // namespace disparityd

@@ -29,9 +29,9 @@ std::unique_ptr<Matcher> create(const MatcherConfig& config, const InstructionSe
     const std::int64_t target = instruction_set.target;
     if (options.method != Method::sgm) {
         const int cores = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1U));
-        return std::make_unique<BlockMatcher>(config, steps(target), target, cores);
+        return std::make_unique<BlockMatcher>(config, frame_steps(target), target, cores);
     }
-    return std::make_unique<SgmMatcher>(config, steps(target), target, last_level_cache_bytes());
+    return std::make_unique<SgmMatcher>(config, frame_steps(target), target, last_level_cache_bytes());
 }
 
 bool available() {

@@ -21,6 +21,7 @@ template <class Tag, int registers>
 struct Block {
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int key_bits = 8;  // beside costs of bytes
+    static_assert(census_bits < (no_key >> key_bits));
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int classes = 2 * registers;
 

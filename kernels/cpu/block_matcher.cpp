@@ -35,7 +35,7 @@ SgmGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels) 
 
 }  // namespace
 
-BlockMatcher::BlockMatcher(const MatcherConfig& config, const KernelSteps& steps, std::int64_t target, int bands)
+BlockMatcher::BlockMatcher(const MatcherConfig& config, const FrameSteps& steps, std::int64_t target, int bands)
     : config_(checked(config)),
       census_kernels_(sgm_kernels(target, config.options.range.count)),
       kernels_(block_kernels(target, config.options.range.count)),

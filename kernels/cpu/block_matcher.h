@@ -13,7 +13,7 @@ namespace disparityd::cpu {
 class BlockMatcher final : public Matcher {
 public:
     /// `steps` (first and last stage) outlives the matcher. `bands`: how many workers it can make use of.
-    BlockMatcher(const MatcherConfig& config, const KernelSteps& steps, std::int64_t target, int bands);
+    BlockMatcher(const MatcherConfig& config, const FrameSteps& steps, std::int64_t target, int bands);
 
     const MatcherConfig& config() const override { return config_; }
     std::size_t scratch_bytes() const override { return scratch_.bytes(); }

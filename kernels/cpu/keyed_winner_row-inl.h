@@ -134,6 +134,7 @@ class KeyedWinnerSearch {
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 16;
+    static_assert(Groups::possible);
     using Places = CandidatePlaces<classes, lanes>;
 
 public:

@@ -213,12 +213,21 @@ HWY_INLINE hn::Vec<Words> words_of_bytes(Words words, V v) {
     return odd ? hn::ShiftRight<8>(pairs) : hn::And(pairs, hn::Set(words, std::uint16_t{0x00ff}));
 }
 
+/// 2^shift times the even (or the odd) bytes of `v`, as words; shift is at most 6.
+template <bool odd, int shift, class Words, class V>
+HWY_INLINE hn::Vec<Words> shifted_bytes(Words words, V v) {
+#if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
+    return multiply_add_bytes(words, v, hn::Set(words, std::uint16_t{(odd ? 256 : 1) << shift}));
+#else
+    return hn::ShiftLeft<shift>(words_of_bytes<odd>(words, v));
+#endif
+}
+
 /// 2^shift times the sum of the even (or the odd) bytes of `a` and `b`, as words; shift is at most 6.
 template <bool odd, int shift, class Words, class V>
 HWY_INLINE hn::Vec<Words> sum_of_bytes(Words words, V a, V b) {
 #if HWY_TARGET <= HWY_SSE4 && HWY_ARCH_X86
-    const auto factor = hn::Set(words, std::uint16_t{(odd ? 256 : 1) << shift});
-    return hn::Add(multiply_add_bytes(words, a, factor), multiply_add_bytes(words, b, factor));
+    return hn::Add(shifted_bytes<odd, shift>(words, a), shifted_bytes<odd, shift>(words, b));
 #else
     return hn::ShiftLeft<shift>(hn::Add(words_of_bytes<odd>(words, a), words_of_bytes<odd>(words, b)));
 #endif

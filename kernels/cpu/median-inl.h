@@ -49,9 +49,25 @@ HWY_INLINE V median_of(V* values) {
     return values[count / 2];
 }
 
-/// The middle one of a square of values. With columns and then rows in order (columns stay so), no less than
-/// (row + 1) (column + 1) - 1 others are not more than a value, and as many as seen from the other corner not less: few
-/// can be in the middle, and as many are surely less as are surely more. Compilers leave away what no candidate needs.
+/// With columns and then rows in order (columns stay so), a value is not less than (row + 1) (column + 1) - 1 others,
+/// and not more than as many as seen from the other corner: whether it can be in the middle.
+template <int side>
+constexpr bool can_be_median(int row, int column) {
+    constexpr int half = side * side / 2;
+    return (row + 1) * (column + 1) <= half + 1 && (side - row) * (side - column) <= half + 1;
+}
+
+template <int side>
+constexpr int medians_possible() {
+    int count = 0;
+    for (int i = 0; i < side * side; ++i) {
+        count += can_be_median<side>(i / side, i % side) ? 1 : 0;
+    }
+    return count;
+}
+
+/// The middle one of a square of values. Of those that cannot be it, as many are surely less as are surely more.
+/// Compilers leave away what no candidate needs.
 template <int side, class V>
 HWY_INLINE V median_of_square(V* values) {
     DISPARITYD_UNROLL
@@ -62,20 +78,19 @@ HWY_INLINE V median_of_square(V* values) {
     for (int row = 0; row < side; ++row) {
         sort<side, 1>(values + side * row);
     }
-    constexpr int half = side * side / 2;
-    constexpr int most_candidates = side == 3 ? 3 : 13;
-    V candidates[most_candidates];
+    constexpr int possible = medians_possible<side>();
+    V candidates[possible];
     int count = 0;
     DISPARITYD_UNROLL
     for (int row = 0; row < side; ++row) {
         DISPARITYD_UNROLL
         for (int column = 0; column < side; ++column) {
-            if ((row + 1) * (column + 1) <= half + 1 && (side - row) * (side - column) <= half + 1) {
+            if (can_be_median<side>(row, column)) {
                 candidates[count++] = values[side * row + column];
             }
         }
     }
-    return median_of<most_candidates>(candidates);
+    return median_of<possible>(candidates);
 }
 
 /// Rows of the window with their ends replicated.

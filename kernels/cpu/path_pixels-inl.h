@@ -29,6 +29,8 @@ class PathPixels {
     using V = hn::Vec<Tag>;
     using Sums = PathSums<Tag, registers, form.word_sums>;
     static constexpr bool less_p1 = !form.any_p2;
+    static_assert(form.any_p2 || form.diagonals, "what raised costs add up to is that of 8 paths");
+    static_assert(form.any_p2 || !form.word_sums);
     // With 16 vector registers matching costs are better loaded again for each path than stored and restored.
     static constexpr bool loads_again = HWY_ARCH_X86 && (HWY_TARGET > HWY_AVX3) && registers > 2 && !form.any_p2;
 

@@ -246,7 +246,7 @@ private:
         for (int q = 0; q < classes; ++q) {
             const auto k = hn::Load(numbers, CandidatePlaces<classes, lanes>::numbers.at + q * lanes);
             const auto outside = hn::VecFromMask(numbers, hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k)));
-            const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside), q);
+            const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside << name_bits), q);
             const W sum = hn::Load(Words(), sums + q * lanes);
             hn::Store(hn::IfThenElse(hn::MaskFromVec(hn::BitCast(Words(), outside)), key, sum), Words(),
                       sums + q * lanes);

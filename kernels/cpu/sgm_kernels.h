@@ -6,6 +6,7 @@
 
 #include "kernels/image.h"
 #include "kernels/options.h"
+#include "kernels/steps.h"
 
 namespace disparityd::cpu {
 
@@ -93,7 +94,7 @@ constexpr int done_after(int steps, int width, int rows) {
 }
 
 /// Two paths and the least of one, of two rows.
-constexpr int max_sweep_state = 2 * (2 * 256 + 64);
+constexpr int max_sweep_state = 2 * (2 * max_disparities + 64);
 
 /// One row of a sweep, all arrays with the candidates of one pixel after the other.
 struct SweepRow {

@@ -18,7 +18,7 @@ constexpr std::array<StageInfo, 4> all_stages = {
 
 }  // namespace
 
-SgmMatcher::SgmMatcher(const MatcherConfig& config, const KernelSteps& steps, std::int64_t target,
+SgmMatcher::SgmMatcher(const MatcherConfig& config, const FrameSteps& steps, std::int64_t target,
                        std::size_t cache_bytes)
     : config_(checked(config)),
       sweeps_(config.width, config.height, config.options, target, cache_bytes),

@@ -12,7 +12,7 @@ namespace disparityd::cpu {
 class SgmMatcher final : public Matcher {
 public:
     /// `steps` (first and last stage) outlives the matcher; target and cache_bytes as SgmSweeps has them.
-    SgmMatcher(const MatcherConfig& config, const KernelSteps& steps, std::int64_t target, std::size_t cache_bytes);
+    SgmMatcher(const MatcherConfig& config, const FrameSteps& steps, std::int64_t target, std::size_t cache_bytes);
 
     const MatcherConfig& config() const override { return config_; }
     std::size_t scratch_bytes() const override { return scratch_.bytes(); }

@@ -20,22 +20,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-const KernelSteps& steps() {
-    static const KernelSteps table = [] {
-        KernelSteps changed = reference::steps;
-        const RectifyKernels rectify = rectify_kernels(HWY_TARGET);
-        changed.rectify = rectify.luma;
-        changed.rectify_colour = rectify.colour;
-        changed.left_right = left_right;
-        changed.median = median;
-        changed.speckle = speckle;
-        changed.speckle_scratch = speckle_scratch;
-        changed.mask_confidence = mask_confidence;
-        changed.interpolate = interpolate;
-        changed.interpolate_scratch = interpolate_scratch;
-        changed.depth = depth;
-        return changed;
-    }();
+const FrameSteps& frame_steps() {
+    static const RectifyKernels rectify = rectify_kernels(HWY_TARGET);
+    static const FrameSteps table = {
+        .rectify = rectify.luma,
+        .rectify_colour = rectify.colour,
+        .left_right = left_right,
+        .median = median,
+        .speckle = speckle,
+        .speckle_scratch = speckle_scratch,
+        .mask_confidence = mask_confidence,
+        .interpolate = interpolate,
+        .interpolate_scratch = interpolate_scratch,
+        .depth = depth,
+    };
     return table;
 }
 
@@ -46,9 +44,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace disparityd::cpu {
 
-const KernelSteps& steps(std::int64_t target) {
-    const auto built = DISPARITYD_FUNCTION_FOR(target, steps);
-    return built != nullptr ? built() : reference::steps;
+const FrameSteps& frame_steps(std::int64_t target) {
+    const auto built = DISPARITYD_FUNCTION_FOR(target, frame_steps);
+    return built != nullptr ? built() : reference::steps.frame;
 }
 
 }  // namespace disparityd::cpu

@@ -37,9 +37,10 @@ constexpr std::uint16_t name_of_class(int q) {
     return static_cast<std::uint16_t>(q % classes_of_part<classes>);
 }
 
+/// Of sums that are shifted by `name_bits` already.
 template <int classes, class V>
-HWY_INLINE V key_of_sum(V sum, int q) {
-    return hn::Or(hn::ShiftLeft<name_bits>(sum), hn::Set(hn::DFromV<V>(), name_of_class<classes>(q)));
+HWY_INLINE V key_of_sum(V shifted_sum, int q) {
+    return hn::Or(shifted_sum, hn::Set(hn::DFromV<V>(), name_of_class<classes>(q)));
 }
 
 /// Keys for WinnerSearch::run() from those of one pixel: keys_of(x, std::uint16_t* to).

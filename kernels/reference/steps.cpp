@@ -19,23 +19,29 @@ void interpolate_here(Plane<std::int16_t> disparity, Plane<const std::int16_t> r
 }  // namespace
 
 const KernelSteps steps = {
-    .rectify = rectify,
-    .rectify_colour = rectify_colour,
-    .sad = sad,
-    .census = census,
-    .matching_cost = matching_cost,
-    .aggregate = aggregate,
-    .aggregate_scratch = aggregate_scratch,
-    .winner_u8 = {winner_left<std::uint8_t>, winner_right<std::uint8_t>, local_extrema<std::uint8_t>},
-    .winner_u16 = {winner_left<std::uint16_t>, winner_right<std::uint16_t>, local_extrema<std::uint16_t>},
-    .left_right = left_right,
-    .median = median,
-    .speckle = speckle_here,
-    .speckle_scratch = speckle_scratch,
-    .mask_confidence = mask_confidence,
-    .interpolate = interpolate_here,
-    .interpolate_scratch = interpolate_scratch,
-    .depth = depth,
+    .frame =
+        {
+            .rectify = rectify,
+            .rectify_colour = rectify_colour,
+            .left_right = left_right,
+            .median = median,
+            .speckle = speckle_here,
+            .speckle_scratch = speckle_scratch,
+            .mask_confidence = mask_confidence,
+            .interpolate = interpolate_here,
+            .interpolate_scratch = interpolate_scratch,
+            .depth = depth,
+        },
+    .matching =
+        {
+            .sad = sad,
+            .census = census,
+            .matching_cost = matching_cost,
+            .aggregate = aggregate,
+            .aggregate_scratch = aggregate_scratch,
+            .winner_u8 = {winner_left<std::uint8_t>, winner_right<std::uint8_t>, local_extrema<std::uint8_t>},
+            .winner_u16 = {winner_left<std::uint16_t>, winner_right<std::uint16_t>, local_extrema<std::uint16_t>},
+        },
 };
 
 }  // namespace disparityd::reference

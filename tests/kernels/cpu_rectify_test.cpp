@@ -12,13 +12,13 @@ class CpuRectify : public StepsOfInstructionSet {
 protected:
     void compare(const Source& source, const Rectifier& rectifier, int width, int height) {
         const auto rectify = [&](Eye eye) {
-            return [&source, &rectifier, eye](const KernelSteps& of, Plane<std::uint8_t> out, Rows rows) {
+            return [&source, &rectifier, eye](const FrameSteps& of, Plane<std::uint8_t> out, Rows rows) {
                 of.rectify(source.raw, eye, rectifier, out, rows);
             };
         };
         compare(width, height, rectify(Eye::left));
         compare(width, height, rectify(Eye::right));
-        compare(3 * width, height, [&](const KernelSteps& of, Plane<std::uint8_t> out, Rows rows) {
+        compare(3 * width, height, [&](const FrameSteps& of, Plane<std::uint8_t> out, Rows rows) {
             of.rectify_colour(source.raw, rectifier, out, rows);
         });
         ASSERT_FALSE(HasFailure()) << "from " << source.raw.eye_width << "x" << source.raw.height << ", format "
@@ -31,7 +31,7 @@ private:
         const GuardedPlane<std::uint8_t> expected(width, height);
         const GuardedPlane<std::uint8_t> found(width, height);
         const int middle = height / 2;
-        step(reference::steps, expected.plane(), {0, height});
+        step(reference::steps.frame, expected.plane(), {0, height});
         step(steps(), found.plane(), {middle, height});
         step(steps(), found.plane(), {0, middle});
         EXPECT_TRUE(found.intact());

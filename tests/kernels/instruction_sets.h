@@ -11,7 +11,7 @@ namespace disparityd::test {
 /// Tests of the steps as the cpu back end has them, for each instruction set of this machine.
 class StepsOfInstructionSet : public testing::TestWithParam<cpu::InstructionSet> {
 protected:
-    const KernelSteps& steps() const { return cpu::steps(GetParam().target); }
+    const FrameSteps& steps() const { return cpu::frame_steps(GetParam().target); }
 };
 
 inline std::string name_of(const testing::TestParamInfo<cpu::InstructionSet>& instance) {

@@ -30,9 +30,9 @@ struct Winners {
           confidence(row.width, 1, 77) {
         const WinnerSteps<T>& steps = []() -> const WinnerSteps<T>& {
             if constexpr (sizeof(T) == 1) {
-                return reference::steps.winner_u8;
+                return reference::steps.matching.winner_u8;
             } else {
-                return reference::steps.winner_u16;
+                return reference::steps.matching.winner_u16;
             }
         }();
         steps.left(row.volume(), range, options.subpixel, left.plane(), disparity.plane(), {0, 1});

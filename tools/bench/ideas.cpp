@@ -55,7 +55,7 @@ private:
     void two_passes() {
         const WorkVolumes work(pair_, rows_of_slow_code);
         const PlainVariants& plain = plain_variants(Build::not_vectorised);
-        const KernelSteps& steps = naive_steps(Build::not_vectorised);
+        const MatchingSteps& steps = naive_steps(Build::not_vectorised).matching;
         const std::string where = ", scalar code, top " + std::to_string(work.rows().last) + " rows";
         compare_work(
             "two passes, SAD", "window summed anew per candidate; differences once, then box sums" + where,
@@ -153,14 +153,14 @@ private:
     Contestants sgm_with_cache(std::size_t cache_bytes) {
         const MatcherConfig config{pair_.left.cols, pair_.left.rows, options(Method::sgm)};
         const std::int64_t target = sets_.front().target;
-        return make_with(std::make_unique<cpu::SgmMatcher>(config, cpu::steps(target), target, cache_bytes), pair_,
-                         "cpu/sgm", sets_.front().name, pools_);
+        return make_with(std::make_unique<cpu::SgmMatcher>(config, cpu::frame_steps(target), target, cache_bytes),
+                         pair_, "cpu/sgm", sets_.front().name, pools_);
     }
 
     MatchOptions options(Method method) const { return default_options(method, {0, pair_.disparities}); }
 
     static Work paths_one_by_one(const WorkVolumes& work, Build build) {
-        const KernelSteps& steps = naive_steps(build);
+        const MatchingSteps& steps = naive_steps(build).matching;
         const auto scratch = std::make_shared<std::vector<std::byte>>(
             steps.aggregate_scratch(work.left().width, work.left().height, work.range().count));
         return [&work, &steps, scratch] {

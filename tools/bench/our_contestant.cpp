@@ -96,7 +96,7 @@ Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const
 Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Build build, WorkerPools& pools) {
     const MatcherConfig config{pair.left.cols, pair.left.rows, options};
     return make(
-        pair, [&] { return std::make_unique<StepMatcher>(config, naive_steps(build), Spread::callers_thread); },
+        pair, [&] { return std::make_unique<StepMatcher>(config, naive_steps(build)); },
         {"naive/" + std::string(name(options.method)), build == Build::as_compiled ? "compiled" : "scalar", {1}},
         pools);
 }

@@ -24,7 +24,7 @@ public:
           census_(2 * left_.total()),
           costs_(left_.total() * static_cast<std::size_t>(pair.disparities)),
           wide_(2 * costs_.size()) {
-        make_costs(reference::steps);
+        make_costs(reference::steps.matching);
     }
 
     Plane<const std::uint8_t> left() const { return {left_.data, width_, height_, width_}; }
@@ -39,7 +39,7 @@ public:
     Rows rows() const { return {0, height_}; }
 
     /// Census of both images, then the matching costs from it.
-    void make_costs(const KernelSteps& steps) {
+    void make_costs(const MatchingSteps& steps) {
         const Plane<std::uint64_t> left_words{census_.data(), width_, height_, width_};
         const Plane<std::uint64_t> right_words{census_.data() + left_.total(), width_, height_, width_};
         steps.census(left(), left_words, rows());

@@ -63,18 +63,13 @@ void bench(const KernelCase& kernel, int disparities, const CycleCounter& counte
     input.in_parts = false;
     input.hostile = false;
     std::vector<Timed> variants{{kernel.bind(input, 0)}};
-    std::vector<int> column;  // of each instruction set; 0: it has no code of its own
     for (const cpu::InstructionSet& set : cpu::instruction_sets()) {
-        column.push_back(kernel.vectorised(set.target) ? static_cast<int>(variants.size()) : 0);
-        if (column.back() > 0) {
-            variants.push_back({kernel.bind(input, set.target)});
-        }
+        variants.push_back({kernel.bind(input, set.target)});
     }
     time(variants, counter);
     std::printf("%-28s %3s", kernel.name.c_str(), kernel.per_pixel ? "" : std::to_string(disparities).c_str());
-    print_cell(times_text(variants[0], !counter.unit().empty()));
-    for (const int i : column) {
-        print_cell(i == 0 ? "=" : times_text(variants[static_cast<std::size_t>(i)], !counter.unit().empty()));
+    for (const Timed& variant : variants) {
+        print_cell(times_text(variant, !counter.unit().empty()));
     }
     std::printf("\n");
     std::fflush(stdout);
@@ -84,7 +79,7 @@ void bench(const KernelCase& kernel, int disparities, const CycleCounter& counte
 
 int bench_kernels(const std::string& filter) {
     const CycleCounter counter;
-    std::printf("nanoseconds%s per pixel of %dx%d, least of %d runs in alternation, one thread; = is the reference\n",
+    std::printf("nanoseconds%s per pixel of %dx%d, least of %d runs in alternation, one thread\n",
                 counter.unit().empty() ? "" : (" (" + counter.unit() + ")").c_str(), bench_width, bench_height, rounds);
     std::printf("%-28s %3s", "kernel", "D");
     print_cell("reference");

@@ -91,11 +91,8 @@ struct KernelCase {
     std::string name;  ///< "steps/median3", "sgm/aggregate" ..
     /// Binds the variant for an instruction set of Highway to an input; target 0: the reference.
     std::function<KernelRun(const KernelInput& input, std::int64_t target)> bind;
-    /// Whether the instruction set has code of its own for it; without, it runs the reference.
-    std::function<bool(std::int64_t target)> vectorised;
-    int most_p2 = 193;        ///< the largest P2 that it takes
-    bool four_paths = false;  ///< whether it takes 4 paths as well as 8
-    bool per_pixel = false;   ///< its time does not depend on the number of candidates
+    int most_p2 = 193;       ///< the largest P2 that it takes
+    bool per_pixel = false;  ///< its time does not depend on the number of candidates
 };
 
 /// The table of steps, the kernels of SGM and of its sweeps, those of block matching; all of them.

@@ -12,7 +12,6 @@ MatchOptions any_options(Random& random, const KernelCase& kernel) {
     MatchOptions options;
     options.range = {pick(random, 0, 3) == 0 ? pick(random, -256, 256) : pick(random, -20, 20),
                      16 * pick(random, 1, 16)};
-    options.sgm.paths = kernel.four_paths && pick(random, 0, 1) == 1 ? 4 : 8;
     options.sgm.p2 = pick(random, 0, 3) == 0 ? kernel.most_p2 : pick(random, 2, kernel.most_p2);
     options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
     options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
@@ -46,14 +45,11 @@ void PrintTo(const CaseAndSet& instance, std::ostream* to) {
     *to << instance.kernel.name << ' ' << instance.set.name;
 }
 
-/// What is left to the reference needs no comparison.
-std::vector<CaseAndSet> vectorised_kernels() {
+std::vector<CaseAndSet> all_kernels() {
     std::vector<CaseAndSet> all;
     for (const KernelCase& kernel : kernel_cases()) {
         for (const cpu::InstructionSet& set : cpu::instruction_sets()) {
-            if (kernel.vectorised(set.target)) {
-                all.push_back({kernel, set});
-            }
+            all.push_back({kernel, set});
         }
     }
     return all;
@@ -90,7 +86,7 @@ std::string name_of(const testing::TestParamInfo<CaseAndSet>& instance) {
     return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(Cpu, EveryKernel, testing::ValuesIn(vectorised_kernels()), name_of);
+INSTANTIATE_TEST_SUITE_P(Cpu, EveryKernel, testing::ValuesIn(all_kernels()), name_of);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(EveryKernel);
 
 TEST(KernelCases, HaveNamesOfTheirOwn) {

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
         }
         return 0;
     }
-    if (argc > 1 && !testing::GTEST_FLAG(help)) {
+    if (argc > 1 && std::strcmp(argv[1], "--help") != 0) {
         std::fprintf(stderr,
                      "cpu_kernels_check: error: found '%s', allowed: GoogleTest's options, or --bench [FILTER]\n",
                      argv[1]);

@@ -51,7 +51,7 @@ struct RectifyData {
 
 KernelCase rectify_case(const std::string& name, PixelFormat format, bool mapped, bool colour) {
     const auto bind = [=](const KernelInput& input, std::int64_t target) {
-        const KernelSteps& steps = target == 0 ? reference::steps : cpu::steps(target);
+        const FrameSteps& steps = target == 0 ? reference::steps.frame : cpu::frame_steps(target);
         const auto data = std::make_shared<RectifyData>(input, format, mapped);
         const auto out = data->buffers.result<std::uint8_t>((colour ? 3 : 1) * input.width, input.height);
         const auto run = [=, &steps] {
@@ -63,12 +63,7 @@ KernelCase rectify_case(const std::string& name, PixelFormat format, bool mapped
         return KernelRun{
             run, {}, [data] { return data->buffers.results(); }, [data] { return data->buffers.intact(); }};
     };
-    const auto vectorised = [colour](std::int64_t target) {
-        const KernelSteps& steps = cpu::steps(target);
-        return colour ? steps.rectify_colour != reference::steps.rectify_colour
-                      : steps.rectify != reference::steps.rectify;
-    };
-    KernelCase kernel{"steps/" + name, bind, vectorised};
+    KernelCase kernel{"steps/" + name, bind};
     kernel.per_pixel = true;
     return kernel;
 }

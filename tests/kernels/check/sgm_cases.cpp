@@ -138,12 +138,19 @@ KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target) {
 KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     const auto plain = std::make_shared<PlainSgm>(input);
     const std::size_t candidates = plain->costs.size();
-    const int spread = input.hostile ? pick(plain->random, 0, 2) * 100 + 1 : 200;
+    constexpr int most_sum = 4 * cpu::max_byte_p2, most_cost = 62;
+    constexpr int spreads[] = {1, 101, most_sum};
+    const int spread = input.hostile ? spreads[pick(plain->random, 0, 2)] : 200;
+    const bool large = input.hostile && pick(plain->random, 0, 1) == 1;  // all of them together
+    const auto draw = [&](int most, bool from_above) {
+        const int value = pick(plain->random, 0, std::min(most, spread));
+        return static_cast<std::uint8_t>(from_above ? most - value : value);
+    };
     std::vector<std::uint8_t> down(candidates), up(candidates);
     for (std::size_t i = 0; i < candidates; ++i) {
-        down[i] = static_cast<std::uint8_t>(252 - pick(plain->random, 0, spread));
-        up[i] = static_cast<std::uint8_t>(pick(plain->random, 0, spread));
-        plain->costs[i] = static_cast<std::uint8_t>(pick(plain->random, 0, std::min(62, spread)));
+        down[i] = draw(most_sum, true);
+        up[i] = draw(most_sum, large);
+        plain->costs[i] = draw(most_cost, large);
         plain->sums[i] = static_cast<std::uint16_t>(down[i] + up[i] + 8 * plain->costs[i]);
     }
     const auto buffers = std::make_shared<RunBuffers>();
@@ -211,14 +218,14 @@ KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t
 
 std::vector<KernelCase> sgm_cases() {
     constexpr std::size_t no_cache = 0, large_cache = std::size_t{1} << 40;
-    return {{"sgm/census", bind_census, always, 193, false, true},
-            {"sgm/matching_cost", bind_matching_cost, always},
-            {"sgm/winner", bind_winner, always},
+    return {{"sgm/census", bind_census, 193, true},
+            {"sgm/matching_cost", bind_matching_cost},
+            {"sgm/winner", bind_winner},
             {"sgm/sweeps",
              [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, large_cache); },
-             always, cpu::max_byte_p2},
+             cpu::max_byte_p2},
             {"sgm/sweeps_streamed",
-             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); }, always,
+             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); },
              cpu::max_byte_p2}};
 }
 

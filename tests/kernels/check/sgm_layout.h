@@ -14,11 +14,6 @@ inline cpu::WinnerPlanes winner_planes(const KernelInput& input, RunBuffers& buf
             buffers.result<std::int16_t>(input.width, input.height)};
 }
 
-/// For KernelCase::vectorised: these kernels are vector code everywhere.
-inline bool always(std::int64_t /*target*/) {
-    return true;
-}
-
 /// The kernels of an instruction set for an input, and rows of candidates between the layout of its registers and the
 /// reference's order.
 struct SgmLayout {

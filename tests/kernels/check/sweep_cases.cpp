@@ -260,13 +260,13 @@ std::vector<KernelCase> sweep_cases() {
     return {
         {"sgm/aggregate",
          [](const KernelInput& input, std::int64_t target) { return bind_aggregate(input, target, cpu::Store::keep); },
-         always, cpu::max_byte_p2},
+         cpu::max_byte_p2},
         {"sgm/aggregate_streamed",
          [](const KernelInput& input, std::int64_t target) {
              return bind_aggregate(input, target, cpu::Store::stream);
          },
-         always, cpu::max_byte_p2},
-        {"sgm/jumps", bind_jumps, always, 193, false, true}};
+         cpu::max_byte_p2},
+        {"sgm/jumps", bind_jumps, 193, true}};
 }
 
 }  // namespace disparityd::test
