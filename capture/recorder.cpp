@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "capture/recording_writer.h"
+#include "capture/start_thread.h"
 
 namespace disparityd::capture {
 namespace {
@@ -68,7 +69,7 @@ public:
             free_.push(i);
         }
         status_.bytes = writer_.bytes();
-        thread_ = std::thread([this] { run(); });
+        thread_ = start_thread([this] { run(); });
     }
 
     ~Impl() { finish(); }

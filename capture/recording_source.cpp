@@ -18,6 +18,7 @@
 
 #include "capture/pixel_format.h"
 #include "capture/recording_reader.h"
+#include "capture/start_thread.h"
 #include "capture/words.h"
 
 namespace disparityd::capture {
@@ -110,7 +111,7 @@ public:
             buffers_[i].pixels.resize(reader_->frame_bytes());
             free_.push_back(i);
         }
-        decoder_ = std::thread([this] { decode(); });
+        decoder_ = start_thread([this] { decode(); });
     }
 
     ~RecordingSource() override {

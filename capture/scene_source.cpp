@@ -12,6 +12,7 @@
 #include "capture/scene_camera.h"
 #include "capture/scene_options.h"
 #include "capture/scene_render.h"
+#include "capture/start_thread.h"
 
 namespace disparityd::capture {
 
@@ -41,14 +42,14 @@ std::vector<std::uint8_t> render_all(const SceneOptions& scene, const SourceOpti
     };
     std::vector<std::thread> helpers;
     const unsigned helper_count = std::max(1U, std::thread::hardware_concurrency()) - 1;
-    for (unsigned i = 0; i < helper_count; ++i) {
-        helpers.emplace_back([&] {
-            while (draw_one()) {
-            }
-        });
-    }
     std::exception_ptr given_up;
     try {
+        for (unsigned i = 0; i < helper_count; ++i) {
+            helpers.push_back(start_thread([&] {
+                while (draw_one()) {
+                }
+            }));
+        }
         while (draw_one()) {
             if (options.progress) {
                 options.progress(done.load(), scene.loop);
@@ -70,10 +71,16 @@ std::vector<std::uint8_t> render_all(const SceneOptions& scene, const SourceOpti
     return frames;
 }
 
+// A scene that starts again goes on: what it shows repeats itself all the time.
+SceneOptions endless(SceneOptions scene) {
+    scene.frames.reset();
+    return scene;
+}
+
 class SceneSource final : public FrameSource {
 public:
     SceneSource(const SceneOptions& scene, const SourceOptions& options)
-        : scene_(scene),
+        : scene_(options.loop ? endless(scene) : scene),
           paced_(options.pace == Pace::source),
           loans_(std::max(1, options.loans)),
           period_(static_cast<std::int64_t>(1e9 / scene.rate)),
@@ -86,7 +93,7 @@ public:
         info_.height = scene.height;
         info_.rate = scene.rate;
         info_.live = paced_;
-        info_.frame_count = scene.frames;
+        info_.frame_count = scene_.frames;
         info_.calibration = options.calibration_path.empty()
                                 ? scene_calibration(scene.width, scene.height)
                                 : read_calibration(options.calibration_path, scene.width, scene.height);

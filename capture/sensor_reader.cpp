@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "capture/start_thread.h"
+
 namespace disparityd::capture {
 
 namespace {
@@ -18,7 +20,7 @@ SensorReader::SensorReader(SensorSystem& system, std::function<void(const std::s
       stream_(
           system, [this](const SensorSample& sample) { keep(sample); }, std::move(report)),
       ring_(most_waiting) {
-    thread_ = std::thread([this] { run(); });
+    thread_ = start_thread([this] { run(); });
 }
 
 SensorReader::~SensorReader() {

@@ -2,8 +2,10 @@
 #include "daemon/daemon.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -11,6 +13,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "capture/start_thread.h"
 #include "daemon/log.h"
 
 namespace disparityd {
@@ -104,13 +107,23 @@ void Daemon::reload() {
     }
 }
 
+void Daemon::say_nothing_runs(const std::string& why) {
+    const std::string line = fmt::format("the configuration before cannot be put back: {}; reload it", why);
+    log_error(line);
+    const std::lock_guard lock(mutex_);
+    notices_.push_back(line);
+}
+
 void Daemon::refuse_reload(const std::string& why) {
     log_error(fmt::format("nothing is changed, the new configuration is refused: {}", why));
-    {
-        const std::lock_guard lock(mutex_);
-        notices_ = {"the configuration was refused at the last reload: " + why};
-    }
+    refusal_ = why;
+    note_refusal();
     manager_.ready(status_line());
+}
+
+void Daemon::note_refusal() {
+    const std::lock_guard lock(mutex_);
+    notices_ = {"the configuration was refused at the last reload: " + refusal_};
 }
 
 void Daemon::build_engine(Config config) {
@@ -121,49 +134,74 @@ void Daemon::build_engine(Config config) {
     }
     const auto current = engine();
     Engine::Heritage heritage{set_controls_, current ? current->camera_port() : ""};
-    builder_ = std::thread([this, config = std::move(config), heritage = std::move(heritage)]() mutable {
-        std::shared_ptr<Engine> engine;
-        std::exception_ptr failure;
-        try {
-            engine = std::make_shared<Engine>(config, heritage, [this](int, int) {
-                if (stopping_.load(std::memory_order_relaxed)) {
-                    throw Cancelled();
-                }
-            });
-        } catch (const Cancelled&) {
-            return;
-        } catch (const std::exception&) {
-            failure = std::current_exception();
-        }
-        boost::asio::post(control_, [this, config = std::move(config), engine = std::move(engine), failure]() mutable {
-            engine_built(std::move(config), std::move(engine), failure);
+    const auto tell = [this, config](std::shared_ptr<Engine> engine, const std::exception_ptr& failure) {
+        boost::asio::post(
+            control_, [this, config, engine = std::move(engine), failure] { engine_built(config, engine, failure); });
+    };
+    try {
+        builder_ = capture::start_thread([this, tell, config = std::move(config), heritage = std::move(heritage)] {
+            std::shared_ptr<Engine> engine;
+            std::exception_ptr failure;
+            try {
+                engine = std::make_shared<Engine>(config, heritage, [this](int, int) {
+                    if (stopping_.load(std::memory_order_relaxed)) {
+                        throw Cancelled();
+                    }
+                });
+            } catch (const Cancelled&) {
+                return;
+            } catch (const std::exception&) {
+                failure = std::current_exception();
+            }
+            tell(std::move(engine), failure);
         });
-    });
+    } catch (const std::runtime_error&) {
+        tell(nullptr, std::current_exception());
+    }
 }
 
-void Daemon::engine_built(Config config, std::shared_ptr<Engine> engine, std::exception_ptr failure) {
+void Daemon::engine_built(const Config& config, const std::shared_ptr<Engine>& engine,
+                          const std::exception_ptr& failure) {
     building_ = false;
     const bool for_source = std::exchange(building_for_source_, false);
+    const bool put_back = std::exchange(putting_back_, false);
     if (stopping_.load(std::memory_order_relaxed)) {
         return;
     }
     if (failure && !serving_) {
         fatal_ = failure;
         begin_stop();
+    } else if (failure && put_back) {
+        say_nothing_runs(what(failure));
     } else if (failure && for_source) {
         log_error(fmt::format("the source cannot be opened anew: {}", what(failure)));
     } else if (failure) {
         refuse_reload(what(failure));
     } else {
         try {
+            if (put_back) {
+                shared_memory_.reset();  // it is the refused configuration's
+            }
             take_over(config, engine);
+            if (put_back) {
+                note_refusal();
+            }
         } catch (const std::exception& error) {
             if (!serving_) {
                 fatal_ = std::current_exception();
                 begin_stop();
                 return;
             }
-            refuse_reload(error.what());
+            const auto old = this->engine();
+            if (!old || !old->stopped()) {
+                refuse_reload(error.what());
+            } else if (put_back) {
+                say_nothing_runs(error.what());
+            } else {
+                refuse_reload(fmt::format("{}; the one before is put back", error.what()));
+                putting_back_ = true;
+                build_engine(config_);
+            }
         }
     }
     if (std::exchange(reload_again_, false)) {
@@ -185,7 +223,7 @@ std::uint64_t Daemon::stop_engine() {
     return index;
 }
 
-/// Everything that can be refused comes first, so that the old engine still runs when it is.
+/// Everything that is likely to be refused comes first, so that the old engine still runs when it is.
 void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engine) {
     const bool same_object = shared_memory_ && config.shared_memory.enabled &&
                              config.shared_memory.name == config_.shared_memory.name &&
@@ -210,14 +248,14 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     set_log_level(config.log.level);
     recording_.configure(config.record.enabled, resolved_record_directory(config));
     recording_.set_source(engine->source(), "");
-    config_ = config;
-    end_seen_ = false;
     engine->start([this](const PublishedFrame& frame) { publish(frame); },
                   [this, live = engine->source().live](const capture::RawFrame& frame) {
                       recording_.offer(frame);
                       publish_sensors(frame, live);
                   },
                   index);
+    config_ = config;
+    end_seen_ = false;
     {
         const std::lock_guard lock(mutex_);
         engine_ = engine;
@@ -268,7 +306,11 @@ void Daemon::start_serving() {
     }
     if (options_.print_address) {
         std::printf("ready\n");
-        std::fflush(stdout);
+        if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+            fatal_ = std::make_exception_ptr(std::runtime_error(
+                fmt::format("standard output, which --print-address writes to: {}", std::strerror(errno))));
+            begin_stop();
+        }
     }
 }
 

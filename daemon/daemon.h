@@ -52,10 +52,12 @@ private:
     void wait_for_signal();
     void reload();
     void build_engine(Config config);
-    void engine_built(Config config, std::shared_ptr<Engine> engine, std::exception_ptr failure);
+    void engine_built(const Config& config, const std::shared_ptr<Engine>& engine, const std::exception_ptr& failure);
     std::uint64_t stop_engine();
     void take_over(const Config& config, const std::shared_ptr<Engine>& engine);
     void refuse_reload(const std::string& why);
+    void note_refusal();
+    void say_nothing_runs(const std::string& why);
     void serve_shared_memory(const Config& config, const StreamLayout& layout);
     void start_serving();
     void begin_stop();
@@ -89,6 +91,8 @@ private:
     const std::shared_ptr<capture::SetControls> set_controls_ = std::make_shared<capture::SetControls>();
     bool building_ = false;
     bool building_for_source_ = false;  ///< the configuration stays, the source has changed
+    std::string refusal_;               ///< why the last reload was refused
+    bool putting_back_ = false;         ///< the configuration before, after a new one that did not work
     bool reload_again_ = false;
     bool serving_ = false;
     bool end_seen_ = false;

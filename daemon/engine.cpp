@@ -140,6 +140,13 @@ Engine::Engine(const Config& config, const Heritage& heritage, std::function<voi
       layout_(make_layout(config, rectifications_->factory())),
       geometry_(layout_.geometry) {
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
+    pipeline_ = std::make_unique<pipeline::Pipeline>(
+        pipeline_config(config_, source().live), *source_, *matcher_, workers_, *rectifications_,
+        [this](const pipeline::FrameSlot& slot) { publish(slot); },
+        [this](const capture::RawFrame& frame) {
+            note_activity();
+            raw_(frame);
+        });
 }
 
 Engine::~Engine() {
@@ -149,23 +156,20 @@ Engine::~Engine() {
 void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index) {
     make_self_calibrator();
     sink_ = std::move(sink);
+    raw_ = std::move(raw);
     next_index_ = first_index;
     note_activity();
-    pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline_config(config_, source().live), *source_, *matcher_, workers_, *rectifications_,
-        [this](const pipeline::FrameSlot& slot) { publish(slot); },
-        [this, raw = std::move(raw)](const capture::RawFrame& frame) {
-            note_activity();
-            raw(frame);
-        });
     pipeline_->start();
+    started_ = true;
 }
 
 void Engine::stop() {
-    if (pipeline_) {
-        pipeline_->stop();
+    if (!started_) {
+        return;
     }
-    if (pipeline_ && source().live) {
+    stopped_ = true;
+    pipeline_->stop();
+    if (source().live) {
         // A camera lets go of its device in the first call after the interruption: the next engine may want it.
         capture::RawFrame none;
         source_->next(none, steady_clock::now());
@@ -262,7 +266,7 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
 }
 
 Engine::Condition Engine::condition() const {
-    return pipeline_ ? condition_of(pipeline_->status()) : Condition{State::waiting, "not started", false};
+    return started_ ? condition_of(pipeline_->status()) : Condition{State::waiting, "not started", false};
 }
 
 void Engine::fill(v1::Status& status) const {
@@ -279,7 +283,7 @@ void Engine::fill(v1::Status& status) const {
         *status.mutable_geometry() = to_message(geometry_);
     }
     fill_self_calibration(status);
-    if (!pipeline_) {
+    if (!started_) {
         return;
     }
     const pipeline::PipelineStatus now = pipeline_->status();
@@ -354,7 +358,7 @@ std::vector<capture::CameraControl> Engine::control_camera(const std::vector<cap
 }
 
 bool Engine::check_memory() {
-    if (memory_checked_ || !pipeline_ || pipeline_->status().published == 0) {
+    if (memory_checked_ || !started_ || pipeline_->status().published == 0) {
         return false;
     }
     memory_checked_ = true;
@@ -369,7 +373,7 @@ std::string Engine::workers() const {
 }
 
 std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {
-    return pipeline_ ? pipeline_->stuck_stage(limit) : std::string();
+    return started_ ? pipeline_->stuck_stage(limit) : std::string();
 }
 
 }  // namespace disparityd

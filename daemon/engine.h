@@ -43,9 +43,10 @@ public:
     /// Sinks get frames in the publish thread, `raw` in the capture thread; see Pipeline.
     using Sink = std::function<void(const PublishedFrame&)>;
 
-    /// Frames are numbered from `first_index` on.
+    /// Frames are numbered from `first_index` on. Throws std::runtime_error when the system starts no more threads.
     void start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index);
     void stop();
+    bool stopped() const { return stopped_; }
 
     /// Number of the next frame; after stop().
     std::uint64_t next_index() const { return next_index_; }
@@ -106,6 +107,9 @@ private:
     StreamLayout layout_;
     std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< none where there is nothing to estimate
     Sink sink_;
+    pipeline::Pipeline::RawTap raw_;
+    bool started_ = false;
+    bool stopped_ = false;          ///< of the thread that calls stop()
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
     bool first_frame_ = true;
     std::atomic<std::int64_t> last_activity_ns_{0};

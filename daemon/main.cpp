@@ -3,6 +3,11 @@
 #include <exception>
 #include <stdexcept>
 
+#include <google/protobuf/stubs/common.h>
+#if GOOGLE_PROTOBUF_VERSION < 4022000
+#include <google/protobuf/stubs/logging.h>
+#endif
+
 #include "daemon/command_line.h"
 #include "daemon/daemon.h"
 #include "daemon/log.h"
@@ -20,6 +25,9 @@ int run(int argc, char** argv) {
         return 0;
     }
     disparityd::set_up_log(config.log);
+#if GOOGLE_PROTOBUF_VERSION < 4022000
+    google::protobuf::SetLogHandler(nullptr);  // it would print a line of its own for each bad message of a client
+#endif
     disparityd::Daemon daemon(line->daemon, config);
     return daemon.run() ? 0 : 1;
 }

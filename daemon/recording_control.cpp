@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/recording_control.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -8,6 +9,7 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
+#include "capture/message_text.h"
 #include "daemon/log.h"
 #include "proto/record_message.h"
 
@@ -19,8 +21,9 @@ namespace fs = std::filesystem;
 /// The file that `path` stands for inside the folder.
 std::string target_path(const std::string& path, const std::string& directory) {
     const auto refuse = [&](const std::string& why) {
-        throw std::invalid_argument(fmt::format(
-            "record: path: found \"{}\", {}, allowed: a new file in {} ([record] directory)", path, why, directory));
+        throw std::invalid_argument(
+            fmt::format("record: path: found \"{}\", {}, allowed: a new file in {} ([record] directory)",
+                        capture::shown(path), why, directory));
     };
     std::error_code error;
     const fs::path base = fs::canonical(directory, error);
@@ -28,7 +31,8 @@ std::string target_path(const std::string& path, const std::string& directory) {
         throw std::runtime_error(fmt::format("[record] directory: {}: {}", directory, error.message()));
     }
     const fs::path target = fs::weakly_canonical(base / path, error);
-    if (error || path.empty() || path.find('\0') != std::string::npos || !target.has_filename()) {
+    const bool plain = std::none_of(path.begin(), path.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    if (error || path.empty() || !plain || !target.has_filename()) {
         refuse("which is no file name");
     }
     const auto relative = target.lexically_relative(base);

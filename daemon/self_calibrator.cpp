@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "calibration/correction_file.h"
+#include "capture/start_thread.h"
 #include "daemon/log.h"
 
 namespace disparityd {
@@ -54,7 +55,7 @@ SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, capture::Recti
             log_warning(fmt::format("self-calibration: {}", error.what()));
         }
     }
-    thread_ = std::thread([this] { run(); });
+    thread_ = capture::start_thread([this] { run(); });
 }
 
 SelfCalibrator::~SelfCalibrator() {

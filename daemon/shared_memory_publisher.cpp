@@ -5,6 +5,7 @@
 #include <chrono>
 #include <span>
 
+#include "capture/start_thread.h"
 #include "daemon/log.h"
 
 namespace disparityd {
@@ -30,7 +31,7 @@ SharedMemoryPublisher::SharedMemoryPublisher(const std::string& name, const Stre
     if (!writer_.note().empty()) {
         log_warning(writer_.note());
     }
-    thread_ = std::thread([this] { wake_readers(); });
+    thread_ = capture::start_thread([this] { wake_readers(); });
 }
 
 SharedMemoryPublisher::~SharedMemoryPublisher() {

@@ -7,6 +7,7 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
+#include "capture/start_thread.h"
 #include "daemon/log.h"
 
 namespace disparityd {
@@ -64,7 +65,7 @@ void SocketServer::start() {
             accepted(std::move(socket), std::move(address));
         });
     }
-    thread_ = std::thread([this] { io_.run(); });
+    thread_ = capture::start_thread([this] { io_.run(); });
 }
 
 void SocketServer::stop() {

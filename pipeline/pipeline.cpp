@@ -2,7 +2,9 @@
 #include "pipeline/pipeline.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -10,6 +12,7 @@
 
 #include <pthread.h>
 
+#include "capture/start_thread.h"
 #include "pipeline/intake.h"
 #include "pipeline/rate_meter.h"
 #include "pipeline/stage_queue.h"
@@ -76,21 +79,30 @@ public:
         if (!threads_.empty()) {
             throw std::logic_error("a pipeline starts once");
         }
-        threads_.emplace_back([this] { capture_loop(); });
-        for (std::size_t i = 0; i < matcher_.stages().size(); ++i) {
-            threads_.emplace_back([this, i] { stage_loop(i); });
+        threads_.reserve(pulses_.size());
+        try {
+            start_thread([this] { capture_loop(); });
+            for (std::size_t i = 0; i < matcher_.stages().size(); ++i) {
+                start_thread([this, i] { stage_loop(i); });
+            }
+            start_thread([this] { publish_loop(); });
+        } catch (...) {
+            open_gate(Gate::given_up);
+            join();
+            threads_.clear();
+            gate_.store(Gate::closed);
+            throw;
         }
-        threads_.emplace_back([this] { publish_loop(); });
+        for (Pulse& pulse : pulses_) {
+            pulse.beat();  // it is long since they were made
+        }
+        open_gate(Gate::open);
     }
 
     void stop() {
         stopping_.store(true, std::memory_order_relaxed);
         source_.interrupt();
-        for (std::thread& thread : threads_) {
-            if (thread.joinable()) {
-                thread.join();
-            }
-        }
+        join();
     }
 
     bool wait_until_ended(std::chrono::milliseconds timeout) {
@@ -139,6 +151,31 @@ public:
     }
 
 private:
+    // Threads begin when all are there: what one hands on, another has to take.
+    enum class Gate { closed, open, given_up };
+
+    void start_thread(std::function<void()> loop) {
+        threads_.push_back(capture::start_thread([this, loop = std::move(loop)] {
+            gate_.wait(Gate::closed);
+            if (gate_.load() == Gate::open) {
+                loop();
+            }
+        }));
+    }
+
+    void open_gate(Gate gate) {
+        gate_.store(gate);
+        gate_.notify_all();
+    }
+
+    void join() {
+        for (std::thread& thread : threads_) {
+            if (thread.joinable()) {
+                thread.join();
+            }
+        }
+    }
+
     void check(const PipelineConfig& config, const capture::Rectification& rectification) const {
         if (config.slots < 2 || config.slots > 32) {
             throw std::invalid_argument("pipeline: slots = " + std::to_string(config.slots) + ": allowed is 2 to 32");
@@ -278,6 +315,7 @@ private:
     std::condition_variable ended_changed_;
     bool ended_ = false;
     std::string error_;
+    std::atomic<Gate> gate_{Gate::closed};
     std::vector<std::thread> threads_;
 };
 

@@ -62,8 +62,8 @@ public:
     /// Sees each raw frame in the capture thread before processing (a recorder copies it here). Must not block.
     using RawTap = std::function<void(const capture::RawFrame&)>;
 
-    /// Allocates all slots. Throws std::invalid_argument when `config` is not allowed, std::logic_error when matcher and
-    /// rectification differ in size, std::runtime_error when memory is missing.
+    /// Allocates all slots. Throws std::invalid_argument when `config` is not allowed, std::logic_error when matcher
+    /// and rectification differ in size, std::runtime_error when memory is missing.
     Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
              const capture::Rectification& rectification, Sink sink, RawTap raw_tap = {});
     /// The same where the rectification may change from one frame to the next.
@@ -73,7 +73,8 @@ public:
     Pipeline(const Pipeline&) = delete;
     Pipeline& operator=(const Pipeline&) = delete;
 
-    /// Once; std::logic_error the second time.
+    /// Once; std::logic_error the second time. std::runtime_error when the system starts no more threads: none runs
+    /// then.
     void start();
 
     /// Interrupts the source, lets the frames in flight finish, joins all threads. Safe to call twice.

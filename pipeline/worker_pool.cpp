@@ -10,6 +10,7 @@
 
 #include <pthread.h>
 
+#include "capture/start_thread.h"
 #include "kernels/look_for_a_while.h"
 #include "pipeline/core_places.h"
 #include "pipeline/cores.h"
@@ -71,21 +72,17 @@ public:
           cores_(workers, pinning == Pinning::where_allowed),
           free_seats_(workers),
           helpers_(static_cast<std::size_t>(workers - 1)) {
-        for (Helper& helper : helpers_) {
-            helper.thread = std::thread([this, &helper] { help(helper); });
+        try {
+            for (Helper& helper : helpers_) {
+                helper.thread = capture::start_thread([this, &helper] { help(helper); });
+            }
+        } catch (...) {
+            end_helpers();
+            throw;
         }
     }
 
-    ~Impl() {
-        {
-            const std::lock_guard lock(mutex_);
-            stopping_ = true;
-        }
-        for (Helper& helper : helpers_) {
-            helper.woken.notify_one();
-            helper.thread.join();
-        }
-    }
+    ~Impl() { end_helpers(); }
 
     int workers() const { return workers_; }
 
@@ -144,6 +141,20 @@ public:
     }
 
 private:
+    /// Of those that were started.
+    void end_helpers() {
+        {
+            const std::lock_guard lock(mutex_);
+            stopping_ = true;
+        }
+        for (Helper& helper : helpers_) {
+            helper.woken.notify_one();
+            if (helper.thread.joinable()) {
+                helper.thread.join();
+            }
+        }
+    }
+
     void help(Helper& self) {
         pthread_setname_np(pthread_self(), "worker");
         std::unique_lock lock(mutex_);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -90,6 +91,12 @@ int connect_tcp(const std::string& address, const std::string& host_and_port, De
     if (colon == std::string::npos || colon == 0 || colon + 1 == host_and_port.size()) {
         throw std::invalid_argument(address + ": expected tcp:HOST:PORT");
     }
+    const std::string port = host_and_port.substr(colon + 1);
+    int number = 0;
+    const auto [end, problem] = std::from_chars(port.data(), port.data() + port.size(), number);
+    if (problem != std::errc() || end != port.data() + port.size() || number < 1 || number > 65535) {
+        throw std::invalid_argument(address + ": port: found " + port + ", allowed: 1 .. 65535");
+    }
     std::string host = host_and_port.substr(0, colon);
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
         host = host.substr(1, host.size() - 2);
@@ -98,7 +105,7 @@ int connect_tcp(const std::string& address, const std::string& host_and_port, De
     hints.ai_family = AF_UNSPEC;
     hints.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
-    const int result = ::getaddrinfo(host.c_str(), host_and_port.c_str() + colon + 1, &hints, &found);
+    const int result = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
     if (result != 0) {
         no_connection(address, ::gai_strerror(result));
     }

@@ -91,6 +91,22 @@ TEST(Scene, SameSeedSameBytes) {
     EXPECT_NE(once[0], once[1]);
 }
 
+TEST(Scene, OneThatStartsAgainNeverEnds) {
+    SourceOptions options;
+    options.uri = "scene:vga?width=160&height=90&loop=2&frames=3";
+    options.pace = Pace::fastest;
+    options.loop = true;
+    const auto source = open_source(options);
+    EXPECT_FALSE(source->info().frame_count);
+    for (int i = 0; i < 10; ++i) {
+        RawFrame frame;
+        ASSERT_EQ(source->next(frame, std::chrono::steady_clock::now() + std::chrono::seconds(60)),
+                  FrameSource::Next::frame);
+        EXPECT_EQ(frame.sequence, static_cast<std::uint64_t>(i));
+        source->give_back(frame);
+    }
+}
+
 TEST(Scene, TheLoopHasNoJump) {
     constexpr int loop = 16;
     const auto frames = frames_of("scene:vga?width=160&height=90&loop=16", loop + 1);

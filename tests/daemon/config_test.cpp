@@ -10,6 +10,8 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "daemon/config_keys.h"
 
@@ -246,6 +248,21 @@ TEST(Config, MissingFileIsNamed) {
         EXPECT_THAT(error.what(), AllOf(HasSubstr("/nowhere/disparityd.toml"), HasSubstr("No such file")));
     }
     EXPECT_THROW(load_config("/tmp", {}), std::invalid_argument);
+}
+
+// Reading them might never end.
+TEST(Config, PipesAndDevicesAreRefused) {
+    const std::string pipe = testing::TempDir() + "config-pipe-" + std::to_string(getpid());
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::string& path : {pipe, std::string("/dev/zero")}) {
+        try {
+            load_config(path, {});
+            FAIL() << "accepted";
+        } catch (const std::invalid_argument& error) {
+            EXPECT_THAT(error.what(), AllOf(StartsWith(path), HasSubstr("no configuration file: it is no file")));
+        }
+    }
+    unlink(pipe.c_str());
 }
 
 TEST(Config, UnixPathFollowsTheEnvironment) {

@@ -3,9 +3,11 @@
 // The real daemon, from outside: what it serves, how it reloads, how it stops.
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 #include <gmock/gmock.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "clients/cpp/disparity_client.hpp"
@@ -19,6 +21,17 @@ using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
 using EndToEndTest = DaemonTest;
+
+/// Addresses that a process has reserved.
+rlim_t virtual_mib(pid_t pid) {
+    std::ifstream file("/proc/" + std::to_string(pid) + "/status");
+    for (std::string word; file >> word;) {
+        if (rlim_t kib = 0; word == "VmSize:" && file >> kib) {
+            return kib >> 10;
+        }
+    }
+    return 0;
+}
 
 TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
     const auto daemon =
@@ -206,6 +219,35 @@ TEST_F(EndToEndTest, BadReloadChangesNothing) {
     EXPECT_EQ(now.geometry().width(), 160U);
 }
 
+// Everything large is allocated before the old configuration stops.
+TEST_F(EndToEndTest, AReloadThatFindsNoMemoryChangesNothing) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "sanitizers reserve all addresses there are";
+#endif
+    if (!std::string(DISPARITYD_EMULATOR).empty()) {
+        GTEST_SKIP() << "the limit would be the emulator's";
+    }
+    const auto daemon = start_ready(config_text());
+    WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
+    ASSERT_TRUE(client.receive_frame());
+    const rlim_t enough = (virtual_mib(daemon->pid()) + 600) << 20;  // for all but 32 slots of this size
+    const rlimit limit{enough, enough};
+    ASSERT_EQ(prlimit(daemon->pid(), RLIMIT_AS, &limit, nullptr), 0);
+    std::string large = config_text(scene, 2208, 1242);
+    large.replace(large.find("workers = 1"), 11, "workers = 1\nslots = 32");
+    folder_.write("d.toml", large);
+    daemon->send_signal(SIGHUP);
+    ASSERT_TRUE(daemon->wait_for_log("nothing is changed")) << daemon->log();
+    EXPECT_THAT(daemon->log(), HasSubstr("no memory for a frame buffer"));
+    for (int i = 0; i < 10; ++i) {
+        ASSERT_TRUE(client.receive_frame()) << daemon->log();
+    }
+    const v1::Status now = status(client);
+    EXPECT_EQ(now.state(), "running");
+    EXPECT_EQ(now.geometry().width(), 160U);
+    EXPECT_THAT(now.notices(), Contains(HasSubstr("refused at the last reload")));
+}
+
 TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
     std::string recording;
     {
@@ -275,7 +317,8 @@ TEST_F(EndToEndTest, RecordingsStayInsideTheirFolder) {
     WireClient client(daemon->address("tcp:"));
     client.hello();
     folder_.write("there.mkv", "x");
-    for (const std::string path : {"../escape.mkv", "/tmp/escape.mkv", "", ".", "there.mkv", "no/such/folder.mkv"}) {
+    for (const std::string path : {"../escape.mkv", "/tmp/escape.mkv", "", ".", "there.mkv", "no/such/folder.mkv",
+                                   "a\n00:00:00.000 error forged.mkv", "\x1b[31m.mkv"}) {
         v1::Envelope request;
         request.mutable_record_start()->set_path(path);
         ASSERT_TRUE(client.send(request));

@@ -274,7 +274,8 @@ TEST(SocketClient, FramesBeforeAnAnswerAreKeptForRead) {
 }
 
 TEST(SocketClient, AddressesThatAreNoneAreNamed) {
-    for (const char* address : {"", "http:x", "tcp:", "tcp:host", "tcp:host:", "unix:"}) {
+    for (const char* address : {"", "http:x", "tcp:", "tcp:host", "tcp:host:", "tcp:127.0.0.1:65536",
+                                "tcp:127.0.0.1:-1", "tcp:127.0.0.1:80x", "unix:"}) {
         EXPECT_THAT(failure<std::invalid_argument>([&] { disparity::SocketClient client(address); }),
                     testing::HasSubstr(address));
     }

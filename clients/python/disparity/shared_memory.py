@@ -118,7 +118,7 @@ class SharedMemoryReader(FrameSource):
         if not self._reader:
             raise ValueError("this reader is closed")
         wanted = (ctypes.c_uint32 * len(products))(*products)
-        milliseconds = 2**31 - 1 if timeout is None else int(min(max(timeout, 0) * 1000, 2**31 - 1))
+        milliseconds = 2**31 - 1 if timeout is None else int(min(max(0, timeout) * 1000, 2**31 - 1))
         result = self._library.disparity_shared_memory_read(
             self._reader, self._frame, milliseconds, wanted, len(products)
         )

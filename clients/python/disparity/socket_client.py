@@ -7,7 +7,7 @@ from . import disparity_pb2 as pb
 from .errors import DisparityError
 from .frame import DISPARITY, Frame, plane_array
 from .frame_source import FrameSource
-from .stream import MessageStream, raw_bytes
+from .stream import MessageStream, deadline_after, raw_bytes
 
 PROTOCOL_VERSION = 1
 
@@ -34,7 +34,7 @@ class SocketClient(FrameSource):
         self.last_status = None  # newest status message that came by itself
         self._stream = MessageStream(address, timeout)
         try:
-            deadline = time.monotonic() + timeout
+            deadline = deadline_after(timeout)
             hello = pb.Envelope(hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=client_name))
             self._stream.send(hello, timeout)
             self.welcome = self._wait_for("welcome", "hello", deadline)
@@ -74,7 +74,7 @@ class SocketClient(FrameSource):
         """The next frame, or None when none came in time (None = wait for ever)."""
         if self._pending:
             return self._count_missed(self._pending.popleft())
-        deadline = time.monotonic() + (1e9 if timeout is None else timeout)
+        deadline = deadline_after(timeout)
         while True:
             message = self._stream.receive(deadline)
             if message is None:
@@ -86,7 +86,7 @@ class SocketClient(FrameSource):
     def read_sensors(self, timeout=None):
         """Samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (None = wait for
         ever). Frames that come meanwhile are kept for read(), 8 of them."""
-        deadline = time.monotonic() + (1e9 if timeout is None else timeout)
+        deadline = deadline_after(timeout)
         while not self._sensors:
             message = self._stream.receive(deadline)
             if message is None:
@@ -117,7 +117,7 @@ class SocketClient(FrameSource):
         return self._ask(request, "camera_controls", "a camera request", timeout)
 
     def _ask(self, request, answer, question, timeout):
-        deadline = time.monotonic() + timeout
+        deadline = deadline_after(timeout)
         # What has arrived before the question cannot be its answer.
         message = self._stream.receive(time.monotonic())
         while message is not None and time.monotonic() < deadline:

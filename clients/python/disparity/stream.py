@@ -25,6 +25,8 @@ def connect(address, timeout):
     host, _, port = rest.rpartition(":")
     if not (kind == "unix" and rest) and not (kind == "tcp" and host and port.isdigit()):
         raise ValueError(f'address "{address}": expected tcp:HOST:PORT or unix:PATH')
+    if kind == "tcp" and not 1 <= int(port) <= 65535:
+        raise ValueError(f"{address}: port: found {port}, allowed: 1 .. 65535")
     try:
         if kind == "tcp":
             connection = socket.create_connection((host.strip("[]"), int(port)), timeout)
@@ -40,6 +42,11 @@ def connect(address, timeout):
         return connection
     except (OSError, OverflowError) as error:
         raise DisparityError(f"{address}: cannot connect: {error}: is disparityd running, with this address?") from None
+
+
+def deadline_after(timeout):
+    """In terms of time.monotonic(); None and what no clock can hold: never."""
+    return time.monotonic() + min(max(0, 1e9 if timeout is None else timeout), 1e9)
 
 
 def raw_bytes(plane):
