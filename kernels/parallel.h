@@ -39,7 +39,7 @@ public:
 
     /// Runs task(0) .. task(count - 1), in any order and on any worker, and returns when all have ended.
     /// Tasks must not throw, and must not call for_each themselves. A worker ends a task before it begins another one,
-    /// so that a task may wait for one that has begun before it.
+    /// so that a task may wait for one that has begun before it. Threads need 256 KiB of stack for a task.
     virtual void for_each(int count, FunctionRef<void(int)> task) = 0;
 };
 

@@ -28,7 +28,7 @@ ARROWS = {
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of capture that the pipeline may know.
 PIPELINE_SEES = {"capture/frame_source.h", "capture/rectification.h", "capture/rectification_schedule.h",
-                 "capture/calibration.h"}
+                 "capture/start_thread.h", "capture/calibration.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 

@@ -122,7 +122,7 @@ def main():
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
     with disparity.SocketClient(address) as client:
         client.subscribe(products, sensors=True)
-        frame = client.read(timeout=20)
+        frame = client.read(timeout=float("inf"))
         print_frame("socket", frame)
         check_sensors(client.read_sensors(timeout=0))
         raw = dict(frame.planes)

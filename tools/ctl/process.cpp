@@ -259,9 +259,9 @@ void add_process(CLI::App& program, Action& action) {
     command.add_option("--region", arguments->region, "the part of it to match; default: all")->type_name("X,Y,W,H");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
-    CLI::Option& self_calibrate = *command.add_flag(
-        "--self-calibrate", arguments->self_calibrate,
-        "estimate from the frames how the cameras have turned, four times in every 80 frames");
+    CLI::Option& self_calibrate =
+        *command.add_flag("--self-calibrate", arguments->self_calibrate,
+                          "estimate from the frames how the cameras have turned, four times in every 80 frames");
     command
         .add_flag("--no-self-calibration", arguments->no_self_calibration,
                   "leave out the corrections that a recording has")

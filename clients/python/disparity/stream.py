@@ -19,6 +19,10 @@ MAX_BYTES_PER_PIXEL = 8
 _GROWTH = 1 << 20
 
 
+# Longer than anybody waits, and what clocks and sockets can still hold.
+LONGEST_WAIT = 1e9
+
+
 def connect(address, timeout):
     """A connected socket. ValueError for an address that is none, DisparityError when nobody answers."""
     kind, _, rest = address.partition(":")
@@ -29,12 +33,12 @@ def connect(address, timeout):
         raise ValueError(f"{address}: port: found {port}, allowed: 1 .. 65535")
     try:
         if kind == "tcp":
-            connection = socket.create_connection((host.strip("[]"), int(port)), timeout)
+            connection = socket.create_connection((host.strip("[]"), int(port)), min(timeout, LONGEST_WAIT))
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             return connection
         connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            connection.settimeout(timeout)
+            connection.settimeout(min(timeout, LONGEST_WAIT))
             connection.connect(rest)
         except BaseException:
             connection.close()
@@ -46,7 +50,7 @@ def connect(address, timeout):
 
 def deadline_after(timeout):
     """In terms of time.monotonic(); None and what no clock can hold: never."""
-    return time.monotonic() + min(max(0, 1e9 if timeout is None else timeout), 1e9)
+    return time.monotonic() + min(max(0, LONGEST_WAIT if timeout is None else timeout), LONGEST_WAIT)
 
 
 def raw_bytes(plane):
@@ -100,7 +104,7 @@ class MessageStream:
     def send(self, envelope, timeout):
         body = envelope.SerializeToString()
         try:
-            self._socket.settimeout(timeout)
+            self._socket.settimeout(min(timeout, LONGEST_WAIT))
             self._socket.sendall(struct.pack("<I", len(body)) + body)
         except OSError as error:
             # Part of a message may have left: nothing sensible can follow it.
