@@ -250,6 +250,8 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
         return;
     }
     selection_ = std::move(selection);
+    outdated_ = compressing_;
+    compressed_.reset();
     if (subscribe.sensors() && !wants_sensors_) {
         next_sample_ = host_.sensors().end();
     }

@@ -15,6 +15,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "daemon/frame_compressor.h"
 #include "daemon/frame_ring.h"
 #include "daemon/log.h"
 #include "daemon/published_frame.h"
@@ -41,6 +42,7 @@ public:
     virtual ~SessionHost() = default;
     virtual const StreamLayout& layout() const = 0;
     virtual FrameRing& frames() = 0;
+    virtual FrameCompressor& compressor() = 0;
     virtual const SensorRing& sensors() = 0;
     virtual ClientLog& log() = 0;
     virtual v1::Status status() = 0;
@@ -52,9 +54,10 @@ public:
 };
 
 /// One connection: what the client asks, what it gets, and when it is thrown out. Its memory is bounded whatever the
-/// client does: one message coming in (1 MiB at most), a few answers and one frame going out; frames that wait are the
-/// server's. A client that does not read stays connected and is skipped. Lives in the server's thread only.
-class ClientSession : public std::enable_shared_from_this<ClientSession> {
+/// client does: one message coming in (1 MiB at most), a few answers, one frame going out and a compressed one after
+/// it; frames that wait are the server's. A client that does not read stays connected and is skipped. Lives in the
+/// server's thread only.
+class ClientSession : public std::enable_shared_from_this<ClientSession>, public FrameCompressor::Client {
 public:
     using Socket = boost::asio::generic::stream_protocol::socket;
 
@@ -99,8 +102,15 @@ private:
     void pump();
     bool take_sensors();
     bool take_frame();
+    bool take_compressed();
+    FrameCompressor::Wish wish();
+    FrameCompressor::Wish next_wish() override;
+    bool would_wish(const FrameCompressor::Wish& wish) const override;
+    void compressed(const FrameCompressor::Wish& wish, std::shared_ptr<const EncodedPlanes> planes) override;
+    void not_compressed(const std::string& why) override;
     FrameHandle next_frame();
     bool clamp_region(const FrameCopy& frame, Selection& selection);
+    void make_head(const FrameCompressor::Wish& wish, const EncodedPlanes& planes, std::vector<std::uint8_t>& head);
     void write();
     void drain();
     void close(const std::string& why);
@@ -126,6 +136,10 @@ private:
     std::deque<std::vector<std::uint8_t>> answers_;
     std::vector<std::uint8_t> head_;  ///< being written, with planes_ behind it
     std::shared_ptr<const EncodedPlanes> planes_;
+    std::vector<std::uint8_t> compressed_head_;  ///< to be written next, with compressed_ behind it
+    std::shared_ptr<const EncodedPlanes> compressed_;
+    bool compressing_ = false;  ///< it waits for its turn, or its frame is being compressed
+    bool outdated_ = false;     ///< by another subscription, what is being compressed
     bool writing_ = false;
     bool stall_logged_ = false;
     std::chrono::steady_clock::time_point write_started_;

@@ -160,37 +160,93 @@ bool ClientSession::clamp_region(const FrameCopy& frame, Selection& selection) {
     return true;
 }
 
-bool ClientSession::take_frame() {
-    if (wanted() == 0) {
-        return false;
-    }
-    const FrameHandle frame = next_frame();
-    if (!frame) {
-        return false;
-    }
-    Selection selection = selection_;
-    if (!clamp_region(*frame, selection)) {
+/// The frame that comes next, and what of it; no frame where there is none, or nothing is left of the region.
+FrameCompressor::Wish ClientSession::wish() {
+    FrameCompressor::Wish wish{next_frame(), selection_};
+    if (wish.frame && !clamp_region(*wish.frame, wish.selection)) {
+        wish.frame = nullptr;
         selection_ = {};
         host_.subscription_changed();
         send_error(
             "the subscribed region lies outside of the image since the daemon was configured anew: subscribe again",
             false);
+    }
+    return wish;
+}
+
+FrameCompressor::Wish ClientSession::next_wish() {
+    outdated_ = false;
+    const bool wants_some = !closed_ && wanted() != 0 && selection_.encoding == v1::ZSTD;
+    FrameCompressor::Wish next = wants_some ? wish() : FrameCompressor::Wish{};
+    if (!next.frame) {
+        compressing_ = false;
+    }
+    return next;
+}
+
+bool ClientSession::would_wish(const FrameCompressor::Wish& wish) const {
+    return !closed_ && wanted() != 0 && max_rate_ == 0 && selection_ == wish.selection &&
+           host_.frames().next(next_index_) == wish.frame;
+}
+
+bool ClientSession::take_frame() {
+    if (wanted() == 0) {
         return false;
     }
-    try {
-        planes_ = host_.frames().encoded(frame, selection);
-    } catch (const std::exception& error) {
-        send_error(error.what(), true);
+    if (selection_.encoding == v1::ZSTD) {
+        return take_compressed();
+    }
+    const FrameCompressor::Wish next = wish();
+    if (!next.frame) {
         return false;
     }
-    const proto::ShmFrame& info = frame->info;
+    planes_ = host_.frames().encoded(next.frame, next.selection);
+    make_head(next, *planes_, head_);
+    return true;
+}
+
+/// The frame that has been compressed meanwhile; without one, asks for the next.
+bool ClientSession::take_compressed() {
+    if (compressed_) {
+        head_ = std::move(compressed_head_);
+        planes_ = std::move(compressed_);
+        compressed_.reset();
+        return true;
+    }
+    if (!compressing_ && host_.frames().next(next_index_)) {
+        compressing_ = true;
+        host_.compressor().ask(shared_from_this());
+    }
+    return false;
+}
+
+void ClientSession::compressed(const FrameCompressor::Wish& wish, std::shared_ptr<const EncodedPlanes> planes) {
+    compressing_ = false;
+    if (closed_ || closing_) {
+        return;
+    }
+    if (!std::exchange(outdated_, false)) {
+        make_head(wish, *planes, compressed_head_);
+        compressed_ = std::move(planes);
+    }
+    pump();
+}
+
+void ClientSession::not_compressed(const std::string& why) {
+    compressing_ = false;
+    send_error(why, true);
+}
+
+/// What is told of the frame, and that it has been sent.
+void ClientSession::make_head(const FrameCompressor::Wish& wish, const EncodedPlanes& planes,
+                              std::vector<std::uint8_t>& head) {
+    const proto::ShmFrame& info = wish.frame->info;
     const std::uint64_t skipped = has_sent_ ? info.publish_index - last_sent_ - 1 : 0;
-    proto::encode(frame_head(*frame, selection, *planes_, skipped), head_);
+    proto::encode(frame_head(*wish.frame, wish.selection, planes, skipped), head);
     has_sent_ = true;
     last_sent_ = info.publish_index;
     frames_skipped_ += skipped;
     ++frames_sent_;
-    return true;
 }
 
 void ClientSession::write() {

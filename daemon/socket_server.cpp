@@ -15,8 +15,9 @@ namespace {
 
 namespace asio = boost::asio;
 
-/// Copies beyond those in the ring: one being filled, some on the way to the server's thread.
-constexpr std::size_t copies_on_the_way = 3;
+/// Copies beyond those in the ring: one being filled, some on the way to the server's thread, one being compressed and
+/// the one before it.
+constexpr std::size_t copies_on_the_way = 5;
 
 /// Connections beyond max_clients that are told so at the same time; further ones are closed without a word.
 constexpr std::size_t max_refused = 16;
@@ -29,6 +30,7 @@ SocketServer::SocketServer(const SocketServerConfig& config, SocketServices serv
       config_(config),
       listeners_(make_listeners(config, {})),
       ring_(config.client_queue),
+      compressor_(io_),
       max_clients_(config.max_clients) {}
 
 SocketServer::~SocketServer() {

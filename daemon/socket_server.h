@@ -16,6 +16,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "daemon/client_session.h"
+#include "daemon/frame_compressor.h"
 #include "daemon/frame_pool.h"
 #include "daemon/frame_ring.h"
 #include "daemon/listener.h"
@@ -86,6 +87,7 @@ private:
 
     const StreamLayout& layout() const override { return layout_; }
     FrameRing& frames() override { return ring_; }
+    FrameCompressor& compressor() override { return compressor_; }
     const SensorRing& sensors() override { return sensors_; }
     ClientLog& log() override { return log_; }
     v1::Status status() override;
@@ -128,6 +130,7 @@ private:
     // The server thread's.
     StreamLayout layout_;
     FrameRing ring_;
+    FrameCompressor compressor_;
     SensorRing sensors_;
     ClientLog log_;
     std::size_t max_clients_;

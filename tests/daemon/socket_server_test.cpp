@@ -118,6 +118,57 @@ TEST_F(SocketServerTest, RegionAndCompression) {
     EXPECT_EQ(planes, planes_of(0, {v1::DISPARITY, v1::LEFT_COLOUR}, 10, 20, 33, 7));
 }
 
+// They are compressed one after the other; two that want the same may share.
+TEST_F(SocketServerTest, CompressedFramesReachAllWhoWantThem) {
+    start();
+    std::vector<WireClient> clients;
+    const auto selection = [](std::uint32_t x, v1::Encoding encoding) {
+        v1::Envelope request = subscription({v1::DISPARITY, v1::CONFIDENCE});
+        request.mutable_subscribe()->set_encoding(encoding);
+        request.mutable_subscribe()->mutable_region()->set_x(x);
+        request.mutable_subscribe()->mutable_region()->set_width(20);
+        request.mutable_subscribe()->mutable_region()->set_height(30);
+        return request;
+    };
+    for (std::uint32_t i = 0; i < 24; ++i) {
+        clients.push_back(connect(i % 2 == 0 ? tcp_ : unix_));
+        subscribe(clients.back(), selection(i / 2, v1::ZSTD));
+    }
+    for (int round = 0; round < 5; ++round) {
+        server_->publish(feed_.next());
+        for (std::uint32_t i = 0; i < clients.size(); ++i) {
+            const auto message = clients[i].receive_frame();
+            ASSERT_TRUE(message) << i;
+            const v1::Frame& frame = message->envelope.frame();
+            EXPECT_EQ(frame.skipped_for_client(), 0U);
+            std::vector<std::uint8_t> planes;
+            std::size_t at = 0;
+            for (const v1::PlaneInfo& plane : frame.planes()) {
+                EXPECT_EQ(plane.encoding(), v1::ZSTD);
+                std::vector<std::uint8_t> raw(std::size_t{20} * 30 * plane.bytes_per_pixel());
+                ASSERT_EQ(ZSTD_decompress(raw.data(), raw.size(), &message->payload[at], plane.payload_bytes()),
+                          raw.size());
+                planes.insert(planes.end(), raw.begin(), raw.end());
+                at += plane.payload_bytes();
+            }
+            EXPECT_EQ(planes, planes_of(frame.publish_index(), {v1::DISPARITY, v1::CONFIDENCE}, i / 2, 0, 20, 30)) << i;
+        }
+    }
+    // Another subscription while a frame is being compressed for the old one.
+    for (int round = 0; round < 20; ++round) {
+        server_->publish(feed_.next());
+        const v1::Encoding encoding = round % 2 == 0 ? v1::RAW : v1::ZSTD;
+        subscribe(clients[0], selection(1, encoding));
+        server_->publish(feed_.next());
+        auto message = clients[0].receive_frame();
+        while (message && (message->envelope.frame().planes(0).encoding() != encoding ||
+                           message->envelope.frame().region().x() != 1)) {
+            message = clients[0].receive_frame();
+        }
+        ASSERT_TRUE(message) << round;
+    }
+}
+
 TEST_F(SocketServerTest, BadSubscriptionsAreRefusedAndTheOldOneStays) {
     start();
     WireClient client = connect(tcp_);
