@@ -60,8 +60,9 @@ enum class ReadResult {
 /// Reads frames from shared memory. The writer never waits for a reader.
 class DISPARITY_API SharedMemoryReader {
 public:
-    /// Maps /disparityd.<name> read-only. Throws std::invalid_argument for a name that is not allowed, std::runtime_error
-    /// with one line (what, where, what to do) when there is none, access is denied, or its version is not ours.
+    /// Maps /disparityd.<name> read-only. Throws std::invalid_argument for a name that is not allowed,
+    /// std::runtime_error with one line (what, where, what to do) when there is none, access is denied, or its version
+    /// is not ours.
     explicit SharedMemoryReader(const std::string& name = "default");
     ~SharedMemoryReader();
     SharedMemoryReader(SharedMemoryReader&&) noexcept;

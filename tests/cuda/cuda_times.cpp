@@ -182,7 +182,8 @@ void run(std::ostream& json) {
 
 int main(int argc, char** argv) {
     if (argc > 2 || (argc == 2 && argv[1][0] == '-')) {
-        std::fputs("usage: disparity-cuda-times [FILE]\nTimes of the back end cuda as a table; as JSON to FILE.\n", stderr);
+        std::fputs("usage: disparity-cuda-times [FILE]\nTimes of the back end cuda as a table; as JSON to FILE.\n",
+                   stderr);
         return 2;
     }
     try {

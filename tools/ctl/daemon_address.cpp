@@ -32,13 +32,14 @@ std::vector<std::string> default_unix_paths(const std::string& name) {
 
 void DaemonAddress::add_to(CLI::App& app) {
     const std::string group = "Which daemon";
-    app.add_option(
-           "--socket", socket,
-           "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, " +
-               std::string(default_tcp))
+    app.add_option("--socket", socket,
+                   "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, " +
+                       std::string(default_tcp))
         ->type_name("ADDRESS")
         ->group(group);
-    app.add_option("--name", name, "its name, that of its shared memory and Unix socket; default: default")->type_name("NAME")->group(group);
+    app.add_option("--name", name, "its name, that of its shared memory and Unix socket; default: default")
+        ->type_name("NAME")
+        ->group(group);
 }
 
 std::vector<std::string> DaemonAddress::sockets() const {
