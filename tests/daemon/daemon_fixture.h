@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "proto/disparity.pb.h"
@@ -17,6 +18,9 @@ namespace disparityd::test {
 /// Real daemons on the rendered scene, matched at a small size; each test has its own names and ports.
 class DaemonTest : public ::testing::Test {
 protected:
+    /// Daemons that still ran were killed and have left it behind.
+    ~DaemonTest() override { ::shm_unlink(("/disparityd." + shared_memory_name()).c_str()); }
+
     static constexpr const char* scene = "scene:vga@15?width=320&height=176&loop=8";
 
     std::string shared_memory_name() const { return "test-" + std::to_string(getpid()); }
