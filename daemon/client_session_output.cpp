@@ -200,7 +200,12 @@ bool ClientSession::take_frame() {
     if (!next.frame) {
         return false;
     }
-    planes_ = host_.frames().encoded(next.frame, next.selection);
+    try {
+        planes_ = host_.frames().encoded(next.frame, next.selection);
+    } catch (const std::exception& error) {
+        send_error(error.what(), true);
+        return false;
+    }
     make_head(next, *planes_, head_);
     return true;
 }

@@ -28,7 +28,7 @@ public:
     /// One more than the publish index of the newest frame.
     std::uint64_t end() const { return end_; }
 
-    /// The frame must come from next().
+    /// The frame must come from next(); may throw as FrameEncoder.
     std::shared_ptr<const EncodedPlanes> encoded(const FrameHandle& frame, const Selection& selection);
 
 private:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/recording_control.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -31,7 +30,7 @@ std::string target_path(const std::string& path, const std::string& directory) {
         throw std::runtime_error(fmt::format("[record] directory: {}: {}", directory, error.message()));
     }
     const fs::path target = fs::weakly_canonical(base / path, error);
-    const bool plain = std::none_of(path.begin(), path.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; });
+    const bool plain = capture::shown(path, path.size()) == path;
     if (error || path.empty() || !plain || !target.has_filename()) {
         refuse("which is no file name");
     }
