@@ -25,14 +25,14 @@ void FrameCompressor::next() {
             continue;
         }
         busy_ = true;
-        asio::post(thread_, [this, client, wish] {
+        asio::post(worker_, [this, &server = server_, encoder = encoder_, client, wish] {
             Result result;
             try {
-                result.planes = std::make_shared<const EncodedPlanes>(encoder_.encode(*wish.frame, wish.selection));
+                result.planes = std::make_shared<const EncodedPlanes>(encoder->encode(*wish.frame, wish.selection));
             } catch (const std::exception& error) {
                 result.failure = error.what();
             }
-            asio::post(server_, [this, client, wish, result] { finished(client, wish, result); });
+            asio::post(server, [this, client, wish, result] { finished(client, wish, result); });
         });
     }
 }

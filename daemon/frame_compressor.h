@@ -4,9 +4,10 @@
 #include <deque>
 #include <memory>
 #include <string>
+#include <utility>
 
+#include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/thread_pool.hpp>
 
 #include "daemon/frame_encoder.h"
 #include "daemon/frame_pool.h"
@@ -36,10 +37,10 @@ public:
         virtual void not_compressed(const std::string& why) = 0;
     };
 
-    /// `server`: what runs the server's thread.
-    explicit FrameCompressor(boost::asio::io_context& server) : server_(server) {}
-    /// Waits for the frame that is being compressed.
-    ~FrameCompressor() { thread_.join(); }
+    /// `server`: what runs the server's thread, and does so no more when this object ends. `worker`: what compresses,
+    /// one frame at a time. Both outlive this object.
+    FrameCompressor(boost::asio::io_context& server, boost::asio::any_io_executor worker)
+        : server_(server), worker_(std::move(worker)) {}
     FrameCompressor(const FrameCompressor&) = delete;
     FrameCompressor& operator=(const FrameCompressor&) = delete;
 
@@ -56,10 +57,11 @@ private:
     void finished(const std::shared_ptr<Client>& client, const Wish& wish, const Result& result);
 
     boost::asio::io_context& server_;
+    boost::asio::any_io_executor worker_;
     std::deque<std::weak_ptr<Client>> waiting_;
     bool busy_ = false;
-    FrameEncoder encoder_;  ///< of the thread
-    boost::asio::thread_pool thread_{1};
+    /// The worker's; shared, since it may still be at a frame when this object ends.
+    std::shared_ptr<FrameEncoder> encoder_ = std::make_shared<FrameEncoder>();
 };
 
 }  // namespace disparityd

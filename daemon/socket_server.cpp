@@ -30,7 +30,7 @@ SocketServer::SocketServer(const SocketServerConfig& config, SocketServices serv
       config_(config),
       listeners_(make_listeners(config, {})),
       ring_(config.client_queue),
-      compressor_(io_),
+      compressor_(io_, compressing_.get_executor()),
       max_clients_(config.max_clients) {}
 
 SocketServer::~SocketServer() {

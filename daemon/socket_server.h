@@ -14,6 +14,7 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/thread_pool.hpp>
 
 #include "daemon/client_session.h"
 #include "daemon/frame_compressor.h"
@@ -130,6 +131,7 @@ private:
     // The server thread's.
     StreamLayout layout_;
     FrameRing ring_;
+    boost::asio::thread_pool compressing_{1};
     FrameCompressor compressor_;
     SensorRing sensors_;
     ClientLog log_;

@@ -16,10 +16,14 @@ namespace {
 /// A daemon that grants everything.
 class Host final : public SessionHost {
 public:
-    Host() { ring_.put(pool_.copy(feed_.next(), ~0U)); }
+    /// What it does, it does in `loop`, so that the same input always takes the same way.
+    explicit Host(boost::asio::io_context& loop) : compressor_(loop, loop.get_executor()) {
+        ring_.put(pool_.copy(feed_.next(), ~0U));
+    }
 
     const StreamLayout& layout() const override { return feed_.layout(); }
     FrameRing& frames() override { return ring_; }
+    FrameCompressor& compressor() override { return compressor_; }
     const SensorRing& sensors() override { return samples_; }
     ClientLog& log() override { return log_; }
     v1::Status status() override { return {}; }
@@ -41,6 +45,7 @@ private:
     test::FrameFeed feed_{8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT}};
     FramePool pool_{feed_.layout(), 4};
     FrameRing ring_{2};
+    FrameCompressor compressor_;
     SensorRing samples_;
     ClientLog log_;
     bool closed_ = false;
@@ -57,7 +62,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::array<int, 2> ends{};
     fuzz::expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) == 0, "socketpair");
     boost::asio::io_context loop;
-    Host host;
+    Host host(loop);
     const auto session = std::make_shared<ClientSession>(
         ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]), "fuzz", 1, host);
     session->start();
