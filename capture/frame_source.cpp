@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/frame_source.h"
 
+#include <filesystem>
 #include <stdexcept>
 
 #include "capture/camera_controls.h"
@@ -22,12 +23,14 @@ std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {
             return kind.open(options);
         }
     }
+    std::error_code ignored;
+    const char* what = std::filesystem::exists(options.uri, ignored) ? "a device or a pipe" : "no such file or folder";
     std::string kinds;
     for (const SourceKind& kind : source_kinds()) {
         kinds += "; " + std::string(kind.description);
     }
-    throw std::invalid_argument("source '" + options.uri +
-                                "': no such file or folder, and no other source; allowed are" + kinds.substr(1));
+    throw std::invalid_argument("source '" + options.uri + "': " + what + ", and no other source; allowed are" +
+                                kinds.substr(1));
 }
 
 }  // namespace disparityd::capture

@@ -4,12 +4,32 @@
 #include <algorithm>
 
 namespace disparityd::capture {
+namespace {
+
+/// A byte of a character in UTF-8 that is not its first.
+bool continues_character(unsigned byte) {
+    return (byte & 0xc0U) == 0x80U;
+}
+
+constexpr std::size_t most_that_continue = 3;
+
+}  // namespace
 
 std::string shown(std::string_view text, std::size_t longest) {
-    std::string line(text.substr(0, longest));
-    std::replace_if(
-        line.begin(), line.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
-    return text.size() > longest ? line + "..." : line;
+    const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+    std::size_t size = std::min(longest, text.size());
+    while (size > 0 && longest - size < most_that_continue && continues_character(byte(size))) {
+        --size;
+    }
+    std::string line(text.substr(0, size));
+    for (std::size_t i = 0; i < size; ++i) {
+        if (byte(i) < 0x20 || byte(i) == 0x7f) {
+            line[i] = '?';
+        } else if (byte(i) == 0xc2 && continues_character(byte(i + 1)) && byte(i + 1) < 0xa0) {
+            line.replace(i, 2, "??");  // U+0080 to U+009F are controls too
+        }
+    }
+    return size < text.size() ? line + "..." : line;
 }
 
 std::string size_text(int width, int height) {

@@ -11,6 +11,7 @@
 #include <boost/asio/read.hpp>
 #include <fmt/format.h>
 
+#include "capture/message_text.h"
 #include "proto/framing.h"
 
 namespace disparityd {
@@ -22,17 +23,9 @@ using boost::system::error_code;
 constexpr std::chrono::seconds hello_timeout{5};
 /// Answers that may wait for a client before nothing more is read from it.
 constexpr std::size_t max_answers = 8;
-constexpr std::size_t max_name = 64;
+constexpr std::size_t max_name = 64;  ///< bytes shown
 constexpr std::string_view messages_of_clients =
     "hello, subscribe, status_request, record_start, record_stop, camera_request";
-
-/// A name that can stand in a log line.
-std::string printable(std::string text) {
-    text.resize(std::min(text.size(), max_name));
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
-    return text;
-}
 
 }  // namespace
 
@@ -197,7 +190,7 @@ void ClientSession::hello(const v1::Hello& hello) {
         return;
     }
     greeted_ = true;
-    name_ = printable(hello.client_name());
+    name_ = capture::shown(hello.client_name(), max_name);
     deadline_.cancel();
     v1::Envelope answer;
     v1::Welcome& welcome = *answer.mutable_welcome();

@@ -9,7 +9,7 @@ namespace disparityd {
 
 struct CommandLine {
     DaemonOptions daemon;
-    bool check = false;  ///< only say whether the configuration is valid
+    bool check = false;  ///< only say whether this machine can run the configuration
 };
 
 /// Reads the command line. Empty when --help or --version was answered on standard output. Throws std::invalid_argument

@@ -2,11 +2,7 @@
 #include "daemon/config.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -15,6 +11,7 @@
 #include <string_view>
 
 #include "capture/message_text.h"
+#include "capture/text_file.h"
 #include "daemon/checked_toml.h"
 #include "daemon/config_keys.h"
 #include "daemon/socket_address.h"
@@ -239,32 +236,13 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
     }
 }
 
-/// Only of files: reading a pipe or a device may never end.
 std::string read_text(const std::string& path) {
-    constexpr std::uintmax_t largest = 1U << 20U;
-    const auto refused = [&path](const std::string& reason) {
-        refuse(path + ": no configuration file: " + reason +
+    try {
+        return capture::read_text_file(path, "configuration");
+    } catch (const std::invalid_argument& error) {
+        refuse(std::string(error.what()) +
                "; check the path given with --config, or start without it for the defaults");
-    };
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    if (std::filesystem::is_directory(status)) {
-        refused("it is a folder");
     }
-    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-        refused("it is no file, but a pipe or a device");
-    }
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    if (!error && size > largest) {
-        refused("found " + std::to_string(size) + " bytes, allowed are 1 MiB of text");
-    }
-    errno = 0;
-    std::ifstream file(path, std::ios::binary);
-    std::string text(error ? 0 : static_cast<std::size_t>(size), '\0');
-    if (!file || !file.read(text.data(), static_cast<std::streamsize>(text.size()))) {
-        refused(errno != 0 ? std::strerror(errno) : "it cannot be read to its end");
-    }
-    return text;
 }
 
 Config build(std::vector<Assignment> assignments, const std::string& file, const std::vector<Override>& overrides) {

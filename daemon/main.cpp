@@ -10,6 +10,7 @@
 
 #include "daemon/command_line.h"
 #include "daemon/daemon.h"
+#include "daemon/engine.h"
 #include "daemon/log.h"
 
 namespace {
@@ -20,14 +21,16 @@ int run(int argc, char** argv) {
         return 0;
     }
     const disparityd::Config config = disparityd::load_config(line->daemon.config_path, line->daemon.overrides);
-    if (line->check) {
-        std::printf("disparityd: the configuration is valid\n");
-        return 0;
-    }
     disparityd::set_up_log(config.log);
 #if GOOGLE_PROTOBUF_VERSION < 4022000
     google::protobuf::SetLogHandler(nullptr);  // it would print a line of its own for each bad message of a client
 #endif
+    if (line->check) {
+        // What cannot be told from the text alone is refused where it is used.
+        const disparityd::Engine would_run(config, {}, {});
+        std::printf("disparityd: the configuration is valid\n");
+        return 0;
+    }
     disparityd::Daemon daemon(line->daemon, config);
     return daemon.run() ? 0 : 1;
 }

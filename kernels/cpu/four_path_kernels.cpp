@@ -6,7 +6,6 @@
 #include "hwy/highway.h"
 #include "kernels/cpu/instruction_sets.h"
 
-#define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
 #include "kernels/cpu/form_kernels-inl.h"
 

@@ -8,9 +8,6 @@
 #include "hwy/highway.h"
 #include "kernels/cpu/instruction_sets.h"
 
-// Highway's emulation of vectors (SCALAR, EMU128), which the compiler's baseline counts as, is slower than the
-// reference.
-#define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
 #include "kernels/cpu/adaptive_jumps-inl.h"
 #include "kernels/cpu/aggregation-inl.h"

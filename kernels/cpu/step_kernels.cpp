@@ -9,7 +9,6 @@
 #include "hwy/highway.h"
 #include "kernels/cpu/instruction_sets.h"
 
-#define DISPARITYD_CPU_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_CPU_VECTORS
 #include "kernels/cpu/interpolate-inl.h"
 #include "kernels/cpu/left_right-inl.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/correction_file.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/scene_camera.h"
+#include "tests/temporary_folder.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -19,34 +19,28 @@ using testing::HasSubstr;
 class CorrectionFile : public testing::Test {
 protected:
     void SetUp() override {
-        std::string name = (std::filesystem::temp_directory_path() / "disparityd-correction-XXXXXX").string();
-        ASSERT_NE(mkdtemp(name.data()), nullptr);
-        folder_ = name;
         source_.eye_width = 672;
         source_.height = 376;
         source_.calibration = capture::scene_calibration(672, 376);
     }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
 
     std::string refusal(const std::string& text) const {
-        const std::string path = folder_ + "/c.txt";
-        std::ofstream(path, std::ios::binary) << text;
         try {
-            read_correction(path, *source_.calibration);
+            read_correction(folder_.write("c.txt", text), *source_.calibration);
         } catch (const std::invalid_argument& error) {
             return error.what();
         }
         return "(accepted)";
     }
 
-    std::string folder_;
+    const disparityd::test::TemporaryFolder folder_;
     capture::SourceInfo source_;
 };
 
 TEST_F(CorrectionFile, ComesBackAsItWas) {
     source_.serial = "SN12/../3";
-    const std::string path = correction_path(folder_, source_);
-    EXPECT_EQ(path, folder_ + "/self-calibration-SN12____3-672x376.txt");
+    const std::string path = correction_path(folder_.path(), source_);
+    EXPECT_EQ(path, folder_.path() + "/self-calibration-SN12____3-672x376.txt");
     EXPECT_FALSE(read_correction(path, *source_.calibration));
     const capture::CalibrationCorrection correction{-1'817'963, 0, 403'723, -12};
     write_correction(path, *source_.calibration, {1, 2, 3, 4});
@@ -56,17 +50,17 @@ TEST_F(CorrectionFile, ComesBackAsItWas) {
 }
 
 TEST_F(CorrectionFile, OfAnotherCalibrationIsNotUsed) {
-    const std::string path = correction_path(folder_, source_);
+    const std::string path = correction_path(folder_.path(), source_);
     write_correction(path, *source_.calibration, {1, 2, 3, 4});
     capture::StereoCalibration other = *source_.calibration;
     other.left.fx += 1e-6;
     EXPECT_FALSE(read_correction(path, other));
     source_.calibration = other;
-    EXPECT_NE(correction_path(folder_, source_), path);
+    EXPECT_NE(correction_path(folder_.path(), source_), path);
 }
 
 TEST_F(CorrectionFile, DamagedOnesAreRefused) {
-    const std::string path = correction_path(folder_, source_);
+    const std::string path = correction_path(folder_.path(), source_);
     write_correction(path, *source_.calibration, {1, 2, 3, 4});
     std::ifstream file(path);
     const std::string good((std::istreambuf_iterator<char>(file)), {});
@@ -84,7 +78,7 @@ TEST_F(CorrectionFile, DamagedOnesAreRefused) {
 }
 
 TEST_F(CorrectionFile, WhereNothingCanBeWrittenItSaysSo) {
-    EXPECT_THROW(write_correction(folder_ + "/none/c.txt", *source_.calibration, {}), std::runtime_error);
+    EXPECT_THROW(write_correction(folder_.file("none/c.txt"), *source_.calibration, {}), std::runtime_error);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include "record_fixture.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -16,19 +15,6 @@
 #include "capture/recording_writer.h"
 
 namespace disparityd::capture::test {
-
-TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "disparityd-record-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-        throw std::runtime_error("no temporary folder can be made");
-    }
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
 
 SourceInfo make_info(PixelFormat format, int eye_width, int height) {
     SourceInfo info;

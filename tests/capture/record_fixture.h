@@ -2,27 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "tests/temporary_folder.h"
 
 namespace disparityd::capture::test {
 
-/// A folder that goes with its owner.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    std::string file(const std::string& name) const { return (path_ / name).string(); }
-
-private:
-    std::filesystem::path path_;
-};
+using disparityd::test::TemporaryFolder;
 
 SourceInfo make_info(PixelFormat format, int eye_width, int height);
 StereoCalibration make_calibration(int width, int height);

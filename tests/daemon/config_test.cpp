@@ -245,7 +245,7 @@ TEST(Config, MissingFileIsNamed) {
         load_config("/nowhere/disparityd.toml", {});
         FAIL() << "accepted";
     } catch (const std::invalid_argument& error) {
-        EXPECT_THAT(error.what(), AllOf(HasSubstr("/nowhere/disparityd.toml"), HasSubstr("No such file")));
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("/nowhere/disparityd.toml"), HasSubstr("no such file")));
     }
     EXPECT_THROW(load_config("/tmp", {}), std::invalid_argument);
 }
@@ -259,7 +259,7 @@ TEST(Config, PipesAndDevicesAreRefused) {
             load_config(path, {});
             FAIL() << "accepted";
         } catch (const std::invalid_argument& error) {
-            EXPECT_THAT(error.what(), AllOf(StartsWith(path), HasSubstr("no configuration file: it is no file")));
+            EXPECT_THAT(error.what(), StartsWith("configuration " + path + ": not a file, but "));
         }
     }
     unlink(pipe.c_str());

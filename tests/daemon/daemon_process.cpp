@@ -5,7 +5,6 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -42,25 +41,6 @@ std::vector<std::string> command_line(const std::string& program, const std::vec
 }
 
 }  // namespace
-
-TemporaryFolder::TemporaryFolder() {
-    std::string name = "/tmp/disparityd-test-XXXXXX";
-    if (mkdtemp(name.data()) == nullptr) {
-        throw std::runtime_error("no temporary folder");
-    }
-    path_ = name;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
-std::string TemporaryFolder::write(const std::string& name, const std::string& text) const {
-    const std::string path = path_ + '/' + name;
-    std::ofstream(path) << text;
-    return path;
-}
 
 DaemonProcess::DaemonProcess(const TemporaryFolder& folder, std::vector<std::string> arguments,
                              const Environment& environment, const std::string& program) {

@@ -8,22 +8,9 @@
 
 #include <sys/types.h>
 
+#include "tests/temporary_folder.h"
+
 namespace disparityd::test {
-
-/// A folder that is removed at the end.
-class TemporaryFolder {
-public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-    const std::string& path() const { return path_; }
-    std::string write(const std::string& name, const std::string& text) const;
-
-private:
-    std::string path_;
-};
 
 /// The real disparityd (or another program of the tests) as a child process; killed at the end if it still runs.
 class DaemonProcess {

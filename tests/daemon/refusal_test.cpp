@@ -74,7 +74,8 @@ TEST_F(RefusalTest, CommandLine) {
 TEST_F(RefusalTest, MissingConfigurationFile) {
     DaemonProcess daemon(folder_, {"--config", "/nowhere.toml"});
     EXPECT_EQ(daemon.wait_for_exit(), 2);
-    EXPECT_THAT(daemon.log(), StartsWith("disparityd: error: /nowhere.toml: no configuration file: No such file"));
+    EXPECT_THAT(daemon.log(),
+                StartsWith("disparityd: error: configuration /nowhere.toml: no such file; check the path"));
 }
 
 TEST_F(RefusalTest, OpenAddressWithoutTheWordInsecure) {
@@ -115,7 +116,15 @@ TEST_F(RefusalTest, CheckOnlyChecks) {
     const auto good = start(config_text(), {"--check"});
     EXPECT_EQ(good->wait_for_exit(), 0);
     EXPECT_EQ(good->output(), "disparityd: the configuration is valid\n");
+    // Neither a camera that is not there nor another daemon at the same addresses is the configuration's fault.
+    const auto other = start_ready(config_text());
+    EXPECT_EQ(start(config_text(), {"--check", "--source", "v4l2:hd720@30?serial=1"})->wait_for_exit(), 0);
     expect_refusal(config_text() + "x = 1\n", {"--check"}, 2, {"[record] x"});
+    expect_refusal(config_text(), {"--check", "--set", "match.backend=gpu"}, 2, {"\"gpu\"", "auto", "reference"});
+    expect_refusal(config_text(), {"--check", "--source", "absent.mkv"}, 2, {"absent.mkv", "cannot open"});
+    expect_refusal(config_text(), {"--check", "--source", "/dev/null"}, 2, {"/dev/null", "a device", "v4l2:"});
+    expect_refusal(config_text(), {"--check", "--source", "scene:uhd@30"}, 2, {"scene:uhd@30", "vga"});
+    expect_refusal(config_text(), {"--check", "--set", "rectify.region=[100, 0, 100, 50]"}, 2, {"100"});
 }
 
 TEST_F(RefusalTest, HelpAndVersion) {
