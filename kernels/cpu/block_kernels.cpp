@@ -23,6 +23,7 @@ struct Block {
     static_assert(census_bits < (no_key >> key_bits));
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int classes = 2 * registers;
+    static constexpr bool many_registers = HWY_ARCH_ARM_A64 != 0 || HWY_TARGET <= HWY_AVX3;  // 32, not 16
 
     static std::size_t scratch_bytes(const SgmGeometry& geometry) {
         return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs half of it
@@ -32,7 +33,7 @@ struct Block {
                     Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
         using Windows = SadRows<Tag, registers>;
         Windows windows(geometry, left, right, scratch);
-        WinnerSearch<KeyTag, classes> search(geometry);
+        WinnerSearch<KeyTag, classes, classes <= (many_registers ? 8 : 4)> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {

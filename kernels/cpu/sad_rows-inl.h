@@ -123,8 +123,7 @@ public:
         move_columns(left_.row(gained), left_.row(lost), right_.row(gained), right_.row(lost));
     }
 
-    /// The sums of the row's windows, moved on from pixel to pixel: to be called for x = 0, x = count, ..; candidates
-    /// of one pixel after the other go to `out`, class after class.
+    /// The sums of the row's windows, moved on from pixel to pixel, as WinnerSearch::run() asks for them.
     class WindowSums {
     public:
         explicit WindowSums(const SadRows& rows) : rows_(rows) {
@@ -138,39 +137,43 @@ public:
             }
         }
 
-        void operator()(int x, int count, std::uint16_t* out) {
-            if (x >= sad_radius_x && x + count + sad_radius_x < rows_.geometry_.width) {
-                move<false>(x, count, out);
+        template <class Take>
+        HWY_INLINE void operator()(int x, int count, Take take) {
+            if (rows_.inside(x, count)) {
+                move<false>(x, count, take);
             } else {
-                move<true>(x, count, out);
+                move<true>(x, count, take);
             }
-            rows_.set_outside(x, count, out);
         }
 
     private:
-        template <bool near_end>
-        HWY_INLINE void move(int x, int count, std::uint16_t* out) {
+        template <bool near_end, class Take>
+        HWY_INLINE void move(int x, int count, Take take) {
+            // Copies that nobody else can see stay in registers.
             const int last = rows_.geometry_.width - 1;
-            // A copy that nobody else can see stays in registers.
+            const DisparityRange range = rows_.geometry_.range;
             W sum[classes];
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 sum[q] = sum_[q];
             }
-            const auto next_of = [&](int i) { return rows_.column(std::min(x + i + 1 + sad_radius_x, last)); };
-            const auto oldest_of = [&](int i) { return rows_.column(std::max(x + i - sad_radius_x, 0)); };
-            const std::uint16_t* next = next_of(0);
-            const std::uint16_t* oldest = oldest_of(0);
+            const std::uint16_t* next = rows_.column(std::min(x + 1 + sad_radius_x, last));
+            const std::uint16_t* oldest = rows_.column(std::max(x - sad_radius_x, 0));
             for (int i = 0; i < count; ++i) {
+                if constexpr (near_end) {
+                    W key[classes];
+                    set_outside(x + i, last, range, sum, key);
+                    take(i, key);
+                } else {
+                    take(i, sum);
+                }
                 DISPARITYD_UNROLL
                 for (int q = 0; q < classes; ++q) {
-                    hn::Store(sum[q], Words(), out + q * lanes);
                     const W more = hn::Add(sum[q], hn::Load(Words(), next + q * lanes));
                     sum[q] = hn::Sub(more, hn::Load(Words(), oldest + q * lanes));
                 }
-                next = near_end ? next_of(i + 1) : next + candidates;
-                oldest = near_end ? oldest_of(i + 1) : oldest + candidates;
-                out += candidates;
+                next += !near_end || x + i + 1 + sad_radius_x < last ? candidates : 0;
+                oldest += !near_end || x + i >= sad_radius_x ? candidates : 0;
             }
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
@@ -221,35 +224,40 @@ private:
         }
     }
 
-    // Candidates outside the right image, of pixels x .. x + count - 1: those near an end of the row have some.
-    void set_outside(int x, int count, std::uint16_t* sums) const {
+    /// Whether pixels x .. x + count - 1 have whole windows and all candidates.
+    bool inside(int x, int count) const {
+        const int last = x + count - 1;
         const DisparityRange range = geometry_.range;
-        const int first_whole = range.first + range.count - 1;
-        const int last_whole = range.first + geometry_.width - 1;
-        for (int i = 0; i < count; ++i) {
-            if (x + i >= first_whole && x + i <= last_whole) {
-                i = std::min(last_whole - x, count - 1);
-                continue;
-            }
-            set_outside(x + i, sums + i * candidates);
-        }
+        return x >= sad_radius_x && last + 1 + sad_radius_x < geometry_.width && x >= range.first + range.count - 1 &&
+               last <= range.first + geometry_.width - 1;
     }
 
-    HWY_INLINE void set_outside(int x, std::uint16_t* sums) const {
+    /// The keys of pixel x from its sums: those of candidates outside the right image are not what columns say.
+    static HWY_INLINE void set_outside(int x, int last_x, DisparityRange range, const W* sums, W* keys) {
+        const int last = std::max(x - range.first, -1);
+        const int first = std::min(last - last_x, range.count);
+        if (first <= 0 && last >= range.count - 1) {
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                keys[q] = sums[q];
+            }
+            return;
+        }
         const hn::RebindToSigned<Words> numbers;
-        const DisparityRange range = geometry_.range;
-        const int first = std::clamp(x - (geometry_.width - 1) - range.first, 0, range.count);
-        const int last = std::clamp(x + 1 - range.first, first, range.count);
         const auto first_inside = hn::Set(numbers, static_cast<std::int16_t>(first));
-        const auto last_inside = hn::Set(numbers, static_cast<std::int16_t>(last - 1));
-        DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            const auto k = hn::Load(numbers, CandidatePlaces<classes, lanes>::numbers.at + q * lanes);
-            const auto outside = hn::VecFromMask(numbers, hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k)));
-            const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside << name_bits), q);
-            const W sum = hn::Load(Words(), sums + q * lanes);
-            hn::Store(hn::IfThenElse(hn::MaskFromVec(hn::BitCast(Words(), outside)), key, sum), Words(),
-                      sums + q * lanes);
+        const auto last_inside = hn::Set(numbers, static_cast<std::int16_t>(last));
+        const auto set_where = [=](auto outside) HWY_ATTR {
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                const auto k = hn::Load(numbers, CandidatePlaces<classes, lanes>::numbers.at + q * lanes);
+                const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside << name_bits), q);
+                keys[q] = hn::IfThenElse(hn::RebindMask(Words(), outside(k)), key, sums[q]);
+            }
+        };
+        if (first <= 0) {
+            set_where([=](auto k) HWY_ATTR { return hn::Lt(last_inside, k); });
+        } else {
+            set_where([=](auto k) HWY_ATTR { return hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k)); });
         }
     }
 

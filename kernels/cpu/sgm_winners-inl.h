@@ -42,8 +42,13 @@ public:
             const auto keys = [=](int x, W* to) { keys_of(x, down, up, costs, to); };
             KeyedWinnerSearch<Words, classes, key_bits, paths * raised>(geometry).run(keys, minima, out.right_winner);
         } else {
-            const auto keys =
-                pixel_by_pixel<candidates>([=](int x, std::uint16_t* to) { store_keys(x, down, up, costs, to); });
+            const auto keys = [=](int x, int count, auto take) HWY_ATTR {
+                for (int i = 0; i < count; ++i) {
+                    W key[classes];
+                    named_keys_of(x + i, down, up, costs, key);
+                    take(i, key);
+                }
+            };
             WinnerSearch<Words, classes>(geometry).run(keys, minima, out.right_winner);
         }
         LeftResults(geometry, options).row(minima, geometry.width, out);
@@ -74,8 +79,8 @@ private:
     }
 
     // Keys of WinnerSearch, of C no longer raised.
-    static HWY_INLINE void store_keys(int x, const std::uint8_t* down, const std::uint8_t* up,
-                                      const std::uint8_t* costs, std::uint16_t* out) {
+    static HWY_INLINE void named_keys_of(int x, const std::uint8_t* down, const std::uint8_t* up,
+                                         const std::uint8_t* costs, W* out) {
         constexpr int cost_shift = name_bits + path_shift;
         const Words words;
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
@@ -86,8 +91,8 @@ private:
             const auto c = hn::Sub(hn::Load(Tag(), costs + at + r * lanes), too_large);
             const W even = hn::Add(sum.even, shifted_bytes<false, cost_shift>(words, c));
             const W odd = hn::Add(sum.odd, shifted_bytes<true, cost_shift>(words, c));
-            hn::Store(key_of_sum<classes>(even, r), words, out + r * (lanes / 2));
-            hn::Store(key_of_sum<classes>(odd, registers + r), words, out + (registers + r) * (lanes / 2));
+            out[r] = key_of_sum<classes>(even, r);
+            out[r + registers] = key_of_sum<classes>(odd, registers + r);
         }
     }
 

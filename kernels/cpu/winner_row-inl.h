@@ -43,16 +43,6 @@ HWY_INLINE V key_of_sum(V shifted_sum, int q) {
     return hn::Or(shifted_sum, hn::Set(hn::DFromV<V>(), name_of_class<classes>(q)));
 }
 
-/// Keys for WinnerSearch::run() from those of one pixel: keys_of(x, std::uint16_t* to).
-template <int candidates, class KeysOf>
-auto pixel_by_pixel(KeysOf keys_of) {
-    return [keys_of](int x, int count, std::uint16_t* to) {
-        for (int i = 0; i < count; ++i) {
-            keys_of(x + i, to + i * candidates);
-        }
-    };
-}
-
 /// In each lane the least sum so far, shifted as in a key, and the candidate that has it.
 template <class Tag, int classes>
 struct Leader {
@@ -209,7 +199,9 @@ private:
     Waiting waiting_[parts][at_once + part_classes];
 };
 
-template <class Tag, int classes>
+/// `in_one_loop`: keys are searched as they are made, which pays where making them takes little and the registers hold
+/// what it needs as well.
+template <class Tag, int classes, bool in_one_loop = false>
 class WinnerSearch {
     using V = hn::Vec<Tag>;
     using Leads = Leader<Tag, classes>;
@@ -226,20 +218,16 @@ public:
         }
     }
 
-    /// keys(x, count, std::uint16_t* to) gives the keys of pixels x .. x + count - 1, one pixel after the other; it is
-    /// asked for each pixel once, from left to right.
+    /// keys(x, count, take) calls take(i, const V* keys) with those of pixel x + i for i = 0 .. count - 1, one after
+    /// the other; it is asked for each pixel once, from left to right.
     template <class Keys>
     void run(Keys keys, Minima& minima, std::int16_t* right_winner) {
         std::fill_n(right_row_ + right_origin, width_, Leads::no_candidate);
         Right right;
         for (int x = 0; x < width_; x += at_once) {
             const int count = std::min(at_once, width_ - x);
-            keys(x, count, keys_);
+            least_and_right(keys, x, count, right);
             std::fill(keys_of(count), keys_of((count + 7) / 8 * 8), std::uint16_t{0});  // searched in eights
-            if (range_.count != candidates) {
-                set_padding(count);
-            }
-            least_and_right(x, count, right);
             winners(count, minima.least + x, minima.winner + x);
             neighbours(x, count, minima);
             second(count, minima.winner + x, minima.second + x);
@@ -262,34 +250,58 @@ private:
     // The right pixel that left pixel x meets at candidate k, as an index of right_row_.
     int right_entry(int x, int k) const { return right_origin + width_ - 1 - (x - range_.first - k); }
 
-    void set_padding(int count) {
-        for (int i = 0; i < count; ++i) {
-            for (int at = 0; at < candidates; at += lanes) {
-                const V keys = hn::Load(tag_, keys_of(i) + at);
-                hn::Store(hn::Or(keys, hn::Load(tag_, padding_ + at)), tag_, keys_of(i) + at);
-            }
+    // Of the i-th pixel of a block.
+    using Partial = typename Right::Partial;
+    HWY_INLINE void take_keys(int i, const V* keys, Right& right, Partial& partial) {
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            hn::Store(keys[q], tag_, keys_of(i) + q * lanes);
+        }
+        if constexpr (in_one_loop) {
+            least_by_lane(i, keys);
+            right.add(keys, i, partial);
         }
     }
 
-    HWY_INLINE void least_and_right(int x, int count, Right& right) {
+    HWY_INLINE void least_by_lane(int i, const V* keys) {
         constexpr int part_classes = classes_of_part<classes>;
+        V least[classes / part_classes];
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            V& of_part = least[q / part_classes];
+            of_part = q % part_classes == 0 ? keys[q] : hn::Min(of_part, keys[q]);
+        }
+        Leads leader(least[0]);
+        DISPARITYD_UNROLL
+        for (int part = 1; part < classes / part_classes; ++part) {
+            leader.meet(least[part], part);
+        }
+        hn::Store(leader.sum, tag_, by_lane_ + i * lanes);
+        hn::Store(leader.candidate, tag_, first_ + i * lanes);
+    }
+
+    template <class Keys>
+    HWY_INLINE void least_and_right(Keys& keys, int x, int count, Right& right) {
         auto partial = right.partial();
-        for (int i = 0; i < count; ++i) {
+        keys(x, count, [&](int i, const V* key) HWY_ATTR {
+            if (range_.count == candidates) {
+                take_keys(i, key, right, partial);
+                return;
+            }
+            V padded[classes];
+            DISPARITYD_UNROLL
+            for (int q = 0; q < classes; ++q) {
+                padded[q] = hn::Or(key[q], hn::Load(tag_, padding_ + q * lanes));
+            }
+            take_keys(i, padded, right, partial);
+        });
+        for (int i = 0; i < count && !in_one_loop; ++i) {
             V key[classes];
-            V least[classes / part_classes];
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 key[q] = hn::Load(tag_, keys_of(i) + q * lanes);
-                V& of_part = least[q / part_classes];
-                of_part = q % part_classes == 0 ? key[q] : hn::Min(of_part, key[q]);
             }
-            Leads leader(least[0]);
-            DISPARITYD_UNROLL
-            for (int part = 1; part < classes / part_classes; ++part) {
-                leader.meet(least[part], part);
-            }
-            hn::Store(leader.sum, tag_, by_lane_ + i * lanes);
-            hn::Store(leader.candidate, tag_, first_ + i * lanes);
+            least_by_lane(i, key);
             right.add(key, i, partial);
         }
         // What is written too much is written over later.
@@ -317,7 +329,7 @@ private:
             hn::Store(of_pixels, block_, least_sums);
             hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(of_pixels)), words_, least + i);
             const auto candidates_found = [&](int k) {
-                const auto found = hn::Eq(sums(k), hn::Set(tag_, least_sums[k]));
+                const auto found = hn::Eq(sums(k), broadcast(tag_, &least_sums[k]));
                 return hn::IfThenElse(found, hn::Load(tag_, first_ + (i + k) * lanes), none);
             };
             hn::StoreU(hn::BitCast(words_, least_of_pixels(tag_, candidates_found)), words_, winner + i);
