@@ -51,8 +51,7 @@ void add_options(CLI::App& app, CommandLine& line, Overrides& given) {
     app.add_flag("--self-calibrate", given.self_calibrate,
                  "Estimate corrections of the calibration from recordings too, instead of applying what they say");
     app.add_flag("--no-self-calibration", given.no_self_calibration, "Use the calibration as it is");
-    app.add_flag("--check", line.check,
-                 "Say whether the configuration is valid here, camera or not, serve nothing, and exit");
+    app.add_flag("--check", line.check, "Say whether the configuration is valid here, serve nothing, and exit");
     app.add_flag("--exit-at-end", line.daemon.exit_at_end, "Stop when the source has ended");
     app.add_flag("--print-address", line.daemon.print_address,
                  "Print the addresses that are served, one per line, then \"ready\"");
