@@ -139,7 +139,7 @@ public:
 
         template <class Take>
         HWY_INLINE void operator()(int x, int count, Take take) {
-            if (rows_.inside(x, count)) {
+            if (rows_.are_whole(x, count)) {
                 move<false>(x, count, take);
             } else {
                 move<true>(x, count, take);
@@ -162,7 +162,7 @@ public:
             for (int i = 0; i < count; ++i) {
                 if constexpr (near_end) {
                     W key[classes];
-                    set_outside(x + i, last, range, sum, key);
+                    keys_of(x + i, last, range, sum, key);
                     take(i, key);
                 } else {
                     take(i, sum);
@@ -225,7 +225,7 @@ private:
     }
 
     /// Whether pixels x .. x + count - 1 have whole windows and all candidates.
-    bool inside(int x, int count) const {
+    bool are_whole(int x, int count) const {
         const int last = x + count - 1;
         const DisparityRange range = geometry_.range;
         return x >= sad_radius_x && last + 1 + sad_radius_x < geometry_.width && x >= range.first + range.count - 1 &&
@@ -233,7 +233,7 @@ private:
     }
 
     /// The keys of pixel x from its sums: those of candidates outside the right image are not what columns say.
-    static HWY_INLINE void set_outside(int x, int last_x, DisparityRange range, const W* sums, W* keys) {
+    static HWY_INLINE void keys_of(int x, int last_x, DisparityRange range, const W* sums, W* keys) {
         const int last = std::max(x - range.first, -1);
         const int first = std::min(last - last_x, range.count);
         if (first <= 0 && last >= range.count - 1) {

@@ -251,8 +251,7 @@ private:
     int right_entry(int x, int k) const { return right_origin + width_ - 1 - (x - range_.first - k); }
 
     // Of the i-th pixel of a block.
-    using Partial = typename Right::Partial;
-    HWY_INLINE void take_keys(int i, const V* keys, Right& right, Partial& partial) {
+    HWY_INLINE void take_keys(int i, const V* keys, Right& right, typename Right::Partial& partial) {
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             hn::Store(keys[q], tag_, keys_of(i) + q * lanes);
@@ -295,14 +294,16 @@ private:
             }
             take_keys(i, padded, right, partial);
         });
-        for (int i = 0; i < count && !in_one_loop; ++i) {
-            V key[classes];
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                key[q] = hn::Load(tag_, keys_of(i) + q * lanes);
+        if constexpr (!in_one_loop) {
+            for (int i = 0; i < count; ++i) {
+                V key[classes];
+                DISPARITYD_UNROLL
+                for (int q = 0; q < classes; ++q) {
+                    key[q] = hn::Load(tag_, keys_of(i) + q * lanes);
+                }
+                least_by_lane(i, key);
+                right.add(key, i, partial);
             }
-            least_by_lane(i, key);
-            right.add(key, i, partial);
         }
         // What is written too much is written over later.
         for (int i = 0; i < count; i += 8) {
