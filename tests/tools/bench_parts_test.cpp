@@ -49,7 +49,9 @@ TEST_P(PlainVariantsTest, CostsEqualTheReference) {
 
         Image<std::uint64_t> left_words(width, height), right_words(width, height);
         OwnedVolume<std::uint8_t> costs(width, height, range.count), expected(width, height, range.count);
-        plain.census_in_one_pass(left.plane(), right.plane(), range, costs.view, left.rows());
+        plain.pixels_as_words(left.plane(), left_words.plane(), left.rows());
+        plain.pixels_as_words(right.plane(), right_words.plane(), left.rows());
+        plain.matching_cost_in_one_pass(left_words.plane(), right_words.plane(), range, costs.view, left.rows());
         reference::census(left.plane(), left_words.plane(), left.rows());
         reference::census(right.plane(), right_words.plane(), left.rows());
         reference::matching_cost(left_words.plane(), right_words.plane(), range, expected.view, left.rows());

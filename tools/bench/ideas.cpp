@@ -53,19 +53,17 @@ private:
     using Work = std::function<void()>;
 
     void two_passes() {
-        const WorkVolumes work(pair_, rows_of_slow_code);
-        const PlainVariants& plain = plain_variants(Build::not_vectorised);
-        const MatchingSteps& steps = naive_steps(Build::not_vectorised).matching;
+        WorkVolumes work(pair_, rows_of_slow_code);
+        const MatchingSteps& one_pass = one_pass_steps().matching;
+        const MatchingSteps& two_passes = naive_steps(Build::not_vectorised).matching;
         const std::string where = ", scalar code, top " + std::to_string(work.rows().last) + " rows";
         compare_work(
             "two passes, SAD", "window summed anew per candidate; differences once, then box sums" + where,
-            [&] { plain.sad_in_one_pass(work.left(), work.right(), work.range(), work.wide(), work.rows()); },
-            [&] { steps.sad(work.left(), work.right(), work.range(), work.wide(), work.rows()); });
-        WorkVolumes census(pair_, rows_of_slow_code);
+            [&] { one_pass.sad(work.left(), work.right(), work.range(), work.wide(), work.rows()); },
+            [&] { two_passes.sad(work.left(), work.right(), work.range(), work.wide(), work.rows()); });
         compare_work(
             "two passes, CENSUS", "census words made anew per candidate; words first, then differing bits" + where,
-            [&] { plain.census_in_one_pass(work.left(), work.right(), work.range(), work.costs(), work.rows()); },
-            [&] { census.make_costs(steps); });
+            [&] { work.make_costs(one_pass); }, [&] { work.make_costs(two_passes); });
     }
 
     void two_sweeps() {

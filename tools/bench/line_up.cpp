@@ -85,6 +85,14 @@ public:
         }
     }
 
+    /// Takes seconds per frame: only for who asks for it.
+    void as_described(Method method) {
+        const std::string who = "paper/" + std::string(name(method));
+        if (wanted(selection_, who) && !selection_.contestants.empty()) {
+            add(who, [&] { return make_as_described(pair_, options(method), pools_); });
+        }
+    }
+
     Contestants all() { return std::move(all_); }
 
 private:
@@ -119,14 +127,15 @@ void check_contestants(const std::vector<std::string>& words) {
         known.push_back("cpu/" + std::string(name(method)));
         known.push_back("cuda/" + std::string(name(method)));
         known.push_back("naive/" + std::string(name(method)));
+        known.push_back("paper/" + std::string(name(method)));
     }
     for (const eval::OpencvMethod method : eval::opencv_methods()) {
         known.push_back(contestant_name(method));
     }
     for (const std::string& word : words) {
         if (std::none_of(known.begin(), known.end(), [&](const std::string& who) { return names(word, who); })) {
-            throw std::invalid_argument("--contestant: found '" + word + "', allowed: cpu, cuda, naive, opencv, " +
-                                        list_of(known));
+            throw std::invalid_argument("--contestant: found '" + word +
+                                        "', allowed: cpu, cuda, naive, opencv, paper, " + list_of(known));
         }
     }
 }
@@ -163,6 +172,7 @@ Contestants line_up(const StereoPair& pair, const Selection& selection,
     }
     for (const Method method : methods) {
         contestants.naive(method);
+        contestants.as_described(method);
     }
     return contestants.all();
 }

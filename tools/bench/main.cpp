@@ -90,7 +90,7 @@ public:
           roofline_(pools_, selection_.instruction_sets) {
         check_contestants(selection_.contestants);
         if (selection_.contestants.empty() && arguments.paper_tables) {
-            selection_.contestants = {"cpu", "naive"};
+            selection_.contestants = {"cpu", "naive", "paper"};
         }
         patience_.rounds = arguments.rounds.value_or(patience_.rounds);
         patience_.seconds = arguments.seconds.value_or(patience_.seconds);
@@ -231,8 +231,9 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
         "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
         ->type_name("PAIR");
     several("--contestant", arguments.contestants,
-            "who matches: cpu, cuda, naive, opencv, or one of them such as cpu/sgm or opencv/3way; may be repeated; "
-            "default all that the machine has, naive only up to 25 million candidates per frame")
+            "who matches: cpu, cuda, naive, opencv, paper (naive code as the paper describes it, seconds per frame), "
+            "or one of them such as cpu/sgm or opencv/3way; may be repeated; default all that the machine has but "
+            "paper, naive only up to 25 million candidates per frame")
         ->type_name("NAME");
     program.add_option("--isa", arguments.isa, "vector instructions of cpu: best, all, or a name; default best")
         ->type_name("NAME");

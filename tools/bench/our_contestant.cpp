@@ -83,6 +83,13 @@ Contestants make(const StereoPair& pair, const std::function<std::unique_ptr<Mat
     return all;
 }
 
+Contestants make_plain(const StereoPair& pair, const MatchOptions& options, const KernelSteps& steps, const Who& who,
+                       WorkerPools& pools) {
+    const MatcherConfig config{pair.left.cols, pair.left.rows, options};
+    return make(
+        pair, [&] { return std::make_unique<StepMatcher>(config, steps); }, who, pools);
+}
+
 }  // namespace
 
 Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const cpu::InstructionSet& instruction_set,
@@ -94,11 +101,15 @@ Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const
 }
 
 Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Build build, WorkerPools& pools) {
-    const MatcherConfig config{pair.left.cols, pair.left.rows, options};
-    return make(
-        pair, [&] { return std::make_unique<StepMatcher>(config, naive_steps(build)); },
+    return make_plain(
+        pair, options, naive_steps(build),
         {"naive/" + std::string(name(options.method)), build == Build::as_compiled ? "compiled" : "scalar", {1}},
         pools);
+}
+
+Contestants make_as_described(const StereoPair& pair, const MatchOptions& options, WorkerPools& pools) {
+    return make_plain(pair, options, one_pass_steps(), {"paper/" + std::string(name(options.method)), "scalar", {1}},
+                      pools);
 }
 
 Contestants make_with(std::unique_ptr<Matcher> matcher, const StereoPair& pair, const std::string& name,

@@ -17,7 +17,8 @@ constexpr int radius_y = 3;
 constexpr std::uint16_t sad_outside = 9 * 7 * 255;
 constexpr std::uint8_t census_outside = 62;
 
-std::uint8_t replicated(Plane<const std::uint8_t> image, int x, int y) {
+template <typename T>
+T replicated(Plane<const T> image, int x, int y) {
     return image.at(std::clamp(x, 0, image.width - 1), std::clamp(y, 0, image.height - 1));
 }
 
@@ -33,8 +34,9 @@ std::uint16_t window_sum(Plane<const std::uint8_t> left, Plane<const std::uint8_
     return static_cast<std::uint16_t>(sum);
 }
 
-std::uint64_t census_word(Plane<const std::uint8_t> image, int x, int y) {
-    const std::uint8_t centre = image.at(x, y);
+template <typename T>
+std::uint64_t census_word(Plane<const T> image, int x, int y) {
+    const T centre = image.at(x, y);
     std::uint64_t word = 0;
     for (int dy = -radius_y; dy <= radius_y; ++dy) {
         for (int dx = -radius_x; dx <= radius_x; ++dx) {
@@ -64,8 +66,14 @@ void sad_in_one_pass(Plane<const std::uint8_t> left, Plane<const std::uint8_t> r
     fill(costs, range, rows, sad_outside, [&](int x, int y, int d) { return window_sum(left, right, x, y, d); });
 }
 
-void census_in_one_pass(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
-                        Volume<std::uint8_t> costs, Rows rows) {
+void pixels_as_words(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows) {
+    for (int y = rows.first; y < rows.last; ++y) {
+        std::copy_n(image.row(y), image.width, words.row(y));
+    }
+}
+
+void matching_cost_in_one_pass(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
+                               Volume<std::uint8_t> costs, Rows rows) {
     fill(costs, range, rows, census_outside, [&](int x, int y, int d) {
         return static_cast<std::uint8_t>(__builtin_popcountll(census_word(left, x, y) ^ census_word(right, x - d, y)));
     });
@@ -225,7 +233,8 @@ void aggregate_in_two_sweeps(Volume<const std::uint8_t> costs, int p1, int p2, V
 extern const PlainVariants variants;
 const PlainVariants variants = {
     .sad_in_one_pass = sad_in_one_pass,
-    .census_in_one_pass = census_in_one_pass,
+    .pixels_as_words = pixels_as_words,
+    .matching_cost_in_one_pass = matching_cost_in_one_pass,
     .aggregate_in_two_sweeps = aggregate_in_two_sweeps,
     .two_sweeps_scratch = SweepRows::bytes,
     .least_once = least_once,

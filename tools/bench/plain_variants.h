@@ -21,9 +21,11 @@ struct PlainVariants {
     /// Step 2 without its second pass: the window is summed anew for every candidate.
     void (*sad_in_one_pass)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
                             Volume<std::uint16_t> costs, Rows rows);
-    /// Steps 3 and 4 without the first pass: both census words are made anew for every candidate.
-    void (*census_in_one_pass)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
-                               Volume<std::uint8_t> costs, Rows rows);
+    /// Steps 3 and 4 without the first pass: the words of step 3 are the pixels themselves ..
+    void (*pixels_as_words)(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
+    /// .. of which both census words are made anew for every candidate.
+    void (*matching_cost_in_one_pass)(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right,
+                                      DisparityRange range, Volume<std::uint8_t> costs, Rows rows);
     /// Step 5 with 8 paths and without adaptive P2, in two sweeps over the image with four paths each.
     void (*aggregate_in_two_sweeps)(Volume<const std::uint8_t> costs, int p1, int p2, Volume<std::uint16_t> sums,
                                     std::span<std::uint8_t> scratch, ContinuePath continue_path);
