@@ -2,22 +2,28 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 namespace disparityd::capture {
 
-/// A thread, or std::runtime_error with one line for people where the system starts no more of them. Whoever catches it
-/// has to end the threads that were started before.
+/// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`.
+[[noreturn]] inline void refuse_thread(const std::string& reason) {
+    throw std::runtime_error("the system starts no more threads: " + reason +
+                             ": allow more (ulimit -u, TasksMax= of a service, the pids limit of a container) or "
+                             "choose fewer workers");
+}
+
+/// A thread; throws as refuse_thread() where there is none to be had. Whoever catches it has to end the threads that
+/// were started before.
 template <typename Function>
 std::thread start_thread(Function function) {
     try {
         return std::thread(std::move(function));
     } catch (const std::system_error& error) {
-        throw std::runtime_error("the system starts no more threads: " + error.code().message() +
-                                 ": allow more (ulimit -u, TasksMax= of a service, the pids limit of a container) or "
-                                 "choose fewer workers");
+        refuse_thread(error.code().message());
     }
 }
 

@@ -5,9 +5,8 @@
 #include <memory>
 #include <string>
 
-#include <boost/asio/thread_pool.hpp>
-
 #include "daemon/engine.h"
+#include "daemon/one_thread.h"
 
 namespace disparityd {
 
@@ -31,7 +30,7 @@ public:
 
 private:
     std::function<std::shared_ptr<Engine>()> engine_;
-    boost::asio::thread_pool worker_{1};
+    boost::asio::thread_pool worker_ = one_thread();
 };
 
 }  // namespace disparityd

@@ -7,10 +7,9 @@
 #include <optional>
 #include <string>
 
-#include <boost/asio/thread_pool.hpp>
-
 #include "capture/frame_source.h"
 #include "capture/recorder.h"
+#include "daemon/one_thread.h"
 #include "proto/disparity.pb.h"
 
 namespace disparityd {
@@ -60,7 +59,7 @@ private:
     std::string slow_;  ///< path of the recording that was warned of
     std::shared_ptr<capture::Recorder> recorder_;
     v1::RecordStatus last_;  ///< of the recording before
-    boost::asio::thread_pool worker_{1};
+    boost::asio::thread_pool worker_ = one_thread();
 };
 
 }  // namespace disparityd

@@ -14,13 +14,13 @@
 
 #include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/thread_pool.hpp>
 
 #include "daemon/client_session.h"
 #include "daemon/frame_compressor.h"
 #include "daemon/frame_pool.h"
 #include "daemon/frame_ring.h"
 #include "daemon/listener.h"
+#include "daemon/one_thread.h"
 #include "daemon/sensor_ring.h"
 
 namespace disparityd {
@@ -131,7 +131,7 @@ private:
     // The server thread's.
     StreamLayout layout_;
     FrameRing ring_;
-    boost::asio::thread_pool compressing_{1};
+    boost::asio::thread_pool compressing_ = one_thread();
     FrameCompressor compressor_;
     SensorRing sensors_;
     ClientLog log_;
