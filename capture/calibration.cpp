@@ -160,10 +160,10 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
             check_range(camera->fx, 0.1 * calibration.width, 20.0 * calibration.width, eye + " fx", path);
             check_range(camera->fy, 0.1 * calibration.width, 20.0 * calibration.width, eye + " fy", path);
         }
-        if (!calibration.rectified) {
-            check_range(camera->cx, 0, calibration.width, eye + " cx", path);
-            check_range(camera->cy, 0, calibration.height, eye + " cy", path);
-        }
+        // Parts of a rectified image may have their centre outside.
+        const double beyond = calibration.rectified ? 10 : 0;
+        check_range(camera->cx, -beyond * calibration.width, (1 + beyond) * calibration.width, eye + " cx", path);
+        check_range(camera->cy, -beyond * calibration.height, (1 + beyond) * calibration.height, eye + " cy", path);
         for (const double k : camera->distortion) {
             check_range(k, -50, 50, eye + " distortion", path);
         }

@@ -51,8 +51,10 @@ std::optional<StereoCalibration> find_calibration(const SourceOptions& options, 
     if (!sequence.calibration.empty()) {
         const std::string& path = sequence.calibration;
         if (sequence.kitti_camera >= 0) {
-            return read_kitti_calibration(path, read_text_file(path, "calibration"), sequence.kitti_camera, width,
-                                          height);
+            const StereoCalibration calibration =
+                read_kitti_calibration(path, read_text_file(path, "calibration"), sequence.kitti_camera, width, height);
+            check_plausible(calibration, path);
+            return calibration;
         }
         return read_calibration(path, width, height);
     }

@@ -34,7 +34,7 @@ public:
     /// Left pixel (x, y) and right pixel (x - disparity, y) show the same; the images are read only. `workers`: Serial
     /// for the calling thread alone, or an own Parallel around the program's threads; results do not depend on it.
     /// Throws std::invalid_argument when a plane has another size, std::runtime_error when a back end chosen by name
-    /// loses its device.
+    /// loses its device, or when there is no memory for the one that takes its place.
     void match(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, const PairResults& results,
                Parallel& workers);
 

@@ -214,8 +214,9 @@ public:
 private:
     static constexpr int rows_of_band = 32;
 
-    // Rows of memory: those of the image, what lies above each; then for each pass and band, and one more of them for
-    // the first phase, what enters it and two in work.
+    // Rows of memory: those of the image, what lies above each; then three for each band and pass, what enters it and
+    // two in work. Band number bands_ is the first phase, which goes through all of them: only its two in work are
+    // used.
     int entering(int pass, int band) const { return disparity_.height + 3 * (passes * band + pass); }
     int in_work(int pass, int band, int y) const { return entering(pass, band) + 1 + y % 2; }
 

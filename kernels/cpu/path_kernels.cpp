@@ -24,9 +24,13 @@ SgmKernels kernels_of_form(std::int64_t target, int disparities, bool eight_path
 
 }  // namespace
 
+bool sums_need_words(const SgmOptions& options) {
+    return options.p2 > (options.paths == 8 ? max_byte_p2 : max_byte_p2_of_4_paths);
+}
+
 SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options) {
     const bool eight_paths = options.paths == 8;
-    const bool words = options.p2 > (eight_paths ? max_byte_p2 : max_byte_p2_of_4_paths);
+    const bool words = sums_need_words(options);
     const std::int64_t fitting = words ? target_for_words(target, range.count) : target;
     const SgmKernels kernels = kernels_of_form(fitting, range.count, eight_paths, words);
     return kernels.layout.lanes != 0 ? kernels : kernels_of_form(HWY_AVX2, range.count, eight_paths, words);

@@ -8,6 +8,9 @@
 
 namespace disparityd::cpu {
 
+/// Whether sums of the paths of one sweep need words; bytes else.
+bool sums_need_words(const SgmOptions& options);
+
 /// The kernels that the options ask for, of sgm_kernels() or of those below; those of AVX2 where they are not built for
 /// `target`, and nothing (no lanes) where not for AVX2 either.
 SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options);

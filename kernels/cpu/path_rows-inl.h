@@ -40,7 +40,7 @@ public:
                 pixels_.restore(states_[j], state + j * state_bytes);
             }
         }
-        // Rows begin one after the other and end so; in between all are inside the image.
+        // Rows begin one after the other and end so; in between all are inside the image. A row may end inside a block.
         const int whole_blocks = width_ / least_block * least_block;
         int t = steps.first;
         const auto go_to = [&](int end, auto go) {
@@ -55,18 +55,18 @@ public:
                 block_at_border(block);
             }
         };
-        if constexpr (rows_at_once == 2) {
+        if constexpr (rows_at_once == 2) {  // the first row alone, until it is ahead
             go_to(std::min(row_lag, whole_blocks), [&](int first, int end) { blocks_inside<0, 1>(first, end); });
         }
         go_to(whole_blocks, [&](int first, int end) { blocks_inside<0, rows_at_once>(first, end); });
         if constexpr (rows_at_once == 2) {
-            go_to(std::max(rounded_up(width_, least_block), row_lag), at_border);
-            go_to(whole_blocks + row_lag, [&](int first, int end) {
-                reduce_at_border(first - least_block);
+            go_to(std::max(rounded_up(width_, least_block), row_lag), at_border);  // the end of the first row
+            go_to(whole_blocks + row_lag, [&](int first, int end) {                // the second row alone
+                reduce_at_border(first - least_block);                             // the first row's last minima
                 blocks_inside<1, 1>(first, end);
             });
         }
-        go_to(steps.end, at_border);
+        go_to(steps.end, at_border);  // the end of the last row
         if (t == steps_of(width_, rows_at_once)) {
             reduce_at_border(t - least_block);
             return;

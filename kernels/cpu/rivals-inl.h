@@ -38,7 +38,8 @@ public:
     constexpr const std::uint8_t* of(int winner, int q) const { return masks_[winner][q]; }
 
 private:
-    std::uint8_t masks_[classes * lanes][classes][(lanes + 7) / 8] = {};
+    // Highway may read eight bytes from each mask on.
+    std::uint8_t masks_[classes * lanes + 8][classes][(lanes + 7) / 8] = {};
 };
 template <int classes, int lanes>
 inline constexpr RivalMasks<classes, lanes> rival_masks;

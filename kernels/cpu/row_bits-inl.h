@@ -50,11 +50,14 @@ private:
     alignas(64) std::int16_t pixels_[front + max_side + back];
 };
 
+/// The masks of 64 pixels; Highway may write 8 bytes from each of them on.
+constexpr int mask_bytes = 8 + 8;
+
 /// Of 64 pixels, aligned as vectors are: which equal `value`.
 HWY_INLINE std::uint64_t equal_bits(const std::int16_t* pixels, std::int16_t value) {
     const hn::ScalableTag<std::int16_t> tag;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(tag));
-    alignas(8) std::uint8_t bytes[8];
+    alignas(8) std::uint8_t bytes[mask_bytes];
     for (int i = 0; i < 64; i += lanes) {
         hn::StoreMaskBits(tag, hn::Eq(hn::Load(tag, pixels + i), hn::Set(tag, value)), bytes + i / 8);
     }
@@ -82,9 +85,9 @@ public:
 
     HWY_INLINE void row(const PaddedRow& row, const PaddedRow& above, int width, LikenessBits& bits) const {
         for (int first = 0; first < width; first += 64) {
-            alignas(8) std::uint8_t valid[8];
-            alignas(8) std::uint8_t like_left[8];
-            alignas(8) std::uint8_t like_above[8];
+            alignas(8) std::uint8_t valid[mask_bytes];
+            alignas(8) std::uint8_t like_left[mask_bytes];
+            alignas(8) std::uint8_t like_above[mask_bytes];
             for (int i = 0; i < 64; i += lanes) {
                 const std::int16_t* from = row.pixels() + first + i;
                 const V own = hn::Load(Numbers(), from);

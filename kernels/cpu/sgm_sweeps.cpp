@@ -67,18 +67,18 @@ void SgmSweeps::match(std::span<const std::byte> planes, Plane<const std::uint8_
 void SgmSweeps::work(Frame& frame, int groups) const {
     SweepTurns::Worker worker = frame.turns.join();
     const SweepSeat seat = memory_.seat(worker.seat);
-    int sums_left = 0;  // groups that nobody has been told of
+    int untold = 0;  // groups whose sums are stored and nobody knows
     const auto tell = [&] {
-        if (sums_left > 0) {
-            frame.progress.sums_left(sums_left);
-            sums_left = 0;
+        if (untold > 0) {
+            frame.progress.sums_stored(untold);
+            untold = 0;
         }
     };
     RowGroup group;
     for (int i = 0; i < groups && frame.turns.take(worker, group); ++i) {
         if (group.part == 0) {
-            leave_sums(frame, group, seat);
-            ++sums_left;
+            store_sums(frame, group, seat);
+            ++untold;
         } else {
             tell();
             find_winners(frame, group, seat);
@@ -88,7 +88,7 @@ void SgmSweeps::work(Frame& frame, int groups) const {
     frame.turns.leave(worker);
 }
 
-void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const {
+void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const {
     const SweepRows rows = frame.plan.rows_of(group);
     const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, stream_ ? Store::stream : Store::keep};
     SweepRow sweep_rows[most_rows_at_once];
@@ -107,8 +107,8 @@ void SgmSweeps::leave_sums(Frame& frame, const RowGroup& group, const SweepSeat&
 void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSeat& seat) const {
     const SweepRows rows = frame.plan.rows_of(group);
     const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, Store::keep};
-    // Until the other sweep has left all its costs, it is better to compute them again than to wait.
-    const bool costs_kept = keep_costs_ && frame.progress.sums_are_left();
+    // Until the other sweep has stored all its costs, it is better to compute them again than to wait.
+    const bool costs_kept = keep_costs_ && frame.progress.all_sums_are_stored();
     SweepRow sweep_rows[most_rows_at_once];
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);

@@ -14,13 +14,13 @@ namespace disparityd::cpu {
 /// Steps 4 to 7 of docs/algorithm.md for SGM, in two passes over the image.
 ///
 /// A downward sweep sums the paths that come from the left and from above, an upward sweep the others. They meet in the
-/// middle: the upper half is swept down while the lower half is swept up, and each sweep leaves its sums; then they
+/// middle: the upper half is swept down while the lower half is swept up, and each sweep stores its sums; then they
 /// cross over into the other half, and with the sums of the other one at hand the winner of each row is found in the
 /// same sweep. Within a sweep several workers take a row each: matching costs and winners depend on no other row, and
 /// the paths of a row run some columns behind those of the row before. What is computed does not depend on who does it.
 class SgmSweeps {
 public:
-    /// Allocates all memory. `cache_bytes`: volumes larger than this are written past the caches.
+    /// Allocates all memory. `cache_bytes`: volumes larger than half of this are written past the caches.
     SgmSweeps(int width, int height, const MatchOptions& options, std::int64_t target, std::size_t cache_bytes);
     /// With other kernels than those that path_kernels() has for the target.
     SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels, std::size_t cache_bytes);
@@ -39,7 +39,7 @@ private:
 
     std::size_t bytes_of_volumes() const;
     void work(Frame& frame, int groups) const;
-    void leave_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;
+    void store_sums(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;
     void find_winners(Frame& frame, const RowGroup& group, const SweepSeat& seat) const;
     void aggregate(Frame& frame, const RowGroup& group, const SweepPass& pass, const SweepRow* rows, int count) const;
     void set_jumps(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* jumps, SweepRow& row) const;

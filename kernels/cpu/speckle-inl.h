@@ -45,7 +45,7 @@ public:
 
     /// Regions within the band.
     void find(Rows band) const {
-        // No run is longer than nothing: as many as there are pixels above are the most that can come before.
+        // Every run has a pixel: no more of them come before the band than there are pixels above it.
         RunRegions regions(memory_, pixels_, band.first * width_);
         LikenessBits bits;
         PaddedRow pixels[2];

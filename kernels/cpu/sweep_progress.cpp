@@ -43,16 +43,16 @@ void SweepProgress::wait_for_row_before(const RowGroup& group, int position) {
     }
 }
 
-void SweepProgress::sums_left(int groups) {
+void SweepProgress::sums_stored(int groups) {
     // Streamed stores are not ordered by what follows.
     hwy::FlushStream();
-    if (groups_left_.fetch_sub(groups) == groups) {
-        groups_left_.notify_all();
+    if (groups_without_sums_.fetch_sub(groups) == groups) {
+        groups_without_sums_.notify_all();
     }
 }
 
 void SweepProgress::wait_for_sums() const {
-    wait_until(groups_left_, [](int left) { return left == 0; });
+    wait_until(groups_without_sums_, [](int groups) { return groups == 0; });
 }
 
 }  // namespace disparityd::cpu

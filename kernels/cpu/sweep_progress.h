@@ -9,12 +9,12 @@
 namespace disparityd::cpu {
 
 /// How far the groups of rows of one frame have come. A worker says how far its group is, and waits for the group
-/// before it: it looks for a few microseconds, then sleeps. What a worker wrote before it said so is visible to who
-/// waited for it, streamed stores included once sums_left() has been called.
+/// before it: awake at first (look_for_a_while.h), then asleep. What a worker wrote before it said so is visible to who
+/// waited for it, streamed stores included once sums_stored() has been called.
 class SweepProgress {
 public:
-    /// `groups_leaving_sums`: groups of part 0, of both sweeps.
-    explicit SweepProgress(int groups_leaving_sums) : groups_left_(groups_leaving_sums) {}
+    /// `groups_with_sums`: groups of part 0, of both sweeps.
+    explicit SweepProgress(int groups_with_sums) : groups_without_sums_(groups_with_sums) {}
 
     /// The group is done up to this position (not included). May be seen late by who sleeps: completed() may not.
     void reached(const RowGroup& group, int position);
@@ -26,10 +26,10 @@ public:
     void wait_for_row_before(const RowGroup& group, int position);
 
     /// So many groups of part 0 are complete, their volumes too.
-    void sums_left(int groups);
+    void sums_stored(int groups);
 
     /// All of them are.
-    bool sums_are_left() const { return groups_left_.load(std::memory_order_acquire) == 0; }
+    bool all_sums_are_stored() const { return groups_without_sums_.load(std::memory_order_acquire) == 0; }
     void wait_for_sums() const;
 
 private:
@@ -48,7 +48,7 @@ private:
     }
 
     std::array<std::array<Place, SweepTurns::most_workers>, 2> places_;
-    alignas(64) std::atomic<int> groups_left_;
+    alignas(64) std::atomic<int> groups_without_sums_;
 };
 
 }  // namespace disparityd::cpu

@@ -10,7 +10,7 @@ namespace disparityd::cpu {
 /// A few rows of a sweep that are worked on side by side.
 struct RowGroup {
     int sweep = 0;  ///< 0 downwards, 1 upwards
-    int part = 0;   ///< 0 leaves sums behind, 1 finds winners
+    int part = 0;   ///< 0 stores sums, 1 finds winners
     int index = 0;  ///< counted over both parts, in the direction of the sweep
 };
 

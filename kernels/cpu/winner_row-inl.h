@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 6 of docs/algorithm.md for one row: winners of both images, and the sums that steps 7 and 12 look at.
 //
-// Sums are words in classes: class q = 0 .. 2 * registers - 1 holds the candidates 2 * registers * lane + q. Two bits
-// of a word name its class among those of a part, two to four of them, so that a minimum within a part finds the
+// Sums are words in classes: class q = 0 .. 2 * registers - 1 holds the candidates 2 * registers * lane + q. (Byte lane
+// b of register r is candidate registers * b + r: its even lanes are class r, its odd ones class registers + r.) Two
+// bits of a word name its class among those of a part, two to four of them, so that a minimum within a part finds the
 // candidate too; between parts names take part in comparisons. Keys are made once, kept for 32 pixels in the
 // first-level cache, and minima over all lanes are taken for 8 pixels at a time.
 #if defined(DISPARITYD_CPU_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)

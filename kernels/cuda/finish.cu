@@ -77,7 +77,7 @@ __device__ std::uint16_t depth_of(const FinishJob& job, std::int16_t disparity) 
     if (disparity == invalid_of(job) || job.depth_k == 0) {
         return 0;
     }
-    const std::int64_t d = disparity + job.offset16;
+    const std::int64_t d = std::int64_t{disparity} + job.offset16;
     const std::int64_t millimetres = d <= 0 ? 65535 : (job.depth_k + d / 2) / d;
     return static_cast<std::uint16_t>(millimetres < 1 ? 1 : millimetres > 65535 ? 65535 : millimetres);
 }

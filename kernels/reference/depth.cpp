@@ -14,7 +14,7 @@ void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale
                 depth.at(x, y) = 0;
                 continue;
             }
-            const std::int64_t d = value + scale.offset16;
+            const std::int64_t d = std::int64_t{value} + scale.offset16;
             const std::int64_t millimetres = d <= 0 ? 65535 : (scale.k + d / 2) / d;
             depth.at(x, y) = static_cast<std::uint16_t>(std::clamp<std::int64_t>(millimetres, 1, 65535));
         }

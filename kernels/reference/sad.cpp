@@ -36,57 +36,85 @@ private:
     std::array<std::uint8_t, max_side + max_disparities> pixels_;
 };
 
-using Sums = std::array<std::uint16_t, max_disparities>;
+/// Sums over the window's height, one per candidate.
+using Column = std::array<std::uint16_t, max_disparities>;
 
-}  // namespace
+// The columns under a window: column x is at x modulo the window's width.
+class ColumnRing {
+public:
+    Column& operator[](int x) { return columns_[static_cast<std::size_t>(x % window_width)]; }
 
-void sad(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
-         Volume<std::uint16_t> costs, Rows rows) {
-    const int width = left.width;
-    const int disparities = range.count;
-    std::array<MirroredRow, window_height> mirrored;
-    std::array<const std::uint8_t*, window_height> left_rows{};
-    std::array<Sums, window_width> columns;  // a ring: column x is at x modulo the window's width
+private:
+    std::array<Column, window_width> columns_;
+};
 
-    const auto sum_column = [&](int x, std::uint16_t* __restrict sums) {
-        std::fill_n(sums, disparities, std::uint16_t{0});
+// The rows under the windows of one row of pixels.
+class WindowRows {
+public:
+    WindowRows(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range)
+        : left_(left), right_(right), range_(range) {}
+
+    void move_to(int y) {
+        for (int i = 0; i < window_height; ++i) {
+            const int window_y = std::clamp(y + i - radius_y, 0, left_.height - 1);
+            left_rows_[static_cast<std::size_t>(i)] = left_.row(window_y);
+            mirrored_[static_cast<std::size_t>(i)].set(right_.row(window_y), left_.width, range_);
+        }
+    }
+
+    void sum_column(int x, Column& column) const {
+        std::uint16_t* __restrict sums = column.data();
+        std::fill_n(sums, range_.count, std::uint16_t{0});
         for (std::size_t i = 0; i < window_height; ++i) {
-            const std::uint8_t pixel = left_rows[i][x];
-            const std::uint8_t* __restrict candidates = mirrored[i].candidates(x, range);
-            for (int k = 0; k < disparities; ++k) {
+            const std::uint8_t pixel = left_rows_[i][x];
+            const std::uint8_t* __restrict candidates = mirrored_[i].candidates(x, range_);
+            for (int k = 0; k < range_.count; ++k) {
                 const std::uint8_t candidate = candidates[k];
                 const auto larger = pixel > candidate ? pixel : candidate;
                 const auto smaller = pixel > candidate ? candidate : pixel;
                 sums[k] = static_cast<std::uint16_t>(sums[k] + static_cast<std::uint8_t>(larger - smaller));
             }
         }
-    };
+    }
 
-    for (int y = rows.first; y < rows.last; ++y) {
-        for (int i = 0; i < window_height; ++i) {
-            const int window_y = std::clamp(y + i - radius_y, 0, left.height - 1);
-            left_rows[static_cast<std::size_t>(i)] = left.row(window_y);
-            mirrored[static_cast<std::size_t>(i)].set(right.row(window_y), width, range);
+private:
+    Plane<const std::uint8_t> left_;
+    Plane<const std::uint8_t> right_;
+    DisparityRange range_;
+    std::array<const std::uint8_t*, window_height> left_rows_{};
+    std::array<MirroredRow, window_height> mirrored_;
+};
+
+/// The window around column x: columns beyond the border are those at it.
+void sum_window(ColumnRing& columns, int x, int width, int disparities, std::uint16_t* __restrict cost) {
+    std::fill_n(cost, disparities, std::uint16_t{0});
+    for (int dx = -radius_x; dx <= radius_x; ++dx) {
+        const std::uint16_t* __restrict column = columns[std::clamp(x + dx, 0, width - 1)].data();
+        for (int k = 0; k < disparities; ++k) {
+            cost[k] = static_cast<std::uint16_t>(cost[k] + column[k]);
         }
+    }
+}
+
+}  // namespace
+
+void sad(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
+         Volume<std::uint16_t> costs, Rows rows) {
+    const int width = left.width;
+    WindowRows window(left, right, range);
+    ColumnRing columns;
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
         for (int x = 0; x < std::min(radius_x, width); ++x) {
-            sum_column(x, columns[static_cast<std::size_t>(x)].data());
+            window.sum_column(x, columns[x]);
         }
         for (int x = 0; x < width; ++x) {
             if (x + radius_x < width) {
-                const auto slot = static_cast<std::size_t>((x + radius_x) % window_width);
-                sum_column(x + radius_x, columns[slot].data());
+                window.sum_column(x + radius_x, columns[x + radius_x]);
             }
-            std::uint16_t* __restrict cost = costs.pixel(x, y);
-            std::fill_n(cost, disparities, std::uint16_t{0});
-            for (int dx = -radius_x; dx <= radius_x; ++dx) {
-                const int window_x = std::clamp(x + dx, 0, width - 1);
-                const std::uint16_t* __restrict column =
-                    columns[static_cast<std::size_t>(window_x % window_width)].data();
-                for (int k = 0; k < disparities; ++k) {
-                    cost[k] = static_cast<std::uint16_t>(cost[k] + column[k]);
-                }
-            }
-            for (int k = 0; k < disparities; ++k) {
+            std::uint16_t* cost = costs.pixel(x, y);
+            sum_window(columns, x, width, range.count, cost);
+            for (int k = 0; k < range.count; ++k) {
                 const int candidate = x - (range.first + k);
                 cost[k] = candidate >= 0 && candidate < width ? cost[k] : outside;
             }

@@ -306,6 +306,22 @@ TEST(FolderSourceRefuses, ACalibrationOfAnotherSize) {
                 AllOf(HasSubstr("calib.txt"), HasSubstr("16"), HasSubstr("8")));
 }
 
+TEST(FolderSourceRefuses, KittiCamerasThatCannotBe) {
+    const TemporaryFolder folder;
+    make_folders(folder, {"image_0", "image_1"});
+    for (const char* name : {"image_0/000000.png", "image_1/000000.png"}) {
+        write_image(folder.file(name), numbered_image(6, 4, CV_8UC1, 1));
+    }
+    const std::string left = "P0: 7.5 0 3 0 0 7.5 2 0 0 0 1 0\nP1: ";
+    for (const auto& [right, said] : {std::pair("7.5 0 3 4.05 0 7.5 2 0 0 0 1 0", "exchange the two"),
+                                      {"1e300 0 3 -4.05 0 7.5 2 0 0 0 1 0", "right fx"},
+                                      {"7.5 0 134217700 -4.05 0 7.5 2 0 0 0 1 0", "right cx"}}) {
+        write_file(folder.file("calib.txt"), left + right + "\n");
+        EXPECT_THAT(refusal([&] { open_source(offline(folder.file(""))); }),
+                    AllOf(HasSubstr("calib.txt"), HasSubstr(said)));
+    }
+}
+
 TEST(ImageTimes, RefusesWhatIsNoTime) {
     const TemporaryFolder folder;
     const std::string path = folder.file("times.txt");

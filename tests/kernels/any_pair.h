@@ -36,13 +36,14 @@ struct Pair {
     Bytes left, right;
 };
 
-/// Census words that differ in as many bits as can be: rising on the left, falling on the right.
+/// Census words that differ in all 62 bits: rising on the left in the order of the window, falling on the right. For
+/// sizes with width + 9 height <= 256.
 inline Pair pair_of_opposites(int width, int height) {
     Pair pair{Bytes(width, height), Bytes(width, height)};
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-            pair.left.at(x, y) = static_cast<std::uint8_t>(x + y);
-            pair.right.at(x, y) = static_cast<std::uint8_t>(255 - x - y);
+            pair.left.at(x, y) = static_cast<std::uint8_t>(x + 9 * y);
+            pair.right.at(x, y) = static_cast<std::uint8_t>(255 - (x + 9 * y));
         }
     }
     return pair;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // SGM in all its forms: 8 or 4 paths, sums in bytes or, for a large P2, in words.
+#include <bit>
 #include <tuple>
 
 #include <gtest/gtest.h>
@@ -84,6 +85,14 @@ TEST_P(PathForms, EqualTheReferenceOnHostileSizes) {
             random_case(random, width, height, how).expect_from(target(), 0, serial);
         }
     }
+}
+
+TEST(PairOfOpposites, HasTheLargestCost) {
+    Pair pair = pair_of_opposites(140, 8);
+    Image<std::uint64_t> left(140, 8), right(140, 8);
+    reference::census(pair.left.plane(), left.plane(), pair.left.rows());
+    reference::census(pair.right.plane(), right.plane(), pair.right.rows());
+    EXPECT_EQ(std::popcount(left.at(70, 4) ^ right.at(60, 4)), 62);
 }
 
 TEST_P(PathForms, TheLargestPenaltiesAndCostsDoNotOverflow) {

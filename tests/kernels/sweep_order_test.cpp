@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <set>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "kernels/cpu/backend.h"
+#include "kernels/cpu/path_kernels.h"
 #include "kernels/cpu/sgm_kernels.h"
 #include "kernels/cpu/sweep_progress.h"
 #include "kernels/cpu/sweep_turns.h"
@@ -126,7 +128,7 @@ TEST(SweepProgress, WakesWhoWaits) {
                 std::this_thread::sleep_for(std::chrono::microseconds(100));  // longer than waiting goes on awake
             }
             progress.reached({0, 0, index}, 3);
-            progress.reached({0, 0, index}, 5);
+            progress.completed({0, 0, index});
         }
     };
     std::thread other(take_turns, 1);
@@ -135,11 +137,25 @@ TEST(SweepProgress, WakesWhoWaits) {
     EXPECT_EQ(written.back(), 2 * rounds);
 }
 
+/// One of the forms that paths have, and a P2 of it.
+struct FormInLag {
+    const char* name;
+    int paths;
+    int p2;
+};
+constexpr FormInLag forms_in_lag[] = {
+    {"EightPaths", 8, 40}, {"EightPathsWide", 8, 150}, {"FourPaths", 4, 100}, {"FourPathsWide", 4, 150}};
+
 // Rows of one sweep, worked on step by step in any order that `before` allows.
 class InterleavedRows {
 public:
-    InterleavedRows(const cpu::SgmKernels& kernels, int width, int rows, int disparities, Random& random)
-        : kernels_(kernels), width_(width), rows_(rows), sums_(size(width, rows)), costs_(size(width, rows)) {
+    InterleavedRows(const cpu::SgmKernels& kernels, int p2, int width, int rows, int disparities, Random& random)
+        : kernels_(kernels),
+          p2_(p2),
+          width_(width),
+          rows_(rows),
+          sums_(sum_bytes() * size(width, rows)),
+          costs_(size(width, rows)) {
         geometry_.width = width;
         geometry_.height = rows;
         geometry_.range = {0, disparities};
@@ -191,21 +207,25 @@ private:
                              std::min(steps.end + 1, width_)) {
             return false;
         }
-        const std::vector<std::uint8_t> jumps(static_cast<std::size_t>(width_ + 2 * cpu::path_guard), 40);
+        const std::vector<std::uint8_t> jumps(static_cast<std::size_t>(width_ + 2 * cpu::path_guard),
+                                              static_cast<std::uint8_t>(p2_));
         cpu::SweepRow rows[2];
         for (int i = 0; i < count(group); ++i) {
             const std::size_t at = size(width_, group * kernels_.rows_at_once + i);
             rows[i].costs = costs_.data() + at;
-            rows[i].sums = sums_.data() + at;
+            rows[i].sums = sums_.data() + sum_bytes() * at;
             std::fill_n(rows[i].jumps, 4, jumps.data());
         }
-        kernels_.aggregate(geometry_, {direction, 7, 40, cpu::Store::keep}, before_, rows, count(group), steps,
+        kernels_.aggregate(geometry_, {direction, 7, p2_, cpu::Store::keep}, before_, rows, count(group), steps,
                            states_ + group * cpu::max_sweep_state);
         done = steps.end;
         return true;
     }
 
+    std::size_t sum_bytes() const { return static_cast<std::size_t>(kernels_.sum_bytes); }
+
     cpu::SgmKernels kernels_;
+    int p2_;
     int width_;
     int rows_;
     GuardedMemory<std::uint8_t> sums_;
@@ -216,14 +236,18 @@ private:
     std::vector<int> steps_;
 };
 
-class RowsInLag : public testing::TestWithParam<cpu::InstructionSet> {};
+class RowsInLag : public testing::TestWithParam<std::tuple<cpu::InstructionSet, FormInLag>> {};
 
 TEST_P(RowsInLag, EqualRowsOneAfterTheOther) {
     Random random(61);
+    const auto& [set, form] = GetParam();
+    SgmOptions options;
+    options.paths = form.paths;
+    options.p2 = form.p2;
     for (const int disparities : {16, 32, 64, 128, 192, 256}) {
-        const cpu::SgmKernels kernels = cpu::sgm_kernels(GetParam().target, disparities);
+        const cpu::SgmKernels kernels = cpu::path_kernels(set.target, {0, disparities}, options);
         for (const int width : {1, 17, 64, 150, 259}) {
-            InterleavedRows rows(kernels, width, 7, disparities, random);
+            InterleavedRows rows(kernels, form.p2, width, 7, disparities, random);
             for (const int direction : {1, -1}) {
                 EXPECT_EQ(rows.run(direction, true), rows.run(direction, false))
                     << "D " << disparities << ", " << width;
@@ -232,8 +256,11 @@ TEST_P(RowsInLag, EqualRowsOneAfterTheOther) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(CpuKernels, RowsInLag, testing::ValuesIn(cpu::instruction_sets()),
-                         [](const auto& set) { return set.param.name; });
+INSTANTIATE_TEST_SUITE_P(CpuKernels, RowsInLag,
+                         testing::Combine(testing::ValuesIn(cpu::instruction_sets()), testing::ValuesIn(forms_in_lag)),
+                         [](const auto& set) {
+                             return std::get<0>(set.param).name + "_" + std::get<1>(set.param).name;
+                         });
 
 }  // namespace
 }  // namespace disparityd::test

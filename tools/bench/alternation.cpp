@@ -72,7 +72,7 @@ int rounds_for(const Measurement& measurement, const Patience& patience) {
 
 /// Whether a contestant with `turns` of `rounds` rounds takes part in this one: `turns` times, evenly spread, in the
 /// first one always.
-bool takes_part(int round, int turns, int rounds) {
+bool takes_part(std::int64_t round, std::int64_t turns, std::int64_t rounds) {
     return round == 0 || round * turns / rounds != (round - 1) * turns / rounds;
 }
 

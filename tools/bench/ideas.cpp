@@ -151,8 +151,10 @@ private:
     Contestants sgm_with_cache(std::size_t cache_bytes) {
         const MatcherConfig config{pair_.left.cols, pair_.left.rows, options(Method::sgm)};
         const std::int64_t target = sets_.front().target;
-        return make_with(std::make_unique<cpu::SgmMatcher>(config, cpu::frame_steps(target), target, cache_bytes),
-                         pair_, "cpu/sgm", sets_.front().name, pools_);
+        const auto create = [&] {
+            return std::make_unique<cpu::SgmMatcher>(config, cpu::frame_steps(target), target, cache_bytes);
+        };
+        return make_with(create, pair_, "cpu/sgm", sets_.front().name, pools_);
     }
 
     MatchOptions options(Method method) const { return default_options(method, {0, pair_.disparities}); }

@@ -62,7 +62,7 @@ public:
         if (wanted(selection_, who) && (!selection_.contestants.empty() || has_gpu())) {
             add(who, [&] {
                 const MatcherConfig config{pair_.left.cols, pair_.left.rows, options(method)};
-                return make_with(backend("cuda").create(config), pair_, who, "GPU", pools_);
+                return make_with([&] { return backend("cuda").create(config); }, pair_, who, "GPU", pools_);
             });
         }
     }

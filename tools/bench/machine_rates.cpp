@@ -18,7 +18,8 @@ namespace {
 using std::chrono::steady_clock;
 
 /// Pieces short enough that most of them are not interrupted.
-constexpr std::size_t piece_bytes = std::size_t{4} << 20;
+constexpr std::size_t longest_piece = std::size_t{4} << 20;
+constexpr std::size_t line_bytes = 64;
 
 /// What all workers together do per second: the sum of the workers' median rates over their pieces of work.
 /// `work(worker, piece)` does a piece and returns how much it was.
@@ -37,21 +38,25 @@ double rate(Parallel& workers, int pieces, FunctionRef<double(int, int)> work) {
     return std::accumulate(rates.begin(), rates.end(), 0.0);
 }
 
-/// Memory divided among workers, each part divided into pieces, all of it touched.
+/// Memory divided among workers, each part divided into pieces of whole cache lines, all of it touched.
 class Pieces {
 public:
     Pieces(std::size_t bytes, int workers)
-        : pieces_(std::max(1, static_cast<int>(bytes / piece_bytes / static_cast<std::size_t>(workers)))),
-          buffer_(piece_bytes * static_cast<std::size_t>(pieces_) * static_cast<std::size_t>(workers)) {
+        : piece_bytes_(std::clamp(bytes / static_cast<std::size_t>(workers) / line_bytes * line_bytes, line_bytes,
+                                  longest_piece)),
+          pieces_(std::max(1, static_cast<int>(bytes / piece_bytes_ / static_cast<std::size_t>(workers)))),
+          buffer_(piece_bytes_ * static_cast<std::size_t>(pieces_) * static_cast<std::size_t>(workers)) {
         std::memset(buffer_.data(), 1, buffer_.size());
     }
 
     int pieces() const { return pieces_; }
+    std::size_t piece_bytes() const { return piece_bytes_; }
     std::byte* piece(int worker, int i) const {
-        return buffer_.data() + piece_bytes * static_cast<std::size_t>(worker * pieces_ + i % pieces_);
+        return buffer_.data() + piece_bytes_ * static_cast<std::size_t>(worker * pieces_ + i % pieces_);
     }
 
 private:
+    std::size_t piece_bytes_;
     int pieces_;
     LargeBuffer buffer_;
 };
@@ -62,13 +67,13 @@ double read_rate(std::size_t bytes, Parallel& workers) {
     return rate(workers, memory.pieces(), [&](int worker, int i) {
         const auto* words = reinterpret_cast<const std::uint64_t*>(memory.piece(worker, i));
         std::uint64_t sum[8] = {};
-        for (std::size_t k = 0; k < piece_bytes / sizeof(std::uint64_t); k += 8) {
+        for (std::size_t k = 0; k < memory.piece_bytes() / sizeof(std::uint64_t); k += 8) {
             for (std::size_t j = 0; j < 8; ++j) {
                 sum[j] += words[k + j];
             }
         }
         sums[static_cast<std::size_t>(worker)] += std::accumulate(sum, sum + 8, std::uint64_t{0});
-        return static_cast<double>(piece_bytes);
+        return static_cast<double>(memory.piece_bytes());
     });
 }
 
@@ -77,8 +82,8 @@ double copy_rate(std::size_t bytes, int rounds, Parallel& workers) {
     const Pieces from(bytes, workers.workers());
     const Pieces to(bytes, workers.workers());
     return rate(workers, from.pieces() * rounds, [&](int worker, int i) {
-        std::memcpy(to.piece(worker, i), from.piece(worker, i), piece_bytes);
-        return static_cast<double>(piece_bytes);
+        std::memcpy(to.piece(worker, i), from.piece(worker, i), from.piece_bytes());
+        return static_cast<double>(from.piece_bytes());
     });
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/our_contestant.h"
 
-#include <functional>
 #include <limits>
 #include <utility>
 
@@ -112,10 +111,9 @@ Contestants make_as_described(const StereoPair& pair, const MatchOptions& option
                       pools);
 }
 
-Contestants make_with(std::unique_ptr<Matcher> matcher, const StereoPair& pair, const std::string& name,
-                      const std::string& isa, WorkerPools& pools) {
-    return make(
-        pair, [&] { return std::move(matcher); }, {name, isa, {1}}, pools);
+Contestants make_with(const std::function<std::unique_ptr<Matcher>()>& create, const StereoPair& pair,
+                      const std::string& name, const std::string& isa, WorkerPools& pools) {
+    return make(pair, create, {name, isa, {1}}, pools);
 }
 
 }  // namespace disparityd::bench

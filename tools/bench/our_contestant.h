@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -26,8 +27,8 @@ Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Buil
 /// Naive code as the paper describes it, see one_pass_steps(): "paper/sgm" .. The rest as make_naive().
 Contestants make_as_described(const StereoPair& pair, const MatchOptions& options, WorkerPools& pools);
 
-/// A matcher made elsewhere, on one thread.
-Contestants make_with(std::unique_ptr<Matcher> matcher, const StereoPair& pair, const std::string& name,
-                      const std::string& isa, WorkerPools& pools);
+/// Any matcher, on one thread. The rest as make_ours().
+Contestants make_with(const std::function<std::unique_ptr<Matcher>()>& create, const StereoPair& pair,
+                      const std::string& name, const std::string& isa, WorkerPools& pools);
 
 }  // namespace disparityd::bench

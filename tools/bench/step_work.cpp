@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/step_work.h"
 
+#include "kernels/cpu/path_kernels.h"
+
 namespace disparityd::bench {
 namespace {
 
@@ -20,9 +22,9 @@ constexpr double winners_out = 2 + 2 + 1 + 2.0;  // winner, disparity, confidenc
 constexpr double exchange = 2 * 2.0;  // minimum and maximum of 16 bits
 constexpr double median3_exchanges = 19, median5_exchanges = 99;
 
-/// Bytes of a sum of path costs: in two sweeps, sums of four paths that fit a byte.
+/// Bytes of a sum of path costs of one of two sweeps.
 double sum_bytes(const MatchOptions& options) {
-    return options.sgm.paths == 8 && options.sgm.p2 <= 63 ? 1 : 2;
+    return cpu::sums_need_words(options.sgm) ? 2 : 1;
 }
 
 double aggregate_operations(const MatchOptions& options, double bytes_of_sum) {

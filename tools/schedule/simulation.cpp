@@ -22,7 +22,7 @@ public:
           times_(times),
           groups_(division.plan.groups()),
           turns_(groups_),
-          groups_leaving_sums_(groups_[0][0] + groups_[1][0]),
+          groups_without_sums_(groups_[0][0] + groups_[1][0]),
           workers_(static_cast<std::size_t>(workers)) {
         for (std::size_t sweep = 0; sweep < 2; ++sweep) {
             done_[sweep].assign(static_cast<std::size_t>(groups_[sweep][0] + groups_[sweep][1]), 0);
@@ -56,7 +56,7 @@ private:
         cpu::SweepTurns::Worker turn;
         RowGroup group;
         int groups_of_task = 0;
-        int sums_left = 0;  // groups of the first part that nobody has been told of
+        int untold = 0;  // groups of the first part that nobody has been told of
         int steps = 0;
         void (Simulation::*next)(std::size_t) = &Simulation::take;
     };
@@ -82,7 +82,7 @@ private:
         }
         worker.steps = 0;
         worker.next = &Simulation::aggregate;
-        schedule(i, worker.group.part == 0 || groups_leaving_sums_ > 0 ? times_.costs : 0);
+        schedule(i, worker.group.part == 0 || groups_without_sums_ > 0 ? times_.costs : 0);
     }
 
     // Until the next report, if the row before is far enough.
@@ -111,7 +111,7 @@ private:
         if (worker.steps < all) {
             worker.next = &Simulation::aggregate;
         } else if (worker.group.part == 0) {
-            ++worker.sums_left;
+            ++worker.untold;
             worker.next = &Simulation::take;
         } else {
             worker.next = &Simulation::find_winners;
@@ -120,7 +120,7 @@ private:
     }
 
     void find_winners(std::size_t i) {
-        if (groups_leaving_sums_ > 0) {
+        if (groups_without_sums_ > 0) {
             waiting_.push_back(i);
             return;
         }
@@ -129,8 +129,8 @@ private:
     }
 
     void tell(Worker& worker) {
-        groups_leaving_sums_ -= worker.sums_left;
-        worker.sums_left = 0;
+        groups_without_sums_ -= worker.untold;
+        worker.untold = 0;
         wake_all();
     }
 
@@ -146,7 +146,7 @@ private:
     const TaskTimes& times_;
     cpu::SweepTurns::Groups groups_;
     cpu::SweepTurns turns_;
-    int groups_leaving_sums_;
+    int groups_without_sums_;
     std::vector<Worker> workers_;
     std::array<std::vector<int>, 2> done_;  // positions of each group
     std::vector<std::size_t> waiting_;
