@@ -43,8 +43,8 @@ struct Block {
         }
     }
 
-    static void census(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* left_planes,
-                       const std::uint8_t* right_planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
+    static void census(const SgmGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
+                       Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
         const KeyTag words;
         const auto keys = [=](int x, hn::Vec<KeyTag>* key) {
             DISPARITYD_UNROLL
@@ -59,10 +59,8 @@ struct Block {
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
-            const auto planes = [&](int of) {
-                return planes_of_row(geometry.census, left_planes, right_planes, std::min(of, rows.last - 1));
-            };
-            MatchingCostRow<Tag, registers>(geometry, planes(y), planes(y + 1), scratch).run();
+            const auto row = [&](int of) { return planes.row(geometry.census, std::min(of, rows.last - 1)); };
+            MatchingCostRow<Tag, registers>(geometry, row(y), row(y + 1), scratch).run();
             search.run(keys, minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }

@@ -19,8 +19,8 @@ struct BlockKernels {
                 Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 
     /// Steps 4, 6, 7 and 12 for rows [first, last) from census planes.
-    void (*census)(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* left_planes,
-                   const std::uint8_t* right_planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
+    void (*census)(const SgmGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
+                   Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 };
 
 BlockKernels block_kernels(std::int64_t target, int disparities);

@@ -6,6 +6,7 @@
 
 #include "kernels/over_rows.h"
 #include "kernels/step_clock.h"
+#include "kernels/whole_lines.h"
 
 namespace disparityd::cpu {
 
@@ -43,14 +44,12 @@ BlockMatcher::BlockMatcher(const MatcherConfig& config, const FrameSteps& steps,
       scratch_(steps, config, census_bytes()),
       frame_stages_(steps, config),
       bands_(std::clamp(config.height / least_rows_of_band, 1, bands)),
-      bytes_of_band_((kernels_.scratch_bytes(geometry_) + 63) / 64 * 64) {
+      bytes_of_band_(whole_lines(kernels_.scratch_bytes(geometry_))) {
     band_scratch_ = LargeBuffer(bytes_of_band_ * static_cast<std::size_t>(bands_));
 }
 
 std::size_t BlockMatcher::census_bytes() const {
-    return config_.options.method == Method::sad ? 0
-                                                 : static_cast<std::size_t>(config_.height) *
-                                                       (geometry_.census.left_row() + geometry_.census.right_row());
+    return config_.options.method == Method::sad ? 0 : geometry_.census.bytes(config_.height);
 }
 
 std::span<const StageInfo> BlockMatcher::stages() const {
@@ -75,11 +74,11 @@ void BlockMatcher::run(int stage, const FrameView& frame, Parallel& workers,
 }
 
 void BlockMatcher::census(const FrameView& frame, Parallel& workers) const {
-    auto* left_planes = reinterpret_cast<std::uint8_t*>(scratch_.census(frame.scratch).data());
-    std::uint8_t* right_planes = left_planes + static_cast<std::size_t>(config_.height) * geometry_.census.left_row();
+    const CensusPlanes planes(geometry_.census, config_.height,
+                              reinterpret_cast<std::uint8_t*>(scratch_.census(frame.scratch).data()));
     over_rows(config_.height, workers, [&](Rows rows) {
-        census_kernels_.census_left(geometry_, frame.left, left_planes, rows);
-        census_kernels_.census_right(geometry_, frame.right, right_planes, rows);
+        census_kernels_.census_left(geometry_, frame.left, planes.left, rows);
+        census_kernels_.census_right(geometry_, frame.right, planes.right, rows);
     });
 }
 
@@ -87,8 +86,8 @@ void BlockMatcher::match(const FrameView& frame, Parallel& workers) const {
     const WinnerPlanes out{scratch_.matched(frame), frame.confidence, scratch_.left_winner(frame.scratch),
                            scratch_.right_winner(frame.scratch)};
     const PostOptions& post = config_.options.post;
-    const auto* left_planes = reinterpret_cast<const std::uint8_t*>(scratch_.census(frame.scratch).data());
-    const std::size_t left_bytes = static_cast<std::size_t>(config_.height) * geometry_.census.left_row();
+    const CensusPlanes planes(geometry_.census, config_.height,
+                              reinterpret_cast<const std::uint8_t*>(scratch_.census(frame.scratch).data()));
     workers.for_each(bands_, [&](int band) {
         const Rows rows{config_.height * band / bands_, config_.height * (band + 1) / bands_};
         auto* memory =
@@ -96,7 +95,7 @@ void BlockMatcher::match(const FrameView& frame, Parallel& workers) const {
         if (config_.options.method == Method::sad) {
             kernels_.sad(geometry_, post, frame.left, frame.right, rows, memory, out);
         } else {
-            kernels_.census(geometry_, post, left_planes, left_planes + left_bytes, rows, memory, out);
+            kernels_.census(geometry_, post, planes, rows, memory, out);
         }
     });
 }

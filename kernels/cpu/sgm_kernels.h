@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "kernels/cpu/census_layout.h"
 #include "kernels/image.h"
 #include "kernels/options.h"
 #include "kernels/steps.h"
@@ -28,24 +29,6 @@ constexpr std::uint8_t padding_cost = 128;
 
 /// The largest P2 of sgm_kernels(): sums of four paths fit a byte (4 * 63 = 252).
 constexpr int max_byte_p2 = 63;
-
-/// Census words of one image as planes of bytes: plane i holds some bits of every pixel's word. `bits_per_plane` is 8,
-/// or 4 where the machine counts bits by table.
-struct CensusLayout {
-    int planes = 0;
-    int left_pitch = 0;   ///< bytes from plane to plane of a row, left image
-    int right_part = 0;   ///< right image: bytes of each of the `registers` parts of a plane
-    int right_pitch = 0;  ///< bytes from plane to plane
-
-    std::size_t left_row() const { return static_cast<std::size_t>(planes) * static_cast<std::size_t>(left_pitch); }
-    std::size_t right_row() const { return static_cast<std::size_t>(planes) * static_cast<std::size_t>(right_pitch); }
-};
-
-/// The planes of one row of each image.
-struct CensusRow {
-    const std::uint8_t* left = nullptr;
-    const std::uint8_t* right = nullptr;
-};
 
 /// What stays the same for all rows of a frame.
 struct SgmGeometry {
@@ -169,12 +152,6 @@ struct SgmKernels {
 inline SgmGeometry geometry_for(const SgmKernels& kernels, int width, int height, DisparityRange range) {
     const CensusLayout census = kernels.census_layout(width, kernels.layout);
     return {width, height, range, kernels.layout, census, kernels.raised_cost};
-}
-
-/// Row y of the planes of all rows.
-inline CensusRow planes_of_row(const CensusLayout& layout, const std::uint8_t* left, const std::uint8_t* right, int y) {
-    const auto row = static_cast<std::size_t>(y);
-    return {left + row * layout.left_row(), right + row * layout.right_row()};
 }
 
 /// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()): 8 paths, P2 up to max_byte_p2.

@@ -10,7 +10,7 @@ namespace disparityd::cpu {
 
 /// One frame on its way through the sweeps.
 struct SgmSweeps::Frame {
-    std::span<const std::byte> planes;
+    CensusPlanes<const std::uint8_t> planes;
     Plane<const std::uint8_t> left;
     const WinnerPlanes& results;
     const SweepPlan& plan;
@@ -36,30 +36,30 @@ std::size_t SgmSweeps::bytes_of_volumes() const {
 }
 
 std::size_t SgmSweeps::census_bytes() const {
-    return static_cast<std::size_t>(geometry_.height) * (geometry_.census.left_row() + geometry_.census.right_row());
+    return geometry_.census.bytes(geometry_.height);
 }
 
-void SgmSweeps::census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> planes,
+void SgmSweeps::census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> memory,
                        Parallel& workers) const {
-    auto* left_planes = reinterpret_cast<std::uint8_t*>(planes.data());
-    std::uint8_t* right_planes = left_planes + static_cast<std::size_t>(geometry_.height) * geometry_.census.left_row();
     const int height = geometry_.height;
+    const CensusPlanes planes(geometry_.census, height, reinterpret_cast<std::uint8_t*>(memory.data()));
     const int blocks = std::min(height, workers.workers() == 1 ? 1 : 2 * workers.workers());
     workers.for_each(2 * blocks, [&](int task) {
         const int block = task / 2;
         const Rows rows{height * block / blocks, height * (block + 1) / blocks};
         if (task % 2 == 0) {
-            kernels_.census_left(geometry_, left, left_planes, rows);
+            kernels_.census_left(geometry_, left, planes.left, rows);
         } else {
-            kernels_.census_right(geometry_, right, right_planes, rows);
+            kernels_.census_right(geometry_, right, planes.right, rows);
         }
     });
 }
 
-void SgmSweeps::match(std::span<const std::byte> planes, Plane<const std::uint8_t> left, const WinnerPlanes& results,
+void SgmSweeps::match(std::span<const std::byte> census, Plane<const std::uint8_t> left, const WinnerPlanes& results,
                       Parallel& workers) const {
     const SweepPlan plan(geometry_.width, geometry_.height, kernels_.rows_at_once, workers.workers(), memory_.seats());
     const SweepTurns::Groups groups = plan.groups();
+    const CensusPlanes planes(geometry_.census, geometry_.height, reinterpret_cast<const std::uint8_t*>(census.data()));
     Frame frame{planes, left, results, plan, SweepTurns(groups), SweepProgress(groups[0][0] + groups[1][0])};
     workers.for_each(plan.tasks(), [&](int) { work(frame, plan.groups_of_task()); });
 }
@@ -164,9 +164,7 @@ int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const
 
 const std::uint8_t* SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i,
                                              std::uint8_t* out) const {
-    const auto* left = reinterpret_cast<const std::uint8_t*>(frame.planes.data());
-    const std::uint8_t* right = left + static_cast<std::size_t>(geometry_.height) * geometry_.census.left_row();
-    const auto planes = [&](int y) { return planes_of_row(geometry_.census, left, right, y); };
+    const auto planes = [&](int y) { return frame.planes.row(geometry_.census, y); };
     kernels_.matching_cost(geometry_, planes(rows.row(i)), planes(row_ahead(frame, rows, i)), out);
     return out;
 }

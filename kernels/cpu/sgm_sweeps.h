@@ -27,11 +27,11 @@ public:
 
     /// What the census of a frame takes: bytes aligned to 64.
     std::size_t census_bytes() const;
-    void census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> planes,
+    void census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> memory,
                 Parallel& workers) const;
 
     /// `left` is looked at for adaptive P2 only. One frame at a time.
-    void match(std::span<const std::byte> planes, Plane<const std::uint8_t> left, const WinnerPlanes& results,
+    void match(std::span<const std::byte> census, Plane<const std::uint8_t> left, const WinnerPlanes& results,
                Parallel& workers) const;
 
 private:

@@ -5,16 +5,11 @@
 #include <cstring>
 
 #include "kernels/cpu/sweep_turns.h"
+#include "kernels/whole_lines.h"
 
 namespace disparityd::cpu {
 
 namespace {
-
-constexpr std::size_t alignment = 64;
-
-std::size_t align(std::size_t size) {
-    return (size + alignment - 1) / alignment * alignment;
-}
 
 // Arrays that are walked side by side: each starts at another place in a page, or they would compete for the same few
 // lines of the first-level cache (an image of 1280 x 128 disparities has rows of whole pages).
@@ -39,11 +34,11 @@ SweepMemory::SweepMemory(const SgmGeometry& geometry, const SgmKernels& kernels,
       candidates_(kernels.layout.bytes()),
       path_pixels_(static_cast<std::size_t>(geometry.width + 2 * path_guard)),
       path_array_(spread(path_pixels_ * candidates_)),
-      path_bytes_(3 * path_array_ + align(3 * path_pixels_)),
+      path_bytes_(3 * path_array_ + whole_lines(3 * path_pixels_)),
       rows_at_once_(kernels.rows_at_once),
       adaptive_(options.adaptive_p2),
       seat_bytes_(static_cast<std::size_t>(rows_at_once_) *
-                  (spread(costs_row_) + spread(sums_row_) + (adaptive_ ? 4 * align(path_pixels_) : 0))),
+                  (spread(costs_row_) + spread(sums_row_) + (adaptive_ ? 4 * whole_lines(path_pixels_) : 0))),
       sums_(sums_row_ * static_cast<std::size_t>(geometry.height)),
       costs_(keep_costs ? costs_row_ * static_cast<std::size_t>(geometry.height) : 0),
       paths_(2 * path_bytes_),
@@ -83,7 +78,7 @@ SweepSeat SweepMemory::seat(int i) const {
         memory += spread(costs_row_) + spread(sums_row_);
         for (std::uint8_t*& jumps : seat.jumps[row]) {
             jumps = adaptive_ ? memory : reinterpret_cast<std::uint8_t*>(jumps_.data());
-            memory += adaptive_ ? align(path_pixels_) : 0;
+            memory += adaptive_ ? whole_lines(path_pixels_) : 0;
         }
     }
     return seat;

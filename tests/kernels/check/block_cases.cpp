@@ -96,7 +96,7 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
     return data->run(
         [data, layout, planes, kernels, scratch] {
             over_parts(data->input, [&](Rows rows) {
-                kernels.census(layout->geometry, data->input.options.post, planes->left.data(), planes->right.data(),
+                kernels.census(layout->geometry, data->input.options.post, {planes->left.data(), planes->right.data()},
                                rows, scratch.data(), data->out);
             });
         },

@@ -77,7 +77,7 @@ struct SgmPlanes {
         });
     }
     void matching_cost(int y, std::uint8_t* row) const {
-        const cpu::CensusRow census = cpu::planes_of_row(layout.geometry.census, left.data(), right.data(), y);
+        const cpu::CensusRow census = cpu::CensusPlanes(left.data(), right.data()).row(layout.geometry.census, y);
         layout.kernels.matching_cost(layout.geometry, census, census, row);
     }
 
