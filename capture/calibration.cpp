@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/calibration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 #include "capture/calibration_formats.h"
@@ -118,6 +120,9 @@ void check_rotation(const std::array<double, 9>& r, const std::string& path) {
                                     ": the matrix that turns the left camera to the right one is no rotation: its rows "
                                     "must have length 1 and be at right angles");
     }
+    constexpr double degrees = 180 / std::numbers::pi;
+    const double angle = std::acos(std::clamp((r[0] + r[4] + r[8] - 1) / 2, -1.0, 1.0)) * degrees;
+    check_range(std::round(angle), 0, 45, "degrees between the directions of the two cameras", path);
 }
 
 using NamedNumbers = std::map<std::string, std::vector<double>, std::less<>>;

@@ -42,17 +42,19 @@ std::size_t SceneRenderer::frame_bytes() const {
     return static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height) * 4;
 }
 
-void SceneRenderer::render(int index, std::uint8_t* yuyv) const {
-    render_eye(index, left_, false, yuyv);
-    render_eye(index, right_, true, yuyv + 2 * static_cast<std::ptrdiff_t>(options_.width));
+void SceneRenderer::render(int index, std::uint8_t* yuyv, const std::function<void()>& each_row) const {
+    render_eye(index, left_, false, yuyv, each_row);
+    render_eye(index, right_, true, yuyv + 2 * static_cast<std::ptrdiff_t>(options_.width), each_row);
 }
 
-void SceneRenderer::render_eye(int index, const EyeView& view, bool right, std::uint8_t* yuyv) const {
+void SceneRenderer::render_eye(int index, const EyeView& view, bool right, std::uint8_t* yuyv,
+                               const std::function<void()>& each_row) const {
     const SceneWorld world(scene_phase(options_, static_cast<std::uint64_t>(index)), options_.seed);
     const SceneEye eye(calibration_, right);
     const std::uint32_t noise_seed = view.noise_seed + static_cast<std::uint32_t>(index) * 0x632be5abU;
     const auto stride = 4 * static_cast<std::ptrdiff_t>(options_.width);
     for (int y = 0; y < options_.height; ++y) {
+        each_row();
         std::uint8_t* row = yuyv + y * stride;
         for (int x = 0; x < options_.width; x += 2) {
             double u = 0;

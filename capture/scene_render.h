@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "capture/calibration.h"
@@ -17,8 +18,9 @@ public:
 
     std::size_t frame_bytes() const;
 
-    /// Frame `index` of the loop. Any thread, several at once.
-    void render(int index, std::uint8_t* yuyv) const;
+    /// Frame `index` of the loop. Any thread, several at once. `each_row` is called before every row; what it throws
+    /// ends the drawing.
+    void render(int index, std::uint8_t* yuyv, const std::function<void()>& each_row) const;
 
 private:
     struct EyeView {
@@ -27,7 +29,8 @@ private:
         double gain = 1;
         std::uint32_t noise_seed = 0;
     };
-    void render_eye(int index, const EyeView& view, bool right, std::uint8_t* yuyv) const;
+    void render_eye(int index, const EyeView& view, bool right, std::uint8_t* yuyv,
+                    const std::function<void()>& each_row) const;
 
     SceneOptions options_;
     StereoCalibration calibration_;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -24,52 +25,81 @@ using std::chrono::steady_clock;
 // A camera's driver keeps this many frames for somebody who is late.
 constexpr std::uint64_t driver_buffers = 4;
 
-// All frames, on as many threads as there are cores; the caller's thread draws too and reports.
-std::vector<std::uint8_t> render_all(const SceneOptions& scene, const SourceOptions& options) {
-    const SceneRenderer renderer(scene);
-    const std::size_t bytes = renderer.frame_bytes();
-    std::vector<std::uint8_t> frames(bytes * static_cast<std::size_t>(scene.loop));
-    std::atomic<int> next{0};
-    std::atomic<int> done{0};
-    const auto draw_one = [&] {
-        const int index = next.fetch_add(1);
-        if (index >= scene.loop) {
+/// All frames, drawn on as many threads as there are cores. The caller's thread draws too and reports, row by row: a
+/// large frame takes seconds.
+class Drawing {
+public:
+    Drawing(const SceneOptions& scene, const SourceOptions& options)
+        : renderer_(scene),
+          count_(scene.loop),
+          progress_(options.progress),
+          frames_(renderer_.frame_bytes() * static_cast<std::size_t>(count_)) {}
+
+    /// Throws what options.progress throws.
+    std::vector<std::uint8_t> frames() {
+        std::vector<std::thread> helpers;
+        const unsigned helper_count = std::max(1U, std::thread::hardware_concurrency()) - 1;
+        std::exception_ptr reason;
+        try {
+            for (unsigned i = 0; i < helper_count; ++i) {
+                helpers.push_back(start_thread([this] { help(); }));
+            }
+            while (draw_one([this] { report(); })) {
+            }
+        } catch (...) {
+            reason = std::current_exception();
+            given_up_.store(true);
+        }
+        for (std::thread& helper : helpers) {
+            helper.join();
+        }
+        if (reason) {
+            std::rethrow_exception(reason);
+        }
+        report();
+        return std::move(frames_);
+    }
+
+private:
+    struct GivenUp {};
+
+    void help() {
+        const auto look = [this] {
+            if (given_up_.load(std::memory_order_relaxed)) {
+                throw GivenUp();
+            }
+        };
+        try {
+            while (draw_one(look)) {
+            }
+        } catch (const GivenUp&) {
+        }
+    }
+
+    bool draw_one(const std::function<void()>& each_row) {
+        const int index = next_.fetch_add(1);
+        if (index >= count_) {
             return false;
         }
-        renderer.render(index, frames.data() + bytes * static_cast<std::size_t>(index));
-        done.fetch_add(1);
+        renderer_.render(index, frames_.data() + renderer_.frame_bytes() * static_cast<std::size_t>(index), each_row);
+        done_.fetch_add(1);
         return true;
-    };
-    std::vector<std::thread> helpers;
-    const unsigned helper_count = std::max(1U, std::thread::hardware_concurrency()) - 1;
-    std::exception_ptr given_up;
-    try {
-        for (unsigned i = 0; i < helper_count; ++i) {
-            helpers.push_back(start_thread([&] {
-                while (draw_one()) {
-                }
-            }));
+    }
+
+    void report() const {
+        if (progress_) {
+            progress_(done_.load(), count_);
         }
-        while (draw_one()) {
-            if (options.progress) {
-                options.progress(done.load(), scene.loop);
-            }
-        }
-    } catch (...) {
-        given_up = std::current_exception();
-        next.store(scene.loop);
     }
-    for (std::thread& helper : helpers) {
-        helper.join();
-    }
-    if (given_up) {
-        std::rethrow_exception(given_up);
-    }
-    if (options.progress) {
-        options.progress(scene.loop, scene.loop);
-    }
-    return frames;
-}
+
+    const SceneRenderer renderer_;
+    const int count_;
+    const std::function<void(int done, int total)>& progress_;
+    std::vector<std::uint8_t> frames_;
+    std::atomic<int> next_{0};
+    std::atomic<int> done_{0};
+    std::atomic<bool> given_up_{false};
+};
 
 // A scene that starts again goes on: what it shows repeats itself all the time.
 SceneOptions endless(SceneOptions scene) {
@@ -84,7 +114,7 @@ public:
           paced_(options.pace == Pace::source),
           loans_(std::max(1, options.loans)),
           period_(static_cast<std::int64_t>(1e9 / scene.rate)),
-          frames_(render_all(scene, options)) {
+          frames_(Drawing(scene, options).frames()) {
         info_.name = options.uri;
         info_.description =
             "rendered scene, " + std::to_string(scene.width) + "x" + std::to_string(scene.height) + " per eye";

@@ -120,9 +120,13 @@ std::string found_text(const toml::node& node) {
     if (const auto value = to_value(node)) {
         return to_text(*value);
     }
-    std::ostringstream type;
-    type << node.type();
-    return "a value of type " + type.str();
+    std::ostringstream text;
+    if (const auto* number = node.as_floating_point()) {
+        text << *number << ", which is no whole number";
+    } else {
+        text << "a value of type " << node.type();
+    }
+    return text.str();
 }
 
 [[noreturn]] void refuse_value(const std::string& where, const ConfigKey& key, const std::string& found) {

@@ -11,6 +11,8 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "capture/message_text.h"
+
 namespace disparityd {
 namespace {
 
@@ -68,7 +70,8 @@ void set_log_level(LogLevel level) {
 }
 
 void log_line(LogLevel level, const std::string& line) {
-    spdlog::default_logger_raw()->log(spdlog_level(level), spdlog::string_view_t(line));
+    // Names in it may hold anything.
+    spdlog::default_logger_raw()->log(spdlog_level(level), capture::shown(line, line.size()));
 }
 
 bool LogLimiter::allows(std::uint64_t& left_out) {

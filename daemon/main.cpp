@@ -2,12 +2,14 @@
 #include <cstdio>
 #include <exception>
 #include <stdexcept>
+#include <string>
 
 #include <google/protobuf/stubs/common.h>
 #if GOOGLE_PROTOBUF_VERSION < 4022000
 #include <google/protobuf/stubs/logging.h>
 #endif
 
+#include "capture/message_text.h"
 #include "daemon/command_line.h"
 #include "daemon/daemon.h"
 #include "daemon/engine.h"
@@ -35,16 +37,21 @@ int run(int argc, char** argv) {
     return daemon.run() ? 0 : 1;
 }
 
+void print_error(const std::exception& error) {
+    const std::string line(error.what());
+    std::fprintf(stderr, "disparityd: error: %s\n", disparityd::capture::shown(line, line.size()).c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::invalid_argument& error) {
-        std::fprintf(stderr, "disparityd: error: %s\n", error.what());
+        print_error(error);
         return 2;
     } catch (const std::exception& error) {
-        std::fprintf(stderr, "disparityd: error: %s\n", error.what());
+        print_error(error);
         return 1;
     }
 }

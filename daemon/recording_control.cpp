@@ -93,7 +93,8 @@ void RecordingControl::start_now(const std::string& path) {
             throw std::invalid_argument("record: refused, allowed only with [record] enabled = true");
         }
         if (recorder_) {
-            throw std::invalid_argument("record: a recording to " + path_ + " is running: stop it first");
+            throw std::invalid_argument("record: a recording to " + path_ +
+                                        " is running: stop it first (disparityctl record --stop)");
         }
         if (!source_) {
             throw std::runtime_error("record: there is no source to record at the moment");

@@ -193,6 +193,9 @@ TEST_F(CalibrationFiles, OpenCvThatCannotBeMeant) {
                     HasSubstr("is no rotation"))
             << numbers;
     }
+    EXPECT_THAT(said(intrinsics() + matrix("R", 3, 3, "0., 0., 1., 0., 1., 0., -1., 0., 0.") +
+                     matrix("T", 3, 1, "-60.5, 0.25, 0.125")),
+                HasSubstr("directions of the two cameras: found 90, allowed is 0 to 45"));
     EXPECT_THAT(said(intrinsics() + "R: hello\nT: 3\n"), HasSubstr("R"));
     EXPECT_THAT(said(matrix("M1", 1, 2, "1., 2.") + matrix("D1", 1, 1, "0.") + matrix("M2", 1, 2, "1., 2.") +
                      matrix("D2", 1, 1, "0.") + extrinsics()),

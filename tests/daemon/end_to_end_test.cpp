@@ -303,9 +303,9 @@ TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
 }
 
 TEST_F(EndToEndTest, StopsWhileTheSourceIsBeingPrepared) {
-    // Far more frames than this test may take, small ones: the one at hand is finished first.
-    const auto daemon = start(config_text("scene:vga@15?width=256&height=144&loop=1000"));
-    ASSERT_TRUE(daemon->wait_for_log("preparing scene:vga"));
+    // Far more than this test may take, in large frames: the one at hand is not finished.
+    const auto daemon = start(config_text("scene:hd2k@15?loop=16"));
+    ASSERT_TRUE(daemon->wait_for_log("preparing scene:hd2k"));
     EXPECT_FALSE(daemon->wait_until_ready(300ms)) << "too fast for this test";
     daemon->send_signal(SIGTERM);
     const bool emulated = !std::string(DISPARITYD_EMULATOR).empty();

@@ -57,6 +57,11 @@ protected:
     }
 
     nlohmann::json status() const { return nlohmann::json::parse(ctl("status", {"--json"}).out); }
+    /// Of the recording that runs.
+    int recorded_frames() const {
+        const nlohmann::json record = status()["record"];
+        return record["active"] == true ? record["frames"].get<int>() : 0;
+    }
 
     std::string socket_;
     std::string name_;
@@ -147,17 +152,36 @@ TEST_F(DaemonTest, RecordAsksTheDaemon) {
     EXPECT_THAT(outside.err, HasSubstr("/nowhere/walk.mkv"));
 }
 
-TEST_F(DaemonTest, CtrlCStopsARecordingInGoodOrder) {
-    Program record(DISPARITYCTL, arguments("record", {"stop.mkv", "--json"}));
-    ASSERT_TRUE(eventually([&] { return !record.running() || status()["record"]["frames"] > 3; }));
-    record.send(SIGINT);
-    const Outcome outcome = record.wait();
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+TEST_F(DaemonTest, CtrlCAndALostTerminalStopARecordingInGoodOrder) {
+    for (const int signal : {SIGINT, SIGHUP}) {
+        const std::string file = "stop" + std::to_string(signal) + ".mkv";
+        Program record(DISPARITYCTL, arguments("record", {file, "--json"}));
+        ASSERT_TRUE(eventually([&] { return !record.running() || recorded_frames() > 3; }));
+        record.send(signal);
+        const Outcome outcome = record.wait();
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_EQ(status()["record"]["active"], false);
+        capture::SourceOptions options;
+        options.uri = path("recordings/" + file);
+        EXPECT_EQ(capture::open_source(options)->info().frame_count,
+                  nlohmann::json::parse(outcome.out)["frames"].get<std::uint64_t>());
+    }
+}
+
+TEST_F(DaemonTest, ARecordingThatNobodyWaitsForCanBeStopped) {
+    EXPECT_THAT(ctl("record", {"--stop"}).err, HasSubstr("nothing is being recorded"));
+    Program killed(DISPARITYCTL, arguments("record", {"on.mkv"}));
+    ASSERT_TRUE(eventually([&] { return !killed.running() || recorded_frames() > 3; }));
+    killed.send(SIGKILL);
+    killed.wait();
+    EXPECT_EQ(status()["record"]["active"], true);
+    EXPECT_THAT(ctl("record", {"another.mkv"}).err, HasSubstr("record --stop"));
+    const Outcome stopped = ctl("record", {"--stop", "--json"});
+    ASSERT_EQ(stopped.exit_code, 0) << stopped.err;
+    EXPECT_EQ(nlohmann::json::parse(stopped.out)["path"], path("recordings/on.mkv"));
     EXPECT_EQ(status()["record"]["active"], false);
-    capture::SourceOptions options;
-    options.uri = path("recordings/stop.mkv");
-    EXPECT_EQ(capture::open_source(options)->info().frame_count,
-              nlohmann::json::parse(outcome.out)["frames"].get<std::uint64_t>());
+    EXPECT_EQ(ctl("record", {"--stop", "more.mkv"}).exit_code, 2);
+    EXPECT_EQ(ctl("record", {}).exit_code, 2) << "no file";
 }
 
 }  // namespace

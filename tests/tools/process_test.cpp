@@ -113,13 +113,16 @@ TEST_F(ProcessTest, FramesLimitsTheNumber) {
 TEST_F(ProcessTest, AFolderWithFilesIsLeftAlone) {
     make_kitti_folder(path("in"), 1, 64, 32);
     std::filesystem::create_directory(path("out"));
-    write_text(path("out/000007.png"), "of an earlier run");
+    write_text(path("out/000007.png"), "somebody's, such as the input");
     write_text(path("out/mine.txt"), "keep");
-    const Outcome refused = process({path("in"), "-o", path("out")});
-    EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_THAT(refused.err, HasSubstr("--force"));
+    EXPECT_EQ(process({path("in"), "-o", path("out")}).exit_code, 2);
+    const Outcome not_ours = process({path("in"), "-o", path("out"), "--force"});
+    EXPECT_EQ(not_ours.exit_code, 2);
+    EXPECT_THAT(not_ours.err, HasSubstr("allowed: a new or empty folder"));
     EXPECT_EQ(files_in(path("out")).size(), 2U);
 
+    write_text(path("out/geometry.json"), "of an earlier run");
+    EXPECT_THAT(process({path("in"), "-o", path("out")}).err, HasSubstr("--force"));
     EXPECT_EQ(process({path("in"), "-o", path("out"), "--force"}).exit_code, 0);
     const auto files = files_in(path("out"));
     EXPECT_EQ(files.at("mine.txt"), "keep");

@@ -69,6 +69,11 @@ TEST_F(RecordTest, AnExistingFileIsKept) {
     EXPECT_THAT(refused.err, HasSubstr("out.mkv"));
     EXPECT_EQ(read_file(path("out.mkv")), "precious");
     EXPECT_EQ(run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--force"}).exit_code, 0);
+    std::filesystem::create_symlink(path("in.mkv"), path("link.mkv"));
+    const Outcome itself = run(DISPARITYCTL, {"record", path("link.mkv"), "--source", path("in.mkv"), "--force"});
+    EXPECT_EQ(itself.exit_code, 2);
+    EXPECT_THAT(itself.err, HasSubstr("the source itself"));
+    EXPECT_FALSE(frames_of(path("in.mkv")).empty());
     EXPECT_EQ(frames_of(path("out.mkv")).size(), 2U);
 }
 

@@ -107,7 +107,7 @@ StereoPair render(int width, int height, int disparities) {
     options.loop = 1;
     const capture::SceneRenderer renderer(options);
     std::vector<std::uint8_t> yuyv(renderer.frame_bytes());
-    renderer.render(0, yuyv.data());
+    renderer.render(0, yuyv.data(), [] {});
     const RawImage raw{yuyv.data(), PixelFormat::yuyv, options.width, height, 4 * std::ptrdiff_t{options.width}};
     const capture::Rectification maps =
         capture::make_rectification(capture::scene_calibration(options.width, height), options.width, height, {});

@@ -3,8 +3,8 @@
 
 namespace disparityd::tools {
 
-/// From here on the first Ctrl-C (SIGINT) or SIGTERM only sets a flag, so that the program can finish its files. The
-/// second one ends it at once.
+/// From here on the first Ctrl-C (SIGINT), SIGTERM or lost terminal (SIGHUP, unless it was ignored) only sets a flag,
+/// so that the program can finish its files. The second one ends it at once.
 void catch_interrupts();
 
 /// Whether one has come.

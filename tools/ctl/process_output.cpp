@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
@@ -36,6 +37,13 @@ bool is_ours(const std::string& name) {
 
 [[noreturn]] void refuse(const std::string& folder, const std::error_code& error) {
     throw std::runtime_error(folder + ": " + error.message());
+}
+
+// A stream that has failed: streams tell no reason, but leave the system's.
+[[noreturn]] void refuse_file(const std::string& folder, const char* name) {
+    const int reason = errno;
+    throw std::runtime_error(folder + '/' + name + ": cannot be written" +
+                             (reason == 0 ? "" : ": " + std::generic_category().message(reason)));
 }
 
 void make_room(const std::string& folder) {
@@ -89,10 +97,15 @@ void ProcessOutput::check(const std::string& folder, bool force) {
         throw std::invalid_argument(folder + ": is a file, allowed: a new or empty folder");
     }
     const fs::directory_iterator first(folder, error);
-    if (!force && !error && first != fs::directory_iterator()) {
-        throw std::invalid_argument(
-            folder + ": is not empty (found " + first->path().filename().string() +
-            "), allowed: a new or empty folder, or --force to replace the files of an earlier run");
+    if (error || first == fs::directory_iterator()) {
+        return;
+    }
+    // Other people's pictures have such names too, the input's for one.
+    const bool earlier_run = fs::exists(fs::path(folder) / geometry_name, error);
+    if (!force || !earlier_run) {
+        throw std::invalid_argument(folder + ": is not empty (found " + first->path().filename().string() +
+                                    "), allowed: a new or empty folder" +
+                                    (earlier_run ? ", or --force to replace the files of the earlier run in it" : ""));
     }
 }
 
@@ -160,7 +173,7 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
                  << ',' << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ','
                  << used.cy << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
     if (!corrections_.flush()) {
-        throw std::runtime_error(folder_ + '/' + corrections_name + ": cannot be written");
+        refuse_file(folder_, corrections_name);
     }
 }
 
@@ -174,14 +187,14 @@ void ProcessOutput::write_times(const pipeline::FrameSlot& slot) {
     }
     times_ << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
     if (!times_) {
-        throw std::runtime_error(folder_ + '/' + times_name + ": cannot be written");
+        refuse_file(folder_, times_name);
     }
 }
 
 void ProcessOutput::close() {
     times_.close();
     if (!times_) {
-        throw std::runtime_error(folder_ + '/' + times_name + ": cannot be written");
+        refuse_file(folder_, times_name);
     }
 }
 

@@ -25,7 +25,8 @@ struct OutputFormats {
 /// Everything but times.csv depends on input and options alone.
 class ProcessOutput {
 public:
-    /// Throws std::invalid_argument when the folder holds anything and `force` is not set; changes nothing yet.
+    /// Throws std::invalid_argument when the folder holds anything, but for an earlier run with `force`; changes
+    /// nothing yet.
     static void check(const std::string& folder, bool force);
 
     /// Makes the folder; files of an earlier run in it are removed. Throws std::runtime_error when the system refuses.

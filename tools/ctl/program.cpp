@@ -9,14 +9,17 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include "capture/message_text.h"
+
 namespace disparityd::tools {
 namespace {
 
 std::string program = "disparityctl";
 
 void print(const char* kind, const std::string& text) {
-    // A progress bar leaves the cursor behind its text.
-    std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "") << program << ": " << kind << ": " << text << std::endl;
+    // A progress bar leaves the cursor behind its text. Names in it may hold anything.
+    std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "") << program << ": " << kind << ": "
+              << capture::shown(text, text.size()) << std::endl;
 }
 
 std::string help_of(const CLI::App& app) {

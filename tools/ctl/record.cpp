@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <stdexcept>
 #include <thread>
@@ -15,6 +16,7 @@
 #include "tools/ctl/describe.h"
 #include "tools/ctl/interrupt.h"
 #include "tools/ctl/number_argument.h"
+#include "tools/ctl/output_file.h"
 #include "tools/ctl/progress.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/ctl/status_message.h"
@@ -33,6 +35,7 @@ struct RecordArguments {
     std::optional<int> seconds;
     std::optional<int> frames;
     bool force = false;
+    bool stop = false;
     bool json = false;
 };
 
@@ -89,6 +92,15 @@ int report(const v1::RecordStatus& done, bool json) {
         return interrupted() ? exit_interrupted : exit_failed;
     }
     return exit_done;
+}
+
+int stop_recording(const RecordArguments& arguments) {
+    if (!arguments.file.empty() || !arguments.source.empty()) {
+        throw std::invalid_argument(
+            "record: --stop ends what the daemon records, allowed beside it: where the daemon is");
+    }
+    disparity::SocketClient client = connect(arguments.daemon);
+    return report(stop_daemon_recording(client), arguments.json);
 }
 
 int record_with_daemon(const RecordArguments& arguments) {
@@ -179,6 +191,11 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
 }
 
 int record_source(const RecordArguments& arguments) {
+    std::error_code not_there;
+    if (std::filesystem::equivalent(arguments.file, arguments.source, not_there)) {
+        throw std::invalid_argument(arguments.file + ": is the source itself, allowed: another file");
+    }
+    check_output(arguments.file, arguments.force);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.calibration_path = arguments.calibration;
@@ -197,7 +214,7 @@ void add_record(CLI::App& program, Action& action) {
     CLI::App& command =
         *program.add_subcommand("record", "Record raw frames, losslessly, with exact times and calibration.");
     const auto arguments = std::make_shared<RecordArguments>();
-    command.add_option("OUT", arguments->file, "the recording to make, such as out.mkv")->required();
+    command.add_option("OUT", arguments->file, "the recording to make, such as out.mkv");
     add_integer(command, "--seconds", arguments->seconds, 1, 1'000'000, "stop after this time");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000,
                 "stop after this many frames (with a daemon: a few more may come)");
@@ -207,18 +224,27 @@ void add_record(CLI::App& program, Action& action) {
     command.add_option("--calibration", arguments->calibration, "with --source: calibration instead of its own")
         ->type_name("FILE");
     command.add_flag("--force", arguments->force, "with --source: replace OUT when it exists");
+    command.add_flag("--stop", arguments->stop, "end what the daemon is recording, whoever asked for it");
     command.add_flag("--json", arguments->json, "one JSON object at the end");
     arguments->daemon.add_to(command);
     command.footer(
         "A running daemon is asked to record the frames that it captures; OUT is then on the daemon's machine, seen "
         "from\n"
-        "its folder for recordings. Without a limit, Ctrl-C stops it; the file is valid. Exit status 0 when at least "
-        "one\n"
-        "frame was recorded and nothing failed; 130 when Ctrl-C came before the first frame.\n"
+        "its folder for recordings. Without a limit, Ctrl-C stops it; the file is valid. When disparityctl is killed, "
+        "the\n"
+        "daemon records on, until record --stop. Exit status 0 when at least one frame was recorded and nothing "
+        "failed;\n"
+        "130 when Ctrl-C came before the first frame.\n"
         "Examples: disparityctl record walk.mkv --seconds 60\n"
         "          disparityctl record scene.mkv --source scene:vga@15 --frames 30");
     command.callback([arguments, &action] {
         action = [arguments] {
+            if (arguments->stop) {
+                return stop_recording(*arguments);
+            }
+            if (arguments->file.empty()) {
+                throw std::invalid_argument("record: OUT is missing, the recording to make, such as out.mkv");
+            }
             return arguments->source.empty() ? record_with_daemon(*arguments) : record_source(*arguments);
         };
     });

@@ -9,6 +9,8 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
 #include "tools/ctl/number_argument.h"
+#include "tools/ctl/program.h"
+#include "tools/ctl/table.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -93,6 +95,9 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
             throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
                                      " s; disparityctl status says why");
         case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+    }
+    if (const double seconds = static_cast<double>(age_ns(frame, frames->local())) / 1e9; seconds > 2) {
+        print_note("the newest frame is " + fixed(seconds, 1) + " s old; disparityctl status says why");
     }
     return frame;
 }

@@ -75,6 +75,9 @@ int watch(const WatchArguments& arguments) {
         if (now >= next) {
             print_line(window.take(), std::chrono::duration<double>(now - last).count(),
                        std::chrono::duration<double>(now - start).count(), arguments.json);
+            if (!std::cout) {
+                throw std::runtime_error("standard output cannot be written");
+            }
             last = now;
             ++lines;
         }

@@ -4,7 +4,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <memory>
+#include <filesystem>
 #include <stdexcept>
 #include <vector>
 
@@ -13,23 +13,26 @@
 namespace disparityd::images {
 namespace {
 
-struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-[[noreturn]] void refuse(const std::string& path) {
-    throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+[[noreturn]] void refuse(const std::string& path, int error) {
+    throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
 }
 
 }  // namespace
 
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
-    std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "wb"));
-    if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size()) {
-        refuse(path);
+    std::FILE* file = std::fopen(path.c_str(), "wb");
+    if (file == nullptr) {
+        refuse(path, errno);
     }
-    if (std::fclose(file.release()) != 0) {
-        refuse(path);
+    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+    const int reason = errno;
+    if (std::fclose(file) != 0 || !written) {
+        const int error = written ? errno : reason;
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(path, ignored)) {
+            std::filesystem::remove(path, ignored);  // half a picture is none
+        }
+        refuse(path, error);
     }
 }
 
