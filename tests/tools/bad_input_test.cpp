@@ -79,7 +79,9 @@ TEST_F(BadInputTest, OptionsThatDoNotExist) {
     expect_refused(process({path("in"), "--backend", "abacus"}), AllOf(HasSubstr("abacus"), HasSubstr("cpu")));
     expect_refused(process({path("in"), "--p1", "90", "--p2", "50"}), HasSubstr("p1"));
     expect_refused(process({path("in"), "--size", "640"}), AllOf(HasSubstr("--size"), HasSubstr("640x360")));
+    expect_refused(process({path("in"), "--size", "0x0"}), HasSubstr("--size"));
     expect_refused(process({path("in"), "--region", "0,0,64"}), HasSubstr("--region"));
+    expect_refused(process({path("in"), "--region", "0,0,0,0"}), HasSubstr("--region"));
     expect_refused(process({path("in"), "--region", "60,0,64,32"}), HasSubstr("region"));
     expect_refused(process({path("in"), "--sizzle"}), HasSubstr("--sizzle"));
     expect_refused(run(DISPARITYCTL, {"proces"}), HasSubstr("proces"));

@@ -135,6 +135,17 @@ TEST_F(DaemonTest, SnapshotWritesPictures) {
     EXPECT_EQ(ctl("snapshot", {}).exit_code, 2) << "nothing to write";
 }
 
+TEST_F(DaemonTest, SnapshotOfADaemonThatHangsIsRefused) {
+    daemon_->send(SIGSTOP);
+    Outcome outcome;
+    EXPECT_TRUE(eventually([&] {
+        outcome = ctl("snapshot", {"-o", path("old.png")});
+        return outcome.exit_code != 0;
+    }));
+    daemon_->send(SIGCONT);
+    EXPECT_THAT(outcome.err, HasSubstr("the daemon has stopped"));
+}
+
 TEST_F(DaemonTest, RecordAsksTheDaemon) {
     const Outcome outcome = ctl("record", {"walk.mkv", "--frames", "5", "--json"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

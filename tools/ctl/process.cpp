@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <charconv>
 #include <iostream>
 #include <span>
@@ -45,7 +46,8 @@ struct ProcessArguments {
     bool json = false;
 };
 
-/// Whole numbers between separators; throws std::invalid_argument unless there are as many as wanted.
+/// Whole numbers between separators, the last two a width and a height; throws std::invalid_argument unless there are
+/// as many as wanted.
 void parse_numbers(const std::string& option, const std::string& text, char separator, const char* form,
                    std::span<int* const> numbers) {
     const char* at = text.data();
@@ -56,6 +58,7 @@ void parse_numbers(const std::string& option, const std::string& text, char sepa
         good = error == std::errc() && (i + 1 == numbers.size() ? stop == end : stop != end && *stop == separator);
         at = stop + 1;
     }
+    good = good && std::all_of(numbers.end() - 2, numbers.end(), [](const int* side) { return *side >= 1; });
     if (!good) {
         throw std::invalid_argument(option + ": found '" + text + "', allowed: " + form);
     }

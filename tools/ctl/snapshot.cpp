@@ -9,8 +9,6 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
 #include "tools/ctl/number_argument.h"
-#include "tools/ctl/program.h"
-#include "tools/ctl/table.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -96,8 +94,10 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
                                      " s; disparityctl status says why");
         case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
     }
-    if (const double seconds = static_cast<double>(age_ns(frame, frames->local())) / 1e9; seconds > 2) {
-        print_note("the newest frame is " + fixed(seconds, 1) + " s old; disparityctl status says why");
+    // The last frame of a daemon that hangs is still there to be read.
+    disparity::Frame newer;
+    if (frames->read(newer, std::chrono::milliseconds(0)) == disparity::ReadResult::gone) {
+        throw std::runtime_error("the daemon has stopped");
     }
     return frame;
 }
