@@ -52,7 +52,7 @@ private:
     }
 
     static void write(std::int16_t* pixels, int count, std::uint64_t rejected, std::int16_t invalid) {
-        std::uint8_t bits[8 + 8] = {};  // LoadMaskBits may read eight bytes
+        std::uint8_t bits[mask_bytes] = {};
         std::memcpy(bits, &rejected, sizeof(rejected));
         int x = 0;
         for (; x + lanes <= count; x += lanes) {

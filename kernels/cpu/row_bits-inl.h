@@ -50,7 +50,7 @@ private:
     alignas(64) std::int16_t pixels_[front + max_side + back];
 };
 
-/// The masks of 64 pixels; Highway may write 8 bytes from each of them on.
+/// The masks of 64 pixels; Highway may read and write 8 bytes from each of them on.
 constexpr int mask_bytes = 8 + 8;
 
 /// Of 64 pixels, aligned as vectors are: which equal `value`.

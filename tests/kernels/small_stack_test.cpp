@@ -15,12 +15,12 @@ class SmallStack final : public Parallel {
 public:
     int workers() const override { return 1; }
     void for_each(int count, FunctionRef<void(int)> task) override {
-        const Tasks tasks{count, task};
+        Tasks tasks{count, task};
         pthread_attr_t attributes;
         pthread_t thread{};
         ASSERT_EQ(pthread_attr_init(&attributes), 0);
         ASSERT_EQ(pthread_attr_setstacksize(&attributes, std::size_t{256} << 10), 0);
-        ASSERT_EQ(pthread_create(&thread, &attributes, run, const_cast<Tasks*>(&tasks)), 0);
+        ASSERT_EQ(pthread_create(&thread, &attributes, run, &tasks), 0);
         ASSERT_EQ(pthread_join(thread, nullptr), 0);
         pthread_attr_destroy(&attributes);
     }
