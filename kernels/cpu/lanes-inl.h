@@ -243,6 +243,16 @@ HWY_INLINE hn::Vec<Words> difference_of_bytes(Words words, V v) {
 #endif
 }
 
+/// |a - b| of bytes.
+template <class V>
+HWY_INLINE V absolute_difference(V a, V b) {
+#if HWY_ARCH_ARM_A64
+    return V{vabdq_u8(a.raw, b.raw)};
+#else
+    return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
+#endif
+}
+
 /// v + bytes where the mask is set, v elsewhere.
 template <class Mask, class V>
 HWY_INLINE V add_where(Mask mask, V v, V bytes) {

@@ -189,8 +189,6 @@ private:
     int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
     std::uint16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
-    HWY_INLINE static V difference(V a, V b) { return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)); }
-
     // Entry width - 1 - x is candidate 0 of pixel x: a part earlier at each pixel of a group.
     static constexpr int pixels_at_once = classes_of_part<classes>;
 
@@ -219,7 +217,7 @@ private:
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             const V there = hn::BitCast(Tag(), hn::LoadU(Words(), right + q * Right::part));
-            const W change = difference_of_bytes<name_bits>(Words(), difference(here, there));
+            const W change = difference_of_bytes<name_bits>(Words(), absolute_difference(here, there));
             hn::Store(hn::Add(hn::Load(Words(), sums + q * lanes), change), Words(), sums + q * lanes);
         }
     }
