@@ -143,15 +143,15 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Se
 
 FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point deadline) {
     while (!interrupted_.load()) {
-        const auto now = system_.now();
-        const Step step = recovery_.due(now);
-        if (step != Step::wait) {
+        // First what the driver has: on a caller that was away for long frames wait, and nothing has been silent.
+        if (take(frame, std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
+            return Next::frame;
+        }
+        const Step step = recovery_.due(system_.now());
+        if (step != Step::wait && !interrupted_.load()) {
             // A step may take the kernel seconds: one for each call, so that the caller stays alive.
             take_step(step);
             return Next::timeout;
-        }
-        if (take(frame, std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
-            return Next::frame;
         }
         if (system_.now() >= deadline && !interrupted_.load()) {
             return Next::timeout;

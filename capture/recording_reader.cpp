@@ -98,8 +98,11 @@ std::size_t RecordingReader::frame_bytes() const {
 void RecordingReader::open_file(bool has_our_tag) {
     AVFormatContext* made = or_bad_alloc(avformat_alloc_context());
     AVDictionary* options = nullptr;
-    // A playlist must not make the daemon open other files or connections.
+    // A playlist must not make the daemon open other files or connections: formats that hold all there is in one file
+    // ("tty" is here for a message of its own).
     av_dict_set(&options, "protocol_whitelist", "file", 0);
+    av_dict_set(&options, "format_whitelist",
+                "matroska,webm,mov,avi,mpegts,mpeg,mpegvideo,yuv4mpegpipe,ogg,nut,asf,flv,wav,tty", 0);
     clear_ffmpeg_log();
     const int result = avformat_open_input(&made, ("file:" + path_).c_str(), nullptr, &options);
     av_dict_free(&options);
@@ -299,6 +302,14 @@ void RecordingReader::send_packet() {
         avcodec_send_packet(decoder_.get(), nullptr);
         return;
     }
+    cut_packet_ = (packet_->flags & AV_PKT_FLAG_CORRUPT) != 0;
+    if (cut_packet_ && !info_.ours) {
+        // Inside a video a picture is lost; whether the file ends here shows when nothing follows.
+        ++undecodable_;
+        undecodable_why_ = "pictures are incomplete";
+        av_packet_unref(packet_.get());
+        return;
+    }
     check_packet();
     clear_ffmpeg_log();
     result = avcodec_send_packet(decoder_.get(), packet_.get());
@@ -314,11 +325,11 @@ void RecordingReader::send_packet() {
 }
 
 void RecordingReader::check_packet() {
-    if ((packet_->flags & AV_PKT_FLAG_CORRUPT) != 0) {
-        fail_truncated("the next one is incomplete");
-    }
     if (!info_.ours) {
         return;
+    }
+    if (cut_packet_) {
+        fail_truncated("the next one is incomplete");
     }
     std::optional<recording::FrameFacts> facts;
     for (int i = 0; i < packet_->side_data_elems; ++i) {
@@ -401,7 +412,10 @@ void RecordingReader::check_end() const {
         fail_truncated("the file was cut: " + bytes_text(file_size_, segment_->data_offset + *segment_->size));
     }
     if (info_.ours && (!segment_ || !segment_->size)) {
-        fail_truncated("the recorder was stopped before it closed the file");
+        fail_truncated("the recorder was stopped before it closed the file, or wrote into a pipe");
+    }
+    if (cut_packet_) {
+        fail_truncated("the next one is incomplete");
     }
     if (end_error_ != AVERROR_EOF) {
         throw std::runtime_error(path_ + ": damaged after " + frames_read() + ": " + ffmpeg_reason(end_error_));

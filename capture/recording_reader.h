@@ -87,6 +87,7 @@ private:
     std::uint64_t next_sequence_ = 0;          ///< of a foreign video
     std::uint32_t undecodable_ = 0;            ///< packets of a foreign video since the last frame
     std::string undecodable_why_;
+    bool cut_packet_ = false;  ///< the one read last is incomplete
     std::optional<std::int64_t> first_pts_;
     std::int64_t last_time_ns_ = 0;
     int end_error_ = 0;  ///< with which FFmpeg ended the file

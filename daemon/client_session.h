@@ -130,6 +130,7 @@ private:
 
     std::array<std::uint8_t, 4> length_{};
     std::vector<std::uint8_t> incoming_;
+    std::array<std::uint8_t, 4096> discarded_{};  ///< what comes after the last message; one may be on its way still
     bool reading_ = false;
     bool answer_pending_ = false;  ///< nothing more is read until that is answered
 

@@ -283,8 +283,7 @@ void ClientSession::write() {
 void ClientSession::drain() {
     error_code ignored;
     socket_.shutdown(Socket::shutdown_send, ignored);
-    incoming_.resize(4096);
-    socket_.async_read_some(asio::buffer(incoming_), [self = shared_from_this()](error_code error, std::size_t) {
+    socket_.async_read_some(asio::buffer(discarded_), [self = shared_from_this()](error_code error, std::size_t) {
         if (self->closed_) {
             return;
         }

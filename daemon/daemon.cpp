@@ -256,10 +256,12 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
                   index);
     config_ = config;
     end_seen_ = false;
+    std::shared_ptr<Engine> old = engine;
     {
         const std::lock_guard lock(mutex_);
-        engine_ = engine;
+        engine_.swap(old);
     }
+    old.reset();  // not under the lock: it frees gigabytes and waits for its threads
     if (!serving_) {
         start_serving();
     }

@@ -38,7 +38,12 @@ std::string resolved_record_directory(const Config& config) {
         return config.record.directory;
     }
     const std::string state = first_folder("STATE_DIRECTORY");
-    return state.empty() ? std::filesystem::current_path().string() : state;
+    if (!state.empty()) {
+        return state;
+    }
+    std::error_code gone;  // a reload must not fail by it; a recording will, and says why
+    const std::filesystem::path here = std::filesystem::current_path(gone);
+    return gone ? "." : here.string();
 }
 
 std::string resolved_correction_directory(const Config& config) {

@@ -178,6 +178,9 @@ private:
         if (!error || error == asio::error::try_again) {
             refuse(address(), key(), asio::error::address_in_use);
         }
+        if (error != asio::error::connection_refused && error != boost::system::errc::no_such_file_or_directory) {
+            refuse(address(), key(), error);  // it may be a living daemon's
+        }
         if (unlink(path_.c_str()) != 0) {
             refuse(address(), key(), error_code(errno, boost::system::system_category()));
         }

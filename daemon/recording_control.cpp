@@ -117,6 +117,9 @@ void RecordingControl::finish(const std::string& reason) {
         const std::lock_guard lock(mutex_);
         recorder = std::move(recorder_);
         recorder_.reset();
+        if (recorder) {  // what status() tells while it is being finished
+            last_ = proto::record_message(recorder->status(), path_, true);
+        }
     }
     if (!recorder) {
         return;

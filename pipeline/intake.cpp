@@ -112,7 +112,13 @@ FrameSlot* Intake::slot_for_newest(Taken& taken, Pulse& pulse, const std::atomic
             continue;
         }
         Taken newer;
-        const Got got = next_frame(newer, steady_clock::now() + 1ms);
+        Got got = Got::nothing;
+        try {
+            got = next_frame(newer, steady_clock::now() + 1ms);
+        } catch (...) {  // a source that has broken: the frame at hand is lost with it, and counted
+            drop(taken.frame);
+            throw;
+        }
         if (got == Got::frame) {
             drop(taken.frame);
             taken = std::move(newer);

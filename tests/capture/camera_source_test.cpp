@@ -206,6 +206,23 @@ TEST_F(CameraSourceTest, AFrozenCameraThatThawsByItselfIsBackAtOnce) {
     EXPECT_EQ(state(), CameraState::streaming);
 }
 
+TEST_F(CameraSourceTest, ACallerThatIsAwayForLongIsNoSilence) {
+    system_.plug(zed2());
+    open();
+    run(5s);
+    for (int i = 0; i < 5; ++i) {
+        system_.advance(1500ms);
+        RawFrame frame;
+        ASSERT_EQ(source_->next(frame, system_.now()), Next::frame) << i;
+        source_->give_back(frame);
+    }
+    EXPECT_EQ(facts().restarts, 0U);
+    EXPECT_EQ(reported("the stream is restarted"), 0);
+    camera().frozen = true;
+    run(10s);
+    EXPECT_GT(facts().restarts, 0U) << "a camera that sends nothing is helped all the same";
+}
+
 TEST_F(CameraSourceTest, DeadTransfersAreStartedAnew) {
     system_.plug(zed2());
     open();

@@ -222,6 +222,30 @@ TEST(RecordForeign, WhatIsNoVideoIsRefused) {
     EXPECT_THAT(refusal(folder.file("noise.mkv")), HasSubstr("noise.mkv: "));
 }
 
+TEST(RecordForeign, AHoleInATransportStreamIsNotItsEnd) {
+    const TemporaryFolder folder;
+    write_video(folder.file("a.ts"), {"mpegts", AV_CODEC_ID_MPEG2VIDEO, AV_PIX_FMT_YUV420P, 64, 32, 12});
+    const auto bytes = file_bytes(folder.file("a.ts"));
+    // Twice the same stream: its counters do not go on where the second one begins.
+    std::vector<std::uint8_t> twice(bytes.begin(), bytes.end());
+    twice.insert(twice.end(), bytes.begin(), bytes.end());
+    put_file(folder.file("b.ts"), twice.data(), twice.size());
+    const Replay played = replay(folder.file("b.ts"));
+    EXPECT_GT(played.frames.size(), 16U);
+    EXPECT_EQ(played.error, "");
+}
+
+TEST(RecordForeign, APlaylistOpensNoOtherFile) {
+    const TemporaryFolder folder;
+    write_video(folder.file("a.mkv"), {"matroska", AV_CODEC_ID_FFV1, AV_PIX_FMT_YUV420P, 64, 32, 3});
+    const std::string lists[] = {"ffconcat version 1.0\nfile a.mkv\n",
+                                 "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\na.mkv\n#EXT-X-ENDLIST\n"};
+    for (const std::string& list : lists) {
+        put_file(folder.file("list.mkv"), reinterpret_cast<const std::uint8_t*>(list.data()), list.size());
+        EXPECT_THAT(refusal(folder.file("list.mkv")), HasSubstr("list.mkv: is not a recording or another video"));
+    }
+}
+
 TEST(RecordForeign, SoundHasNoPicture) {
     const TemporaryFolder folder;
     // A WAV file of silence, written by hand: 44 bytes of header, mono, 8 bits.

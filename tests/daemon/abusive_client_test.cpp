@@ -120,6 +120,19 @@ TEST_F(AbusiveClientTest, SilentConnectionIsClosed) {
     EXPECT_GE(std::chrono::steady_clock::now() - begin, 4900ms);
 }
 
+TEST_F(AbusiveClientTest, AMessageThatComesAfterTheRefusalIsDiscarded) {
+    start();
+    {
+        WireClient client(tcp_);
+        send_length(client, 1000);
+        EXPECT_THAT(client.receive_error(), HasSubstr("no Hello within 5 s"));
+        for (int i = 0; i < 4 && client.send_bytes(std::vector<std::uint8_t>(2000, 0xee)); ++i) {
+        }
+        EXPECT_TRUE(client.is_closed());
+    }
+    connect(tcp_);
+}
+
 TEST_F(AbusiveClientTest, TooManyClientsAreToldSo) {
     start(2);
     WireClient first = connect(tcp_);
