@@ -37,7 +37,7 @@ std::string resolved_record_directory(const Config& config) {
     if (!config.record.directory.empty()) {
         return config.record.directory;
     }
-    const std::string state = first_folder("STATE_DIRECTORY");
+    std::string state = first_folder("STATE_DIRECTORY");
     if (!state.empty()) {
         return state;
     }
