@@ -23,7 +23,6 @@ struct Block {
     static_assert(census_bits < (no_key >> key_bits));
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int classes = 2 * registers;
-    static constexpr bool many_registers = HWY_ARCH_ARM_A64 != 0 || HWY_TARGET <= HWY_AVX3;  // 32, not 16
 
     static std::size_t scratch_bytes(const SgmGeometry& geometry) {
         return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs half of it

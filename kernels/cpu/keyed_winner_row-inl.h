@@ -4,7 +4,7 @@
 //
 // Sums of 8 paths with P2 <= 63 are below 1024 and leave 6 bits, which name 64 candidates: with more, the 128-bit
 // blocks of a register form groups of at most 64, each with a minimum of its own. Costs of CENSUS leave 8 bits, enough
-// for all. Keys lie in classes as in winner_row-inl.h, a block of 8 lanes holding consecutive candidates.
+// for all. Keys lie in classes as in leader-inl.h, a block of 8 lanes holding consecutive candidates.
 #if defined(DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_
 #undef DISPARITYD_CPU_KEYED_WINNER_ROW_INL_H_

@@ -22,6 +22,8 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+constexpr bool many_registers = HWY_ARCH_ARM_A64 != 0 || HWY_TARGET <= HWY_AVX3;  // 32, not 16
+
 /// Lane i gets lane i - 1 of `v`; lane 0 gets the last lane of `edge`.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V from_lane_below(Tag tag, V v, V edge) {
@@ -248,6 +250,8 @@ template <class V>
 HWY_INLINE V absolute_difference(V a, V b) {
 #if HWY_ARCH_ARM_A64
     return V{vabdq_u8(a.raw, b.raw)};
+#elif HWY_TARGET <= HWY_AVX3
+    return hn::Sub(hn::Max(a, b), hn::Min(a, b));  // of 512 bits, each of them takes half of what SaturatedSub() takes
 #else
     return hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
 #endif
@@ -263,6 +267,18 @@ HWY_INLINE V add_where(Mask mask, V v, V bytes) {
 #endif
     {
         return hn::Add(v, hn::IfThenElseZero(mask, bytes));
+    }
+}
+
+/// The last 128-bit block of `v`.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE auto last_block(Tag tag, V v) {
+    if constexpr (sizeof(hn::TFromD<Tag>) * hn::MaxLanes(Tag()) == 16) {
+        (void)tag;
+        return v;
+    } else {
+        const hn::Half<Tag> half;
+        return last_block(half, hn::UpperHalf(half, v));
     }
 }
 

@@ -47,7 +47,7 @@ private:
 };
 
 /// In words: those of the even lanes of all registers, then those of the odd ones; candidates lie in them as in the
-/// classes of winner_row-inl.h.
+/// classes of leader-inl.h.
 template <class Tag, int registers>
 class PathSums<Tag, registers, true> {
     using V = hn::Vec<Tag>;

@@ -72,7 +72,7 @@ enum class LeaveOut : std::uint8_t {
     by_store,  ///< of three words: many instructions for one pixel
 };
 template <int classes, int lanes>
-constexpr LeaveOut leave_out = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) && (classes <= 2) ? LeaveOut::by_mask
+constexpr LeaveOut leave_out = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) && (classes <= 4) ? LeaveOut::by_mask
                                : CandidatePlaces<classes, lanes>::candidates <= 64               ? LeaveOut::by_words
                                                                                                  : LeaveOut::by_store;
 

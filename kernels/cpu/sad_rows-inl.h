@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 2 of docs/algorithm.md by running sums: a row of sums over the window's height for each column and candidate,
 // to which each image row adds its new row of differences and takes the oldest away; and along the row a sum over the
-// window's width, moved on in the same way. Sums are keys of winner_row-inl.h, names in them from the start.
+// window's width, moved on in the same way. Sums are keys of leader-inl.h, names in them from the start.
 #if defined(DISPARITYD_CPU_SAD_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_SAD_ROWS_INL_H_
 #undef DISPARITYD_CPU_SAD_ROWS_INL_H_
@@ -12,7 +12,7 @@
 #include <algorithm>
 
 #include "kernels/cpu/census_planes-inl.h"
-#include "kernels/cpu/winner_row-inl.h"
+#include "kernels/cpu/leader-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -87,6 +87,28 @@ private:
     // The first parts stand there twice, the second time from their second entry on.
     alignas(64) std::uint16_t parts_[(2 * classes - 1) * part];
 };
+
+/// Of each class a row of keys, as many as a vector has lanes each time: of candidates outside the right image, of 0,
+/// and of candidates outside.
+template <int classes, int lanes>
+class OutsideKeys {
+public:
+    constexpr OutsideKeys() {
+        for (int q = 0; q < classes; ++q) {
+            for (int i = 0; i < lanes; ++i) {
+                const int key = sad_outside << name_bits | name_of_class<classes>(q);
+                rows_[q][i] = rows_[q][2 * lanes + i] = static_cast<std::uint16_t>(key);
+            }
+        }
+    }
+
+    constexpr const std::uint16_t* of(int q) const { return rows_[q]; }
+
+private:
+    std::uint16_t rows_[classes][3 * lanes] = {};
+};
+template <int classes, int lanes>
+inline constexpr OutsideKeys<classes, lanes> outside_keys;
 
 template <class Tag, int registers>
 class SadRows {
@@ -206,8 +228,26 @@ private:
             const std::uint16_t* right = right_rows_.entry(width - 1 - x);
             std::uint16_t* sums = column(x);
             DISPARITYD_UNROLL
-            for (int i = 0; i < pixels_at_once; ++i) {
-                move_column(left + x + i, right - i * Right::part, sums + i * candidates);
+            for (int part = 0; part < classes; part += classes_of_part<classes>) {
+                move_part(left + x, right + part * Right::part, sums + part * lanes);
+            }
+        }
+    }
+
+    // A part of the classes of a group of pixels: what class q has at a pixel, class q + 1 has at the next one.
+    static HWY_INLINE void move_part(const std::uint16_t* left, const std::uint16_t* right, std::uint16_t* sums) {
+        constexpr int before = pixels_at_once - 1;
+        V there[before + pixels_at_once];
+        DISPARITYD_UNROLL
+        for (int i = 0; i < before + pixels_at_once; ++i) {
+            there[i] = hn::BitCast(Tag(), hn::LoadU(Words(), right + (i - before) * Right::part));
+        }
+        DISPARITYD_UNROLL
+        for (int i = 0; i < pixels_at_once; ++i) {
+            const V here = hn::BitCast(Tag(), broadcast(Words(), left + i));
+            DISPARITYD_UNROLL
+            for (int q = 0; q < pixels_at_once; ++q) {
+                add_difference(here, there[before + q - i], sums + i * candidates + q * lanes);
             }
         }
     }
@@ -217,9 +257,13 @@ private:
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
             const V there = hn::BitCast(Tag(), hn::LoadU(Words(), right + q * Right::part));
-            const W change = difference_of_bytes<name_bits>(Words(), absolute_difference(here, there));
-            hn::Store(hn::Add(hn::Load(Words(), sums + q * lanes), change), Words(), sums + q * lanes);
+            add_difference(here, there, sums + q * lanes);
         }
+    }
+
+    static HWY_INLINE void add_difference(V here, V there, std::uint16_t* sums) {
+        const W change = difference_of_bytes<name_bits>(Words(), absolute_difference(here, there));
+        hn::Store(hn::Add(hn::Load(Words(), sums), change), Words(), sums);
     }
 
     /// Whether pixels x .. x + count - 1 have whole windows and all candidates.
@@ -241,23 +285,24 @@ private:
             }
             return;
         }
-        const hn::RebindToSigned<Words> numbers;
-        const auto first_inside = hn::Set(numbers, static_cast<std::int16_t>(first));
-        const auto last_inside = hn::Set(numbers, static_cast<std::int16_t>(last));
-        const auto set_where = [=](auto outside) HWY_ATTR {
+        // No sum is larger than one of a candidate outside.
+        const int end = std::min(last + 1, candidates);
+        DISPARITYD_UNROLL
+        for (int q = 0; q < classes; ++q) {
+            const std::uint16_t* from_end = outside_keys<classes, lanes>.of(q) + 2 * lanes - lanes_below(end, q);
+            keys[q] = hn::Max(sums[q], hn::LoadU(Words(), from_end));
+        }
+        if (first > 0) {
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
-                const auto k = hn::Load(numbers, CandidatePlaces<classes, lanes>::numbers.at + q * lanes);
-                const W key = key_of_sum<classes>(hn::Set(Words(), sad_outside << name_bits), q);
-                keys[q] = hn::IfThenElse(hn::RebindMask(Words(), outside(k)), key, sums[q]);
+                const std::uint16_t* to_first = outside_keys<classes, lanes>.of(q) + lanes - lanes_below(first, q);
+                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), to_first));
             }
-        };
-        if (first <= 0) {
-            set_where([=](auto k) HWY_ATTR { return hn::Lt(last_inside, k); });
-        } else {
-            set_where([=](auto k) HWY_ATTR { return hn::Or(hn::Lt(k, first_inside), hn::Lt(last_inside, k)); });
         }
     }
+
+    // Of class q, how many lanes have candidates below k.
+    static constexpr int lanes_below(int k, int q) { return (k - q + classes - 1) / classes; }
 
     const SgmGeometry& geometry_;
     Plane<const std::uint8_t> left_;
