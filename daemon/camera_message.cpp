@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/camera_message.h"
 
+#include "proto/text.h"
+
 namespace disparityd {
 
 v1::CameraStatus to_message(const capture::CameraFacts& camera) {
     v1::CameraStatus message;
     message.set_state(capture::name(camera.state));
-    message.set_model(camera.model);
-    message.set_serial(camera.serial);
+    message.set_model(proto::text(camera.model));
+    message.set_serial(proto::text(camera.serial));
     message.set_node(camera.node);
     message.set_port(camera.port);
     message.set_firmware(camera.firmware);
@@ -26,7 +28,7 @@ v1::CameraControls to_message(const std::vector<capture::CameraControl>& control
     v1::CameraControls message;
     for (const capture::CameraControl& control : controls) {
         v1::CameraControl& to = *message.add_controls();
-        to.set_name(control.name);
+        to.set_name(proto::text(control.name));
         to.set_value(control.value);
         to.set_least(control.least);
         to.set_most(control.most);

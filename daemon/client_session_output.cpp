@@ -10,6 +10,7 @@
 
 #include "daemon/client_session.h"
 #include "proto/framing.h"
+#include "proto/text.h"
 
 namespace disparityd {
 namespace {
@@ -63,7 +64,7 @@ void ClientSession::send_error(const std::string& why, bool closing) {
         return;
     }
     v1::Envelope message;
-    message.mutable_error()->set_message(why);
+    message.mutable_error()->set_message(proto::text(why));
     message.mutable_error()->set_closing(closing);
     proto::encode(message, answers_.emplace_back());
     host_.log().broke_the_protocol.write(LogLevel::warning,

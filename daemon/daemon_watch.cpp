@@ -7,6 +7,7 @@
 
 #include "daemon/daemon.h"
 #include "daemon/log.h"
+#include "proto/text.h"
 
 namespace disparityd {
 namespace {
@@ -144,7 +145,7 @@ v1::Status Daemon::status() const {
     } else {
         status.set_state("waiting");
         status.set_detail("the source is being prepared");
-        status.set_source(options_.config_path.empty() ? "" : options_.config_path);
+        status.set_source(proto::text(options_.config_path));
     }
     if (stopping_.load(std::memory_order_relaxed)) {
         status.set_state("stopping");
@@ -152,7 +153,7 @@ v1::Status Daemon::status() const {
     *status.mutable_record() = recording_.status();
     const std::lock_guard lock(mutex_);
     for (const std::string& notice : notices_) {
-        status.add_notices(notice);
+        status.add_notices(proto::text(notice));
     }
     return status;
 }

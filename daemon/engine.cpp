@@ -14,6 +14,7 @@
 #include "daemon/huge_pages.h"
 #include "daemon/log.h"
 #include "daemon/sensor_message.h"
+#include "proto/text.h"
 
 namespace disparityd {
 namespace {
@@ -270,13 +271,13 @@ Engine::Condition Engine::condition() const {
 }
 
 void Engine::fill(v1::Status& status) const {
-    status.set_source(source().name);
+    status.set_source(proto::text(source().name));
     status.set_method(std::string(disparityd::name(config_.match.options.method)));
     const std::string_view substitute = matcher_->substitute();
     status.set_backend(substitute.empty() ? backend_ : std::string(substitute));
     status.set_workers(to_u32(workers_.workers()));
     for (const std::string& notice : notices()) {
-        status.add_notices(notice);
+        status.add_notices(proto::text(notice));
     }
     {
         const std::lock_guard lock(mutex_);
@@ -290,7 +291,8 @@ void Engine::fill(v1::Status& status) const {
     const Condition condition = condition_of(now);
     status.set_state(disparityd::name(condition.state));
     const std::string trouble = matcher_->trouble();
-    status.set_detail(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble);
+    status.set_detail(
+        proto::text(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble));
     status.set_rate(now.rate);
     status.set_captured(now.captured);
     status.set_published(now.published);

@@ -38,13 +38,8 @@ class AcceptingListener : public Listener, public std::enable_shared_from_this<A
 public:
     explicit AcceptingListener(asio::io_context& io) : acceptor_(io), retry_(io) {}
 
-    void listen(Accepted accepted) override {
+    void serve(Accepted accepted) override {
         accepted_ = std::move(accepted);
-        error_code error;
-        acceptor_.listen(asio::socket_base::max_listen_connections, error);
-        if (error) {
-            refuse(address(), key(), error);
-        }
         asio::post(acceptor_.get_executor(), [self = this->shared_from_this()] { self->accept(); });
     }
 
@@ -57,6 +52,14 @@ public:
 protected:
     virtual const char* key() const = 0;
     virtual std::string peer_address(typename Protocol::socket& socket) = 0;
+
+    /// Listens at once: nobody may take an address that is bound for one that was left over.
+    void bind(const typename Protocol::endpoint& endpoint, error_code& error) {
+        acceptor_.bind(endpoint, error);
+        if (!error) {
+            acceptor_.listen(asio::socket_base::max_listen_connections, error);
+        }
+    }
 
     typename Protocol::acceptor acceptor_;
 
@@ -103,7 +106,7 @@ public:
             acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
         }
         if (!error) {
-            acceptor_.bind(endpoint, error);
+            bind(endpoint, error);
         }
         if (error) {
             refuse("tcp:" + text, key(), error);
@@ -136,7 +139,7 @@ public:
         error_code error;
         acceptor_.open(local(), error);
         if (!error) {
-            acceptor_.bind(local::endpoint(path_), error);
+            bind(local::endpoint(path_), error);
         }
         if (error) {
             refuse(address(), key(), error);

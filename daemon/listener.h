@@ -11,15 +11,16 @@
 
 namespace disparityd {
 
-/// An address that clients connect to. Made (bound) by any thread; from listen() on it belongs to the io_context's.
+/// An address that clients connect to, from when it is made, by any thread; they wait until serve(), and from then on
+/// it belongs to the io_context's thread.
 class Listener {
 public:
     using Accepted = std::function<void(ClientSession::Socket socket, std::string address)>;
 
     virtual ~Listener() = default;
 
-    /// Starts to accept. Throws std::runtime_error when the address is in use after all.
-    virtual void listen(Accepted accepted) = 0;
+    /// Starts to accept.
+    virtual void serve(Accepted accepted) = 0;
 
     /// Stops accepting; a Unix socket's file is removed.
     virtual void close() = 0;

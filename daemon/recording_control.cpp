@@ -48,7 +48,7 @@ std::string target_path(const std::string& path, const std::string& directory) {
 
 RecordingControl::~RecordingControl() {
     worker_.join();
-    finish("");
+    finish(end(), "");
 }
 
 void RecordingControl::configure(bool enabled, std::string directory) {
@@ -58,9 +58,13 @@ void RecordingControl::configure(bool enabled, std::string directory) {
 }
 
 void RecordingControl::set_source(std::optional<capture::SourceInfo> source, const std::string& reason) {
-    finish(reason);
-    const std::lock_guard lock(mutex_);
-    source_ = std::move(source);
+    Ended ended = end();
+    {
+        const std::lock_guard lock(mutex_);
+        source_ = std::move(source);
+        ++source_number_;
+    }
+    finish_in_background(std::move(ended), reason);
 }
 
 void RecordingControl::start(const std::string& path, Answer answer) {
@@ -78,15 +82,15 @@ void RecordingControl::start(const std::string& path, Answer answer) {
 void RecordingControl::stop(Answer answer) {
     boost::asio::post(worker_, [this, answer = std::move(answer)] {
         const bool running = status().active();
-        finish("");
+        finish(end(), "");
         answer(status(), running ? "" : "record: nothing is being recorded");
     });
 }
 
 void RecordingControl::start_now(const std::string& path) {
-    const std::lock_guard operation(operation_);
     std::string directory;
     capture::SourceInfo source;
+    unsigned number = 0;
     {
         const std::lock_guard lock(mutex_);
         if (!enabled_) {
@@ -101,44 +105,62 @@ void RecordingControl::start_now(const std::string& path) {
         }
         directory = directory_;
         source = *source_;
+        number = source_number_;
     }
     const std::string target = target_path(path, directory);
-    auto recorder = std::make_shared<capture::Recorder>(target, source);
-    log_info(fmt::format("recording to {}", target));
-    const std::lock_guard lock(mutex_);
-    path_ = target;
-    recorder_ = std::move(recorder);
-}
-
-void RecordingControl::finish(const std::string& reason) {
-    const std::lock_guard operation(operation_);
-    std::shared_ptr<capture::Recorder> recorder;
+    const auto recorder = std::make_shared<capture::Recorder>(target, source);
+    bool same_source = false;
     {
         const std::lock_guard lock(mutex_);
-        recorder = std::move(recorder_);
-        recorder_.reset();
-        if (recorder) {  // what status() tells while it is being finished
-            last_ = proto::record_message(recorder->status(), path_, true);
+        same_source = source_number_ == number;
+        if (same_source) {
+            path_ = target;
+            recorder_ = recorder;
         }
     }
-    if (!recorder) {
+    if (!same_source) {
+        recorder->finish();
+        std::error_code ignored;
+        fs::remove(target, ignored);
+        throw std::runtime_error("record: the source has changed while the file was opened: start it again");
+    }
+    log_info(fmt::format("recording to {}", target));
+}
+
+RecordingControl::Ended RecordingControl::end() {
+    const std::lock_guard lock(mutex_);
+    if (!recorder_) {
+        return {};
+    }
+    last_ = proto::record_message(recorder_->status(), path_, true);  // what status() tells while it is being finished
+    return {std::exchange(recorder_, nullptr), path_};
+}
+
+void RecordingControl::finish_in_background(Ended ended, const std::string& reason) {
+    if (ended.recorder) {
+        boost::asio::post(worker_, [this, ended = std::move(ended), reason] { finish(ended, reason); });
+    }
+}
+
+void RecordingControl::finish(const Ended& ended, const std::string& reason) {
+    if (!ended.recorder) {
         return;
     }
-    capture::Recorder::Status end = recorder->finish();
+    capture::Recorder::Status end = ended.recorder->finish();
     if (end.error.empty()) {
         end.error = reason;
     }
     log_line(end.error.empty() ? LogLevel::info : LogLevel::warning,
-             fmt::format("recording {} finished: {} frames, {} lost, {} lost by the source, {} bytes{}{}", path_,
+             fmt::format("recording {} finished: {} frames, {} lost, {} lost by the source, {} bytes{}{}", ended.path,
                          end.frames, end.lost, end.source_lost, end.bytes, end.error.empty() ? "" : "; ", end.error));
     const std::lock_guard lock(mutex_);
-    last_ = proto::record_message(end, path_, false);
+    last_ = proto::record_message(end, ended.path, false);
 }
 
 void RecordingControl::check() {
     const v1::RecordStatus now = status();
     if (!now.path().empty() && now.active() && !now.error().empty()) {
-        finish(now.error());
+        finish_in_background(end(), now.error());
     } else if (now.active() && now.lost() > 0 && now.path() != slow_) {
         slow_ = now.path();
         log_warning(capture::Recorder::slow_disk_text(now.path()));

@@ -28,15 +28,13 @@ public:
 
     void configure(bool enabled, std::string directory);
 
-    /// What will be recorded from now on; a running recording is finished, `reason` says why.
+    /// What will be recorded from now on; a running recording gets no more frames and is finished in the background,
+    /// `reason` is what its status will say, empty = all is well.
     void set_source(std::optional<capture::SourceInfo> source, const std::string& reason);
 
     /// `path` is relative to the folder.
     void start(const std::string& path, Answer answer);
     void stop(Answer answer);
-
-    /// Finishes a running recording; `reason` is what its status will say, empty = all is well.
-    void finish(const std::string& reason);
 
     /// Finishes a recording that has failed by itself, warns once of one that loses frames; to be called now and then,
     /// by one thread.
@@ -48,13 +46,22 @@ public:
     void offer(const capture::RawFrame& frame) noexcept;
 
 private:
-    void start_now(const std::string& path);
+    /// A recording that gets no more frames.
+    struct Ended {
+        std::shared_ptr<capture::Recorder> recorder;  ///< null: there was none
+        std::string path;
+    };
 
-    std::mutex operation_;      ///< one start or finish at a time; held while files are opened and closed
+    void start_now(const std::string& path);
+    Ended end();
+    void finish_in_background(Ended ended, const std::string& reason);
+    void finish(const Ended& ended, const std::string& reason);
+
     mutable std::mutex mutex_;  ///< everything below; held shortly
     bool enabled_ = true;
     std::string directory_;
     std::optional<capture::SourceInfo> source_;
+    unsigned source_number_ = 0;  ///< counts set_source()
     std::string path_;
     std::string slow_;  ///< path of the recording that was warned of
     std::shared_ptr<capture::Recorder> recorder_;

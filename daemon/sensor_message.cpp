@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/sensor_message.h"
 
+#include "proto/text.h"
+
 namespace disparityd {
 
 namespace {
@@ -44,7 +46,7 @@ void fill_message(const capture::SensorSample& sample, v1::SensorSample& message
 v1::SensorStatus to_message(const capture::SensorFacts& sensors) {
     v1::SensorStatus message;
     message.set_state(capture::name(sensors.state));
-    message.set_detail(sensors.detail);
+    message.set_detail(proto::text(sensors.detail));
     message.set_node(sensors.node);
     message.set_samples(sensors.samples);
     message.set_lost(sensors.lost);

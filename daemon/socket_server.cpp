@@ -63,7 +63,7 @@ SocketServer::Listeners SocketServer::make_listeners(const SocketServerConfig& c
 
 void SocketServer::start() {
     for (const auto& listener : listeners_) {
-        listener->listen([this](ClientSession::Socket socket, std::string address) {
+        listener->serve([this](ClientSession::Socket socket, std::string address) {
             accepted(std::move(socket), std::move(address));
         });
     }
@@ -99,7 +99,7 @@ void SocketServer::reconfigure(const SocketServerConfig& config) {
     Listeners listeners = make_listeners(config, listeners_);
     for (const auto& listener : listeners) {
         if (std::find(listeners_.begin(), listeners_.end(), listener) == listeners_.end()) {
-            listener->listen([this](ClientSession::Socket socket, std::string address) {
+            listener->serve([this](ClientSession::Socket socket, std::string address) {
                 accepted(std::move(socket), std::move(address));
             });
         }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "proto/disparity.pb.h"
+#include "proto/text.h"
 
 namespace disparityd::proto {
 
@@ -13,13 +14,13 @@ template <typename Numbers>
 v1::RecordStatus record_message(const Numbers& numbers, const std::string& path, bool active) {
     v1::RecordStatus message;
     message.set_active(active);
-    message.set_path(path);
+    message.set_path(text(path));
     message.set_frames(numbers.frames);
     message.set_lost(numbers.lost);
     message.set_source_lost(numbers.source_lost);
     message.set_bytes(numbers.bytes);
     message.set_seconds(numbers.seconds);
-    message.set_error(numbers.error);
+    message.set_error(text(numbers.error));
     return message;
 }
 

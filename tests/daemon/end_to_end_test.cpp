@@ -292,6 +292,14 @@ TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
         while (status(client).state() == "running" || status(client).uptime_s() < 0) {
         }
     }
+    {
+        const std::string latin = folder_.path() + "/caf\xe9.mkv";
+        std::filesystem::copy_file(recording, latin);
+        const auto daemon = start_ready(config_text(), {"--source", latin});
+        WireClient client(daemon->address("tcp:"));
+        client.hello();
+        EXPECT_THAT(status(client).source(), HasSubstr("caf?.mkv"));
+    }
     const std::vector<std::string> to_the_end{"--exit-at-end", "--set", "source.pace=fastest"};
     const auto whole = start(replay, to_the_end);
     EXPECT_EQ(whole->wait_for_exit(30s), 0) << whole->log();

@@ -367,6 +367,18 @@ TEST_F(SocketServerTest, LeftOverUnixSocketIsReplacedAndOwnRemoved) {
     EXPECT_EQ(errno, ENOENT);
 }
 
+TEST_F(SocketServerTest, AnAddressIsTakenBeforeItIsServed) {
+    SocketServerConfig config;
+    config.unix_path = "/tmp/disparityd-early-" + std::to_string(getpid()) + ".sock";
+    SocketServer first(config, {});
+    first.set_layout(feed_.layout());
+    EXPECT_THROW(SocketServer(config, {}), std::runtime_error);
+    WireClient early("unix:" + config.unix_path);
+    first.start();
+    const auto welcome = early.hello("early");
+    EXPECT_TRUE(welcome && welcome->has_welcome());
+}
+
 TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
     start();
     WireClient client = connect(tcp_);
