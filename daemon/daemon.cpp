@@ -328,6 +328,7 @@ void Daemon::shut_down() {
         last->stop();
     }
     recording_.set_source(std::nullopt, "");
+    recording_.wait();
     server_.stop();
     shared_memory_.reset();
 }

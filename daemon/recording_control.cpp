@@ -2,6 +2,7 @@
 #include "daemon/recording_control.h"
 
 #include <filesystem>
+#include <future>
 #include <stdexcept>
 #include <utility>
 
@@ -48,7 +49,11 @@ std::string target_path(const std::string& path, const std::string& directory) {
 
 RecordingControl::~RecordingControl() {
     worker_.join();
-    finish(end(), "");
+    {
+        const std::lock_guard lock(mutex_);
+        end("");
+    }
+    finish_ended();
 }
 
 void RecordingControl::configure(bool enabled, std::string directory) {
@@ -58,13 +63,12 @@ void RecordingControl::configure(bool enabled, std::string directory) {
 }
 
 void RecordingControl::set_source(std::optional<capture::SourceInfo> source, const std::string& reason) {
-    Ended ended = end();
-    {
-        const std::lock_guard lock(mutex_);
-        source_ = std::move(source);
-        ++source_number_;
+    const std::lock_guard lock(mutex_);
+    source_ = std::move(source);
+    ++source_number_;
+    if (end(reason)) {
+        boost::asio::post(worker_, [this] { finish_ended(); });
     }
-    finish_in_background(std::move(ended), reason);
 }
 
 void RecordingControl::start(const std::string& path, Answer answer) {
@@ -80,14 +84,30 @@ void RecordingControl::start(const std::string& path, Answer answer) {
 }
 
 void RecordingControl::stop(Answer answer) {
-    boost::asio::post(worker_, [this, answer = std::move(answer)] {
-        const bool running = status().active();
-        finish(end(), "");
-        answer(status(), running ? "" : "record: nothing is being recorded");
+    // One that is being finished has a status to tell of, when it is asked for now.
+    const bool running = status().active();
+    boost::asio::post(worker_, [this, running, answer = std::move(answer)] {
+        bool ended = false;
+        {
+            const std::lock_guard lock(mutex_);
+            ended = end("");
+        }
+        finish_ended();
+        answer(status(), running || ended ? "" : "record: nothing is being recorded");
     });
 }
 
+void RecordingControl::wait() {
+    std::promise<void> finished;
+    boost::asio::post(worker_, [this, &finished] {
+        finish_ended();
+        finished.set_value();
+    });
+    finished.get_future().wait();
+}
+
 void RecordingControl::start_now(const std::string& path) {
+    finish_ended();
     std::string directory;
     capture::SourceInfo source;
     unsigned number = 0;
@@ -127,41 +147,48 @@ void RecordingControl::start_now(const std::string& path) {
     log_info(fmt::format("recording to {}", target));
 }
 
-RecordingControl::Ended RecordingControl::end() {
-    const std::lock_guard lock(mutex_);
+bool RecordingControl::end(const std::string& reason) {
     if (!recorder_) {
-        return {};
+        return false;
     }
-    last_ = proto::record_message(recorder_->status(), path_, true);  // what status() tells while it is being finished
-    return {std::exchange(recorder_, nullptr), path_};
+    last_ = current();
+    ended_ = {std::exchange(recorder_, nullptr), path_, reason};
+    return true;
 }
 
-void RecordingControl::finish_in_background(Ended ended, const std::string& reason) {
-    if (ended.recorder) {
-        boost::asio::post(worker_, [this, ended = std::move(ended), reason] { finish(ended, reason); });
+void RecordingControl::finish_ended() {
+    Ended ended;
+    {
+        const std::lock_guard lock(mutex_);
+        ended = std::exchange(ended_, {});
     }
-}
-
-void RecordingControl::finish(const Ended& ended, const std::string& reason) {
     if (!ended.recorder) {
         return;
     }
-    capture::Recorder::Status end = ended.recorder->finish();
-    if (end.error.empty()) {
-        end.error = reason;
+    capture::Recorder::Status status = ended.recorder->finish();
+    if (status.error.empty()) {
+        status.error = ended.reason;
     }
-    log_line(end.error.empty() ? LogLevel::info : LogLevel::warning,
+    log_line(status.error.empty() ? LogLevel::info : LogLevel::warning,
              fmt::format("recording {} finished: {} frames, {} lost, {} lost by the source, {} bytes{}{}", ended.path,
-                         end.frames, end.lost, end.source_lost, end.bytes, end.error.empty() ? "" : "; ", end.error));
+                         status.frames, status.lost, status.source_lost, status.bytes, status.error.empty() ? "" : "; ",
+                         status.error));
     const std::lock_guard lock(mutex_);
-    last_ = proto::record_message(end, ended.path, false);
+    last_ = proto::record_message(status, ended.path, false);
 }
 
 void RecordingControl::check() {
-    const v1::RecordStatus now = status();
-    if (!now.path().empty() && now.active() && !now.error().empty()) {
-        finish_in_background(end(), now.error());
-    } else if (now.active() && now.lost() > 0 && now.path() != slow_) {
+    v1::RecordStatus now;
+    {
+        const std::lock_guard lock(mutex_);
+        now = current();
+        if (recorder_ && !now.error().empty()) {
+            end(now.error());
+            boost::asio::post(worker_, [this] { finish_ended(); });
+            return;
+        }
+    }
+    if (now.active() && now.lost() > 0 && now.path() != slow_) {
         slow_ = now.path();
         log_warning(capture::Recorder::slow_disk_text(now.path()));
     }
@@ -169,6 +196,10 @@ void RecordingControl::check() {
 
 v1::RecordStatus RecordingControl::status() const {
     const std::lock_guard lock(mutex_);
+    return current();
+}
+
+v1::RecordStatus RecordingControl::current() const {
     return recorder_ ? proto::record_message(recorder_->status(), path_, true) : last_;
 }
 

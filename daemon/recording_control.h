@@ -36,6 +36,9 @@ public:
     void start(const std::string& path, Answer answer);
     void stop(Answer answer);
 
+    /// Waits until a recording that gets no more frames is finished.
+    void wait();
+
     /// Finishes a recording that has failed by itself, warns once of one that loses frames; to be called now and then,
     /// by one thread.
     void check();
@@ -48,14 +51,18 @@ public:
 private:
     /// A recording that gets no more frames.
     struct Ended {
-        std::shared_ptr<capture::Recorder> recorder;  ///< null: there was none
+        std::shared_ptr<capture::Recorder> recorder;  ///< null: there is none
         std::string path;
+        std::string reason;
     };
 
+    // With mutex_ held.
+    bool end(const std::string& reason);
+    v1::RecordStatus current() const;
+
+    // In the worker.
     void start_now(const std::string& path);
-    Ended end();
-    void finish_in_background(Ended ended, const std::string& reason);
-    void finish(const Ended& ended, const std::string& reason);
+    void finish_ended();
 
     mutable std::mutex mutex_;  ///< everything below; held shortly
     bool enabled_ = true;
@@ -63,9 +70,10 @@ private:
     std::optional<capture::SourceInfo> source_;
     unsigned source_number_ = 0;  ///< counts set_source()
     std::string path_;
-    std::string slow_;  ///< path of the recording that was warned of
     std::shared_ptr<capture::Recorder> recorder_;
-    v1::RecordStatus last_;  ///< of the recording before
+    Ended ended_;            ///< until the worker takes it to finish it; nothing is started before
+    v1::RecordStatus last_;  ///< of the recording that is being finished, or of the one before
+    std::string slow_;       ///< path of the recording that was warned of; check()'s own
     boost::asio::thread_pool worker_ = one_thread();
 };
 
