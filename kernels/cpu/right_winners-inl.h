@@ -142,8 +142,8 @@ private:
     Waiting waiting_[parts][at_once + part_classes];
 };
 
-/// For one part, and many registers: what leads waits in them. A store and a load less for a pixel, each twice as wide
-/// as a register's winners.
+/// For one part, and many registers: what leads waits in them. Of a pixel a block is stored, instead of two vectors
+/// that are stored and loaded again.
 template <class Tag, int classes, int at_once>
 class RightWinnersInRegisters {
     using V = hn::Vec<Tag>;
@@ -154,7 +154,7 @@ class RightWinnersInRegisters {
 public:
     /// What stays in registers for a block.
     struct State {
-        State() {}
+        State() {}  // written out as above
 
         V least[classes - 1];  ///< keys of what is not met as a whole yet, by the class met last
         // What leads, for the pixel that comes as many later.
