@@ -7,8 +7,6 @@
 #define DISPARITYD_CPU_AGGREGATION_INL_H_
 #endif
 
-#include <algorithm>
-
 #include "kernels/cpu/path_rows-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -43,11 +41,6 @@ struct Aggregation {
         } else {
             // A row left over: how it is stored does not matter.
             steps_of_rows<1, false>(geometry, pass, before, rows, steps, state);
-        }
-        if (pass.store == Store::stream && steps.end == steps_of(geometry.width, count)) {
-            for (int j = 0; j < count; ++j) {
-                std::copy_n(rows[j].costs, geometry.row_bytes(), rows[j].costs_copy);
-            }
         }
     }
 };

@@ -59,37 +59,71 @@ class MatchingCostRow {
     static constexpr int candidates = registers * lanes;
 
 public:
-    MatchingCostRow(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs)
+    MatchingCostRow(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs,
+                    std::uint8_t* streamed = nullptr)
         : geometry_(geometry),
           left_(census.left),
           right_(census.right),
           next_(next),
           costs_(costs),
+          streamed_(streamed),
+          padded_(geometry.range.count != candidates),
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
     void run() const {
-        constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
         const int width = geometry_.width;
-        const int portions = std::max(width / at_once, 1);
-        Prefetch next_left({next_.left, geometry_.census.left_row()}, portions);
-        Prefetch next_right({next_.right, geometry_.census.right_row()}, portions);
-        int x = 0;
-        for (; x + at_once <= width; x += at_once) {
-            next_left.portion();
-            next_right.portion();
-            pixels<at_once>(x);
+        const DisparityRange range = geometry_.range;
+        // From `first` to `end` all candidates are inside the right image.
+        const int first = std::clamp(range.first + range.count - 1, 0, width);
+        const int end = std::clamp(width + range.first, first, width);
+        NextPlanes next(next_, geometry_.census, std::max(width / at_once, 1));
+        if (streamed_ != nullptr && !padded_) {
+            const int first_streamed = std::min((first + at_once - 1) / at_once * at_once, end);
+            pixels_between<false>(0, first_streamed, next);
+            pixels_between<true>(first_streamed, end, next);
+            pixels_between<false>(end, width, next);
+            set_outside<true>(0, first_streamed);
+            set_outside<true>(end, width);
+            return;
         }
-        for (; x < width; ++x) {
-            pixels<1>(x);
+        pixels_between<false>(0, width, next);
+        set_outside<false>(0, first);
+        set_outside<false>(end, width);
+        if (padded_) {
+            set_padding();
         }
-        set_outside();
-        set_padding();
+        if (streamed_ != nullptr) {
+            std::copy_n(costs_, geometry_.row_bytes(), streamed_);
+        }
     }
 
 private:
+    static constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
+
+    /// The planes of the next row, asked for little by little.
+    struct NextPlanes {
+        NextPlanes(const CensusRow& row, const CensusLayout& layout, int portions)
+            : left({row.left, layout.left_row()}, portions), right({row.right, layout.right_row()}, portions) {}
+
+        Prefetch left;
+        Prefetch right;
+    };
+
+    template <bool streaming>
+    HWY_INLINE void pixels_between(int x, int end, NextPlanes& next) const {
+        for (; x + at_once <= end; x += at_once) {
+            next.left.portion();
+            next.right.portion();
+            pixels<at_once, streaming>(x);
+        }
+        for (; x < end; ++x) {
+            pixels<1, streaming>(x);
+        }
+    }
+
     /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
     /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
-    template <int count>
+    template <int count, bool streaming>
     HWY_INLINE void pixels(int x) const {
         constexpr int sources = registers + count - 1;
         // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
@@ -134,12 +168,11 @@ private:
             left += geometry_.census.left_pitch;
             right += geometry_.census.right_pitch;
         }
-        std::uint8_t* const out = pixel(x);
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                hn::Store(cost[i][r], tag_, out + i * candidates + r * lanes);
+                store<streaming>(cost[i][r], x + i, r);
             }
         }
     }
@@ -151,7 +184,16 @@ private:
     std::uint8_t raised(int cost) const { return static_cast<std::uint8_t>(raised_ + cost); }
     std::uint8_t outside() const { return raised(outside_cost); }
 
-    std::uint8_t* pixel(int x) const { return costs_ + static_cast<std::ptrdiff_t>(x) * candidates; }
+    static std::ptrdiff_t place(int x, int r) { return static_cast<std::ptrdiff_t>(x) * candidates + r * lanes; }
+
+    /// Of register r of pixel x.
+    template <bool streaming>
+    HWY_INLINE void store(V cost, int x, int r) const {
+        hn::Store(cost, tag_, costs_ + place(x, r));
+        if constexpr (streaming) {
+            hn::Stream(cost, tag_, streamed_ + place(x, r));
+        }
+    }
 
     /// Which candidate each lane of register r holds.
     V candidate(int r) const {
@@ -162,8 +204,9 @@ private:
         return hn::Load(tag_, k);
     }
 
-    /// Candidates outside the right image, near the left and right border.
-    void set_outside() const {
+    /// Candidates outside the right image, of pixels [x, end).
+    template <bool streaming>
+    void set_outside(int x, int end) const {
         const int width = geometry_.width;
         const DisparityRange range = geometry_.range;
         V k[registers];
@@ -171,18 +214,13 @@ private:
         for (int r = 0; r < registers; ++r) {
             k[r] = candidate(r);
         }
-        for (int x = 0; x < width; ++x) {
+        for (; x < end; ++x) {
             const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
             const int last = std::clamp(x + 1 - range.first, first, range.count);
-            if (first == 0 && last == range.count) {
-                x = std::max(x, std::min(width, range.first + width) - 1);  // all inside up to there
-                continue;
-            }
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                const V cost = hn::Load(tag_, pixel(x) + r * lanes);
-                hn::Store(first == last ? hn::Set(tag_, outside()) : keep(cost, k[r], first, last), tag_,
-                          pixel(x) + r * lanes);
+                const V cost = hn::Load(tag_, costs_ + place(x, r));
+                store<streaming>(first == last ? hn::Set(tag_, outside()) : keep(cost, k[r], first, last), x, r);
             }
         }
     }
@@ -196,9 +234,6 @@ private:
 
     /// Lanes past the last candidate.
     void set_padding() const {
-        if (geometry_.range.count == candidates) {
-            return;
-        }
         const V last = hn::Set(tag_, static_cast<std::uint8_t>(geometry_.range.count - 1));
         V least[registers];
         DISPARITYD_UNROLL
@@ -210,7 +245,7 @@ private:
         for (int x = 0; x < geometry_.width; ++x) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                std::uint8_t* at = pixel(x) + r * lanes;
+                std::uint8_t* at = costs_ + place(x, r);
                 hn::Store(hn::Max(least[r], hn::Load(tag_, at)), tag_, at);
             }
         }
@@ -222,6 +257,8 @@ private:
     const std::uint8_t* right_;
     CensusRow next_;
     std::uint8_t* costs_;
+    std::uint8_t* streamed_;
+    bool padded_;
     std::uint8_t raised_;
 };
 

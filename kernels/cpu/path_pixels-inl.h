@@ -52,7 +52,6 @@ public:
         V least;
         const std::uint8_t* costs;
         std::uint8_t* sums;
-        std::uint8_t* costs_copy;
         const std::uint8_t* prefetch[2];
         std::ptrdiff_t prefetch_step;
         const std::uint8_t* jumps[4];
@@ -76,7 +75,6 @@ public:
         const std::ptrdiff_t first = from_right ? static_cast<std::ptrdiff_t>(width_ - 1) * candidates : 0;
         state.costs = row.costs + first;
         state.sums = row.sums + first * form.sum_bytes();
-        state.costs_copy = row.costs_copy == nullptr ? nullptr : row.costs_copy + first;
         state.prefetch_step = row.prefetch[0] == nullptr ? 1 : form.sum_bytes();
         state.prefetch[0] = row.prefetch[0] == nullptr ? state.costs : row.prefetch[0] + first * form.sum_bytes();
         state.prefetch[1] = row.prefetch[1] == nullptr ? state.costs : row.prefetch[1] + first;
@@ -243,9 +241,7 @@ private:
         for (int r = 0; r < registers; ++r) {
             const std::ptrdiff_t offset = at + r * lanes();
             cost[r] = hn::Load(tag_, state.costs + offset);
-            if constexpr (streaming) {
-                hn::Stream(cost[r], tag_, state.costs_copy + offset);
-            } else if (r * lanes() % cache_line == 0) {
+            if (!streaming && r * lanes() % cache_line == 0) {
                 prefetch(state, offset);
             }
             if constexpr (form.any_p2) {

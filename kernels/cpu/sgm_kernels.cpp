@@ -23,8 +23,8 @@ struct Kernels {
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
     static void matching_cost(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next,
-                              std::uint8_t* costs) {
-        MatchingCostRow<Tag, registers>(geometry, census, next, costs).run();
+                              std::uint8_t* costs, std::uint8_t* streamed) {
+        MatchingCostRow<Tag, registers>(geometry, census, next, costs, streamed).run();
     }
 
     static SgmKernels table() {

@@ -83,14 +83,13 @@ constexpr int max_sweep_state = 2 * (2 * max_disparities + 64);
 struct SweepRow {
     const std::uint8_t* costs = nullptr;   ///< matching costs of the row
     std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the paths of the sweep
-    std::uint8_t* costs_copy = nullptr;    ///< out, when streaming: costs again, past the caches
     const std::uint8_t* jumps[4] = {};     ///< P2 by position, of PathRow's paths and of the one along the row
     const std::uint8_t* prefetch[2] = {};  ///< rows of sums and of costs that are needed soon; used when not null
 };
 
 enum class Store : std::uint8_t {
     keep,    ///< plain stores
-    stream,  ///< past the caches, `costs_copy` too: follow with hwy::FlushStream before another thread reads
+    stream,  ///< past the caches: follow with hwy::FlushStream before another thread reads
 };
 
 struct SweepPass {
@@ -124,7 +123,7 @@ struct SgmKernels {
     int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
     int raised_cost = 0;   ///< SgmGeometry::raised_cost of these kernels
     int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
-    bool streams = false;  ///< for Store::stream, aggregate() has stores past the caches
+    bool streams = false;  ///< there are stores past the caches
 
     /// Strides and sizes of census planes.
     CensusLayout (*census_layout)(int width, DisparityLayout layout);
@@ -132,9 +131,11 @@ struct SgmKernels {
     void (*census_left)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
     /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
     void (*census_right)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
-    /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon.
+    /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon. What is
+    /// not null of `streamed` gets the costs too, past the caches as with Store::stream: here, where there is nothing
+    /// else to write, and not in aggregate(), or the memory would be idle half of the time and too slow in the other.
     void (*matching_cost)(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next,
-                          std::uint8_t* costs);
+                          std::uint8_t* costs, std::uint8_t* streamed);
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
     /// steps, in order. To reach position p, `before` must be done up to p + 1. `state`, max_sweep_state bytes aligned
     /// to 64, is carried from one call to the next.

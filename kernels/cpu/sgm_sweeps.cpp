@@ -96,8 +96,9 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const SweepSeat&
         const int y = rows.row(i);
         SweepRow& row = sweep_rows[i];
         std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
-        row.costs = matching_cost(frame, rows, i, stream_ || kept == nullptr ? seat.costs[i] : kept);
-        row.costs_copy = stream_ ? kept : nullptr;
+        std::uint8_t* costs = stream_ || kept == nullptr ? seat.costs[i] : kept;
+        matching_cost(frame, rows, i, costs, stream_ ? kept : nullptr);
+        row.costs = costs;
         row.sums = memory_.sums(y);
         set_jumps(frame, pass, y, seat.jumps[i], row);
     }
@@ -113,7 +114,10 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const SweepSea
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
         SweepRow& row = sweep_rows[i];
-        row.costs = costs_kept ? memory_.costs(y) : matching_cost(frame, rows, i, seat.costs[i]);
+        row.costs = costs_kept ? memory_.costs(y) : seat.costs[i];
+        if (!costs_kept) {
+            matching_cost(frame, rows, i, seat.costs[i], nullptr);
+        }
         row.sums = seat.sums[i];
         set_jumps(frame, pass, y, seat.jumps[i], row);
         row.prefetch[0] = memory_.sums(y);
@@ -162,11 +166,10 @@ int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const
     return std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
 }
 
-const std::uint8_t* SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i,
-                                             std::uint8_t* out) const {
+void SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i, std::uint8_t* costs,
+                              std::uint8_t* streamed) const {
     const auto planes = [&](int y) { return frame.planes.row(geometry_.census, y); };
-    kernels_.matching_cost(geometry_, planes(rows.row(i)), planes(row_ahead(frame, rows, i)), out);
-    return out;
+    kernels_.matching_cost(geometry_, planes(rows.row(i)), planes(row_ahead(frame, rows, i)), costs, streamed);
 }
 
 }  // namespace disparityd::cpu

@@ -38,9 +38,9 @@ struct TimedKernels {
 TimedKernels timed;
 
 void timed_matching_cost(const SgmGeometry& geometry, const cpu::CensusRow& census, const cpu::CensusRow& next,
-                         std::uint8_t* costs) {
+                         std::uint8_t* costs, std::uint8_t* streamed) {
     const auto start = Clock::now();
-    timed.real.matching_cost(geometry, census, next, costs);
+    timed.real.matching_cost(geometry, census, next, costs, streamed);
     timed.costs.push_back(microseconds_since(start));
 }
 

@@ -76,9 +76,9 @@ struct SgmPlanes {
             layout.kernels.census_right(layout.geometry, pair.right.plane(), right.data(), rows);
         });
     }
-    void matching_cost(int y, std::uint8_t* row) const {
+    void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) const {
         const cpu::CensusRow census = cpu::CensusPlanes(left.data(), right.data()).row(layout.geometry.census, y);
-        layout.kernels.matching_cost(layout.geometry, census, census, row);
+        layout.kernels.matching_cost(layout.geometry, census, census, row, streamed);
     }
 
     const SgmLayout& layout;

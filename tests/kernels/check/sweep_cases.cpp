@@ -12,11 +12,11 @@ struct TwoSweeps {
         const SgmPlanes planes(layout, buffers);
         planes.census(pair, input);
         const std::size_t bytes = layout.rows_bytes();
-        for (auto* volume : {&costs, &sums[0], &sums[1], &copies[0], &copies[1]}) {
+        for (auto* volume : {&costs, &sums[0], &sums[1], &streamed_costs}) {
             *volume = buffers.memory<std::uint8_t>(bytes);
         }
         for (int y = 0; y < input.height; ++y) {
-            planes.matching_cost(y, row(costs, y));
+            planes.matching_cost(y, row(costs, y), store == cpu::Store::stream ? row(streamed_costs, y) : nullptr);
         }
         path_pixels = static_cast<std::size_t>(input.width + 2 * cpu::path_guard);
         path_costs = buffers.memory<std::uint8_t>(3 * path_pixels * layout.geometry.layout.bytes());
@@ -49,7 +49,6 @@ struct TwoSweeps {
         cpu::SweepRow sweep_row;
         sweep_row.costs = row(costs, y);
         sweep_row.sums = row(sums[sweep], y);
-        sweep_row.costs_copy = store == cpu::Store::stream ? row(copies[sweep], y) : nullptr;
         std::uint8_t* own = jumps.data() + 4 * jump_bytes * static_cast<std::size_t>(y);
         std::uint8_t* of_paths[4];
         for (std::size_t path = 0; path < 4; ++path) {
@@ -101,10 +100,8 @@ struct TwoSweeps {
             for (std::size_t i = 0; i < cost.size(); ++i) {
                 all.push_back(static_cast<std::uint16_t>(down[i] + up[i] + 8 * cost[i]));
             }
-            for (const auto& copy : {copies[0], copies[1]}) {
-                const auto found = layout.costs_row(row(store == cpu::Store::stream ? copy : costs, y));
-                streamed.insert(streamed.end(), found.begin(), found.end());
-            }
+            const auto found = layout.costs_row(row(store == cpu::Store::stream ? streamed_costs : costs, y));
+            streamed.insert(streamed.end(), found.begin(), found.end());
         }
         const auto* raw = reinterpret_cast<const std::uint8_t*>(all.data());
         streamed.insert(streamed.end(), raw, raw + all.size() * sizeof(all[0]));
@@ -117,7 +114,7 @@ struct TwoSweeps {
     ImagePair pair;
     SgmLayout layout;
     RunBuffers buffers;
-    std::span<std::uint8_t> costs, sums[2], copies[2], path_costs, path_least, jumps;
+    std::span<std::uint8_t> costs, sums[2], streamed_costs, path_costs, path_least, jumps;
     std::size_t path_pixels = 0;
     std::size_t jump_bytes = 0;
 };
@@ -140,13 +137,7 @@ struct PlainPaths {
         return {of.data(), input.width, input.height, input.options.range.count};
     }
     std::vector<std::uint8_t> results() const {
-        const auto row = costs.size() / static_cast<std::size_t>(input.height);
-        std::vector<std::uint8_t> all;
-        for (auto at = costs.begin(); at != costs.end(); at += static_cast<std::ptrdiff_t>(row)) {
-            for (int copy = 0; copy < 2; ++copy) {
-                all.insert(all.end(), at, at + static_cast<std::ptrdiff_t>(row));
-            }
-        }
+        std::vector<std::uint8_t> all = costs;
         const auto* raw = reinterpret_cast<const std::uint8_t*>(sums.data());
         all.insert(all.end(), raw, raw + sums.size() * sizeof(sums[0]));
         return all;
