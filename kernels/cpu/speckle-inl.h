@@ -116,7 +116,8 @@ inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min
     constexpr int least_rows = 16;  // a border costs as much as a few rows
     const SpeckleFilter filter(disparity, invalid, max_step, scratch);
     const int height = disparity.height;
-    const int wanted = workers.workers() == 1 ? 1 : 2 * workers.workers();
+    // A few for each worker: what a band takes depends on what is in it.
+    const int wanted = workers.workers() == 1 ? 1 : 4 * workers.workers();
     const int bands = std::clamp(height / least_rows, 1, wanted);
     const auto begin_of = [=](int band) { return height * band / bands; };
     workers.for_each(bands, [&](int band) { filter.find({begin_of(band), begin_of(band + 1)}); });
