@@ -17,7 +17,7 @@ public:
     explicit CandidatePlaces(int count) {
         if (count != candidates) {
             std::copy_n(all.begin(), count + 1, some_);
-            some_[count + 1] = some_[count - 1];
+            some_[count + 1] = all[static_cast<std::size_t>(count) - 1];
             places_ = some_;
         }
     }

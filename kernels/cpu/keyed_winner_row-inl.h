@@ -41,9 +41,12 @@ struct KeyTables {
 
     /// What makes a key of candidate classes * lane + q, class after class.
     alignas(64) std::uint16_t names[candidates] = {};
+    /// no_key for all.
+    alignas(64) std::uint16_t all_padding[candidates] = {};
 
     constexpr KeyTables() {
         for (int k = 0; k < candidates; ++k) {
+            all_padding[k] = no_key;
             names[CandidatePlaces<classes, Groups::lanes>::of(k)] =
                 static_cast<std::uint16_t>(k % Groups::group_size - (raised << bits));
         }
@@ -133,17 +136,15 @@ class KeyedWinnerSearch {
     using Right = RightKeys<Tag, classes, bits>;
     static constexpr int lanes = Groups::lanes;
     static constexpr int candidates = classes * lanes;
-    static constexpr int at_once = 16;
     static_assert(Groups::possible);
     using Places = CandidatePlaces<classes, lanes>;
 
 public:
     explicit KeyedWinnerSearch(const SgmGeometry& geometry)
         : width_(geometry.width), range_(geometry.range), places_(range_.count) {
-        if (range_.count != candidates) {
-            for (int k = 0; k < candidates; ++k) {
-                padding_[Places::of(k)] = k < range_.count ? std::uint16_t{0} : no_key;
-            }
+        std::fill_n(padding_, candidates, std::uint16_t{0});
+        for (int k = range_.count; k < candidates; ++k) {
+            padding_[Places::of(k)] = no_key;
         }
     }
 
@@ -151,19 +152,18 @@ public:
     template <class Keys>
     void run(Keys keys, Minima& minima, std::int16_t* right_winner) {
         Right right;
-        Batch before;
-        for (int i = 0; i <= batches(); ++i) {
-            const Batch batch = i < batches() ? batch_at(i) : Batch{};
-            all_keys(keys, batch, before, right, minima);
-            for (int k = 0; k < batch.count; k += 8) {
-                winners(k, minima.least + batch.x + k, minima.winner + batch.x + k);
-                right_winners(k, batch.x + k);
+        for (int x = 0; x < width_; x += 8) {
+            eight_pixels(keys, x, right, minima);
+            if (x > 0) {
+                second(x - 8, minima);
             }
-            for (int k = 0; k < before.count; k += 8) {
-                second(before, k, minima);
-            }
-            before = batch;
         }
+        const int last = (width_ - 1) / 8 * 8;
+        for (int x = last; x < width_; ++x) {
+            neighbours(x, minima);
+        }
+        std::fill(minima.winner + width_, minima.winner + last + 8, std::int16_t{0});  // no candidate won there
+        second(last, minima);
         sums_of_keys<bits>(minima.before, width_);
         sums_of_keys<bits>(minima.after, width_);
         finish_right(right, right_winner);
@@ -175,68 +175,58 @@ private:
     static constexpr int right_origin = max_disparities + 64;
     static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
 
-    // Pixels x .. x + count - 1, and where their keys are.
-    struct Batch {
-        int x = 0;
-        int count = 0;
-        std::uint16_t* keys = nullptr;
+    // Of pixel x, which stay until sixteen later.
+    std::uint16_t* keys_of(int x) { return keys_ + x % 16 * candidates; }
 
-        std::uint16_t* of(int i) const { return keys + i * candidates; }
-    };
-
-    int batches() const { return (width_ + at_once - 1) / at_once; }
-
-    Batch batch_at(int i) {
-        const int x = i * at_once;
-        return {x, std::min(at_once, width_ - x), keys_ + i % 2 * at_once * candidates};
-    }
-
-    // Keys of a batch, and in between the sums beside the winners of the batch before: scattered loads and stores
-    // beside vector operations.
+    // Keys and winners of the pixels from x on, and in between the sums beside the winners of the eight before:
+    // scattered loads and stores beside vector operations. Pixels beyond the row have no keys.
     template <class Keys>
-    HWY_INLINE void all_keys(const Keys& keys, const Batch& batch, const Batch& before, Right& right, Minima& minima) {
-        V candidate[classes];
+    HWY_INLINE void eight_pixels(const Keys& keys, int x, Right& right, Minima& minima) {
+        const auto& tables = key_tables<Tag, classes, bits, raised>;
+        V name[classes];
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            candidate[q] = hn::Load(tag_, key_tables<Tag, classes, bits, raised>.names + q * lanes);
+            name[q] = hn::Load(tag_, tables.names + q * lanes);
         }
-        const bool padded = range_.count != candidates;
-        for (int i = 0; i < batch.count; ++i) {
+        const bool padded = range_.count != candidates || x + 8 > width_;
+        LeastOfEight<Tag> least_keys;
+        LastLanesOfEight<Tag> right_keys;
+        DISPARITYD_UNROLL
+        for (int i = 0; i < 8; ++i) {
             V key[classes];
-            keys(batch.x + i, key);
+            keys(std::min(x + i, width_ - 1), key);
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
-                key[q] = hn::Add(key[q], candidate[q]);
+                key[q] = hn::Add(key[q], name[q]);
             }
             if (padded) {
+                const std::uint16_t* padding = x + i < width_ ? padding_ : tables.all_padding;
                 DISPARITYD_UNROLL
                 for (int q = 0; q < classes; ++q) {
-                    key[q] = hn::Or(key[q], hn::Load(tag_, padding_ + q * lanes));
+                    key[q] = hn::Or(key[q], hn::Load(tag_, padding + q * lanes));
                 }
             }
             V least = key[0];
             DISPARITYD_UNROLL
             for (int q = 0; q < classes; ++q) {
                 least = hn::Min(least, key[q]);
-                hn::Store(key[q], tag_, batch.of(i) + q * lanes);
+                hn::Store(key[q], tag_, keys_of(x + i) + q * lanes);
             }
-            hn::Store(least, tag_, least_ + i * lanes);
-            hn::Store(right.add(key), tag_, right_least_ + i * lanes);
-            if (i < before.count) {
-                neighbours(before, i, minima);
+            least_keys.add(i, least);
+            right_keys.add(i, right.add(key));
+            if (x > 0) {
+                neighbours(x - 8 + i, minima);
             }
         }
-        for (int i = batch.count; i < before.count; ++i) {
-            neighbours(before, i, minima);
-        }
+        winners(least_keys.all(), minima.least + x, minima.winner + x);
+        right_winners(right_keys.all(), x);
     }
 
-    // Of the eight pixels from the i-th of the batch on.
-    HWY_INLINE void winners(int i, std::int16_t* least, std::int16_t* winner) {
+    // Of eight pixels.
+    HWY_INLINE void winners(V least_by_block, std::int16_t* least, std::int16_t* winner) {
         const hn::FixedTag<std::uint16_t, 8> block;
         hn::Vec<decltype(block)> groups[Groups::count];
-        least_of_groups<Groups::count>(
-            tag_, least_by_block<1>(tag_, 0, [&](int k) { return hn::Load(tag_, least_ + (i + k) * lanes); }), groups);
+        least_of_groups<Groups::count>(tag_, least_by_block, groups);
         hn::Vec<decltype(block)> sum;
         hn::Vec<decltype(block)> candidate;
         first_of_groups<bits, Groups::count, Groups::group_size>(block, groups, &sum, &candidate);
@@ -244,41 +234,40 @@ private:
         hn::StoreU(candidate, block, reinterpret_cast<std::uint16_t*>(winner));
     }
 
-    HWY_INLINE void right_winners(int i, int x) {
+    HWY_INLINE void right_winners(V last_lanes, int x) {
         alignas(64) std::uint16_t blocks[lanes];
-        const auto load = [&](int k) { return hn::Load(tag_, right_least_ + (i + k) * lanes); };
-        hn::Store(last_lanes_side_by_side(tag_, load), tag_, blocks);
+        hn::Store(last_lanes, tag_, blocks);
         DISPARITYD_UNROLL
         for (int b = 0; b < Groups::blocks; ++b) {
             std::copy_n(blocks + 8 * b, 8, right_row_[b] + right_origin + x);
         }
     }
 
-    HWY_INLINE void neighbours(const Batch& batch, int i, Minima& minima) {
-        const int x = batch.x + i;
-        take_neighbours(places_, minima.winner[x], batch.of(i), &minima.before[x], &minima.after[x]);
+    HWY_INLINE void neighbours(int x, Minima& minima) {
+        take_neighbours(places_, minima.winner[x], keys_of(x), &minima.before[x], &minima.after[x]);
     }
 
-    HWY_INLINE void second(const Batch& batch, int i, Minima& minima) {
+    // Of eight pixels.
+    HWY_INLINE void second(int x, Minima& minima) {
         const hn::FixedTag<std::uint16_t, 8> block;
-        const std::int16_t* winner = minima.winner + batch.x + i;
+        const std::int16_t* winner = minima.winner + x;
         const auto least_key =
-            least_of_pixels(tag_, [&](int k) { return least_rivals<classes>(tag_, batch.of(i + k), winner[k]); });
-        hn::StoreU(hn::ShiftRight<bits>(least_key), block,
-                   reinterpret_cast<std::uint16_t*>(minima.second + batch.x + i));
+            least_of_pixels(tag_, [&](int k) { return least_rivals<classes>(tag_, keys_of(x + k), winner[k]); });
+        hn::StoreU(hn::ShiftRight<bits>(least_key), block, reinterpret_cast<std::uint16_t*>(minima.second + x));
     }
 
     HWY_INLINE void finish_right(const Right& right, std::int16_t* right_winner) {
         std::uint16_t rest[Groups::blocks][Groups::block_size];
         right.rest(rest);
+        const int searched = (width_ + 7) / 8 * 8;
         const int first = std::min(0, range_.first);
-        const int end = std::max(width_, width_ + range_.first + candidates) + lanes;
+        const int end = std::max(searched, width_ + range_.first + candidates) + lanes;
         for (int b = 0; b < Groups::blocks; ++b) {
             std::uint16_t* row = right_row_[b] + right_origin;
             std::fill(row + first, row, no_key);
-            std::fill(row + width_, row + end, no_key);
+            std::fill(row + searched, row + end, no_key);
             for (int j = 0; j < Groups::block_size; ++j) {
-                row[width_ - 1 + (Groups::block_size - 1 - j)] = rest[b][j];
+                row[searched - 1 + (Groups::block_size - 1 - j)] = rest[b][j];
             }
         }
         int x = 0;
@@ -316,10 +305,8 @@ private:
     int width_;
     DisparityRange range_;
     Places places_;
-    alignas(64) std::uint16_t padding_[candidates];
-    alignas(64) std::uint16_t keys_[2 * at_once * candidates] = {};
-    alignas(64) std::uint16_t least_[at_once * lanes] = {};
-    alignas(64) std::uint16_t right_least_[at_once * lanes] = {};
+    alignas(64) std::uint16_t padding_[candidates];  // what keys are or'ed with where a candidate may be none
+    alignas(64) std::uint16_t keys_[16 * candidates];
     std::uint16_t right_row_[Groups::blocks][right_size];
 };
 

@@ -13,6 +13,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
+/// Two vectors interleaved and taken by twos: half as many values of each pixel.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V folded(Tag tag, V even, V odd) {
+    return hn::Min(hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd));
+}
+
 /// `load(i)` gives a vector of pixel i. Pixels first, first + step, .. (as many as a 128-bit block has lanes): lane j
 /// of every block of the result is the least value that pixel j has in this block.
 template <int step, class Tag, class Load>
@@ -21,9 +27,8 @@ HWY_INLINE hn::Vec<Tag> least_by_block(Tag tag, int first, Load load) {
     if constexpr (step == lanes_of_block) {
         return load(first);
     } else {
-        const auto even = least_by_block<2 * step>(tag, first, load);
-        const auto odd = least_by_block<2 * step>(tag, first + step, load);
-        return hn::Min(hn::InterleaveLower(tag, even, odd), hn::InterleaveUpper(tag, even, odd));
+        return folded(tag, least_by_block<2 * step>(tag, first, load),
+                      least_by_block<2 * step>(tag, first + step, load));
     }
 }
 
@@ -33,17 +38,79 @@ HWY_INLINE auto least_of_pixels(Tag tag, Load load) {
     return least_of_blocks(tag, least_by_block<1>(tag, 0, load));
 }
 
-/// Of the words of eight pixels the last of every 128-bit block, in the order of the pixels.
+/// least_by_block<1>() of the words of eight pixels that come one after the other: four wait in registers at most.
+template <class Tag>
+class LeastOfEight {
+    using V = hn::Vec<Tag>;
+
+public:
+    LeastOfEight() {}
+
+    /// Of pixel k, which the compiler has to know.
+    HWY_INLINE void add(int k, V v) {
+        if (k < 4) {
+            waiting_[k] = v;
+            return;
+        }
+        fold(k - 4, v);
+        if (k >= 6) {
+            fold(k - 6, waiting_[k - 4]);
+        }
+        if (k == 7) {
+            fold(0, waiting_[1]);
+        }
+    }
+
+    /// After pixel 7.
+    HWY_INLINE V all() const { return waiting_[0]; }
+
+private:
+    HWY_INLINE void fold(int i, V odd) { waiting_[i] = folded(Tag(), waiting_[i], odd); }
+
+    V waiting_[4];
+};
+
+/// Of the words of eight pixels that come one after the other the last of every 128-bit block, side by side.
+template <class Tag>
+class LastLanesOfEight {
+    using V = hn::Vec<Tag>;
+
+public:
+    LastLanesOfEight() {}
+
+    /// Of pixel k, which the compiler has to know.
+    HWY_INLINE void add(int k, V v) {
+        waiting_[k % 2] = v;
+        if (k % 2 == 1) {
+            twos_[k / 2 % 2] = upper(Tag(), waiting_[0], waiting_[1]);
+        }
+        if (k % 4 == 3) {
+            fours_[k / 4] = upper(hn::Repartition<std::uint32_t, Tag>(), twos_[0], twos_[1]);
+        }
+    }
+
+    /// After pixel 7.
+    HWY_INLINE V all() const { return upper(hn::Repartition<std::uint64_t, Tag>(), fours_[0], fours_[1]); }
+
+private:
+    template <class Wide>
+    static HWY_INLINE V upper(Wide wide, V first, V second) {
+        return hn::BitCast(Tag(), hn::InterleaveUpper(wide, hn::BitCast(wide, first), hn::BitCast(wide, second)));
+    }
+
+    V waiting_[2];
+    V twos_[2];
+    V fours_[2];
+};
+
 template <class Tag, class Load>
-HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag tag, Load load) {
-    const auto pair = [](auto wide, auto first, auto second) {
-        return hn::InterleaveUpper(wide, hn::BitCast(wide, first), hn::BitCast(wide, second));
-    };
-    const auto four = [&](int i) {
-        const hn::Repartition<std::uint32_t, Tag> twos;
-        return pair(twos, pair(tag, load(i), load(i + 1)), pair(tag, load(i + 2), load(i + 3)));
-    };
-    return hn::BitCast(tag, pair(hn::Repartition<std::uint64_t, Tag>(), four(0), four(4)));
+HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag, Load load) {
+    LastLanesOfEight<Tag> last_lanes;
+    DISPARITYD_UNROLL
+    for (int i = 0; i < 8; ++i) {
+        last_lanes.add(i, load(i));
+    }
+    return last_lanes.all();
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE
