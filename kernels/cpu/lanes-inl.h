@@ -40,6 +40,18 @@ HWY_INLINE V from_lane_below(Tag tag, V v, V edge) {
     }
 }
 
+/// The same where all lanes of `edge` are alike.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V from_lane_below_or(Tag tag, V v, V edge) {
+#if HWY_TARGET <= HWY_AVX3
+    if constexpr (sizeof(hn::TFromD<Tag>) == 2 && hn::MaxLanes(Tag()) == 32) {
+        const V below = hn::Sub(hn::Iota(tag, 0), hn::Set(tag, std::uint16_t{1}));
+        return V{_mm512_mask_permutexvar_epi16(edge.raw, ~__mmask32{1}, below.raw, v.raw)};
+    }
+#endif
+    return from_lane_below(tag, v, edge);
+}
+
 /// Lane i gets lane i + 1 of `v`; the last lane gets lane 0 of `edge`.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V from_lane_above(Tag tag, V v, V edge) {

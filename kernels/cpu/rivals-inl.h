@@ -65,6 +65,9 @@ private:
 template <int classes, int lanes>
 inline constexpr RivalWords<classes, lanes> rival_words;
 
+/// Masks are no vectors, and cheap to look into.
+constexpr bool masks_are_bits = HWY_ARCH_X86 != 0 && HWY_TARGET <= HWY_AVX3;
+
 /// How the winner and those beside it are left out of the search.
 enum class LeaveOut : std::uint8_t {
     by_mask,   ///< where masks are no vectors
@@ -72,9 +75,9 @@ enum class LeaveOut : std::uint8_t {
     by_store,  ///< of three words: many instructions for one pixel
 };
 template <int classes, int lanes>
-constexpr LeaveOut leave_out = (HWY_ARCH_X86 != 0) && (HWY_TARGET <= HWY_AVX3) && (classes <= 4) ? LeaveOut::by_mask
-                               : CandidatePlaces<classes, lanes>::candidates <= 64               ? LeaveOut::by_words
-                                                                                                 : LeaveOut::by_store;
+constexpr LeaveOut leave_out = masks_are_bits && (classes <= 4)                    ? LeaveOut::by_mask
+                               : CandidatePlaces<classes, lanes>::candidates <= 64 ? LeaveOut::by_words
+                                                                                   : LeaveOut::by_store;
 
 /// Of the keys of a pixel, class after class, what stands beside the winner goes to *before and *after; where neither
 /// masks nor words do it, these keys and the winner's own become no_key.

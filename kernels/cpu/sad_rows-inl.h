@@ -54,19 +54,19 @@ public:
         mirror_row(geometry, gained, gained_);
         mirror_row(geometry, lost, lost_);
         pair_.set(gained_, lost_, entries);
-        split<classes>(pair_.pairs(), entries, parts_, part);
+        split<classes>(pair_.pairs(), entries, split_, pitch);
         for (int i = 0; i + 1 < classes; ++i) {
-            std::copy_n(parts_ + i * part + 1, entries / classes + 1, parts_ + (classes + i) * part);
+            std::copy_n(split_ + i * pitch + 1, entries / classes + 1, split_ + (classes + i) * pitch);
         }
     }
 
-    /// Entry i, and the `classes - 1` entries after it each `part` words further.
+    /// Entry i, and the `classes - 1` entries after it each `pitch` words further.
     const std::uint16_t* entry(int i) const {
         const auto number = static_cast<unsigned>(i);
-        return parts_ + number % classes * part + number / classes;
+        return split_ + number % classes * pitch + number / classes;
     }
 
-    static constexpr int part = ((max_side + max_disparities) / classes + 63) / 64 * 64 + row_slack;
+    static constexpr int pitch = ((max_side + max_disparities) / classes + 63) / 64 * 64 + row_slack;
 
 private:
     static void mirror_row(const SgmGeometry& geometry, const std::uint8_t* row, std::uint8_t* to) {
@@ -84,8 +84,8 @@ private:
     std::uint8_t gained_[max_side + max_disparities];
     std::uint8_t lost_[max_side + max_disparities];
     RowPair pair_;
-    // The first parts stand there twice, the second time from their second entry on.
-    alignas(64) std::uint16_t parts_[(2 * classes - 1) * part];
+    // The first classes stand there twice, the second time from their second entry on.
+    alignas(64) std::uint16_t split_[(2 * classes - 1) * pitch];
 };
 
 /// Of each class a row of keys, as many as a vector has lanes each time: of candidates outside the right image, of 0,
@@ -102,7 +102,7 @@ public:
         }
     }
 
-    constexpr const std::uint16_t* of(int q) const { return rows_[q]; }
+    constexpr const std::uint16_t* of(unsigned q) const { return rows_[q]; }
 
 private:
     std::uint16_t rows_[classes][3 * lanes] = {};
@@ -211,7 +211,7 @@ private:
     int inside(int y) const { return std::clamp(y, 0, left_.height - 1); }
     std::uint16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
-    // Entry width - 1 - x is candidate 0 of pixel x: a part earlier at each pixel of a group.
+    // Entry width - 1 - x is candidate 0 of pixel x: a class earlier at each pixel of a group.
     static constexpr int pixels_at_once = classes_of_part<classes>;
 
     void move_columns(const std::uint8_t* left_gained, const std::uint8_t* left_lost, const std::uint8_t* right_gained,
@@ -228,8 +228,8 @@ private:
             const std::uint16_t* right = right_rows_.entry(width - 1 - x);
             std::uint16_t* sums = column(x);
             DISPARITYD_UNROLL
-            for (int part = 0; part < classes; part += classes_of_part<classes>) {
-                move_part(left + x, right + part * Right::part, sums + part * lanes);
+            for (int first = 0; first < classes; first += classes_of_part<classes>) {
+                move_part(left + x, right + first * Right::pitch, sums + first * lanes);
             }
         }
     }
@@ -240,7 +240,7 @@ private:
         V there[before + pixels_at_once];
         DISPARITYD_UNROLL
         for (int i = 0; i < before + pixels_at_once; ++i) {
-            there[i] = hn::BitCast(Tag(), hn::LoadU(Words(), right + (i - before) * Right::part));
+            there[i] = hn::BitCast(Tag(), hn::LoadU(Words(), right + (i - before) * Right::pitch));
         }
         DISPARITYD_UNROLL
         for (int i = 0; i < pixels_at_once; ++i) {
@@ -256,7 +256,7 @@ private:
         const V here = hn::BitCast(Tag(), broadcast(Words(), left));
         DISPARITYD_UNROLL
         for (int q = 0; q < classes; ++q) {
-            const V there = hn::BitCast(Tag(), hn::LoadU(Words(), right + q * Right::part));
+            const V there = hn::BitCast(Tag(), hn::LoadU(Words(), right + q * Right::pitch));
             add_difference(here, there, sums + q * lanes);
         }
     }
@@ -276,33 +276,26 @@ private:
 
     /// The keys of pixel x from its sums: those of candidates outside the right image are not what columns say.
     static HWY_INLINE void keys_of(int x, int last_x, DisparityRange range, const W* sums, W* keys) {
-        const int last = std::max(x - range.first, -1);
-        const int first = std::min(last - last_x, range.count);
-        if (first <= 0 && last >= range.count - 1) {
-            DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                keys[q] = sums[q];
-            }
-            return;
-        }
-        // No sum is larger than one of a candidate outside.
-        const int end = std::min(last + 1, candidates);
+        const int left = range.first + candidates - 1 - x;  // how many of the last candidates are left of the image
+        const int right = x - range.first - last_x;         // how many of the first are right of it
+        // No sum is larger than one of a candidate outside. Numbers without a sign are divided with fewer instructions.
+        const auto most = [](int number) { return static_cast<unsigned>(std::min(number, candidates)); };
         DISPARITYD_UNROLL
-        for (int q = 0; q < classes; ++q) {
-            const std::uint16_t* from_end = outside_keys<classes, lanes>.of(q) + 2 * lanes - lanes_below(end, q);
-            keys[q] = hn::Max(sums[q], hn::LoadU(Words(), from_end));
+        for (unsigned q = 0; q < classes; ++q) {
+            keys[q] = sums[q];
+            if (left > 0) {
+                const std::uint16_t* rows = outside_keys<classes, lanes>.of(q) + lanes;
+                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), rows + (most(left) + q) / classes));
+            }
         }
-        if (first > 0) {
+        if (right > 0) {
             DISPARITYD_UNROLL
-            for (int q = 0; q < classes; ++q) {
-                const std::uint16_t* to_first = outside_keys<classes, lanes>.of(q) + lanes - lanes_below(first, q);
-                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), to_first));
+            for (unsigned q = 0; q < classes; ++q) {
+                const std::uint16_t* rows = outside_keys<classes, lanes>.of(q) + lanes;
+                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), rows - (most(right) + classes - 1 - q) / classes));
             }
         }
     }
-
-    // Of class q, how many lanes have candidates below k.
-    static constexpr int lanes_below(int k, int q) { return (k - q + classes - 1) / classes; }
 
     const SgmGeometry& geometry_;
     Plane<const std::uint8_t> left_;

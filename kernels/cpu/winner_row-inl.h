@@ -149,10 +149,13 @@ private:
         }
     }
 
-    // Eights one after the other where their keys stay as they are: scattered loads beside the vector operations of the
-    // next eight.
+    // Eights one after the other where their keys stay as they are, each step of an eight beside other steps of those
+    // before it: each step of its own would wait for the one before.
     HWY_INLINE void search_keys(int x, int count, Minima& minima) {
         if constexpr (leave_out<classes, lanes> == LeaveOut::by_store) {
+            for (int i = 0; i < count; i += 8) {
+                least_sums(x, i, minima);
+            }
             for (int i = 0; i < count; i += 8) {
                 winners(x, i, minima);
             }
@@ -161,34 +164,51 @@ private:
                 second(x, i, minima);
             }
         } else {
-            for (int i = 0; i < count + 8; i += 8) {
+            for (int i = 0; i < count + 16; i += 8) {
                 if (i < count) {
-                    winners(x, i, minima);
+                    least_sums(x, i, minima);
                 }
-                if (i >= 8) {
-                    neighbours(x, i - 8, std::min(i, count), minima);
-                    second(x, i - 8, minima);
+                if (i >= 8 && i - 8 < count) {
+                    winners(x, i - 8, minima);
+                }
+                if (i >= 16) {
+                    neighbours(x, i - 16, std::min(i - 8, count), minima);
+                    second(x, i - 16, minima);
                 }
             }
         }
     }
 
-    // Of the eight pixels from the i-th of the block at x on: the least sum of all lanes, and the first candidate that
-    // has it.
+    // Of the eight pixels from the i-th of the block at x on, of all lanes.
+    HWY_INLINE void least_sums(int x, int i, Minima& minima) {
+        const auto sums = sum_of_key(least_of_pixels(tag_, [&](int k) { return least_of_lanes(i + k); }));
+        hn::Store(sums, block_, least_sums_ + i);
+        hn::Store(hn::Add(sums, hn::Set(block_, std::uint16_t{name_mask + 1})), block_, larger_sums_ + i);
+        hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(sums)), words_, minima.least + x + i);
+    }
+
+    HWY_INLINE V least_of_lanes(int i) const { return hn::Load(tag_, least_ + i * lanes); }
+
+    // After least_sums(): the first candidates that have them.
     HWY_INLINE void winners(int x, int i, Minima& minima) {
-        const auto least = [&](int k) { return hn::Load(tag_, least_ + (i + k) * lanes); };
-        alignas(16) std::uint16_t least_sums[8];
-        const auto of_pixels = sum_of_key(least_of_pixels(tag_, least));
-        hn::Store(of_pixels, block_, least_sums);
-        hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(of_pixels)), words_, minima.least + x + i);
-        const V none = hn::Set(tag_, Leads::no_candidate);
-        const auto candidates_found = [&](int k) HWY_ATTR {
-            const V of_lanes = least(k);
-            const Leads leader = one_part ? Leads(of_lanes) : Leads(of_lanes, hn::Load(tag_, first_ + (i + k) * lanes));
-            const auto found = hn::Eq(leader.sum, broadcast(tag_, &least_sums[k]));
-            return hn::IfThenElse(found, leader.candidate, none);
-        };
-        hn::StoreU(hn::BitCast(words_, least_of_pixels(tag_, candidates_found)), words_, minima.winner + x + i);
+        if constexpr (one_part && masks_are_bits) {
+            DISPARITYD_UNROLL
+            for (int k = i; k < i + 8; ++k) {
+                const auto found = hn::Lt(least_of_lanes(k), broadcast(tag_, &larger_sums_[k]));
+                const std::size_t lane = hn::FindKnownFirstTrue(tag_, found);
+                const unsigned name = least_[static_cast<std::size_t>(k) * lanes + lane] & name_mask;
+                minima.winner[x + k] = static_cast<std::int16_t>(classes * lane + name);
+            }
+        } else {
+            const V none = hn::Set(tag_, Leads::no_candidate);
+            const auto candidates_found = [&](int k) HWY_ATTR {
+                const V least = least_of_lanes(i + k);
+                const Leads leader = one_part ? Leads(least) : Leads(least, hn::Load(tag_, first_ + (i + k) * lanes));
+                const auto found = hn::Eq(leader.sum, broadcast(tag_, &least_sums_[i + k]));
+                return hn::IfThenElse(found, leader.candidate, none);
+            };
+            hn::StoreU(hn::BitCast(words_, least_of_pixels(tag_, candidates_found)), words_, minima.winner + x + i);
+        }
     }
 
     HWY_INLINE void neighbours(int x, int first, int end, Minima& minima) {
@@ -222,6 +242,8 @@ private:
     alignas(64) std::uint16_t keys_[at_once * candidates];
     alignas(64) std::uint16_t least_[at_once * lanes] = {};  // of one part: keys; else sums, and in first_ candidates
     alignas(64) std::uint16_t first_[at_once * lanes] = {};
+    alignas(16) std::uint16_t least_sums_[at_once];   // of pixels on their way, as in keys
+    alignas(16) std::uint16_t larger_sums_[at_once];  // the next larger ones
     std::uint16_t right_row_[right_size];
 };
 
