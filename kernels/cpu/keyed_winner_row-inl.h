@@ -13,6 +13,7 @@
 #endif
 
 #include <algorithm>
+#include <type_traits>
 
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/left_results-inl.h"
@@ -154,11 +155,14 @@ public:
         Right right;
         for (int x = 0; x < width_; x += 8) {
             eight_pixels(keys, x, right, minima);
-            if (x > 0) {
-                second(x - 8, minima);
+            if (x >= 16) {
+                second(x - 16, minima);
             }
         }
         const int last = (width_ - 1) / 8 * 8;
+        if (last > 0) {
+            second(last - 8, minima);
+        }
         for (int x = last; x < width_; ++x) {
             neighbours(x, minima);
         }
@@ -175,8 +179,8 @@ private:
     static constexpr int right_origin = max_disparities + 64;
     static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
 
-    // Of pixel x, which stay until sixteen later.
-    std::uint16_t* keys_of(int x) { return keys_ + x % 16 * candidates; }
+    // Of pixel x.
+    std::uint16_t* keys_of(int x) { return keys_ + x % 32 * candidates; }
 
     // Keys and winners of the pixels from x on, and in between the sums beside the winners of the eight before:
     // scattered loads and stores beside vector operations. Pixels beyond the row have no keys.
@@ -189,8 +193,8 @@ private:
             name[q] = hn::Load(tag_, tables.names + q * lanes);
         }
         const bool padded = range_.count != candidates || x + 8 > width_;
-        LeastOfEight<Tag> least_keys;
-        LastLanesOfEight<Tag> right_keys;
+        std::conditional_t<many_registers, LeastOfEight<Tag>, EightInMemory<Tag>> least_keys;
+        std::conditional_t<many_registers, LastLanesOfEight<Tag>, EightInMemory<Tag>> right_keys;
         DISPARITYD_UNROLL
         for (int i = 0; i < 8; ++i) {
             V key[classes];
@@ -218,8 +222,8 @@ private:
                 neighbours(x - 8 + i, minima);
             }
         }
-        winners(least_keys.all(), minima.least + x, minima.winner + x);
-        right_winners(right_keys.all(), x);
+        winners(least_keys.least(), minima.least + x, minima.winner + x);
+        right_winners(right_keys.last_lanes(), x);
     }
 
     // Of eight pixels.
@@ -306,7 +310,7 @@ private:
     DisparityRange range_;
     Places places_;
     alignas(64) std::uint16_t padding_[candidates];  // what keys are or'ed with where a candidate may be none
-    alignas(64) std::uint16_t keys_[16 * candidates];
+    alignas(64) std::uint16_t keys_[32 * candidates];
     std::uint16_t right_row_[Groups::blocks][right_size];
 };
 

@@ -38,7 +38,37 @@ HWY_INLINE auto least_of_pixels(Tag tag, Load load) {
     return least_of_blocks(tag, least_by_block<1>(tag, 0, load));
 }
 
-/// least_by_block<1>() of the words of eight pixels that come one after the other: four wait in registers at most.
+/// Of the words of eight pixels the last of every 128-bit block, side by side, in the order of the pixels.
+template <class Tag, class Load>
+HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag tag, Load load) {
+    const auto pair = [](auto wide, auto first, auto second) {
+        return hn::InterleaveUpper(wide, hn::BitCast(wide, first), hn::BitCast(wide, second));
+    };
+    const auto four = [&](int i) {
+        const hn::Repartition<std::uint32_t, Tag> twos;
+        return pair(twos, pair(tag, load(i), load(i + 1)), pair(tag, load(i + 2), load(i + 3)));
+    };
+    return hn::BitCast(tag, pair(hn::Repartition<std::uint64_t, Tag>(), four(0), four(4)));
+}
+
+/// Vectors of words of eight pixels that come one after the other, until all are there.
+template <class Tag>
+class EightInMemory {
+    using V = hn::Vec<Tag>;
+
+public:
+    HWY_INLINE void add(int k, V v) { hn::Store(v, Tag(), words_ + k * hn::MaxLanes(Tag())); }
+    HWY_INLINE V least() const { return least_by_block<1>(Tag(), 0, loads()); }
+    HWY_INLINE V last_lanes() const { return last_lanes_side_by_side(Tag(), loads()); }
+
+private:
+    HWY_INLINE auto loads() const {
+        return [this](int k) HWY_ATTR { return hn::Load(Tag(), words_ + k * hn::MaxLanes(Tag())); };
+    }
+    alignas(64) std::uint16_t words_[8 * hn::MaxLanes(Tag())];
+};
+
+/// The same for least() where there are many registers: of the eight no more than four wait there.
 template <class Tag>
 class LeastOfEight {
     using V = hn::Vec<Tag>;
@@ -61,8 +91,8 @@ public:
         }
     }
 
-    /// After pixel 7.
-    HWY_INLINE V all() const { return waiting_[0]; }
+    /// least_by_block<1>() of all, after pixel 7.
+    HWY_INLINE V least() const { return waiting_[0]; }
 
 private:
     HWY_INLINE void fold(int i, V odd) { waiting_[i] = folded(Tag(), waiting_[i], odd); }
@@ -70,7 +100,7 @@ private:
     V waiting_[4];
 };
 
-/// Of the words of eight pixels that come one after the other the last of every 128-bit block, side by side.
+/// The same for last_lanes().
 template <class Tag>
 class LastLanesOfEight {
     using V = hn::Vec<Tag>;
@@ -90,7 +120,7 @@ public:
     }
 
     /// After pixel 7.
-    HWY_INLINE V all() const { return upper(hn::Repartition<std::uint64_t, Tag>(), fours_[0], fours_[1]); }
+    HWY_INLINE V last_lanes() const { return upper(hn::Repartition<std::uint64_t, Tag>(), fours_[0], fours_[1]); }
 
 private:
     template <class Wide>
@@ -102,16 +132,6 @@ private:
     V twos_[2];
     V fours_[2];
 };
-
-template <class Tag, class Load>
-HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag, Load load) {
-    LastLanesOfEight<Tag> last_lanes;
-    DISPARITYD_UNROLL
-    for (int i = 0; i < 8; ++i) {
-        last_lanes.add(i, load(i));
-    }
-    return last_lanes.all();
-}
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -70,7 +70,7 @@ public:
           padded_(geometry.range.count != candidates),
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
-    void run() const {
+    HWY_NOINLINE void run() const {
         const int width = geometry_.width;
         const DisparityRange range = geometry_.range;
         // From `first` to `end` all candidates are inside the right image.
@@ -168,13 +168,7 @@ private:
             left += geometry_.census.left_pitch;
             right += geometry_.census.right_pitch;
         }
-        DISPARITYD_UNROLL
-        for (int i = 0; i < count; ++i) {
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                store<streaming>(cost[i][r], x + i, r);
-            }
-        }
+        store<streaming>(*cost, count * registers, x);
     }
 
     std::ptrdiff_t part_entry(unsigned entry) const {
@@ -184,14 +178,22 @@ private:
     std::uint8_t raised(int cost) const { return static_cast<std::uint8_t>(raised_ + cost); }
     std::uint8_t outside() const { return raised(outside_cost); }
 
-    static std::ptrdiff_t place(int x, int r) { return static_cast<std::ptrdiff_t>(x) * candidates + r * lanes; }
+    std::uint8_t* pixel(int x) const { return costs_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
-    /// Of register r of pixel x.
+    /// `count` registers from pixel x on.
     template <bool streaming>
-    HWY_INLINE void store(V cost, int x, int r) const {
-        hn::Store(cost, tag_, costs_ + place(x, r));
-        if constexpr (streaming) {
-            hn::Stream(cost, tag_, streamed_ + place(x, r));
+    HWY_INLINE void store(const V* costs, int count, int x) const {
+        std::uint8_t* const out = pixel(x);
+        DISPARITYD_UNROLL
+        for (int i = 0; i < count; ++i) {
+            hn::Store(costs[i], tag_, out + i * lanes);
+        }
+        if constexpr (streaming) {  // without other stores between the parts of a line
+            std::uint8_t* const past_caches = streamed_ + (out - costs_);
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count; ++i) {
+                hn::Stream(costs[i], tag_, past_caches + i * lanes);
+            }
         }
     }
 
@@ -217,11 +219,13 @@ private:
         for (; x < end; ++x) {
             const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
             const int last = std::clamp(x + 1 - range.first, first, range.count);
+            V cost[registers];
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                const V cost = hn::Load(tag_, costs_ + place(x, r));
-                store<streaming>(first == last ? hn::Set(tag_, outside()) : keep(cost, k[r], first, last), x, r);
+                cost[r] = hn::Load(tag_, pixel(x) + r * lanes);
+                cost[r] = first == last ? hn::Set(tag_, outside()) : keep(cost[r], k[r], first, last);
             }
+            store<streaming>(cost, registers, x);
         }
     }
 
@@ -245,7 +249,7 @@ private:
         for (int x = 0; x < geometry_.width; ++x) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
-                std::uint8_t* at = costs_ + place(x, r);
+                std::uint8_t* at = pixel(x) + r * lanes;
                 hn::Store(hn::Max(least[r], hn::Load(tag_, at)), tag_, at);
             }
         }
