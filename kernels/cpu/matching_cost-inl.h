@@ -70,6 +70,7 @@ public:
           padded_(geometry.range.count != candidates),
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
+    /// Not in line: within the loops around it, its own find too few registers.
     HWY_NOINLINE void run() const {
         const int width = geometry_.width;
         const DisparityRange range = geometry_.range;
