@@ -99,15 +99,11 @@ void RecordingControl::stop(Answer answer) {
 
 void RecordingControl::wait() {
     std::promise<void> finished;
-    boost::asio::post(worker_, [this, &finished] {
-        finish_ended();
-        finished.set_value();
-    });
+    boost::asio::post(worker_, [&finished] { finished.set_value(); });  // what was ended is in front of it
     finished.get_future().wait();
 }
 
 void RecordingControl::start_now(const std::string& path) {
-    finish_ended();
     std::string directory;
     capture::SourceInfo source;
     unsigned number = 0;
@@ -127,6 +123,7 @@ void RecordingControl::start_now(const std::string& path) {
         source = *source_;
         number = source_number_;
     }
+    finish_ended();  // nothing more is ended until there is a recorder again
     const std::string target = target_path(path, directory);
     const auto recorder = std::make_shared<capture::Recorder>(target, source);
     bool same_source = false;

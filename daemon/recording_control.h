@@ -36,7 +36,7 @@ public:
     void start(const std::string& path, Answer answer);
     void stop(Answer answer);
 
-    /// Waits until a recording that gets no more frames is finished.
+    /// Waits until a recording that gets no more frames is finished. Not to be called by an Answer.
     void wait();
 
     /// Finishes a recording that has failed by itself, warns once of one that loses frames; to be called now and then,
@@ -60,11 +60,12 @@ private:
     bool end(const std::string& reason);
     v1::RecordStatus current() const;
 
-    // In the worker.
+    // In the worker; finish_ended() also when there is none any more.
     void start_now(const std::string& path);
     void finish_ended();
 
-    mutable std::mutex mutex_;  ///< everything below; held shortly
+    std::string slow_;          ///< path of the recording that was warned of; check()'s own
+    mutable std::mutex mutex_;  ///< everything below but the worker; held shortly
     bool enabled_ = true;
     std::string directory_;
     std::optional<capture::SourceInfo> source_;
@@ -73,7 +74,6 @@ private:
     std::shared_ptr<capture::Recorder> recorder_;
     Ended ended_;            ///< until the worker takes it to finish it; nothing is started before
     v1::RecordStatus last_;  ///< of the recording that is being finished, or of the one before
-    std::string slow_;       ///< path of the recording that was warned of; check()'s own
     boost::asio::thread_pool worker_ = one_thread();
 };
 

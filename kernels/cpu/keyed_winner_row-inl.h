@@ -155,7 +155,7 @@ public:
         Right right;
         for (int x = 0; x < width_; x += 8) {
             eight_pixels(keys, x, right, minima);
-            if (x >= 16) {
+            if (x >= 16) {  // eight later than it could be: what neighbours() may have stored has left the core by then
                 second(x - 16, minima);
             }
         }
@@ -179,7 +179,7 @@ private:
     static constexpr int right_origin = max_disparities + 64;
     static constexpr int right_size = max_side + 2 * max_disparities + 3 * 64 + right_origin;
 
-    // Of pixel x.
+    // Of pixel x: of eight in work and of the sixteen before them, rounded up to what divides easily.
     std::uint16_t* keys_of(int x) { return keys_ + x % 32 * candidates; }
 
     // Keys and winners of the pixels from x on, and in between the sums beside the winners of the eight before:
@@ -309,7 +309,7 @@ private:
     int width_;
     DisparityRange range_;
     Places places_;
-    alignas(64) std::uint16_t padding_[candidates];  // what keys are or'ed with where a candidate may be none
+    alignas(64) std::uint16_t padding_[candidates];  // no_key at the places past the last candidate, else 0
     alignas(64) std::uint16_t keys_[32 * candidates];
     std::uint16_t right_row_[Groups::blocks][right_size];
 };

@@ -42,7 +42,7 @@ HWY_INLINE V from_lane_below(Tag tag, V v, V edge) {
 
 /// The same where all lanes of `edge` are alike.
 template <class Tag, class V = hn::Vec<Tag>>
-HWY_INLINE V from_lane_below_or(Tag tag, V v, V edge) {
+HWY_INLINE V from_lane_below_or_all(Tag tag, V v, V edge) {
 #if HWY_TARGET <= HWY_AVX3
     if constexpr (sizeof(hn::TFromD<Tag>) == 2 && hn::MaxLanes(Tag()) == 32) {
         const V below = hn::Sub(hn::Iota(tag, 0), hn::Set(tag, std::uint16_t{1}));

@@ -68,8 +68,8 @@ struct Leader {
 
     /// Of what leads after the last part: candidates of a lane follow those of the lane before it.
     static HWY_INLINE Leader from_lane_below(V sum, V candidate) {
-        return {from_lane_below_or(Tag(), sum, hn::Set(Tag(), no_sum)),
-                from_lane_below_or(Tag(), candidate, hn::Set(Tag(), no_candidate))};
+        return {from_lane_below_or_all(Tag(), sum, hn::Set(Tag(), no_sum)),
+                from_lane_below_or_all(Tag(), candidate, hn::Set(Tag(), no_candidate))};
     }
 
     V sum;

@@ -38,75 +38,13 @@ HWY_INLINE auto least_of_pixels(Tag tag, Load load) {
     return least_of_blocks(tag, least_by_block<1>(tag, 0, load));
 }
 
-/// Of the words of eight pixels the last of every 128-bit block, side by side, in the order of the pixels.
-template <class Tag, class Load>
-HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag tag, Load load) {
-    const auto pair = [](auto wide, auto first, auto second) {
-        return hn::InterleaveUpper(wide, hn::BitCast(wide, first), hn::BitCast(wide, second));
-    };
-    const auto four = [&](int i) {
-        const hn::Repartition<std::uint32_t, Tag> twos;
-        return pair(twos, pair(tag, load(i), load(i + 1)), pair(tag, load(i + 2), load(i + 3)));
-    };
-    return hn::BitCast(tag, pair(hn::Repartition<std::uint64_t, Tag>(), four(0), four(4)));
-}
-
-/// Vectors of words of eight pixels that come one after the other, until all are there.
-template <class Tag>
-class EightInMemory {
-    using V = hn::Vec<Tag>;
-
-public:
-    HWY_INLINE void add(int k, V v) { hn::Store(v, Tag(), words_ + k * hn::MaxLanes(Tag())); }
-    HWY_INLINE V least() const { return least_by_block<1>(Tag(), 0, loads()); }
-    HWY_INLINE V last_lanes() const { return last_lanes_side_by_side(Tag(), loads()); }
-
-private:
-    HWY_INLINE auto loads() const {
-        return [this](int k) HWY_ATTR { return hn::Load(Tag(), words_ + k * hn::MaxLanes(Tag())); };
-    }
-    alignas(64) std::uint16_t words_[8 * hn::MaxLanes(Tag())];
-};
-
-/// The same for least() where there are many registers: of the eight no more than four wait there.
-template <class Tag>
-class LeastOfEight {
-    using V = hn::Vec<Tag>;
-
-public:
-    LeastOfEight() {}
-
-    /// Of pixel k, which the compiler has to know.
-    HWY_INLINE void add(int k, V v) {
-        if (k < 4) {
-            waiting_[k] = v;
-            return;
-        }
-        fold(k - 4, v);
-        if (k >= 6) {
-            fold(k - 6, waiting_[k - 4]);
-        }
-        if (k == 7) {
-            fold(0, waiting_[1]);
-        }
-    }
-
-    /// least_by_block<1>() of all, after pixel 7.
-    HWY_INLINE V least() const { return waiting_[0]; }
-
-private:
-    HWY_INLINE void fold(int i, V odd) { waiting_[i] = folded(Tag(), waiting_[i], odd); }
-
-    V waiting_[4];
-};
-
-/// The same for last_lanes().
+/// Of the words of eight pixels that come one after the other the last of every 128-bit block, side by side.
 template <class Tag>
 class LastLanesOfEight {
     using V = hn::Vec<Tag>;
 
 public:
-    LastLanesOfEight() {}
+    LastLanesOfEight() {}  // written out: GCC compiles an implicit one for the baseline
 
     /// Of pixel k, which the compiler has to know.
     HWY_INLINE void add(int k, V v) {
@@ -131,6 +69,66 @@ private:
     V waiting_[2];
     V twos_[2];
     V fours_[2];
+};
+
+/// The same of `load(k)` for pixel k.
+template <class Tag, class Load>
+HWY_INLINE hn::Vec<Tag> last_lanes_side_by_side(Tag, Load load) {
+    LastLanesOfEight<Tag> eight;
+    DISPARITYD_UNROLL
+    for (int k = 0; k < 8; ++k) {
+        eight.add(k, load(k));
+    }
+    return eight.last_lanes();
+}
+
+/// Vectors of words of eight pixels that come one after the other, until all are there.
+template <class Tag>
+class EightInMemory {
+    using V = hn::Vec<Tag>;
+
+public:
+    HWY_INLINE void add(int k, V v) { hn::Store(v, Tag(), words_ + k * hn::MaxLanes(Tag())); }
+    HWY_INLINE V least() const { return least_by_block<1>(Tag(), 0, loads()); }
+    HWY_INLINE V last_lanes() const { return last_lanes_side_by_side(Tag(), loads()); }
+
+private:
+    HWY_INLINE auto loads() const {
+        return [this](int k) HWY_ATTR { return hn::Load(Tag(), words_ + k * hn::MaxLanes(Tag())); };
+    }
+    alignas(64) std::uint16_t words_[8 * hn::MaxLanes(Tag())];
+};
+
+/// What EightInMemory::least() gives, where there are many registers: of the eight no more than four wait there.
+template <class Tag>
+class LeastOfEight {
+    using V = hn::Vec<Tag>;
+
+public:
+    LeastOfEight() {}  // written out as above
+
+    /// Of pixel k, which the compiler has to know.
+    HWY_INLINE void add(int k, V v) {
+        if (k < 4) {
+            waiting_[k] = v;
+            return;
+        }
+        fold(k - 4, v);
+        if (k >= 6) {
+            fold(k - 6, waiting_[k - 4]);
+        }
+        if (k == 7) {
+            fold(0, waiting_[1]);
+        }
+    }
+
+    /// least_by_block<1>() of all, after pixel 7.
+    HWY_INLINE V least() const { return waiting_[0]; }
+
+private:
+    HWY_INLINE void fold(int i, V odd) { waiting_[i] = folded(Tag(), waiting_[i], odd); }
+
+    V waiting_[4];
 };
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

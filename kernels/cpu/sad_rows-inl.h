@@ -280,19 +280,17 @@ private:
         const int right = x - range.first - last_x;         // how many of the first are right of it
         // No sum is larger than one of a candidate outside. Numbers without a sign are divided with fewer instructions.
         const auto most = [](int number) { return static_cast<unsigned>(std::min(number, candidates)); };
+        const auto row_of_zeros = [](unsigned q) { return outside_keys<classes, lanes>.of(q) + lanes; };
         DISPARITYD_UNROLL
         for (unsigned q = 0; q < classes; ++q) {
             keys[q] = sums[q];
             if (left > 0) {
-                const std::uint16_t* rows = outside_keys<classes, lanes>.of(q) + lanes;
-                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), rows + (most(left) + q) / classes));
+                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), row_of_zeros(q) + (most(left) + q) / classes));
             }
-        }
-        if (right > 0) {
-            DISPARITYD_UNROLL
-            for (unsigned q = 0; q < classes; ++q) {
-                const std::uint16_t* rows = outside_keys<classes, lanes>.of(q) + lanes;
-                keys[q] = hn::Max(keys[q], hn::LoadU(Words(), rows - (most(right) + classes - 1 - q) / classes));
+            if (right > 0) {
+                const unsigned last_class = classes - 1;
+                keys[q] =
+                    hn::Max(keys[q], hn::LoadU(Words(), row_of_zeros(q) - (most(right) + last_class - q) / classes));
             }
         }
     }

@@ -32,6 +32,8 @@ class WinnerSearch {
     static constexpr int candidates = classes * lanes;
     static constexpr int at_once = 32;
     static constexpr bool one_part = classes_of_part<classes> == classes;
+    // The winner's lane is looked for in the bits of a comparison, and its key names the class.
+    static constexpr bool by_lane = one_part && masks_are_bits;
     using Right =
         std::conditional_t<one_part && in_one_loop && many_registers, RightWinnersInRegisters<Tag, classes, at_once>,
                            RightWinnersInMemory<Tag, classes, at_once>>;
@@ -182,8 +184,11 @@ private:
     // Of the eight pixels from the i-th of the block at x on, of all lanes.
     HWY_INLINE void least_sums(int x, int i, Minima& minima) {
         const auto sums = sum_of_key(least_of_pixels(tag_, [&](int k) { return least_of_lanes(i + k); }));
-        hn::Store(sums, block_, least_sums_ + i);
-        hn::Store(hn::Add(sums, hn::Set(block_, std::uint16_t{name_mask + 1})), block_, larger_sums_ + i);
+        if constexpr (by_lane) {
+            hn::Store(hn::Add(sums, hn::Set(block_, std::uint16_t{name_mask + 1})), block_, least_sums_ + i);
+        } else {
+            hn::Store(sums, block_, least_sums_ + i);
+        }
         hn::StoreU(hn::BitCast(words_, hn::ShiftRight<name_bits>(sums)), words_, minima.least + x + i);
     }
 
@@ -191,10 +196,10 @@ private:
 
     // After least_sums(): the first candidates that have them.
     HWY_INLINE void winners(int x, int i, Minima& minima) {
-        if constexpr (one_part && masks_are_bits) {
+        if constexpr (by_lane) {
             DISPARITYD_UNROLL
             for (int k = i; k < i + 8; ++k) {
-                const auto found = hn::Lt(least_of_lanes(k), broadcast(tag_, &larger_sums_[k]));
+                const auto found = hn::Lt(least_of_lanes(k), broadcast(tag_, &least_sums_[k]));
                 const std::size_t lane = hn::FindKnownFirstTrue(tag_, found);
                 const unsigned name = least_[static_cast<std::size_t>(k) * lanes + lane] & name_mask;
                 minima.winner[x + k] = static_cast<std::int16_t>(classes * lane + name);
@@ -242,8 +247,8 @@ private:
     alignas(64) std::uint16_t keys_[at_once * candidates];
     alignas(64) std::uint16_t least_[at_once * lanes] = {};  // of one part: keys; else sums, and in first_ candidates
     alignas(64) std::uint16_t first_[at_once * lanes] = {};
-    alignas(16) std::uint16_t least_sums_[at_once];   // of pixels on their way, as in keys
-    alignas(16) std::uint16_t larger_sums_[at_once];  // the next larger ones
+    alignas(16) std::uint16_t
+        least_sums_[at_once];  // of pixels on their way, as in keys; `by_lane` the next larger ones
     std::uint16_t right_row_[right_size];
 };
 

@@ -7,13 +7,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "capture/recorder.h"
 #include "capture/recording_segment.h"
 #include "capture/recording_writer.h"
+#include "file_size_limit.h"
 #include "record_fixture.h"
 
 namespace disparityd::capture::test {
@@ -108,27 +108,6 @@ TEST(RecordDamage, AKilledWriterLeavesAReadableFile) {
     expect_beginning(played.frames, info);
     EXPECT_FALSE(played.info.frame_count.has_value());
 }
-
-/// No file of this process may grow beyond `bytes` while this lives: what a full disk looks like.
-class FileSizeLimit {
-public:
-    explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        rlimit limit = before_;
-        limit.rlim_cur = bytes;
-        EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, handler_);
-    }
-    FileSizeLimit(const FileSizeLimit&) = delete;
-    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
-private:
-    rlimit before_{};
-    void (*handler_)(int);
-};
 
 TEST(RecordDamage, AFullDiskLeavesAValidFile) {
     const TemporaryFolder folder;

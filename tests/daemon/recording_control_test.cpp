@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/capture/file_size_limit.h"
 #include "tests/capture/record_fixture.h"
 
 namespace disparityd {
@@ -136,6 +137,23 @@ TEST_F(RecordingControlTest, TheNextOneStartsWhenTheLastIsFinished) {
     EXPECT_EQ(end.status.frames(), 1U);
     EXPECT_EQ(end.status.error(), "");
     EXPECT_EQ(capture::test::replay(folder_.path() + "/a.mkv").frames.size(), 2U);
+}
+
+TEST_F(RecordingControlTest, OneThatHasFailedIsFinishedAndTheNextOneCanStart) {
+    ASSERT_EQ(start("a.mkv").refusal, "");
+    {
+        const capture::test::FileSizeLimit full_disk(10'000);
+        while (control_.status().error().empty()) {
+            offer(1);
+        }
+        EXPECT_THAT(start("b.mkv").refusal, HasSubstr("is running"));
+        control_.check();
+        control_.wait();
+    }
+    EXPECT_FALSE(control_.status().active());
+    EXPECT_THAT(control_.status().error(), HasSubstr("File too large"));
+    EXPECT_THAT(stop().refusal, HasSubstr("nothing is being recorded"));
+    EXPECT_EQ(start("b.mkv").refusal, "");
 }
 
 TEST_F(RecordingControlTest, CanBeWaitedFor) {
