@@ -105,7 +105,8 @@ KernelRun bind_census(const KernelInput& input, std::int64_t target) {
             [sgm] { return sgm->buffers.intact(); }};
 }
 
-KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target) {
+// With Store::stream, the costs that were streamed.
+KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target, cpu::Store store) {
     if (target == 0) {
         const auto plain = std::make_shared<PlainSgm>(input);
         plain->census();
@@ -113,20 +114,22 @@ KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target) {
     }
     const auto sgm = std::make_shared<VectorSgm>(input, target);
     sgm->planes.census(sgm->pair, input);
+    const bool streams = store == cpu::Store::stream;
     const auto rows = sgm->buffers.memory<std::uint8_t>(sgm->layout.rows_bytes());
-    const auto row = [sgm, rows](int y) {
-        return rows.data() + static_cast<std::size_t>(y) * sgm->layout.geometry.row_bytes();
+    const auto streamed = sgm->buffers.memory<std::uint8_t>(streams ? sgm->layout.rows_bytes() : 0);
+    const auto row = [sgm](std::span<std::uint8_t> of, int y) {
+        return of.data() + static_cast<std::size_t>(y) * sgm->layout.geometry.row_bytes();
     };
     return {[=] {
                 for (int y = 0; y < sgm->input.height; ++y) {
-                    sgm->planes.matching_cost(y, row(y));
+                    sgm->planes.matching_cost(y, row(rows, y), streams ? row(streamed, y) : nullptr);
                 }
             },
             {},
             [=] {
                 std::vector<std::uint8_t> all;
                 for (int y = 0; y < sgm->input.height; ++y) {
-                    const std::vector<std::uint8_t> candidates = sgm->layout.costs_row(row(y));
+                    const auto candidates = sgm->layout.costs_row(row(streams ? streamed : rows, y));
                     all.insert(all.end(), candidates.begin(), candidates.end());
                 }
                 return all;
@@ -218,15 +221,21 @@ KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t
 
 std::vector<KernelCase> sgm_cases() {
     constexpr std::size_t no_cache = 0, large_cache = std::size_t{1} << 40;
-    return {{"sgm/census", bind_census, 193, true},
-            {"sgm/matching_cost", bind_matching_cost},
-            {"sgm/winner", bind_winner},
-            {"sgm/sweeps",
-             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, large_cache); },
-             cpu::max_byte_p2},
-            {"sgm/sweeps_streamed",
-             [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); },
-             cpu::max_byte_p2}};
+    return {
+        {"sgm/census", bind_census, 193, true},
+        {"sgm/matching_cost", [](const KernelInput& input,
+                                 std::int64_t target) { return bind_matching_cost(input, target, cpu::Store::keep); }},
+        {"sgm/matching_cost_streamed",
+         [](const KernelInput& input, std::int64_t target) {
+             return bind_matching_cost(input, target, cpu::Store::stream);
+         }},
+        {"sgm/winner", bind_winner},
+        {"sgm/sweeps",
+         [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, large_cache); },
+         cpu::max_byte_p2},
+        {"sgm/sweeps_streamed",
+         [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); },
+         cpu::max_byte_p2}};
 }
 
 }  // namespace disparityd::test
