@@ -66,9 +66,7 @@ void RecordingControl::set_source(std::optional<capture::SourceInfo> source, con
     const std::lock_guard lock(mutex_);
     source_ = std::move(source);
     ++source_number_;
-    if (end(reason)) {
-        boost::asio::post(worker_, [this] { finish_ended(); });
-    }
+    end_in_background(reason);
 }
 
 void RecordingControl::start(const std::string& path, Answer answer) {
@@ -153,6 +151,12 @@ bool RecordingControl::end(const std::string& reason) {
     return true;
 }
 
+void RecordingControl::end_in_background(const std::string& reason) {
+    if (end(reason)) {
+        boost::asio::post(worker_, [this] { finish_ended(); });
+    }
+}
+
 void RecordingControl::finish_ended() {
     Ended ended;
     {
@@ -180,8 +184,7 @@ void RecordingControl::check() {
         const std::lock_guard lock(mutex_);
         now = current();
         if (recorder_ && !now.error().empty()) {
-            end(now.error());
-            boost::asio::post(worker_, [this] { finish_ended(); });
+            end_in_background(now.error());
             return;
         }
     }

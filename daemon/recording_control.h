@@ -58,6 +58,7 @@ private:
 
     // With mutex_ held.
     bool end(const std::string& reason);
+    void end_in_background(const std::string& reason);
     v1::RecordStatus current() const;
 
     // In the worker; finish_ended() also when there is none any more.

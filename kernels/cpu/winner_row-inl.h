@@ -151,8 +151,8 @@ private:
         }
     }
 
-    // Eights one after the other where their keys stay as they are, each step of an eight beside other steps of those
-    // before it: each step of its own would wait for the one before.
+    // Eights one after the other where their keys stay as they are, a step of one beside later steps of those before
+    // it: its own steps wait for each other.
     HWY_INLINE void search_keys(int x, int count, Minima& minima) {
         if constexpr (leave_out<classes, lanes> == LeaveOut::by_store) {
             for (int i = 0; i < count; i += 8) {
@@ -247,8 +247,8 @@ private:
     alignas(64) std::uint16_t keys_[at_once * candidates];
     alignas(64) std::uint16_t least_[at_once * lanes] = {};  // of one part: keys; else sums, and in first_ candidates
     alignas(64) std::uint16_t first_[at_once * lanes] = {};
-    alignas(16) std::uint16_t
-        least_sums_[at_once];  // of pixels on their way, as in keys; `by_lane` the next larger ones
+    // Of pixels on their way, as in keys; `by_lane` the next larger ones.
+    alignas(16) std::uint16_t least_sums_[at_once];
     std::uint16_t right_row_[right_size];
 };
 
