@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/image_rows-inl.h"
 #include "kernels/cpu/sgm_kernels.h"
 #include "kernels/steps.h"
 

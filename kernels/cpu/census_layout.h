@@ -7,7 +7,7 @@
 namespace disparityd::cpu {
 
 /// Census words of both images as planes of bytes, row by row: plane i of a row holds some bits of every pixel's word,
-/// 8 of them, or 4 where the machine counts bits by table.
+/// 8 of them, or 4 where the machine counts bits by table. Or as one plane, of the words themselves, 8 bytes each.
 struct CensusLayout {
     int planes = 0;
     int left_pitch = 0;   ///< bytes from plane to plane of a row, left image

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/image_rows-inl.h"
 #include "kernels/cpu/least_of_pixels-inl.h"
 #include "kernels/cpu/path_pixels-inl.h"
 #include "kernels/cpu/sgm_kernels.h"

@@ -11,7 +11,7 @@
 
 #include <algorithm>
 
-#include "kernels/cpu/census_planes-inl.h"
+#include "kernels/cpu/image_rows-inl.h"
 #include "kernels/cpu/leader-inl.h"
 
 HWY_BEFORE_NAMESPACE();

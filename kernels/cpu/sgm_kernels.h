@@ -132,9 +132,9 @@ struct SgmKernels {
     /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
     void (*census_right)(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows);
     /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon. Where
-    /// it is not null, `streamed` gets the costs too, past the caches as with Store::stream unless candidates are
-    /// padded: here, where nothing else goes to memory, and not in aggregate(), or memory would have too little to do
-    /// in one of them and too much in the other.
+    /// it is not null, `streamed` gets the costs too, past the caches as with Store::stream: here, where nothing else
+    /// goes to memory, and not in aggregate(), or memory would have too little to do in one of them and too much in the
+    /// other.
     void (*matching_cost)(const SgmGeometry& geometry, const CensusRow& census, const CensusRow& next,
                           std::uint8_t* costs, std::uint8_t* streamed);
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their

@@ -108,8 +108,8 @@ private:
             };
             return {of_class(r), of_class(registers + r)};
         } else {
-            const auto a = hn::Load(Tag(), down + r * lanes);
-            const auto b = hn::Load(Tag(), up + r * lanes);
+            const auto a = in_register(hn::Load(Tag(), down + r * lanes));
+            const auto b = in_register(hn::Load(Tag(), up + r * lanes));
             return {sum_of_bytes<false, shift>(words, a, b), sum_of_bytes<true, shift>(words, a, b)};
         }
     }
