@@ -33,8 +33,8 @@ constexpr int lowest_left_bit = 4;
 constexpr int census_bits = 62;
 constexpr int census_planes = (census_bits + bits_per_plane - 1) / bits_per_plane;
 
-/// Where the processor counts the bits of words too, there is one plane, of words, while a pixel's candidates are one
-/// register: of more, neighbouring pixels share loads of planes without further ado.
+/// Whether there is one plane, of words: where the processor counts their bits too and a pixel has one register. With
+/// more, neighbouring pixels share loads of planes anyway.
 constexpr bool in_words(int registers) {
     return HWY_TARGET == HWY_AVX3_DL && registers == 1;
 }
@@ -110,15 +110,15 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
     }
 }
 
-template <int registers>
+template <class Unit>
 void census_left(const SgmGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
     CensusWindow<Order::natural> window(image, rows.first);
     const std::size_t row_bytes = geometry.census.left_row();
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * row_bytes;
-        census_row(window, y, 0, geometry.width, reinterpret_cast<CensusUnit<registers>*>(out),
-                   geometry.census.left_pitch, {out + row_bytes, row_bytes});
+        census_row(window, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
+                   {out + row_bytes, row_bytes});
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include "kernels/cpu/image_rows-inl.h"
 #include "kernels/image.h"
+#include "kernels/steps.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {

@@ -44,11 +44,10 @@ HWY_INLINE void interleave(V a, V b, V* lower, V* upper) {
 template <class V>
 HWY_INLINE void store_census_words(const V* planes, std::uint8_t* to) {
     const hn::DFromV<V> bytes;
-    const __m512i order = _mm512_load_si512(pixels_of_blocks.from);
     V plane[8];
     DISPARITYD_UNROLL
     for (int i = 0; i < 8; ++i) {
-        plane[i] = V{_mm512_permutexvar_epi8(order, planes[i].raw)};
+        plane[i] = permuted(planes[i], pixels_of_blocks.from);
     }
     V two[2][4];  // planes of each: the lower eight pixels of every block, the upper ones
     V four[4][2];

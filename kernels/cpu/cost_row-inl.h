@@ -9,7 +9,6 @@
 
 #include <cstddef>
 
-#include "hwy/cache_control.h"
 #include "kernels/cpu/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -24,20 +23,22 @@ class CostRow {
 public:
     CostRow(std::uint8_t* costs, std::uint8_t* streamed) : costs_(costs), streamed_(streamed) {}
 
-    /// Register r of pixel x.
-    std::uint8_t* at(int x, int r = 0) const { return costs_ + offset(x, r); }
+    bool has_copy() const { return streamed_ != nullptr; }
 
-    /// `count` registers from register r of pixel x on; with `streaming` to the copy too.
+    /// Register r of pixel x.
+    std::uint8_t* at(int x, int r) const { return costs_ + offset(x, r); }
+
+    /// `count` registers from pixel x on; with `streaming` to the copy too.
     template <bool streaming>
-    HWY_INLINE void store(const V* costs, int count, int x, int r = 0) const {
+    HWY_INLINE void store(const V* costs, int count, int x) const {
         const Tag tag;
-        std::uint8_t* const out = at(x, r);
+        std::uint8_t* const out = at(x, 0);
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
             hn::Store(costs[i], tag, out + i * lanes);
         }
         if constexpr (streaming) {  // without other stores between the parts of a line
-            std::uint8_t* const past_caches = streamed_ + offset(x, r);
+            std::uint8_t* const past_caches = streamed_ + offset(x, 0);
             DISPARITYD_UNROLL
             for (int i = 0; i < count; ++i) {
                 hn::Stream(costs[i], tag, past_caches + i * lanes);

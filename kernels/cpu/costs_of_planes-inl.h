@@ -60,13 +60,13 @@ class CostsOfPlanes {
 public:
     /// How many pixels the loops take at once.
     static constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
-    /// What is streamed comes line by line, if it begins with one.
-    static constexpr bool stores_lines = true;
+    /// How many pixels that are streamed fill whole lines, if they begin with one.
+    static constexpr int pixels_of_lines = at_once;
 
     CostsOfPlanes(const SgmGeometry& geometry, const CensusRow& census, const CostRow<Tag, registers>& out)
         : geometry_(geometry), left_(census.left), right_(census.right), out_(out) {}
 
-    /// Of pixels [x, end); `next` is called for every `at_once` of them.
+    /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
     template <bool streaming, class Next>
     HWY_INLINE void between(int x, int end, Next next) const {
         for (; x + at_once <= end; x += at_once) {

@@ -9,9 +9,9 @@
 #define DISPARITYD_CPU_COSTS_OF_WORDS_INL_H_
 #endif
 
-#include "kernels/cpu/census_planes-inl.h"
 #include "kernels/cpu/cost_row-inl.h"
 #include "kernels/cpu/prefetch-inl.h"
+#include "kernels/cpu/sgm_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -21,9 +21,9 @@ template <class Tag>
 class CostsOfWords;
 
 #if HWY_TARGET == HWY_AVX3_DL
-/// The low halves of the 32-bit (or 16-bit) numbers of `a` and `b`, small ones: block by block those of a, then of b.
+/// The low halves of numbers of 32 (of 16) bits, small ones: block by block those of `a`, then those of `b`.
 template <class V>
-HWY_INLINE V pack_numbers(V a, V b) {
+HWY_INLINE V pack_32_to_16(V a, V b) {
     if constexpr (sizeof(a.raw) == 64) {
         return V{_mm512_packus_epi32(a.raw, b.raw)};
     } else if constexpr (sizeof(a.raw) == 32) {
@@ -33,7 +33,7 @@ HWY_INLINE V pack_numbers(V a, V b) {
     }
 }
 template <class V>
-HWY_INLINE V pack_words(V a, V b) {
+HWY_INLINE V pack_16_to_8(V a, V b) {
     if constexpr (sizeof(a.raw) == 64) {
         return V{_mm512_packus_epi16(a.raw, b.raw)};
     } else if constexpr (sizeof(a.raw) == 32) {
@@ -63,13 +63,10 @@ inline constexpr PackedPlaces<lanes> packed_places;
 
 template <class V>
 HWY_INLINE V in_order(V packed) {
-    const auto* from = packed_places<sizeof(packed.raw)>.from;
-    if constexpr (sizeof(packed.raw) == 64) {
-        return V{_mm512_permutexvar_epi8(_mm512_load_si512(from), packed.raw)};
-    } else if constexpr (sizeof(packed.raw) == 32) {
-        return V{_mm256_permutexvar_epi8(_mm256_load_si256(reinterpret_cast<const __m256i*>(from)), packed.raw)};
-    } else {
+    if constexpr (sizeof(packed.raw) == 16) {
         return packed;
+    } else {
+        return permuted(packed, packed_places<sizeof(packed.raw)>.from);
     }
 }
 
@@ -82,10 +79,10 @@ class CostsOfWords {
     static constexpr int vectors = 8;
 
 public:
-    /// How many pixels the loops take at once.
+    /// How many pixels the loops take at once: measured, with more nothing is gained.
     static constexpr int at_once = 6;
-    /// What is streamed comes line by line.
-    static constexpr bool stores_lines = sizeof(V) == cache_line;
+    /// How many pixels that are streamed fill whole lines; 0: they come in another order.
+    static constexpr int pixels_of_lines = sizeof(V) == cache_line ? 1 : 0;
 
     CostsOfWords(const SgmGeometry& geometry, const CensusRow& census, const CostRow<Tag, 1>& out)
         : left_(reinterpret_cast<const std::uint64_t*>(census.left)),
@@ -94,7 +91,7 @@ public:
           raised_(hn::Set(Tag(), static_cast<std::uint8_t>(geometry.raised_cost))),
           out_(out) {}
 
-    /// Of pixels [x, end); `next` is called for every `at_once` of them.
+    /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
     template <bool streaming, class Next>
     HWY_INLINE void between(int x, int end, Next next) const {
         for (; x + at_once * words <= end; x += at_once * words) {
@@ -131,9 +128,9 @@ private:
     static HWY_INLINE V differing(const W* right, W left) {
         const auto bits = [&](int i) HWY_ATTR { return hn::PopulationCount(hn::Xor(right[i], left)); };
         const auto four = [&](int i) HWY_ATTR {
-            return pack_numbers(pack_numbers(bits(i), bits(i + 1)), pack_numbers(bits(i + 2), bits(i + 3)));
+            return pack_32_to_16(pack_32_to_16(bits(i), bits(i + 1)), pack_32_to_16(bits(i + 2), bits(i + 3)));
         };
-        return hn::BitCast(Tag(), pack_words(four(0), four(4)));
+        return hn::BitCast(Tag(), pack_16_to_8(four(0), four(4)));
     }
 
     const std::uint64_t* left_;

@@ -84,15 +84,21 @@ struct LanesMoved {
 template <int lanes, int distance>
 inline constexpr LanesMoved<lanes, distance> lanes_moved;
 
-/// Lanes past an end stay what they are.
-template <int distance, class V>
-HWY_INLINE V move_lanes(V v) {
-    const auto* from = lanes_moved<sizeof(v.raw), distance>.from;
+/// Byte i is byte from[i] of `v`, a whole vector of more than one block; `from` is aligned like it.
+template <class V>
+HWY_INLINE V permuted(V v, const std::uint8_t* from) {
     if constexpr (sizeof(v.raw) == 64) {
         return V{_mm512_permutexvar_epi8(_mm512_load_si512(from), v.raw)};
     } else {
+        static_assert(sizeof(v.raw) == 32);
         return V{_mm256_permutexvar_epi8(_mm256_load_si256(reinterpret_cast<const __m256i*>(from)), v.raw)};
     }
+}
+
+/// Lanes past an end stay what they are.
+template <int distance, class V>
+HWY_INLINE V move_lanes(V v) {
+    return permuted(v, lanes_moved<sizeof(v.raw), distance>.from);
 }
 #endif
 
@@ -155,13 +161,8 @@ constexpr int bytes_to_next = HWY_TARGET == HWY_AVX3_DL ? 4 : 16;
 template <int bytes, class V>
 HWY_INLINE V bytes_between(V v, V next) {
 #if HWY_TARGET == HWY_AVX3_DL
-    if constexpr (sizeof(v.raw) == 64) {
-        return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
-    } else if constexpr (sizeof(v.raw) == 32) {
-        return V{_mm256_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
-    } else {
-        return V{_mm_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
-    }
+    static_assert(sizeof(v.raw) == 64);
+    return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
 #else
     return hn::CombineShiftRightBytes<bytes>(hn::DFromV<V>(), next, v);
 #endif

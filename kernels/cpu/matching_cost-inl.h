@@ -39,7 +39,6 @@ public:
           next_(next),
           out_(costs, streamed),
           pixels_(geometry, census, out_),
-          streamed_(streamed),
           padded_(geometry.range.count != candidates),
           raised_(static_cast<std::uint8_t>(geometry.raised_cost)) {}
 
@@ -56,14 +55,16 @@ public:
             left.portion();
             right.portion();
         };
-        if (Costs::stores_lines && streamed_ != nullptr && !padded_) {
-            const int first_streamed = std::min(rounded_up(first, at_once), end);
-            pixels_.template between<false>(0, first_streamed, next);
-            pixels_.template between<true>(first_streamed, end, next);
-            pixels_.template between<false>(end, width, next);
-            set_outside<true>(0, first_streamed);
-            set_outside<true>(end, width);
-            return;
+        if constexpr (Costs::pixels_of_lines > 0) {
+            if (out_.has_copy() && !padded_) {
+                const int first_streamed = std::min(rounded_up(first, Costs::pixels_of_lines), end);
+                pixels_.template between<false>(0, first_streamed, next);
+                pixels_.template between<true>(first_streamed, end, next);
+                pixels_.template between<false>(end, width, next);
+                set_outside<true>(0, first_streamed);
+                set_outside<true>(end, width);
+                return;
+            }
         }
         pixels_.template between<false>(0, width, next);
         set_outside<false>(0, first);
@@ -71,7 +72,7 @@ public:
         if (padded_) {
             set_padding();
         }
-        if (streamed_ != nullptr) {
+        if (out_.has_copy()) {
             out_.stream(width);
         }
     }
@@ -143,7 +144,6 @@ private:
     CensusRow next_;
     CostRow<Tag, registers> out_;
     Costs pixels_;
-    std::uint8_t* streamed_;
     bool padded_;
     std::uint8_t raised_;
 };

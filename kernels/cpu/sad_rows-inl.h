@@ -13,6 +13,8 @@
 
 #include "kernels/cpu/image_rows-inl.h"
 #include "kernels/cpu/leader-inl.h"
+#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/steps.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {

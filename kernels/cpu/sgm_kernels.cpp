@@ -34,7 +34,7 @@ struct Kernels {
         kernels.rows_at_once = Paths::rows_at_once;
         kernels.streams = Paths::streams;
         kernels.census_layout = census_layout;
-        kernels.census_left = census_left<registers>;
+        kernels.census_left = census_left<CensusUnit<registers>>;
         kernels.census_right = census_right<registers>;
         kernels.matching_cost = matching_cost;
         kernels.aggregate = Paths::aggregate;
