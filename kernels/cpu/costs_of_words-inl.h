@@ -21,17 +21,7 @@ template <class Tag>
 class CostsOfWords;
 
 #if HWY_TARGET == HWY_AVX3_DL
-/// The low halves of numbers of 32 (of 16) bits, small ones: block by block those of `a`, then those of `b`.
-template <class V>
-HWY_INLINE V pack_32_to_16(V a, V b) {
-    if constexpr (sizeof(a.raw) == 64) {
-        return V{_mm512_packus_epi32(a.raw, b.raw)};
-    } else if constexpr (sizeof(a.raw) == 32) {
-        return V{_mm256_packus_epi32(a.raw, b.raw)};
-    } else {
-        return V{_mm_packus_epi32(a.raw, b.raw)};
-    }
-}
+/// The low halves of small words, what Highway has for larger numbers only: block by block those of `a`, then of `b`.
 template <class V>
 HWY_INLINE V pack_16_to_8(V a, V b) {
     if constexpr (sizeof(a.raw) == 64) {
@@ -127,10 +117,16 @@ private:
 
     static HWY_INLINE V differing(const W* right, W left) {
         const auto bits = [&](int i) HWY_ATTR { return hn::PopulationCount(hn::Xor(right[i], left)); };
-        const auto four = [&](int i) HWY_ATTR {
-            return pack_32_to_16(pack_32_to_16(bits(i), bits(i + 1)), pack_32_to_16(bits(i + 2), bits(i + 3)));
-        };
+        const auto two = [&](int i) HWY_ATTR { return pack_32_to_16(bits(i), bits(i + 1)); };
+        const auto four = [&](int i) HWY_ATTR { return pack_32_to_16(two(i), two(i + 2)); };
         return hn::BitCast(Tag(), pack_16_to_8(four(0), four(4)));
+    }
+
+    template <class Counts>
+    static HWY_INLINE auto pack_32_to_16(Counts a, Counts b) {
+        const hn::Repartition<std::int32_t, Tag> from;
+        const hn::Repartition<std::int16_t, Tag> to;
+        return hn::ReorderDemote2To(to, hn::BitCast(from, a), hn::BitCast(from, b));
     }
 
     const std::uint64_t* left_;
