@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "capture/camera_controls.h"
+#include "capture/camera_setting.h"
 #include "capture/source_condition.h"
 
 namespace disparityd::capture {
@@ -13,7 +13,7 @@ SourceCondition FrameSource::condition() const {
     return {};
 }
 
-std::vector<CameraControl> FrameSource::control(const std::vector<CameraSetting>&) {
+std::vector<CameraControl> FrameSource::set_camera_controls(const std::vector<CameraSetting>&) {
     throw std::invalid_argument("camera: the source " + info().name + " is no camera, allowed: v4l2:");
 }
 

@@ -11,17 +11,17 @@
 #include <string_view>
 #include <vector>
 
-#include "capture/calibration.h"
-#include "capture/calibration_correction.h"
+#include "calibration/calibration.h"
+#include "calibration/calibration_correction.h"
 #include "capture/sensor_sample.h"
 #include "kernels/raw_image.h"
 
 namespace disparityd::capture {
 
+class ControlOverrides;
 struct SourceCondition;
 struct CameraControl;
 struct CameraSetting;
-class SetControls;
 
 /// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
 enum FrameFlag : std::uint32_t {
@@ -40,10 +40,13 @@ struct RawFrame {
     std::uint32_t dropped_before = 0;  ///< frames known to be lost between the previous one and this
     int loan = -1;                     ///< the source's own number for the buffer
     /// What the calibration was corrected by when this frame was rectified; of a source, what a recording says.
-    CalibrationCorrection correction;
+    calibration::CalibrationCorrection correction;
     /// What the camera's sensors measured and sent since the frame before, in order; a frame carries at most
     /// most_samples. Valid until the next call of next() or until this frame is given back, whichever comes first.
     std::span<const SensorSample> sensors{};
+    /// What the user calls the frame: the name of the left image's file. Empty where frames have none (cameras,
+    /// recordings). Valid as long as the source lives.
+    std::string_view name;
 
     static constexpr std::size_t most_samples = 1024;
 };
@@ -57,9 +60,10 @@ struct SourceInfo {
     int height = 0;
     double rate = 0;                           ///< nominal frames per second; 0 = unknown (image folders)
     bool live = false;                         ///< frames come by the clock and are lost when nobody takes them
+    bool synthetic = false;                    ///< frames are drawn, or a recording of drawn ones: no camera saw them
     std::optional<std::uint64_t> frame_count;  ///< when known beforehand
     /// Empty: unknown; the frames can only be used unrectified.
-    std::optional<StereoCalibration> calibration;
+    std::optional<calibration::StereoCalibration> calibration;
     std::string serial;  ///< of the camera that the calibration is used for; empty = unknown
 };
 
@@ -82,24 +86,25 @@ public:
     /// Throws std::runtime_error with one line for people when the input is damaged; the source has then ended.
     virtual Next next(RawFrame& frame, std::chrono::steady_clock::time_point deadline) = 0;
 
-    /// Ends a loan.
+    /// Ends the loan of a frame that next() gave.
     virtual void give_back(const RawFrame& frame) noexcept = 0;
 
     /// Makes a waiting next() return at once.
     virtual void interrupt() noexcept = 0;
 
-    /// How the source stands at the moment (capture/source_condition.h); any thread. Only live cameras have more to
-    /// say than that they deliver.
+    /// Returns how the source stands at the moment (capture/source_condition.h). Any thread. Sources other than live
+    /// cameras always deliver.
     virtual SourceCondition condition() const;
 
-    /// Sets controls of a live camera in this order and says how all of them stand then (capture/camera_controls.h).
-    /// They hold until the source ends, also for a camera that is opened anew (capture/set_controls.h). Any thread;
-    /// takes milliseconds for each. Throws std::invalid_argument when a name or value is not allowed or the source is
-    /// no camera, std::runtime_error when the camera is not there or refuses.
-    virtual std::vector<CameraControl> control(const std::vector<CameraSetting>& settings);
+    /// Sets controls of a live camera in this order and says how all of them stand then
+    /// (capture/camera/camera_controls.h). They hold until the source ends, also for a camera that is opened anew
+    /// (capture/camera/control_overrides.h). Any thread; takes milliseconds for each. Throws std::invalid_argument when
+    /// a name or value is not allowed or the source is no camera, std::runtime_error when the camera is not there or
+    /// refuses.
+    virtual std::vector<CameraControl> set_camera_controls(const std::vector<CameraSetting>& settings);
 };
 
-/// How frames are timed when they do not come from a camera.
+/// Says how frames are timed that do not come from a camera.
 enum class Pace {
     source,   ///< at the source's own rate, as a camera would
     fastest,  ///< as soon as somebody asks: offline work
@@ -111,19 +116,22 @@ struct SourceOptions {
     Pace pace = Pace::source;
     bool loop = false;             ///< start again after the last frame
     std::string calibration_path;  ///< overrides what the source brings; empty = the source's own
+    /// Of images: those that cannot be read, or have another size than the first, are left out; each is told to
+    /// `report`, and the next frame counts them as dropped. Otherwise they end the source.
+    bool skip_damaged = false;
     // Of cameras only:
     bool wait_for_camera = false;   ///< one that is not there, or cannot be used yet, is waited for; else a refusal
     bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
     std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order
     bool sensors = true;                           ///< read the camera's sensors, if it has some
     std::string controls;  ///< "gain-left=30 auto-exposure=0": set in this order whenever the camera is opened
-    /// What FrameSource::control() has set on sources before this one, which are to hold here too; this one adds its
-    /// own. Empty: it keeps them for itself.
-    std::shared_ptr<SetControls> set_controls;
+    /// What FrameSource::set_camera_controls() has set on sources before this one, which are to hold here too; this one
+    /// adds its own. Empty: it keeps them for itself.
+    std::shared_ptr<ControlOverrides> control_overrides;
     std::string likely_port;  ///< USB port of the camera that was used before, the likeliest of several; may be empty
     std::chrono::milliseconds stall_time{1000};  ///< a camera that gives no frame for so long is restarted
-    /// Hears, one line each, what happens to the camera and what is done about it; may be empty. Called in the thread
-    /// of next(), and about the sensors in theirs.
+    /// Hears, one line each, what happens to the camera and what is done about it, what images are converted and which
+    /// are left out; may be empty. Called in the thread that opens or calls next(), and about the sensors in theirs.
     std::function<void(const std::string& line, bool trouble)> report;
     /// Called while a source prepares itself (rendering ahead), with done/total; may be empty.
     std::function<void(int done, int total)> progress;

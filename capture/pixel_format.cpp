@@ -15,7 +15,7 @@ constexpr std::array<std::pair<PixelFormat, std::string_view>, 3> pixel_format_n
 
 }  // namespace
 
-std::string_view name(PixelFormat format) {
+std::string_view to_string(PixelFormat format) {
     for (const auto& [known, text] : pixel_format_names) {
         if (known == format) {
             return text;

@@ -8,10 +8,10 @@
 
 namespace disparityd::capture {
 
-/// As recordings (docs/recordings.md) and messages have it; "unknown" for no value of the enumeration.
-std::string_view name(PixelFormat format);
+/// Returns the name in recordings (docs/recordings.md) and messages; "unknown" for no value of the enumeration.
+std::string_view to_string(PixelFormat format);
 
-/// Empty for the name of none.
+/// Returns nullopt when no format has this name.
 std::optional<PixelFormat> pixel_format_from_name(std::string_view text);
 
 }  // namespace disparityd::capture

@@ -3,7 +3,7 @@
 
 namespace disparityd::capture {
 
-const char* name(CameraState state) {
+const char* to_string(CameraState state) {
     switch (state) {
         case CameraState::starting: return "starting";
         case CameraState::streaming: return "streaming";
@@ -21,7 +21,7 @@ const char* name(CameraState state) {
     return "";
 }
 
-const char* name(SensorState state) {
+const char* to_string(SensorState state) {
     switch (state) {
         case SensorState::starting: return "starting";
         case SensorState::streaming: return "streaming";

@@ -8,13 +8,13 @@
 
 namespace disparityd::capture {
 
-/// How a live camera stands.
+/// The state of a live camera.
 enum class CameraState : unsigned char {
     starting,        ///< found, the first frame has not come yet
     streaming,       ///< frames come
     absent,          ///< not plugged in
     stalled,         ///< no frames; being recovered
-    busy,            ///< another program has it
+    busy,            ///< another program uses it
     no_permission,   ///< this user may not open it
     old_firmware,    ///< it gives no video
     usb2_link,       ///< too slow for the mode
@@ -25,7 +25,7 @@ enum class CameraState : unsigned char {
 };
 
 /// "streaming", "no-permission": for clients and scripts.
-const char* name(CameraState state);
+const char* to_string(CameraState state);
 
 /// The camera behind a live source, and what was done to keep it alive.
 struct CameraFacts {
@@ -45,18 +45,18 @@ struct CameraFacts {
     std::uint64_t too_short = 0;
 };
 
-/// How the sensors of a camera stand.
+/// The state of a camera's sensors.
 enum class SensorState : unsigned char {
     starting,       ///< their camera has come; the first sample has not
     streaming,      ///< samples come
-    absent,         ///< their camera has come, they have not, or have gone
+    absent,         ///< the camera is there, its sensors are not
     silent,         ///< they send nothing; being opened anew
     no_permission,  ///< this user may not open them
     failed,         ///< the system refuses them for another reason
 };
 
 /// "streaming", "no-permission": for clients and scripts.
-const char* name(SensorState state);
+const char* to_string(SensorState state);
 
 /// The sensors of a live camera that has some.
 struct SensorFacts {
@@ -65,14 +65,14 @@ struct SensorFacts {
     std::string node;    ///< empty: none was opened yet
     std::uint64_t samples = 0;
     std::uint64_t lost = 0;         ///< samples that nobody took in time
-    std::uint64_t refused = 0;      ///< reports that were none
+    std::uint64_t refused = 0;      ///< reports that could not be read
     std::uint64_t clock_jumps = 0;  ///< of the camera's clock
     double drift = 0;               ///< by how much the host's clock runs faster; 1e-6: a microsecond in a second
 };
 
-/// How a source stands, for people; a copy.
+/// The state of a source, for people. A copy.
 struct SourceCondition {
-    bool delivering = true;            ///< false: no frames until the detail's matter is settled
+    bool delivering = true;            ///< false: no frames until what `detail` says is mended
     bool reopen = false;               ///< info() no longer holds: the source must be opened anew
     std::string detail;                ///< one line: what is wrong, what to do; empty when nothing is
     std::vector<std::string> notices;  ///< what the user should know although frames come

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/camera_source.h"
-#include "capture/folder_source.h"
+#include "capture/camera/camera_source.h"
 #include "capture/frame_source.h"
-#include "capture/image_sequence.h"
-#include "capture/recording_source.h"
-#include "capture/scene_source.h"
+#include "capture/images/folder_source.h"
+#include "capture/images/image_sequence.h"
+#include "capture/recording/recording_source.h"
+#include "capture/scene/scene_source.h"
 
 namespace disparityd::capture {
 
@@ -12,11 +12,15 @@ const std::vector<SourceKind>& source_kinds() {
     static const std::vector<SourceKind> kinds{
         {"scene", "a rendered scene: scene:vga@15, scene:hd720@30?frames=60&seed=1", is_scene, open_scene},
         {"v4l2",
-         "a stereo camera: v4l2:hd720@30, v4l2:vga@100?serial=12345, v4l2:2560x720@30?device=/dev/video0 (whole "
+         "a stereo camera: v4l2:auto (the first ZED that is there), v4l2:hd720@30, v4l2:vga@100?serial=12345, "
+         "v4l2:2560x720@30?device=/dev/video0 (whole "
          "frame); "
          "options format=yuyv|grey, layout=side-by-side|top-bottom, port=USB-PORT",
          is_camera, open_camera},
-        {"folder", "a folder of Middlebury or KITTI images, or a pattern: left_%04d.png,right_%04d.png",
+        {"folder",
+         "a folder of Middlebury or KITTI images, a pair left.png,right.png, or a pattern: "
+         "left_%04d.png,right_%04d.png; "
+         "?bits=12 behind it for values of 12 bits in images of 16",
          is_image_sequence, open_images},
         {"recording", "a side-by-side video: recording.mkv", is_recording, open_recording},
     };

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/source_uri.h"
 
+#include <algorithm>
 #include <stdexcept>
 
-#include "capture/message_text.h"
-#include "capture/number_text.h"
-#include "capture/words.h"
+#include "base/message_text.h"
+#include "base/number_text.h"
+#include "base/words.h"
 
 namespace disparityd::capture {
 
@@ -25,24 +26,27 @@ std::vector<SourceUri::Parameter> SourceUri::parameters() const {
     if (parameters_.empty()) {
         return list;
     }
-    for (const std::string_view text : split(parameters_, '&')) {
+    for (const std::string_view text : base::split(parameters_, '&')) {
         const auto equals = text.find('=');
-        list.push_back({text, text.substr(0, equals),
-                        equals == std::string_view::npos ? std::string_view() : text.substr(equals + 1)});
+        const std::string_view key = text.substr(0, equals);
+        if (std::any_of(list.begin(), list.end(), [key](const Parameter& other) { return other.key == key; })) {
+            fail("parameter", std::string(key) + " twice", "each parameter once");
+        }
+        list.push_back({text, key, equals == std::string_view::npos ? std::string_view() : text.substr(equals + 1)});
     }
     return list;
 }
 
 void SourceUri::fail(const std::string& what, std::string_view found, const std::string& allowed) const {
     constexpr std::size_t longest_uri = 300;
-    throw std::invalid_argument("source " + shown(uri_, longest_uri) + ": " + what + ": found '" + shown(found) +
-                                "', allowed is " + allowed);
+    throw std::invalid_argument("source " + base::printable(uri_, longest_uri) + ": " + what + ": found '" +
+                                base::printable(found) + "', allowed is " + allowed);
 }
 
 double SourceUri::number(const std::string& what, std::string_view text, double least, double most) const {
-    const auto number = parse_number(text);
+    const auto number = base::parse_number(text);
     if (!number || *number < least || *number > most) {
-        fail(what, text, number_text(least) + " to " + number_text(most));
+        fail(what, text, base::number_text(least) + " to " + base::number_text(most));
     }
     return *number;
 }

@@ -7,7 +7,7 @@
 
 namespace disparityd::capture {
 
-/// The parts of "KIND:NAME[@RATE][?KEY=VALUE&..]", and refusals that name the whole. Borrows the text.
+/// Takes "KIND:NAME[@RATE][?KEY=VALUE&..]" apart; its refusals name the whole URI. Borrows the text.
 class SourceUri {
 public:
     struct Parameter {
@@ -21,12 +21,13 @@ public:
     std::string_view name() const { return name_; }
     bool has_rate() const { return rate_.data() != nullptr; }
     std::string_view rate() const { return rate_; }
+    /// Throws as fail() where a key comes twice.
     std::vector<Parameter> parameters() const;
 
     /// Throws std::invalid_argument with one line that says what was found and what is allowed.
     [[noreturn]] void fail(const std::string& what, std::string_view found, const std::string& allowed) const;
 
-    /// These two fail() as well when the text is no such number, or out of least .. most.
+    /// Both throw as fail() when the text is no such number, or is not in least .. most.
     double number(const std::string& what, std::string_view text, double least, double most) const;
     int integer(const std::string& what, std::string_view text, int least, int most) const;
 

@@ -8,8 +8,8 @@ set_property(CACHE DISPARITYD_CUDA PROPERTY STRINGS AUTO ON OFF)
 set(DISPARITYD_CUDA_STEPS
   block_winners.cu
   census.cu
-  filter.cu
-  finish.cu
+  interpolate_depth.cu
+  left_right_median.cu
   paths.cu
   rectify.cu
   sgm_winners.cu

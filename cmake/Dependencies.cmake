@@ -12,7 +12,8 @@ find_package(Protobuf 3.12 REQUIRED)
 pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat>=58.76 libavcodec>=58.134 libavutil>=56.70 libswscale>=5.9)
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd>=249)
 pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0>=1.0.25)
-pkg_check_modules(YAMLCPP REQUIRED IMPORTED_TARGET yaml-cpp>=0.6)
+# Older ones take as much stack as a file is deep.
+pkg_check_modules(YAMLCPP REQUIRED IMPORTED_TARGET yaml-cpp>=0.7)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd>=1.4)
 
 find_package(fmt 8 REQUIRED)

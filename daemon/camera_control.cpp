@@ -4,14 +4,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include <boost/asio/post.hpp>
-
+#include "base/failure_text.h"
 #include "daemon/camera_message.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 void CameraControlService::ask(const v1::CameraRequest& request, Answer answer) {
-    boost::asio::post(worker_, [this, request, answer = std::move(answer)] {
+    do_in(worker_, "a request about the camera is not answered", [this, request, answer = std::move(answer)] {
         v1::CameraControls controls;
         std::string refusal;
         try {
@@ -21,10 +20,10 @@ void CameraControlService::ask(const v1::CameraRequest& request, Answer answer) 
             }
             controls = to_message(engine->control_camera(to_settings(request)));
         } catch (const std::exception& error) {
-            refusal = error.what();
+            refusal = base::failure_text(error);
         }
         answer(controls, refusal);
     });
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

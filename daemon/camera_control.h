@@ -8,7 +8,7 @@
 #include "daemon/engine.h"
 #include "daemon/one_thread.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 /// Controls of the live camera for clients: requests wait for the camera in a thread of their own.
 class CameraControlService {
@@ -33,4 +33,4 @@ private:
     boost::asio::thread_pool worker_ = one_thread();
 };
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -3,13 +3,13 @@
 
 #include "proto/text.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 v1::CameraStatus to_message(const capture::CameraFacts& camera) {
     v1::CameraStatus message;
-    message.set_state(capture::name(camera.state));
-    message.set_model(proto::text(camera.model));
-    message.set_serial(proto::text(camera.serial));
+    message.set_state(capture::to_string(camera.state));
+    message.set_model(proto::to_valid_utf8(camera.model));
+    message.set_serial(proto::to_valid_utf8(camera.serial));
     message.set_node(camera.node);
     message.set_port(camera.port);
     message.set_firmware(camera.firmware);
@@ -28,7 +28,7 @@ v1::CameraControls to_message(const std::vector<capture::CameraControl>& control
     v1::CameraControls message;
     for (const capture::CameraControl& control : controls) {
         v1::CameraControl& to = *message.add_controls();
-        to.set_name(proto::text(control.name));
+        to.set_name(proto::to_valid_utf8(control.name));
         to.set_value(control.value);
         to.set_least(control.least);
         to.set_most(control.most);
@@ -45,4 +45,4 @@ std::vector<capture::CameraSetting> to_settings(const v1::CameraRequest& request
     return settings;
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "capture/camera_controls.h"
+#include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
 #include "proto/disparity.pb.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 /// The camera as clients see it.
 v1::CameraStatus to_message(const capture::CameraFacts& camera);
@@ -15,4 +15,4 @@ v1::CameraStatus to_message(const capture::CameraFacts& camera);
 v1::CameraControls to_message(const std::vector<capture::CameraControl>& controls);
 std::vector<capture::CameraSetting> to_settings(const v1::CameraRequest& request);
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -7,25 +7,25 @@
 
 #include <CLI/CLI.hpp>
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 constexpr const char* footer =
     "\nExamples:\n"
-    "  disparityd                                     the configuration of this machine, or the built-in scene\n"
+    "  disparityd                                     the configuration of this machine, or the first camera\n"
     "  disparityd --source recording.mkv --exit-at-end\n"
     "  disparityd --config my.toml --set match.disparities=128 --set rectify.width=640 --set rectify.height=360\n"
     "  disparityd --config my.toml --check\n"
     "\nEvery key is explained in disparityd.example.toml. SIGHUP loads the configuration again, SIGTERM stops.\n"
     "Exit status: 0 stopped as asked, 1 the system refused something, 2 the configuration or the input is wrong.";
 
-/// The machine's configuration when there is one.
+/// Returns the path of the machine's configuration; empty when there is none.
 std::string default_config_path() {
     std::error_code error;
     return std::filesystem::exists(DISPARITYD_CONFIG_FILE, error) ? DISPARITYD_CONFIG_FILE : "";
 }
 
-/// What is asked for instead of what the configuration says.
+/// Options that override keys of the configuration.
 struct Overrides {
     std::string source;
     std::string name;
@@ -43,21 +43,21 @@ void add_options(CLI::App& app, CommandLine& line, Overrides& given) {
     app.add_option("--source", given.source, "Where frames come from, instead of [source] uri")->type_name("URI");
     app.add_option("--name", given.name, "Name of the shared memory, instead of [shared_memory] name")
         ->type_name("NAME");
-    app.add_option("--set", given.settings, "Any key of the configuration; may be given again and again")
+    app.add_option("--set", given.settings, "Set any key of the configuration; may be repeated")
         ->type_name("SECTION.KEY=VALUE")
         ->expected(1)
         ->take_all()
         ->allow_extra_args(false);
     app.add_flag("--self-calibrate", given.self_calibrate,
-                 "Estimate corrections of the calibration from recordings too, instead of applying what they say");
-    app.add_flag("--no-self-calibration", given.no_self_calibration, "Use the calibration as it is");
-    app.add_flag("--check", line.check, "Say whether the configuration is valid here, serve nothing, and exit");
+                 "Estimate corrections of the calibration from recordings too, instead of applying those they hold");
+    app.add_flag("--no-self-calibration", given.no_self_calibration, "Use the calibration without corrections");
+    app.add_flag("--check", line.check, "Check the configuration on this machine and exit; nothing is served");
     app.add_flag("--exit-at-end", line.daemon.exit_at_end, "Stop when the source has ended");
     app.add_flag("--print-address", line.daemon.print_address,
-                 "Print the addresses that are served, one per line, then \"ready\"");
+                 "Print the addresses that are served, one per line, then \"ready\" (frames can be read)");
 }
 
-/// The general ones first: what has an option of its own wins.
+/// Returns the overrides in order: --set first, so that an option of its own wins.
 std::vector<Override> in_order(const CLI::App& app, const Overrides& given) {
     std::vector<Override> overrides;
     for (const std::string& setting : given.settings) {
@@ -103,4 +103,4 @@ std::optional<CommandLine> read_command_line(int argc, const char* const* argv) 
     return line;
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

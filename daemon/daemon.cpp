@@ -7,75 +7,114 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "capture/start_thread.h"
+#include "base/failure_text.h"
+#include "daemon/descriptor_limit.h"
+#include "daemon/freed_memory.h"
 #include "daemon/log.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
-/// What a source's preparation throws through open_source() when the daemon is to stop.
-struct Cancelled {};
-
 SocketServerConfig server_config(const Config& config) {
-    return {config.socket.tcp, resolved_unix_path(config), static_cast<std::size_t>(config.socket.max_clients),
-            static_cast<std::size_t>(config.socket.client_queue)};
+    SocketServerConfig server;
+    server.tcp = config.socket.tcp;
+    server.unix_path = resolved_unix_path(config);
+    server.max_clients = static_cast<std::size_t>(config.socket.max_clients);
+    server.client_queue = static_cast<std::size_t>(config.socket.client_queue);
+    server.tcp_control = config.socket.tcp_control;
+    server.idle_timeout = std::chrono::seconds(config.socket.idle_timeout_s);
+    server.descriptors = raise_descriptor_limit();
+    return server;
 }
 
-std::string what(const std::exception_ptr& failure) {
-    try {
-        std::rethrow_exception(failure);
-    } catch (const std::exception& error) {
-        return error.what();
-    }
+RecordRules record_rules(const Config& config) {
+    const RecordDirectory directory = resolved_record_directory(config);
+    constexpr std::uint64_t mb = 1'000'000;
+    return {config.record.enabled,
+            directory.path,
+            directory.chosen,
+            static_cast<std::uint64_t>(config.record.keep_free_mb) * mb,
+            static_cast<std::uint64_t>(config.record.max_mb) * mb,
+            std::chrono::seconds(config.record.max_s),
+            config.record.when_client_is_gone == WhenClientIsGone::stop};
 }
 
 }  // namespace
 
 Daemon::Daemon(DaemonOptions options, Config config)
     : options_(std::move(options)),
+      first_source_(config.source.uri),
       signals_(control_, SIGTERM, SIGINT, SIGHUP),
       tick_timer_(control_),
       config_(std::move(config)),
+      builder_(
+          [this](const Config& built, const EngineBuilder::Progress& progress) { return make_engine(built, progress); },
+          [this] { tell_built(); }),
       server_(server_config(config_), {[this] { return status(); },
-                                       [this](std::string path, SessionHost::RecordAnswer answer) {
-                                           recording_.start(path, std::move(answer));
+                                       [this](const RecordRequest& request, SessionHost::RecordAnswer answer) {
+                                           recording_.start(request, std::move(answer));
                                        },
                                        [this](SessionHost::RecordAnswer answer) { recording_.stop(std::move(answer)); },
+                                       [this](std::uint64_t client) { return recording_.is_recording_for(client); },
+                                       [this](std::uint64_t client) { recording_.client_is_gone(client); },
                                        [this](const v1::CameraRequest& request, SessionHost::CameraAnswer answer) {
                                            camera_.ask(request, std::move(answer));
                                        }}),
       camera_([this] { return engine(); }) {
-    recording_.configure(config_.record.enabled, resolved_record_directory(config_));
+    recording_.configure(record_rules(config_));
 }
 
 Daemon::~Daemon() {
-    stopping_.store(true);
-    if (builder_.joinable()) {
-        builder_.join();
-    }
+    phase_.store(Phase::stopping);
+    builder_.cancel();
+    builder_.wait();
     shut_down();
 }
 
 bool Daemon::run() {
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // writing beyond a file limit then fails like a full disk
     wait_for_signal();
     tick();
-    build_engine(config_);
-    control_.run();
-    if (builder_.joinable()) {
-        builder_.join();
-    }
+    server_.start();  // clients get a status while the first source is prepared
+    builder_.build(BuildReason::start, config_);
+    control();
+    builder_.wait();
     shut_down();
     if (fatal_) {
         std::rethrow_exception(fatal_);
     }
     return ended_well_;
+}
+
+/// Runs signals and ticks. An exception, such as one for want of memory, does not end the daemon: it waits for both
+/// again.
+void Daemon::control() noexcept {
+    bool waiting = true;
+    while (!stopping()) {
+        try {
+            if (!waiting) {
+                signals_.cancel();
+                wait_for_signal();
+                wait_for_tick();
+                waiting = true;
+            }
+            control_.run();
+            return;
+        } catch (...) {
+            log_caught("the daemon goes on");
+            if (!std::exchange(waiting, false)) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(100));  // memory may be free again then
+            }
+        }
+    }
 }
 
 void Daemon::wait_for_signal() {
@@ -94,16 +133,16 @@ void Daemon::wait_for_signal() {
 }
 
 void Daemon::reload() {
-    if (building_) {
+    if (builder_.busy()) {
         reload_again_ = true;
         return;
     }
     log_info("loading the configuration again");
     manager_.reloading();
     try {
-        build_engine(load_config(options_.config_path, options_.overrides));
-    } catch (const std::invalid_argument& error) {
-        refuse_reload(error.what());
+        builder_.build(BuildReason::reload, load_config(options_.config_path, options_.overrides));
+    } catch (const std::exception& error) {
+        refuse_reload(base::failure_text(error));
     }
 }
 
@@ -126,90 +165,76 @@ void Daemon::note_refusal() {
     notices_ = {"the configuration was refused at the last reload: " + refusal_};
 }
 
-void Daemon::build_engine(Config config) {
-    building_ = true;
-    log_info(fmt::format("preparing {}", config.source.uri));
-    if (builder_.joinable()) {
-        builder_.join();
+/// Makes an engine, in the builder's thread.
+std::shared_ptr<Engine> Daemon::make_engine(const Config& config, const EngineBuilder::Progress& progress) const {
+    Engine::CarryOver carry_over{control_overrides_, ""};
+    if (const auto current = engine()) {
+        carry_over.camera_port = current->camera_port();
     }
-    const auto current = engine();
-    Engine::Heritage heritage{set_controls_, current ? current->camera_port() : ""};
-    const auto tell = [this, config](std::shared_ptr<Engine> engine, const std::exception_ptr& failure) {
-        boost::asio::post(
-            control_, [this, config, engine = std::move(engine), failure] { engine_built(config, engine, failure); });
-    };
+    return std::make_shared<Engine>(config, carry_over, progress);
+}
+
+/// Calls the control thread. Where there is no memory for that, its next tick looks for the engine.
+void Daemon::tell_built() noexcept {
     try {
-        builder_ = capture::start_thread([this, tell, config = std::move(config), heritage = std::move(heritage)] {
-            std::shared_ptr<Engine> engine;
-            std::exception_ptr failure;
-            try {
-                engine = std::make_shared<Engine>(config, heritage, [this](int, int) {
-                    if (stopping_.load(std::memory_order_relaxed)) {
-                        throw Cancelled();
-                    }
-                });
-            } catch (const Cancelled&) {
-                return;
-            } catch (const std::exception&) {
-                failure = std::current_exception();
-            }
-            tell(std::move(engine), failure);
-        });
-    } catch (const std::runtime_error&) {
-        tell(nullptr, std::current_exception());
+        boost::asio::post(control_, [this] { look_for_built(); });
+    } catch (...) {
+        log_caught("the new engine waits for the next tick");
     }
 }
 
-void Daemon::engine_built(const Config& config, const std::shared_ptr<Engine>& engine,
-                          const std::exception_ptr& failure) {
-    building_ = false;
-    const bool for_source = std::exchange(building_for_source_, false);
-    const bool put_back = std::exchange(putting_back_, false);
-    if (stopping_.load(std::memory_order_relaxed)) {
+void Daemon::look_for_built() {
+    const auto built = builder_.take();
+    if (!built || stopping()) {
         return;
     }
-    if (failure && !serving_) {
-        fatal_ = failure;
-        begin_stop();
-    } else if (failure && put_back) {
-        say_nothing_runs(what(failure));
-    } else if (failure && for_source) {
-        log_error(fmt::format("the source cannot be opened anew: {}", what(failure)));
-    } else if (failure) {
-        refuse_reload(what(failure));
+    if (built->failure) {
+        handle_failure(after_failed_build(built->reason), built->failure);
     } else {
-        try {
-            if (put_back) {
-                shared_memory_.reset();  // it is the refused configuration's
-            }
-            take_over(config, engine);
-            if (put_back) {
-                note_refusal();
-            }
-        } catch (const std::exception& error) {
-            if (!serving_) {
-                fatal_ = std::current_exception();
-                begin_stop();
-                return;
-            }
-            const auto old = this->engine();
-            if (!old || !old->stopped()) {
-                refuse_reload(error.what());
-            } else if (put_back) {
-                say_nothing_runs(error.what());
-            } else {
-                refuse_reload(fmt::format("{}; the one before is put back", error.what()));
-                putting_back_ = true;
-                build_engine(config_);
-            }
-        }
+        put_to_work(*built);
     }
-    if (std::exchange(reload_again_, false)) {
+    if (!stopping() && std::exchange(reload_again_, false)) {
         reload();
     }
 }
 
-/// The index of the next frame, 0 where no engine has run.
+void Daemon::put_to_work(const EngineBuilder::Built& built) {
+    const bool rollback = built.reason == BuildReason::rollback;
+    try {
+        if (rollback) {
+            shared_memory_.reset();  // it is the refused configuration's
+        }
+        take_over(*built.config, built.engine);
+        if (rollback) {
+            note_refusal();
+        }
+    } catch (...) {
+        const auto old = engine();
+        const EngineInUse in_use = !old             ? EngineInUse::none
+                                   : old->stopped() ? EngineInUse::stopped
+                                                    : EngineInUse::running;
+        handle_failure(after_failed_take_over(built.reason, in_use), std::current_exception());
+    }
+}
+
+void Daemon::handle_failure(FailureAction action, const std::exception_ptr& failure) {
+    const std::string why = base::failure_text(failure);
+    switch (action) {
+        case FailureAction::end_daemon:
+            fatal_ = failure;
+            begin_stop();
+            break;
+        case FailureAction::refuse_reload: refuse_reload(why); break;
+        case FailureAction::keep_source: log_error(fmt::format("the source cannot be opened anew: {}", why)); break;
+        case FailureAction::roll_back:
+            refuse_reload(fmt::format("{}; the one before is put back", why));
+            builder_.build(BuildReason::rollback, config_);
+            break;
+        case FailureAction::wait_for_reload: say_nothing_runs(why); break;
+    }
+}
+
+/// Stops the engine in use. Returns the index of the next frame, 0 where no engine has run.
 std::uint64_t Daemon::stop_engine() {
     std::uint64_t index = 0;
     if (const auto old = engine()) {
@@ -218,12 +243,14 @@ std::uint64_t Daemon::stop_engine() {
         old->stop();
         index = old->next_index();
     }
+    memory_place_.forget();
+    socket_place_.forget();
     const std::lock_guard lock(mutex_);
     notices_.clear();
     return index;
 }
 
-/// Everything that is likely to be refused comes first, so that the old engine still runs when it is.
+/// Replaces the engine in use. Steps that the system may refuse come first, while the old engine still runs.
 void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engine) {
     const bool same_object = shared_memory_ && config.shared_memory.enabled &&
                              config.shared_memory.name == config_.shared_memory.name &&
@@ -234,7 +261,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
         new_object = std::make_unique<SharedMemoryPublisher>(config.shared_memory.name, engine->layout(),
                                                              static_cast<std::uint32_t>(config.shared_memory.slots));
     }
-    if (serving_) {
+    if (serving()) {
         server_.reconfigure(server_config(config));
     }
     const std::uint64_t index = stop_engine();
@@ -246,7 +273,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     layout.shared_memory = shared_memory_ ? shared_memory_->object_name() : "";
     server_.set_layout(layout);
     set_log_level(config.log.level);
-    recording_.configure(config.record.enabled, resolved_record_directory(config));
+    recording_.configure(record_rules(config));
     recording_.set_source(engine->source(), "");
     engine->start([this](const PublishedFrame& frame) { publish(frame); },
                   [this, live = engine->source().live](const capture::RawFrame& frame) {
@@ -262,15 +289,20 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
         engine_.swap(old);
     }
     old.reset();  // not under the lock: it frees gigabytes and waits for its threads
-    if (!serving_) {
+    give_back_freed_memory();
+    if (!serving()) {
         start_serving();
     }
     log_info(fmt::format("serving {}: {} x {}, {}", engine->source().name, layout.geometry.width,
                          layout.geometry.height, engine->workers()));
+    if (engine->source().synthetic) {
+        log_warning(Engine::synthetic_notice);
+    }
     manager_.ready(status_line());
 }
 
-/// The object as configured; a failure here, with the old engine gone, leaves shared memory off and says so.
+/// Makes the shared memory as configured. When that fails after the start, shared memory stays off and a notice says
+/// so.
 void Daemon::serve_shared_memory(const Config& config, const StreamLayout& layout) {
     if (!config.shared_memory.enabled) {
         return;
@@ -283,19 +315,19 @@ void Daemon::serve_shared_memory(const Config& config, const StreamLayout& layou
                 config.shared_memory.name, layout, static_cast<std::uint32_t>(config.shared_memory.slots));
         }
     } catch (const std::exception& error) {
-        if (!serving_) {
+        if (!serving()) {
             throw;
         }
         shared_memory_.reset();
-        log_error(fmt::format("shared memory is off: {}", error.what()));
+        const std::string line = "shared memory is off: " + base::failure_text(error);
+        log_error(line);
         const std::lock_guard lock(mutex_);
-        notices_.push_back(std::string("shared memory is off: ") + error.what());
+        notices_.push_back(line);
     }
 }
 
 void Daemon::start_serving() {
-    server_.start();
-    serving_ = true;
+    phase_.store(Phase::serving);
     std::vector<std::string> addresses = server_.addresses();
     if (shared_memory_) {
         addresses.push_back("shm:" + shared_memory_->object_name());
@@ -317,7 +349,8 @@ void Daemon::start_serving() {
 }
 
 void Daemon::begin_stop() {
-    if (!stopping_.exchange(true)) {
+    if (phase_.exchange(Phase::stopping) != Phase::stopping) {
+        builder_.cancel();
         manager_.stopping();
         control_.stop();
     }
@@ -327,8 +360,12 @@ void Daemon::shut_down() {
     if (const auto last = engine()) {
         last->stop();
     }
-    recording_.set_source(std::nullopt, "");
-    recording_.wait();
+    try {
+        recording_.set_source(std::nullopt, "");
+        recording_.wait();
+    } catch (...) {
+        log_caught("the recording is finished at the end");  // by its destructor
+    }
     server_.stop();
     shared_memory_.reset();
 }
@@ -338,7 +375,7 @@ std::shared_ptr<Engine> Daemon::engine() const {
     return engine_;
 }
 
-/// A recording's times are those of another day.
+/// Publishes samples. The times of a recording are from another day: they are not compared with the clock.
 void Daemon::publish_sensors(const capture::RawFrame& frame, bool live) {
     if (!frame.sensors.empty()) {
         const std::chrono::nanoseconds measured(frame.sensors.back().monotonic_ns);
@@ -354,4 +391,4 @@ void Daemon::publish(const PublishedFrame& frame) {
     server_.publish(frame);
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -9,23 +9,25 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "capture/set_controls.h"
+#include "capture/camera/control_overrides.h"
+#include "daemon/build_reason.h"
 #include "daemon/camera_control.h"
-#include "daemon/config.h"
+#include "daemon/config/config.h"
 #include "daemon/engine.h"
+#include "daemon/engine_builder.h"
+#include "daemon/place_watch.h"
 #include "daemon/recording_control.h"
 #include "daemon/service_manager.h"
 #include "daemon/shared_memory_publisher.h"
-#include "daemon/socket_server.h"
+#include "daemon/socket/socket_server.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 struct DaemonOptions {
     std::string config_path;  ///< empty = built-in defaults
@@ -34,8 +36,8 @@ struct DaemonOptions {
     bool print_address = false;
 };
 
-/// The running daemon: one engine, its publishers, and the thread that hears signals and timers. Engines are built in a
-/// thread of their own, so that a slow source never delays a stop or the watchdog.
+/// The running daemon: one engine, its publishers, and the control thread, which handles signals and timers. Engines
+/// are built in a thread of their own, so that a slow source never delays a stop or the watchdog.
 class Daemon {
 public:
     /// Binds the sockets. Throws std::runtime_error when an address is in use.
@@ -44,15 +46,30 @@ public:
     Daemon(const Daemon&) = delete;
     Daemon& operator=(const Daemon&) = delete;
 
-    /// Serves until SIGTERM, SIGINT or, when asked for, the end of the source. Throws what the first engine or the
-    /// shared memory throws; false when exit_at_end and the source ended by an error.
+    /// Serves until SIGTERM, SIGINT or, with exit_at_end, the end of the source. Throws what the first engine or the
+    /// shared memory throws. Returns false with exit_at_end when the source ended by an error.
     bool run();
 
 private:
+    /// Each is reached once, in this order; `serving` may be left out.
+    enum class Phase : unsigned char {
+        starting,  ///< no engine has run yet
+        serving,
+        stopping,
+    };
+
+    bool serving() const { return phase_.load(std::memory_order_relaxed) == Phase::serving; }
+    bool stopping() const { return phase_.load(std::memory_order_relaxed) == Phase::stopping; }
+
+    void control() noexcept;
     void wait_for_signal();
+    void wait_for_tick();
+    void tell_built() noexcept;
+    void look_for_built();
     void reload();
-    void build_engine(Config config);
-    void engine_built(const Config& config, const std::shared_ptr<Engine>& engine, const std::exception_ptr& failure);
+    std::shared_ptr<Engine> make_engine(const Config& config, const EngineBuilder::Progress& progress) const;
+    void put_to_work(const EngineBuilder::Built& built);
+    void handle_failure(FailureAction action, const std::exception_ptr& failure);
     std::uint64_t stop_engine();
     void take_over(const Config& config, const std::shared_ptr<Engine>& engine);
     void refuse_reload(const std::string& why);
@@ -66,8 +83,10 @@ private:
     void tick();
     void watch_source();
     void watch_memory();
+    void watch_freed_memory();
     void watch_matcher();
     void watch_threads();
+    void watch_places();
     std::string status_line() const;
     v1::Status status() const;
     std::shared_ptr<Engine> engine() const;
@@ -75,6 +94,7 @@ private:
     void publish_sensors(const capture::RawFrame& frame, bool live);
 
     const DaemonOptions options_;
+    const std::string first_source_;  ///< what the status names while there is no engine
     const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
     boost::asio::io_context control_{1};
     boost::asio::signal_set signals_;
@@ -83,34 +103,35 @@ private:
     std::chrono::steady_clock::time_point next_status_;
     std::chrono::steady_clock::time_point next_alive_;
     std::chrono::steady_clock::time_point next_reopen_;
-    std::string announced_;  ///< state and detail that the service manager knows
+    std::string announced_;  ///< state and detail that the service manager was told
 
-    // The control thread's.
+    // The control thread uses these alone.
     Config config_;
-    std::thread builder_;
-    const std::shared_ptr<capture::SetControls> set_controls_ = std::make_shared<capture::SetControls>();
-    bool building_ = false;
-    bool building_for_source_ = false;  ///< the configuration stays, the source has changed
-    std::string refusal_;               ///< why the last reload was refused
-    bool putting_back_ = false;         ///< the configuration before, after a new one that did not work
-    bool reload_again_ = false;
-    bool serving_ = false;
+    const std::shared_ptr<capture::ControlOverrides> control_overrides_ = std::make_shared<capture::ControlOverrides>();
+    std::string refusal_;        ///< why the last reload was refused
+    bool reload_again_ = false;  ///< a reload was asked for while an engine was being built
     bool end_seen_ = false;
     bool stuck_logged_ = false;
-    std::string trouble_logged_;  ///< of the matcher
+    std::uint64_t clients_gone_ = 0;  ///< value of server_.gone() when freed memory was given back
+    std::chrono::steady_clock::time_point next_give_back_;
+    std::string trouble_logged_;  ///< of the matcher, as logged last
     bool ended_well_ = true;
     std::exception_ptr fatal_;
 
-    // Between threads.
-    std::atomic<bool> stopping_{false};
+    // Several threads use these.
+    std::atomic<Phase> phase_{Phase::starting};
     mutable std::mutex mutex_;  ///< the two below
     std::shared_ptr<Engine> engine_;
     std::vector<std::string> notices_;
 
+    EngineBuilder builder_;  ///< its thread uses what stands above
+
+    PlaceWatch memory_place_;
+    PlaceWatch socket_place_;
     std::unique_ptr<SharedMemoryPublisher> shared_memory_;  ///< the publish thread's while an engine runs
     SocketServer server_;                                   ///< outlives recording_, which answers through it
     RecordingControl recording_;
     CameraControlService camera_;  ///< answers through the server too
 };
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

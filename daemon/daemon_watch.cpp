@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the daemon looks after while it runs: its source, its threads, and what it says about them.
+// Watches over the running daemon: its source, memory and threads; and its status.
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include "daemon/daemon.h"
+#include "daemon/freed_memory.h"
 #include "daemon/log.h"
 #include "proto/text.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 using std::chrono::steady_clock;
@@ -17,31 +18,41 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds tick_interval{200};
 constexpr std::chrono::seconds status_interval{3};
 
-/// Between two attempts to open a source anew that has changed.
+/// The time between two attempts to open a changed source.
 constexpr std::chrono::seconds reopen_interval{2};
 
-/// A thread that has not answered for so long is stuck, where no watchdog says otherwise.
+/// A thread is stuck when it has not answered for so long, unless the watchdog has a limit of its own.
 constexpr std::chrono::seconds default_stuck_limit{10};
 
-/// How much longer the service manager is asked to wait while a source prepares itself.
+/// The time between two times at which memory of clients that have gone is given back.
+constexpr std::chrono::seconds give_back_interval{10};
+
+/// How much more time the service manager is asked for while a source prepares itself.
 constexpr std::chrono::seconds preparation_time{30};
 
 }  // namespace
 
 void Daemon::tick() {
+    wait_for_tick();  // first, because the rest may find no memory
+    look_for_built();
     recording_.check();
     watch_source();
     watch_memory();
+    watch_freed_memory();
     watch_matcher();
     watch_threads();
+    watch_places();
     const auto now = steady_clock::now();
     if (now >= next_status_) {
         next_status_ = now + status_interval;
-        if (building_ && !serving_) {
+        if (builder_.busy() && !serving()) {
             manager_.needs_time(preparation_time);
         }
         manager_.status(status_line());
     }
+}
+
+void Daemon::wait_for_tick() {
     // A watchdog may be shorter than the usual tick.
     auto interval = std::chrono::duration_cast<std::chrono::microseconds>(tick_interval);
     if (manager_.watchdog_limit().count() > 0) {
@@ -61,16 +72,15 @@ void Daemon::watch_source() {
         return;
     }
     const Engine::Condition condition = current->condition();
-    const std::string announcement = std::string(name(condition.state)) + condition.detail;
+    const std::string announcement = std::string(to_string(condition.state)) + condition.detail;
     if (announcement != announced_) {
         announced_ = announcement;
         next_status_ = {};
     }
     const auto now = steady_clock::now();
-    if (current->source_changed() && !building_ && now >= next_reopen_) {
+    if (current->source_changed() && !builder_.busy() && now >= next_reopen_) {
         next_reopen_ = now + reopen_interval;
-        building_for_source_ = true;
-        build_engine(config_);
+        builder_.build(BuildReason::source_changed, config_);
     }
     if (condition.state != Engine::State::ended) {
         return;
@@ -91,6 +101,16 @@ void Daemon::watch_memory() {
     }
 }
 
+/// Gives memory back after clients have gone: their messages were allocated.
+void Daemon::watch_freed_memory() {
+    const auto now = steady_clock::now();
+    if (now >= next_give_back_ && server_.gone() != clients_gone_) {
+        clients_gone_ = server_.gone();
+        next_give_back_ = now + give_back_interval;
+        give_back_freed_memory();
+    }
+}
+
 void Daemon::watch_matcher() {
     const auto current = engine();
     const std::string trouble = current ? current->matcher_trouble() : std::string();
@@ -100,14 +120,15 @@ void Daemon::watch_matcher() {
     trouble_logged_ = trouble;
 }
 
-/// The watchdog is fed only while every thread answers.
+/// Feeds the watchdog while every thread answers.
 void Daemon::watch_threads() {
     const auto watchdog = manager_.watchdog_limit();
     const auto limit = watchdog.count() > 0 ? std::chrono::duration_cast<std::chrono::milliseconds>(watchdog)
                                             : std::chrono::milliseconds(default_stuck_limit);
     const auto current = engine();
     std::string stuck = current ? current->stuck_stage(limit) : std::string();
-    if (stuck.empty() && serving_ && server_.silence() > limit) {
+    const auto silence = server_.silence();  // always asked: the call also retries what had no memory
+    if (stuck.empty() && serving() && silence > limit) {
         stuck = "socket server";
     }
     if (!stuck.empty()) {
@@ -126,13 +147,24 @@ void Daemon::watch_threads() {
     }
 }
 
+void Daemon::watch_places() {
+    if (shared_memory_) {
+        memory_place_.check("shared memory " + shared_memory_->object_name(), shared_memory_->has_name(),
+                            [this] { shared_memory_->restore(); });
+    }
+    if (serving()) {
+        const std::string lost = server_.lost_address();
+        socket_place_.check("socket " + lost, lost.empty(), [this] { server_.restore(); });
+    }
+}
+
 std::string Daemon::status_line() const {
     const v1::Status now = status();
     std::string line = now.state();
     if (now.state() == "running") {
         line += fmt::format(", {:.1f} frames/s", now.rate());
     }
-    line += ", " + now.source();
+    line += ", " + now.source() + (now.synthetic() ? " (synthetic)" : "");
     return now.detail().empty() ? line : line + ": " + now.detail();
 }
 
@@ -144,18 +176,23 @@ v1::Status Daemon::status() const {
         current->fill(status);
     } else {
         status.set_state("waiting");
-        status.set_detail("the source is being prepared");
-        status.set_source(proto::text(options_.config_path));
+        status.set_detail("the daemon is preparing its source");
+        status.set_source(proto::to_valid_utf8(first_source_));
     }
-    if (stopping_.load(std::memory_order_relaxed)) {
+    if (stopping()) {
         status.set_state("stopping");
     }
     *status.mutable_record() = recording_.status();
+    for (const PlaceWatch* place : {&memory_place_, &socket_place_}) {
+        if (const std::string notice = place->notice(); !notice.empty()) {
+            status.add_notices(proto::to_valid_utf8(notice));
+        }
+    }
     const std::lock_guard lock(mutex_);
     for (const std::string& notice : notices_) {
-        status.add_notices(proto::text(notice));
+        status.add_notices(proto::to_valid_utf8(notice));
     }
     return status;
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -6,29 +6,31 @@
 
 #include <fmt/format.h>
 
-#include "calibration/correction_file.h"
-#include "capture/camera_calibration.h"
-#include "capture/camera_controls.h"
+#include "base/words.h"
+#include "calibration/calibration_lookup.h"
+#include "calibration/online/correction_file.h"
+#include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
 #include "daemon/camera_message.h"
 #include "daemon/huge_pages.h"
 #include "daemon/log.h"
+#include "daemon/product_planes.h"
 #include "daemon/sensor_message.h"
 #include "proto/text.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 using std::chrono::steady_clock;
 
-/// Longer without a frame, and the state says so.
+/// After so long without a frame the state is `waiting`.
 constexpr std::chrono::seconds silence_limit{2};
 
-/// Frames that a source lends beyond those in the pipeline's slots: one in the hand of the capture stage, one that it
-/// compares with.
+/// Frames that a source lends beyond those in the pipeline's slots: one that the capture stage holds, one that may
+/// replace it.
 constexpr int spare_loans = 2;
 
-std::unique_ptr<capture::FrameSource> open_source(const Config& config, const Engine::Heritage& heritage,
+std::unique_ptr<capture::FrameSource> open_source(const Config& config, const Engine::CarryOver& carry_over,
                                                   std::function<void(int, int)> progress) {
     capture::SourceOptions options;
     options.uri = config.source.uri;
@@ -38,10 +40,10 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, const En
     options.calibration_path = config.source.calibration;
     options.wait_for_camera = true;
     options.allow_unrectified = config.source.allow_unrectified;
-    options.calibration_folders = capture::folder_list(config.source.calibration_folders);
+    options.calibration_folders = calibration::folder_list(config.source.calibration_folders);
     options.controls = config.source.controls;
-    options.set_controls = heritage.set_controls;
-    options.likely_port = heritage.camera_port;
+    options.control_overrides = carry_over.control_overrides;
+    options.likely_port = carry_over.camera_port;
     options.sensors = config.source.sensors;
     options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
     options.report = [](const std::string& line, bool trouble) {
@@ -51,7 +53,7 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, const En
     return capture::open_source(options);
 }
 
-MatcherConfig matcher_config(const Config& config, const capture::Rectification& rectification) {
+MatcherConfig matcher_config(const Config& config, const calibration::Rectification& rectification) {
     return {rectification.width, rectification.height, config.match.options};
 }
 
@@ -59,22 +61,23 @@ std::uint32_t to_u32(int value) {
     return static_cast<std::uint32_t>(value);
 }
 
-/// Corrections that live sources get in the background, replays from the recording or, when asked for, at fixed frames.
-std::unique_ptr<capture::RectificationSchedule> make_schedule(const Config& config, const capture::SourceInfo& source) {
-    using Follow = capture::RectificationBook::Follow;
-    const capture::RectifiedGeometry& geometry = config.rectify.geometry;
+/// Chooses where corrections come from: the background for live sources, the recording or fixed frames for replays.
+std::unique_ptr<pipeline::RectificationSchedule> make_schedule(const Config& config,
+                                                               const capture::SourceInfo& source) {
+    using Follow = pipeline::CorrectedRectification::Follow;
+    const calibration::RectifiedGeometry& geometry = config.rectify.geometry;
     const Config::SelfCalibration& wanted = config.self_calibration;
     if (wanted.enabled && wanted.replays && !source.live && source.calibration && !source.calibration->rectified) {
-        return std::make_unique<calibration::CalibratingSchedule>(source, geometry, config.match.options.range,
-                                                                  calibration::CalibratingSchedule::Plan{});
+        return std::make_unique<pipeline::CalibratingSchedule>(source, geometry, config.match.options.range,
+                                                               pipeline::CalibratingSchedule::Plan{});
     }
     const bool recorded = wanted.enabled && !source.live;
-    return std::make_unique<capture::RectificationBook>(source, geometry,
-                                                        recorded ? Follow::recorded : Follow::applied);
+    return std::make_unique<pipeline::CorrectedRectification>(source, geometry,
+                                                              recorded ? Follow::recorded : Follow::applied);
 }
 
-/// The part of the geometry that a correction changes.
-void put_geometry(proto::ShmFrame& geometry, const capture::Rectification& rectification) {
+/// Fills in the part of the geometry that a correction changes.
+void put_geometry(proto::FrameInfo& geometry, const calibration::Rectification& rectification) {
     geometry.calibration_id = rectification.calibration_id;
     geometry.f = rectification.f;
     geometry.cx = rectification.cx;
@@ -83,23 +86,16 @@ void put_geometry(proto::ShmFrame& geometry, const capture::Rectification& recti
     geometry.disparity_offset = rectification.disparity_offset;
 }
 
-StreamLayout make_layout(const Config& config, const capture::Rectification& rectification) {
+StreamLayout make_layout(const Config& config, const calibration::Rectification& rectification) {
     StreamLayout layout;
-    proto::ShmFrame& geometry = layout.geometry;
+    proto::FrameInfo& geometry = layout.geometry;
     put_geometry(geometry, rectification);
     geometry.d_min = config.match.options.range.first;
     geometry.disparities = to_u32(config.match.options.range.count);
     geometry.invalid = invalid_disparity(config.match.options.range);
     geometry.width = to_u32(rectification.width);
     geometry.height = to_u32(rectification.height);
-    layout.products = {v1::DISPARITY, v1::CONFIDENCE};
-    if (config.match.depth) {
-        layout.products.push_back(v1::DEPTH);
-    }
-    layout.products.push_back(v1::LEFT);
-    if (config.rectify.colour) {
-        layout.products.push_back(v1::LEFT_COLOUR);
-    }
+    layout.products = configured_products(config);
     return layout;
 }
 
@@ -110,31 +106,14 @@ pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
             config.rectify.colour};
 }
 
-template <typename T>
-Plane<const std::uint8_t> as_bytes(const Plane<T>& plane) {
-    constexpr int size = sizeof(T);
-    return {reinterpret_cast<const std::uint8_t*>(plane.data), plane.width * size, plane.height, plane.stride * size};
-}
-
-Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product) {
-    switch (product) {
-        case v1::DISPARITY: return as_bytes(view.disparity);
-        case v1::CONFIDENCE: return as_bytes(view.confidence);
-        case v1::DEPTH: return as_bytes(view.depth);
-        case v1::LEFT: return as_bytes(view.left);
-        case v1::LEFT_COLOUR: return as_bytes(view.left_colour);
-        default: return {};
-    }
-}
-
 }  // namespace
 
-Engine::Engine(const Config& config, const Heritage& heritage, std::function<void(int, int)> progress)
+Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<void(int, int)> progress)
     : config_(config),
-      source_(open_source(config, heritage, std::move(progress))),
+      source_(open_source(config, carry_over, std::move(progress))),
       rectifications_(make_schedule(config, source_->info())),
-      book_(dynamic_cast<capture::RectificationBook*>(rectifications_.get())),
-      calibrating_(dynamic_cast<const calibration::CalibratingSchedule*>(rectifications_.get())),
+      corrected_(dynamic_cast<pipeline::CorrectedRectification*>(rectifications_.get())),
+      calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
@@ -171,7 +150,7 @@ void Engine::stop() {
     stopped_ = true;
     pipeline_->stop();
     if (source().live) {
-        // A camera lets go of its device in the first call after the interruption: the next engine may want it.
+        // A camera closes its device in the first call after the interruption: the next engine may open it.
         capture::RawFrame none;
         source_->next(none, steady_clock::now());
     }
@@ -185,9 +164,11 @@ void Engine::make_self_calibrator() {
     }
     const std::string folder = resolved_correction_directory(config_);
     self_calibrator_ = std::make_unique<SelfCalibrator>(
-        info, *book_, config_.match.options.range,
+        info, *corrected_, config_.match.options.range,
         SelfCalibrator::Settings{std::chrono::seconds(wanted.interval_s),
-                                 folder.empty() ? "" : calibration::correction_path(folder, info)});
+                                 folder.empty() ? ""
+                                                : calibration::correction_path(folder, info.serial, info.eye_width,
+                                                                               info.height, *info.calibration)});
 }
 
 void Engine::note_activity() {
@@ -198,7 +179,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     note_activity();
     PublishedFrame frame;
     frame.published = steady_clock::now();
-    // A camera stamps its frames with our clock; a recording's times are those of another day.
+    // A camera stamps its frames by our clock; the times of a recording are from another day.
     frame.captured =
         source().live ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns)) : slot.captured;
     note_rectification(*slot.rectification);
@@ -211,6 +192,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.info.dropped_before = slot.dropped_before;
     std::uint32_t flags = v1::FLAG_NONE;
     flags |= slot.rectification->unrectified ? static_cast<std::uint32_t>(v1::UNRECTIFIED) : 0U;
+    flags |= source().synthetic ? static_cast<std::uint32_t>(v1::SYNTHETIC) : 0U;
     flags |= config_.match.options.post.interpolate ? static_cast<std::uint32_t>(v1::INTERPOLATED) : 0U;
     flags |= slot.dropped_before > 0 ? static_cast<std::uint32_t>(v1::DROPPED_BEFORE) : 0U;
     if (first_frame_ || (slot.raw.flags & capture::frame_flag_discontinuity) != 0) {
@@ -227,15 +209,15 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     }
 }
 
-/// Only this thread writes geometry_: it may read it without the lock.
-void Engine::note_rectification(const capture::Rectification& used) {
+/// Called by the publish thread. Only it writes geometry_, so it reads it without the lock.
+void Engine::note_rectification(const calibration::Rectification& used) {
     if (used.calibration_id != geometry_.calibration_id) {
         const std::lock_guard lock(mutex_);
         put_geometry(geometry_, used);
     }
 }
 
-const char* name(Engine::State state) {
+const char* to_string(Engine::State state) {
     switch (state) {
         case Engine::State::waiting: return "waiting";
         case Engine::State::running: return "running";
@@ -250,7 +232,9 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     if (status.ended) {
         return {State::ended,
-                fmt::format("the source has ended after {} frames; reload to play it again", status.published), false};
+                fmt::format("the source has ended after {}; reload to play it again",
+                            base::counted(status.published, "frame")),
+                false};
     }
     if (const auto source = source_->condition(); !source.delivering) {
         return {State::waiting, source.detail, false};
@@ -271,13 +255,14 @@ Engine::Condition Engine::condition() const {
 }
 
 void Engine::fill(v1::Status& status) const {
-    status.set_source(proto::text(source().name));
-    status.set_method(std::string(disparityd::name(config_.match.options.method)));
+    status.set_source(proto::to_valid_utf8(source().name));
+    status.set_synthetic(source().synthetic);
+    status.set_method(std::string(disparityd::to_string(config_.match.options.method)));
     const std::string_view substitute = matcher_->substitute();
     status.set_backend(substitute.empty() ? backend_ : std::string(substitute));
     status.set_workers(to_u32(workers_.workers()));
     for (const std::string& notice : notices()) {
-        status.add_notices(proto::text(notice));
+        status.add_notices(proto::to_valid_utf8(notice));
     }
     {
         const std::lock_guard lock(mutex_);
@@ -289,10 +274,10 @@ void Engine::fill(v1::Status& status) const {
     }
     const pipeline::PipelineStatus now = pipeline_->status();
     const Condition condition = condition_of(now);
-    status.set_state(disparityd::name(condition.state));
+    status.set_state(to_string(condition.state));
     const std::string trouble = matcher_->trouble();
     status.set_detail(
-        proto::text(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble));
+        proto::to_valid_utf8(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble));
     status.set_rate(now.rate);
     status.set_captured(now.captured);
     status.set_published(now.published);
@@ -305,7 +290,7 @@ void Engine::fill(v1::Status& status) const {
     }
     if (const auto& camera = source.camera) {
         *status.mutable_camera() = to_message(*camera);
-        // The source keeps damaged frames to itself.
+        // The source counts the damaged frames that it does not pass on.
         status.set_corrupt(now.skipped_corrupt + camera->damaged + camera->too_short);
     }
     for (const auto& step : now.steps) {
@@ -324,17 +309,20 @@ void Engine::fill_self_calibration(v1::Status& status) const {
     if (self_calibrator_) {
         self_calibrator_->fill(*status.mutable_self_calibration());
     } else if (calibrating_ != nullptr) {
-        disparityd::fill(*status.mutable_self_calibration(), calibrating_->book().state());
+        put_correction(*status.mutable_self_calibration(), calibrating_->corrected().state());
         status.mutable_self_calibration()->set_estimating(true);
         status.mutable_self_calibration()->set_detail("estimated at fixed frames of the replay");
-    } else if (book_ != nullptr && book_->state().correction.any()) {
-        disparityd::fill(*status.mutable_self_calibration(), book_->state());
+    } else if (corrected_ != nullptr && corrected_->state().correction.any()) {
+        put_correction(*status.mutable_self_calibration(), corrected_->state());
         status.mutable_self_calibration()->set_detail("as recorded");
     }
 }
 
 std::vector<std::string> Engine::notices() const {
     std::vector<std::string> notices = source_->condition().notices;
+    if (source().synthetic) {
+        notices.emplace_back(synthetic_notice);
+    }
     const auto placement = workers_.placement();
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
@@ -356,7 +344,7 @@ std::string Engine::camera_port() const {
 }
 
 std::vector<capture::CameraControl> Engine::control_camera(const std::vector<capture::CameraSetting>& settings) {
-    return source_->control(settings);
+    return source_->set_camera_controls(settings);
 }
 
 bool Engine::check_memory() {
@@ -371,11 +359,11 @@ bool Engine::check_memory() {
 
 std::string Engine::workers() const {
     const int count = workers_.workers();
-    return fmt::format("{} {}, {}", count, count == 1 ? "worker" : "workers", workers_.placement().text);
+    return fmt::format("{}, {}", base::counted(static_cast<std::uint64_t>(count), "worker"), workers_.placement().text);
 }
 
 std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {
     return started_ ? pipeline_->stuck_stage(limit) : std::string();
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

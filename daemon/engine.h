@@ -10,50 +10,54 @@
 #include <string>
 #include <vector>
 
-#include "calibration/calibrating_schedule.h"
 #include "capture/frame_source.h"
-#include "capture/rectification_schedule.h"
-#include "daemon/config.h"
+#include "daemon/config/config.h"
 #include "daemon/published_frame.h"
 #include "daemon/self_calibrator.h"
 #include "kernels/matcher.h"
+#include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/rectification_schedule.h"
 #include "pipeline/worker_pool.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-/// The chain from source to finished frame, built from a configuration as a whole and replaced as a whole. Made,
-/// started and stopped by one thread at a time; the rest from any.
+/// The chain from source to finished frame, built from a configuration as a whole and replaced as a whole. One thread
+/// at a time builds, starts and stops it; any thread may call the rest.
 class Engine {
 public:
-    /// What an engine is told of those before it; see SourceOptions.
-    struct Heritage {
-        std::shared_ptr<capture::SetControls> set_controls;
+    /// The notice of a source that renders its frames.
+    static constexpr const char* synthetic_notice =
+        "the frames are synthetic, no camera saw them: for those of a camera set [source] uri, such as \"v4l2:auto\"";
+
+    /// What one engine passes to the next; see SourceOptions.
+    struct CarryOver {
+        std::shared_ptr<capture::ControlOverrides> control_overrides;
         std::string camera_port;
     };
 
-    /// Opens and allocates everything. `progress` hears how far the source is with preparing itself and may throw to
-    /// give up. Throws std::invalid_argument when the user must change something, std::runtime_error when the system
-    /// refuses.
-    Engine(const Config& config, const Heritage& heritage, std::function<void(int done, int total)> progress);
+    /// Opens and allocates everything. The source reports its preparation by `progress`, which may throw to give up.
+    /// Throws std::invalid_argument when the user must change something, std::runtime_error when the system refuses.
+    Engine(const Config& config, const CarryOver& carry_over, std::function<void(int done, int total)> progress);
     ~Engine();
     Engine(const Engine&) = delete;
     Engine& operator=(const Engine&) = delete;
 
-    /// Sinks get frames in the publish thread, `raw` in the capture thread; see Pipeline.
+    /// Gets frames in the publish thread; see Pipeline.
     using Sink = std::function<void(const PublishedFrame&)>;
 
-    /// Frames are numbered from `first_index` on. Throws std::runtime_error when the system starts no more threads.
+    /// Starts the pipeline; frames are numbered from `first_index` on, and `raw` is called in the capture thread.
+    /// Throws std::runtime_error when the system starts no more threads.
     void start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index);
     void stop();
     bool stopped() const { return stopped_; }
 
-    /// Number of the next frame; after stop().
+    /// Returns the number of the next frame; to be called after stop().
     std::uint64_t next_index() const { return next_index_; }
 
     const capture::SourceInfo& source() const { return source_->info(); }
     const StreamLayout& layout() const { return layout_; }
-    /// "2 workers, pinned, each to one of cores 0-1"
+    /// Returns the workers for people: "2 workers, pinned, each to one of cores 0-1".
     std::string workers() const;
 
     enum class State { waiting, running, ended };
@@ -64,23 +68,23 @@ public:
     };
     Condition condition() const;
 
-    /// The source is no longer what this engine was built for, such as another camera: build a new one.
+    /// Returns whether the source is no longer what this engine was built for, such as another camera: build a new one.
     bool source_changed() const;
 
-    /// Where the live camera is plugged in, or the one that it changed to; empty for other sources.
+    /// Returns the USB port of the live camera, or of the one that it changed to; empty for other sources.
     std::string camera_port() const;
 
-    /// See capture::FrameSource::control().
+    /// See capture::FrameSource::set_camera_controls().
     std::vector<capture::CameraControl> control_camera(const std::vector<capture::CameraSetting>& settings);
 
-    /// State, source, method, counters, step times and notices; the rest of the message is left alone.
+    /// Fills in state, source, method, counters, step times and notices; leaves the rest of the message alone.
     void fill(v1::Status& status) const;
 
-    /// What the user should know: workers without cores of their own, small pages.
+    /// Returns what the user should know, such as workers without cores of their own, or small pages.
     std::vector<std::string> notices() const;
 
-    /// Once there was a frame, and so all memory is in use, looks whether the system gave huge pages for it. True when
-    /// that has left a notice. From one thread.
+    /// Checks once whether the system gave huge pages: after the first frame, when all memory is in use. Returns true
+    /// when that has left a notice. One thread.
     bool check_memory();
 
     /// See Matcher::trouble().
@@ -92,20 +96,20 @@ private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
     void make_self_calibrator();
-    void note_rectification(const capture::Rectification& used);
+    void note_rectification(const calibration::Rectification& used);
     void fill_self_calibration(v1::Status& status) const;
     void note_activity();
 
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
-    std::unique_ptr<capture::RectificationSchedule> rectifications_;
-    capture::RectificationBook* book_ = nullptr;                     ///< the same, where it is one
-    const calibration::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one
+    std::unique_ptr<pipeline::RectificationSchedule> rectifications_;
+    pipeline::CorrectedRectification* corrected_ = nullptr;       ///< the same, where it is one
+    const pipeline::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     pipeline::WorkerPool workers_;
     StreamLayout layout_;
-    std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< none where there is nothing to estimate
+    std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< null where there is nothing to estimate
     Sink sink_;
     pipeline::Pipeline::RawTap raw_;
     bool started_ = false;
@@ -116,11 +120,11 @@ private:
     bool memory_checked_ = false;  ///< of the thread that calls check_memory()
     mutable std::mutex mutex_;     ///< the two below
     std::string memory_notice_;
-    proto::ShmFrame geometry_{};                    ///< of the newest frame; written by the publish thread
+    proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 
-/// "waiting", "running", "ended"
-const char* name(Engine::State state);
+/// Returns "waiting", "running" or "ended".
+const char* to_string(Engine::State state);
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

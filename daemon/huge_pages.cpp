@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <sys/prctl.h>
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 constexpr const char* policy_file = "/sys/kernel/mm/transparent_hugepage/enabled";
@@ -46,7 +46,7 @@ void count_huge_pages(const std::string& smaps, HugePages& pages) {
         } else if (key == "AnonHugePages:") {
             words >> huge;
         } else if (key == "VmFlags:" && (line + ' ').find(" hg ") != std::string::npos) {
-            // The last line of a mapping; "hg" is what madvise(MADV_HUGEPAGE) leaves.
+            // VmFlags is the last line of a mapping; madvise(MADV_HUGEPAGE) sets "hg".
             pages.wanted += resident * kilobyte;
             pages.got += huge * kilobyte;
         }
@@ -66,7 +66,7 @@ std::string huge_page_notice(const HugePages& pages) {
     if (pages.policy.empty()) {
         return "no huge pages: this kernel has none" + slower;
     }
-    // A little may be missing where nobody has written to yet.
+    // The pages that nobody has written to yet are missing.
     if (pages.got >= pages.wanted / 10 * 9) {
         return {};
     }
@@ -80,4 +80,4 @@ std::string huge_page_notice(const HugePages& pages) {
                        megabytes(pages.got), megabytes(pages.wanted), slower);
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

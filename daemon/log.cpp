@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/log.h"
 
-#include <algorithm>
 #include <cstdlib>
+#include <exception>
 #include <memory>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
-#include "capture/message_text.h"
+#include "base/failure_text.h"
+#include "base/message_text.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 /// Writes the priority that the journal reads from the start of a line.
@@ -70,25 +74,33 @@ void set_log_level(LogLevel level) {
 }
 
 void log_line(LogLevel level, const std::string& line) {
-    // Names in it may hold anything.
-    spdlog::default_logger_raw()->log(spdlog_level(level), capture::shown(line, line.size()));
+    // Names in the line may hold control characters.
+    spdlog::default_logger_raw()->log(spdlog_level(level), base::printable(line, line.size()));
+}
+
+void log_caught(const char* what) noexcept {
+    static LogLimiter limiter(5, std::chrono::seconds(10));
+    std::uint64_t left_out = 0;
+    if (!limiter.allows(left_out)) {
+        return;
+    }
+    try {
+        log_error(fmt::format("{}: {}{}", what, base::failure_text(std::current_exception()),
+                              left_out > 0 ? fmt::format(" ({} such lines left out before)", left_out) : ""));
+    } catch (...) {
+        constexpr std::string_view line = "disparityd: there is not enough memory for a line of the log\n";
+        [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
+    }
 }
 
 bool LogLimiter::allows(std::uint64_t& left_out) {
     const std::lock_guard lock(mutex_);
-    const auto now = std::chrono::steady_clock::now();
-    const auto refill = (now - refilled_) / interval_;
-    if (refill > 0) {
-        tokens_ = static_cast<int>(std::min<std::int64_t>(burst_, tokens_ + refill));
-        refilled_ = now;
-    }
-    if (tokens_ == 0) {
+    if (limit_.wait().count() > 0) {
         ++left_out_;
         return false;
     }
-    --tokens_;
-    left_out = left_out_;
-    left_out_ = 0;
+    limit_.take();
+    left_out = std::exchange(left_out_, 0);
     return true;
 }
 
@@ -100,4 +112,4 @@ void LogLimiter::write(LogLevel level, const std::string& line) {
     }
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

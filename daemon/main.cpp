@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -9,42 +10,53 @@
 #include <google/protobuf/stubs/logging.h>
 #endif
 
-#include "capture/message_text.h"
+#include "base/failure_text.h"
+#include "base/message_text.h"
 #include "daemon/command_line.h"
 #include "daemon/daemon.h"
 #include "daemon/engine.h"
+#include "daemon/freed_memory.h"
 #include "daemon/log.h"
 
 namespace {
 
 int run(int argc, char** argv) {
-    const auto line = disparityd::read_command_line(argc, argv);
+    const auto line = disparityd::daemon::read_command_line(argc, argv);
     if (!line) {
         return 0;
     }
-    const disparityd::Config config = disparityd::load_config(line->daemon.config_path, line->daemon.overrides);
-    disparityd::set_up_log(config.log);
+    const disparityd::daemon::Config config =
+        disparityd::daemon::load_config(line->daemon.config_path, line->daemon.overrides);
+    disparityd::daemon::set_up_log(config.log);
 #if GOOGLE_PROTOBUF_VERSION < 4022000
-    google::protobuf::SetLogHandler(nullptr);  // it would print a line of its own for each bad message of a client
+    google::protobuf::SetLogHandler(nullptr);  // it would print a line for each bad message of a client
 #endif
     if (line->check) {
-        // What cannot be told from the text alone is refused where it is used.
-        const disparityd::Engine would_run(config, {}, {});
+        // Building an engine finds what the text of a configuration cannot show.
+        const disparityd::daemon::Engine would_run(config, {}, {});
+        for (const std::string& note : config.notes) {
+            std::printf("disparityd: note: %s\n", disparityd::base::printable(note, note.size()).c_str());
+        }
         std::printf("disparityd: the configuration is valid\n");
         return 0;
     }
-    disparityd::Daemon daemon(line->daemon, config);
+    disparityd::daemon::Daemon daemon(line->daemon, config);
     return daemon.run() ? 0 : 1;
 }
 
 void print_error(const std::exception& error) {
-    const std::string line(error.what());
-    std::fprintf(stderr, "disparityd: error: %s\n", disparityd::capture::shown(line, line.size()).c_str());
+    try {
+        const std::string line = disparityd::base::failure_text(error);
+        std::fprintf(stderr, "disparityd: error: %s\n", disparityd::base::printable(line, line.size()).c_str());
+    } catch (const std::bad_alloc&) {
+        std::fputs("disparityd: error: out of memory\n", stderr);
+    }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    disparityd::daemon::set_up_freed_memory();
     try {
         return run(argc, argv);
     } catch (const std::invalid_argument& error) {

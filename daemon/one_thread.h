@@ -1,20 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <utility>
+
+#include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/system/system_error.hpp>
 
-#include "capture/start_thread.h"
+#include "base/start_thread.h"
+#include "daemon/log.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-/// A thread for work that may take its time, one piece after the other. Throws as capture::start_thread does.
+/// Makes a thread for slow work, one piece after the other. Throws as base::start_thread() does.
 inline boost::asio::thread_pool one_thread() {
     try {
         return boost::asio::thread_pool(1);
     } catch (const boost::system::system_error& error) {
-        capture::refuse_thread(error.code().message());
+        base::refuse_thread(error.code().message());
     }
 }
 
-}  // namespace disparityd
+/// Posts a piece of work to the thread. An exception ends this piece only, with a line in the log. Throws
+/// std::bad_alloc where there is no memory to post it.
+template <typename Executor, typename Work>
+void do_in(Executor& thread, const char* what, Work work) {
+    boost::asio::post(thread, [what, work = std::move(work)]() mutable {
+        try {
+            work();
+        } catch (...) {
+            log_caught(what);
+        }
+    });
+}
+
+}  // namespace disparityd::daemon

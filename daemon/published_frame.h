@@ -9,21 +9,16 @@
 #include <vector>
 
 #include "kernels/image.h"
-#include "proto/disparity.pb.h"
-#include "proto/shared_memory.h"
+#include "proto/frame_message.h"
+#include "proto/products.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-inline constexpr std::size_t product_count = 5;
+inline constexpr std::size_t product_count = proto::products.size();
 
-/// Bytes of one pixel of a product.
+/// Returns the bytes of one pixel of a product. Throws std::out_of_range for a number that is no product's.
 constexpr std::uint32_t product_bytes(v1::Product product) {
-    switch (product) {
-        case v1::DISPARITY:
-        case v1::DEPTH: return 2;
-        case v1::LEFT_COLOUR: return 3;
-        default: return 1;
-    }
+    return proto::product_info(product).bytes_per_pixel;
 }
 
 /// Bit of a product in a set of products.
@@ -33,20 +28,18 @@ constexpr std::uint32_t product_bit(v1::Product product) {
 
 /// What every frame of one configuration has in common.
 struct StreamLayout {
-    proto::ShmFrame geometry{};         ///< its geometry fields; those of a single frame are 0
+    proto::FrameInfo geometry{};        ///< its geometry fields; those of a single frame are 0
     std::vector<v1::Product> products;  ///< in the order of their numbers
     std::string shared_memory;          ///< name of the object, empty when off
 };
 
 /// One finished frame on its way to the publishers: a view, valid during the call it is passed to.
 struct PublishedFrame {
-    proto::ShmFrame info{};
+    proto::FrameInfo info{};
     /// One per product of the layout, in its order; width in bytes.
     std::array<Plane<const std::uint8_t>, product_count> planes{};
     std::chrono::steady_clock::time_point captured;   ///< where its age is counted from
     std::chrono::steady_clock::time_point published;  ///< when the pipeline finished it
 };
 
-v1::Geometry to_message(const proto::ShmFrame& geometry);
-
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/recording_control.h"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <future>
 #include <stdexcept>
@@ -9,29 +11,41 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "capture/message_text.h"
+#include "base/error_text.h"
+#include "base/failure_text.h"
+#include "base/message_text.h"
+#include "base/words.h"
 #include "daemon/log.h"
 #include "proto/record_message.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// The file that `path` stands for inside the folder.
+/// Returns whether the name is neither that of a hidden file nor an option of a command. Letters of other alphabets are
+/// bytes from 0x80 on.
+bool begins_like_a_name(const std::string& part) {
+    const unsigned char first = part.empty() ? 0 : static_cast<unsigned char>(part.front());
+    return first >= 0x80 || std::isalnum(first) != 0;
+}
+constexpr const char* not_answered = "a request about recordings is not answered";
+constexpr const char* not_finished = "a recording cannot be finished";
+
+/// Returns the absolute path of `path` inside the folder. Throws if it is not allowed.
 std::string target_path(const std::string& path, const std::string& directory) {
     const auto refuse = [&](const std::string& why) {
         throw std::invalid_argument(
             fmt::format("record: path: found \"{}\", {}, allowed: a new file in {} ([record] directory)",
-                        capture::shown(path), why, directory));
+                        base::printable(path), why, directory));
     };
     std::error_code error;
     const fs::path base = fs::canonical(directory, error);
     if (error) {
-        throw std::runtime_error(fmt::format("[record] directory: {}: {}", directory, error.message()));
+        throw std::runtime_error(fmt::format("[record] directory: {}: {}", directory, base::error_text(error.value())));
     }
     const fs::path target = fs::weakly_canonical(base / path, error);
-    const bool plain = capture::shown(path, path.size()) == path;
+    const bool plain = base::printable(path, path.size()) == path;
     if (error || path.empty() || !plain || !target.has_filename()) {
         refuse("which is no file name");
     }
@@ -39,10 +53,32 @@ std::string target_path(const std::string& path, const std::string& directory) {
     if (relative.empty() || *relative.begin() == ".." || relative == ".") {
         refuse("which lies outside");
     }
+    if (!std::all_of(relative.begin(), relative.end(), [](const fs::path& part) { return begins_like_a_name(part); })) {
+        refuse("each part of which must begin with a letter or a digit");
+    }
+    if (target.extension() != ".mkv") {
+        refuse("which does not end in .mkv");
+    }
     if (fs::exists(target, error)) {
         refuse("which exists already");
     }
     return target.string();
+}
+
+constexpr double bytes_per_mb = 1e6;
+
+/// Returns the free bytes of the disk of `path`, for users other than root; nothing if the file system does not report
+/// it.
+std::optional<std::uintmax_t> free_bytes(const fs::path& path) {
+    std::error_code error;
+    const fs::space_info space = fs::space(path, error);
+    const bool told = !error && space.capacity != 0 && space.capacity != static_cast<std::uintmax_t>(-1);
+    return told ? std::optional(space.available) : std::nullopt;
+}
+
+std::string too_full(std::uintmax_t free, std::uint64_t keep) {
+    return fmt::format("{:.0f} MB are free on the disk, allowed: at least {:.0f} MB ([record] keep_free_mb)",
+                       static_cast<double>(free) / bytes_per_mb, static_cast<double>(keep) / bytes_per_mb);
 }
 
 }  // namespace
@@ -56,10 +92,9 @@ RecordingControl::~RecordingControl() {
     finish_ended();
 }
 
-void RecordingControl::configure(bool enabled, std::string directory) {
+void RecordingControl::configure(RecordRules rules) {
     const std::lock_guard lock(mutex_);
-    enabled_ = enabled;
-    directory_ = std::move(directory);
+    rules_ = std::move(rules);
 }
 
 void RecordingControl::set_source(std::optional<capture::SourceInfo> source, const std::string& reason) {
@@ -69,22 +104,22 @@ void RecordingControl::set_source(std::optional<capture::SourceInfo> source, con
     end_in_background(reason);
 }
 
-void RecordingControl::start(const std::string& path, Answer answer) {
-    boost::asio::post(worker_, [this, path, answer = std::move(answer)] {
+void RecordingControl::start(const RecordRequest& request, Answer answer) {
+    do_in(worker_, not_answered, [this, request, answer = std::move(answer)] {
         std::string refusal;
         try {
-            start_now(path);
+            start_now(request);
         } catch (const std::exception& error) {
-            refusal = error.what();
+            refusal = base::failure_text(error);
         }
         answer(status(), refusal);
     });
 }
 
 void RecordingControl::stop(Answer answer) {
-    // One that is being finished has a status to tell of, when it is asked for now.
+    // The recording may end before the worker runs this; its status is still the answer.
     const bool running = status().active();
-    boost::asio::post(worker_, [this, running, answer = std::move(answer)] {
+    do_in(worker_, not_answered, [this, running, answer = std::move(answer)] {
         bool ended = false;
         {
             const std::lock_guard lock(mutex_);
@@ -101,28 +136,41 @@ void RecordingControl::wait() {
     finished.get_future().wait();
 }
 
-void RecordingControl::start_now(const std::string& path) {
-    std::string directory;
+void RecordingControl::start_now(const RecordRequest& request) {
+    RecordRules rules;
     capture::SourceInfo source;
     unsigned number = 0;
     {
         const std::lock_guard lock(mutex_);
-        if (!enabled_) {
+        if (!rules_.enabled) {
             throw std::invalid_argument("record: refused, allowed only with [record] enabled = true");
         }
+        if (!rules_.directory_is_chosen && !request.owner) {
+            throw std::invalid_argument(
+                "record: refused, allowed: for the daemon's own user over the Unix socket; for others only where "
+                "[record] directory names a folder");
+        }
         if (recorder_) {
-            throw std::invalid_argument("record: a recording to " + path_ +
-                                        " is running: stop it first (disparityctl record --stop)");
+            throw std::invalid_argument("record: a recording to " + path_ + " is running: stop it first");
         }
         if (!source_) {
             throw std::runtime_error("record: there is no source to record at the moment");
         }
-        directory = directory_;
+        rules = rules_;
         source = *source_;
         number = source_number_;
     }
     finish_ended();  // nothing more is ended until there is a recorder again
-    const std::string target = target_path(path, directory);
+    const std::string target = target_path(request.path, rules.directory);
+    if (const auto free = free_bytes(fs::path(target).parent_path()); free && *free < rules.keep_free_bytes) {
+        throw std::runtime_error(fmt::format("record: {}: {}", target, too_full(*free, rules.keep_free_bytes)));
+    }
+    if (const std::chrono::duration<double> wait = starts_.wait(); wait.count() > 0) {
+        throw std::runtime_error(fmt::format(
+            "record: too many recordings were started one after the other: the next one may start in {:.1f} s",
+            wait.count()));
+    }
+    starts_.take();
     const auto recorder = std::make_shared<capture::Recorder>(target, source);
     bool same_source = false;
     {
@@ -131,6 +179,7 @@ void RecordingControl::start_now(const std::string& path) {
         if (same_source) {
             path_ = target;
             recorder_ = recorder;
+            client_ = request.client;
         }
     }
     if (!same_source) {
@@ -139,7 +188,7 @@ void RecordingControl::start_now(const std::string& path) {
         fs::remove(target, ignored);
         throw std::runtime_error("record: the source has changed while the file was opened: start it again");
     }
-    log_info(fmt::format("recording to {}", target));
+    began_.write(LogLevel::info, fmt::format("recording to {}", target));
 }
 
 bool RecordingControl::end(const std::string& reason) {
@@ -153,7 +202,7 @@ bool RecordingControl::end(const std::string& reason) {
 
 void RecordingControl::end_in_background(const std::string& reason) {
     if (end(reason)) {
-        boost::asio::post(worker_, [this] { finish_ended(); });
+        do_in(worker_, not_finished, [this] { finish_ended(); });
     }
 }
 
@@ -170,12 +219,71 @@ void RecordingControl::finish_ended() {
     if (status.error.empty()) {
         status.error = ended.reason;
     }
-    log_line(status.error.empty() ? LogLevel::info : LogLevel::warning,
-             fmt::format("recording {} finished: {} frames, {} lost, {} lost by the source, {} bytes{}{}", ended.path,
-                         status.frames, status.lost, status.source_lost, status.bytes, status.error.empty() ? "" : "; ",
-                         status.error));
+    std::error_code stays;
+    const bool removed = status.frames == 0 && fs::remove(ended.path, stays);
+    const bool well = status.error.empty();
+    (well ? finished_ : broke_off_)
+        .write(well ? LogLevel::info : LogLevel::warning,
+               fmt::format("recording {} finished: {}, {} lost, {} lost by the source, {} bytes{}{}{}", ended.path,
+                           base::counted(status.frames, "frame"), status.lost, status.source_lost, status.bytes,
+                           removed ? ", removed, as it had no frame" : "", well ? "" : "; ", status.error));
     const std::lock_guard lock(mutex_);
     last_ = proto::record_message(status, ended.path, false);
+    last_.set_removed(removed);
+}
+
+std::string RecordingControl::limit_reached(const v1::RecordStatus& now) const {
+    if (rules_.max_bytes > 0 && now.bytes() >= rules_.max_bytes) {
+        return fmt::format("it has reached [record] max_mb = {:.0f}",
+                           static_cast<double>(rules_.max_bytes) / bytes_per_mb);
+    }
+    if (rules_.max_time.count() > 0 && now.seconds() >= static_cast<double>(rules_.max_time.count())) {
+        return fmt::format("it has reached [record] max_s = {}", rules_.max_time.count());
+    }
+    return {};
+}
+
+/// Asks the worker for the free space; a disk that does not answer blocks the worker only.
+void RecordingControl::watch_space() {
+    if (rules_.keep_free_bytes > 0 && !looking_for_space_) {
+        do_in(worker_, "the room on the disk is not looked at", [this] { look_for_space(); });
+        looking_for_space_ = true;
+    }
+}
+
+void RecordingControl::look_for_space() {
+    struct Looked {  // also where there was no memory to look
+        RecordingControl& control;
+        ~Looked() {
+            const std::lock_guard lock(control.mutex_);
+            control.looking_for_space_ = false;
+        }
+    } const looked{*this};
+    std::shared_ptr<capture::Recorder> recorder;
+    std::string path;
+    std::uint64_t keep = 0;
+    {
+        const std::lock_guard lock(mutex_);
+        recorder = recorder_;
+        path = path_;
+        keep = rules_.keep_free_bytes;
+    }
+    const auto free = recorder ? free_bytes(path) : std::nullopt;
+    {
+        const std::lock_guard lock(mutex_);
+        if (free && *free < keep && recorder_ == recorder) {
+            end(too_full(*free, keep));
+        }
+    }
+    recorder.reset();
+    finish_ended();
+}
+
+void RecordingControl::client_is_gone(std::uint64_t client) {
+    const std::lock_guard lock(mutex_);
+    if (rules_.ends_with_client && recorder_ && client_ == client) {
+        end_in_background("the client that had asked for it is gone ([record] when_client_is_gone = \"stop\")");
+    }
 }
 
 void RecordingControl::check() {
@@ -183,9 +291,15 @@ void RecordingControl::check() {
     {
         const std::lock_guard lock(mutex_);
         now = current();
-        if (recorder_ && !now.error().empty()) {
-            end_in_background(now.error());
-            return;
+        if (recorder_) {
+            const std::string reason = now.error().empty() ? limit_reached(now) : now.error();
+            if (!reason.empty()) {
+                end_in_background(reason);
+                return;
+            }
+            watch_space();
+        } else if (ended_.recorder) {
+            do_in(worker_, not_finished, [this] { finish_ended(); });  // there may have been no memory for it before
         }
     }
     if (now.active() && now.lost() > 0 && now.path() != slow_) {
@@ -199,15 +313,26 @@ v1::RecordStatus RecordingControl::status() const {
     return current();
 }
 
+bool RecordingControl::is_recording_for(std::uint64_t client) const {
+    const std::lock_guard lock(mutex_);
+    return recorder_ && client_ == client;
+}
+
 v1::RecordStatus RecordingControl::current() const {
     return recorder_ ? proto::record_message(recorder_->status(), path_, true) : last_;
 }
 
+/// The copy of the frame is made without the lock, or whoever asks for the status would wait for it. A recording that
+/// ends meanwhile is finished after the copy: Recorder::finish() waits for it.
 void RecordingControl::offer(const capture::RawFrame& frame) noexcept {
-    const std::lock_guard lock(mutex_);
-    if (recorder_) {
-        recorder_->offer(frame);
+    std::shared_ptr<capture::Recorder> recorder;
+    {
+        const std::lock_guard lock(mutex_);
+        recorder = recorder_;
+    }
+    if (recorder) {
+        recorder->offer(frame);
     }
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -8,17 +10,32 @@
 #include <string>
 
 #include "capture/frame_source.h"
-#include "capture/recorder.h"
+#include "capture/recording/recorder.h"
+#include "daemon/log.h"
 #include "daemon/one_thread.h"
+#include "daemon/record_request.h"
+#include "daemon/socket/rate_limit.h"
 #include "proto/disparity.pb.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-/// Recordings that clients ask for: one at a time, inside one folder, never over an existing file. Files are opened and
-/// finished in a thread of its own; the capture thread only hands over frames. Any thread may call anything.
+/// The rules for recordings of clients.
+struct RecordRules {
+    bool enabled = true;
+    std::string directory;
+    bool directory_is_chosen = true;    ///< else only the daemon's own user and root may record
+    std::uint64_t keep_free_bytes = 0;  ///< that every recording leaves on its disk
+    std::uint64_t max_bytes = 0;        ///< of a recording; 0 = no limit
+    std::chrono::seconds max_time{0};   ///< of a recording; 0 = no limit
+    bool ends_with_client = false;      ///< when the connection of the client that asked for it has ended
+};
+
+/// Makes the recordings that clients ask for: one at a time, inside one folder, never over an existing file. A
+/// recording without a frame leaves no file. A thread of its own opens and finishes files; the capture thread only
+/// offers frames. Any thread may call any function unless it says otherwise.
 class RecordingControl {
 public:
-    /// The state, or why the request was refused; called in a thread of this object.
+    /// Takes the state, or why the request was refused. Called in a thread of this object.
     using Answer = std::function<void(const v1::RecordStatus& status, const std::string& refusal)>;
 
     RecordingControl() = default;
@@ -26,26 +43,34 @@ public:
     RecordingControl(const RecordingControl&) = delete;
     RecordingControl& operator=(const RecordingControl&) = delete;
 
-    void configure(bool enabled, std::string directory);
+    void configure(RecordRules rules);
 
-    /// What will be recorded from now on; a running recording gets no more frames and is finished in the background,
-    /// `reason` is what its status will say, empty = all is well.
+    /// Sets the source of the next recordings. A running recording gets no more frames and is finished in the
+    /// background; its status says `reason`, empty = no error.
     void set_source(std::optional<capture::SourceInfo> source, const std::string& reason);
 
-    /// `path` is relative to the folder.
-    void start(const std::string& path, Answer answer);
+    /// Starts a recording. Its path is relative to the folder, each part begins with a letter or digit, and it ends in
+    /// ".mkv".
+    void start(const RecordRequest& request, Answer answer);
     void stop(Answer answer);
 
     /// Waits until a recording that gets no more frames is finished. Not to be called by an Answer.
     void wait();
 
-    /// Finishes a recording that has failed by itself, warns once of one that loses frames; to be called now and then,
-    /// by one thread.
+    /// Ends the recording of this client if RecordRules::ends_with_client.
+    void client_is_gone(std::uint64_t client);
+
+    /// Finishes a recording that has failed or reached a limit; warns once of one that loses frames. One thread calls
+    /// this several times a second. Never waits for a disk.
     void check();
 
     v1::RecordStatus status() const;
 
-    /// A raw frame, in the capture thread. Never blocks for long, allocates nothing.
+    /// Returns whether a recording runs that this client has asked for.
+    bool is_recording_for(std::uint64_t client) const;
+
+    /// Copies a raw frame for the running recording, if there is one. The capture thread alone calls this. Never waits
+    /// for a disk, allocates nothing.
     void offer(const capture::RawFrame& frame) noexcept;
 
 private:
@@ -60,22 +85,33 @@ private:
     bool end(const std::string& reason);
     void end_in_background(const std::string& reason);
     v1::RecordStatus current() const;
+    std::string limit_reached(const v1::RecordStatus& now) const;
+    void watch_space();
 
     // In the worker; finish_ended() also when there is none any more.
-    void start_now(const std::string& path);
+    void start_now(const RecordRequest& request);
     void finish_ended();
+    void look_for_space();
 
     std::string slow_;          ///< path of the recording that was warned of; check()'s own
     mutable std::mutex mutex_;  ///< everything below but the worker; held shortly
-    bool enabled_ = true;
-    std::string directory_;
+    RecordRules rules_;
     std::optional<capture::SourceInfo> source_;
     unsigned source_number_ = 0;  ///< counts set_source()
     std::string path_;
     std::shared_ptr<capture::Recorder> recorder_;
-    Ended ended_;            ///< until the worker takes it to finish it; nothing is started before
-    v1::RecordStatus last_;  ///< of the recording that is being finished, or of the one before
+    std::uint64_t client_ = 0;        ///< that has asked for it
+    bool looking_for_space_ = false;  ///< the worker is to look, or does
+    Ended ended_;                     ///< until the worker takes it to finish it; nothing is started before
+    v1::RecordStatus last_;           ///< of the recording that is being finished, or of the one before
+
+    // The worker's.
+    RateLimit starts_{5, std::chrono::seconds(1)};
+    LogLimiter began_;
+    LogLimiter finished_;
+    LogLimiter broke_off_;
+
     boost::asio::thread_pool worker_ = one_thread();
 };
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -12,16 +12,17 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "calibration/correction_file.h"
-#include "capture/start_thread.h"
+#include "base/failure_text.h"
+#include "base/start_thread.h"
+#include "calibration/online/correction_file.h"
 #include "daemon/log.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 using std::chrono::steady_clock;
 
-/// Frames that an estimate is made from: the first after half of them, then it starts again.
+/// Frames of one collection: an estimate is made after half of them and after all, then the collection starts again.
 constexpr int batch = 8;
 
 void copy(Plane<const std::uint8_t> plane, std::vector<std::uint8_t>& to) {
@@ -36,31 +37,31 @@ double degrees(std::int32_t nrad) {
 
 }  // namespace
 
-SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, capture::RectificationBook& book,
+SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, pipeline::CorrectedRectification& corrected,
                                DisparityRange range, Settings settings)
     : source_(source),
-      book_(book),
+      corrected_(corrected),
       range_(range),
       settings_(std::move(settings)),
       calibration_(source.calibration.value()),
-      left_(static_cast<std::size_t>(book.factory().width) * static_cast<std::size_t>(book.factory().height)),
+      left_(static_cast<std::size_t>(corrected.factory().width) * static_cast<std::size_t>(corrected.factory().height)),
       right_(left_.size()) {
     if (!settings_.path.empty()) {
         try {
             if (const auto kept = calibration::read_correction(settings_.path, *source.calibration)) {
-                book_.apply(*kept, book_.made(*kept));
+                corrected_.apply(*kept, corrected_.build(*kept));
                 log_info(fmt::format("self-calibration: the correction in {} is applied", settings_.path));
             }
         } catch (const std::exception& error) {
-            log_warning(fmt::format("self-calibration: {}", error.what()));
+            log_warning(fmt::format("self-calibration: {}", base::failure_text(error)));
         }
     }
-    thread_ = capture::start_thread([this] { run(); });
+    thread_ = base::start_thread([this] { run(); });
 }
 
 SelfCalibrator::~SelfCalibrator() {
     stopping_.store(true);
-    // Whatever it waits for: the stage changes, and it looks.
+    // A change of the stage wakes the thread, whatever it waits for.
     stage_.store(filled);
     stage_.notify_one();
     thread_.join();
@@ -82,7 +83,7 @@ void SelfCalibrator::offer(const pipeline::FrameSlot& slot) noexcept {
 
 void SelfCalibrator::run() {
     pthread_setname_np(pthread_self(), "self-calibrate");
-    // Not SCHED_IDLE: on a machine that is always busy nothing would ever be found.
+    // Not SCHED_IDLE: on a busy machine the thread would never run.
     constexpr int least_urgent = 19;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_urgent);
     for (;;) {
@@ -96,9 +97,9 @@ void SelfCalibrator::run() {
         stage_.store(busy, std::memory_order_relaxed);
         try {
             look();
-        } catch (const std::exception& error) {
-            // Out of memory, most likely: what is in use stays in use.
-            log_warning(fmt::format("self-calibration: {}", error.what()));
+        } catch (...) {
+            // Most likely there is no memory. The correction in use stays.
+            log_caught("self-calibration");
             calibration_.clear();
         }
         if (stopping_.load()) {
@@ -123,12 +124,12 @@ void SelfCalibrator::look() {
 }
 
 void SelfCalibrator::estimate() {
-    const calibration::SelfCalibrationResult result = calibration_.solve(book_.state().correction);
+    const calibration::SelfCalibrationResult result = calibration_.solve(corrected_.state().correction);
     log_line(result.accepted ? LogLevel::info : LogLevel::debug,
              fmt::format("self-calibration: {}: {}", result.accepted ? "corrected" : "nothing changed", result.reason));
-    const auto rectification = result.accepted ? book_.made(result.correction) : nullptr;
+    const auto rectification = result.accepted ? corrected_.build(result.correction) : nullptr;
     {
-        // First what explains a correction, then the correction: a status that has one has the other.
+        // The explanation first, then the correction: a status with a correction explains it.
         const std::lock_guard lock(mutex_);
         last_ = result;
         if (result.accepted) {
@@ -136,24 +137,24 @@ void SelfCalibrator::estimate() {
         }
     }
     if (result.accepted) {
-        book_.apply(result.correction, rectification);
+        corrected_.apply(result.correction, rectification);
         keep(result.correction);
     }
 }
 
-void SelfCalibrator::keep(const capture::CalibrationCorrection& correction) const {
+void SelfCalibrator::keep(const calibration::CalibrationCorrection& correction) const {
     if (settings_.path.empty()) {
         return;
     }
     try {
         calibration::write_correction(settings_.path, *source_.calibration, correction);
     } catch (const std::exception& error) {
-        log_warning(fmt::format("self-calibration: {}", error.what()));
+        log_warning(fmt::format("self-calibration: {}", base::failure_text(error)));
     }
 }
 
 void SelfCalibrator::fill(v1::SelfCalibration& message) const {
-    disparityd::fill(message, book_.state());
+    put_correction(message, corrected_.state());
     message.set_estimating(true);
     const std::lock_guard lock(mutex_);
     message.set_detail(last_.frames > 0 ? last_.reason : "collecting frames");
@@ -164,7 +165,7 @@ void SelfCalibrator::fill(v1::SelfCalibration& message) const {
     message.set_matches(static_cast<std::uint32_t>(last_.matches));
 }
 
-void fill(v1::SelfCalibration& message, const capture::RectificationBook::State& state) {
+void put_correction(v1::SelfCalibration& message, const pipeline::CorrectedRectification::State& state) {
     message.set_corrected(state.correction.any());
     message.set_pitch_degrees(degrees(state.correction.pitch_nrad));
     message.set_yaw_degrees(degrees(state.correction.yaw_nrad));
@@ -173,4 +174,4 @@ void fill(v1::SelfCalibration& message, const capture::RectificationBook::State&
     message.set_since_sequence(state.since.value_or(0));
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -9,59 +9,59 @@
 #include <thread>
 #include <vector>
 
-#include "calibration/self_calibration.h"
+#include "calibration/online/self_calibration.h"
 #include "capture/frame_source.h"
-#include "capture/rectification_schedule.h"
 #include "pipeline/frame_slot.h"
+#include "pipeline/rectification_schedule.h"
 #include "proto/disparity.pb.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-/// Self-calibration beside a live pipeline, in a thread of its own of the lowest priority. It takes the rectified pair
-/// of a published frame now and then, and puts what it has found into the book, where the next frame finds it. The
-/// publish thread only copies a pair when the estimator is idle; nobody ever waits for it.
+/// Estimates corrections of a live camera in a thread of its own, at the lowest priority. It takes the rectified pair
+/// of a published frame from time to time, and applies an accepted correction from the next frame on. The publish
+/// thread copies a pair only while the estimator is idle; no other thread waits for it.
 class SelfCalibrator {
 public:
     struct Settings {
-        std::chrono::seconds interval{10};  ///< between frames that are looked at
-        std::string path;                   ///< file that keeps the correction; empty: it is not kept
+        std::chrono::seconds interval{10};  ///< between two frames that are used
+        std::string path;                   ///< file of the correction; empty: it is not saved
     };
 
-    /// Applies a correction that was kept. `book` must outlive this object. The source has a calibration of raw
-    /// cameras.
-    SelfCalibrator(const capture::SourceInfo& source, capture::RectificationBook& book, DisparityRange range,
+    /// Applies the saved correction. `corrected` must outlive this object. The source has a calibration of raw cameras.
+    SelfCalibrator(const capture::SourceInfo& source, pipeline::CorrectedRectification& corrected, DisparityRange range,
                    Settings settings);
     ~SelfCalibrator();
     SelfCalibrator(const SelfCalibrator&) = delete;
     SelfCalibrator& operator=(const SelfCalibrator&) = delete;
 
-    /// A finished frame, in the publish thread. Allocates nothing.
+    /// Offers a finished frame; called in the publish thread. Allocates nothing.
     void offer(const pipeline::FrameSlot& slot) noexcept;
 
+    /// Puts the correction and how it was found into the status. Any thread.
     void fill(v1::SelfCalibration& message) const;
 
 private:
     void run();
     void look();
     void estimate();
-    void keep(const capture::CalibrationCorrection& correction) const;
+    void keep(const calibration::CalibrationCorrection& correction) const;
 
     enum Stage : int { busy, wanted, filled };
 
     const capture::SourceInfo source_;
-    capture::RectificationBook& book_;
+    pipeline::CorrectedRectification& corrected_;
     const DisparityRange range_;
     const Settings settings_;
-    calibration::SelfCalibration calibration_;  ///< of the estimator's thread
+    calibration::SelfCalibration calibration_;  ///< used by the estimator's thread only
 
     std::atomic<int> stage_{busy};
     std::atomic<bool> stopping_{false};
-    // The publish thread's while the stage is `wanted`, else the estimator's.
+    // The publish thread owns these while the stage is `wanted`, else the estimator.
     std::chrono::steady_clock::time_point due_;
     std::vector<std::uint8_t> left_;
     std::vector<std::uint8_t> right_;
-    std::shared_ptr<const capture::Rectification> used_;
-    capture::CalibrationCorrection already_;
+    std::shared_ptr<const calibration::Rectification> used_;
+    calibration::CalibrationCorrection already_;
 
     mutable std::mutex mutex_;  ///< the two below
     calibration::SelfCalibrationResult last_;
@@ -69,7 +69,7 @@ private:
     std::thread thread_;
 };
 
-/// What the status says of a correction, whoever has found it.
-void fill(v1::SelfCalibration& message, const capture::RectificationBook::State& state);
+/// Puts a correction into the status, whether it was estimated here or recorded.
+void put_correction(v1::SelfCalibration& message, const pipeline::CorrectedRectification::State& state);
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -3,7 +3,7 @@
 
 #include "proto/text.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 namespace {
 
@@ -45,8 +45,8 @@ void fill_message(const capture::SensorSample& sample, v1::SensorSample& message
 
 v1::SensorStatus to_message(const capture::SensorFacts& sensors) {
     v1::SensorStatus message;
-    message.set_state(capture::name(sensors.state));
-    message.set_detail(proto::text(sensors.detail));
+    message.set_state(capture::to_string(sensors.state));
+    message.set_detail(proto::to_valid_utf8(sensors.detail));
     message.set_node(sensors.node);
     message.set_samples(sensors.samples);
     message.set_lost(sensors.lost);
@@ -56,4 +56,4 @@ v1::SensorStatus to_message(const capture::SensorFacts& sensors) {
     return message;
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -6,9 +6,9 @@
 #include "proto/disparity.pb.h"
 
 /// The camera's sensors as messages of the protocol.
-namespace disparityd {
+namespace disparityd::daemon {
 
 void fill_message(const capture::SensorSample& sample, v1::SensorSample& message);
 v1::SensorStatus to_message(const capture::SensorFacts& sensors);
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -5,7 +5,7 @@
 
 #include <systemd/sd-daemon.h>
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
 void notify(const std::string& message) {
@@ -47,4 +47,4 @@ void ServiceManager::needs_time(std::chrono::microseconds time) {
     notify("EXTEND_TIMEOUT_USEC=" + std::to_string(time.count()));
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <string>
 
-namespace disparityd {
+namespace disparityd::daemon {
 
-/// What the daemon tells systemd (or whoever listens at $NOTIFY_SOCKET); nothing happens when nobody does.
+/// Sends the messages of sd_notify() to systemd, or to the program at $NOTIFY_SOCKET; does nothing without one.
 class ServiceManager {
 public:
     ServiceManager();
@@ -16,14 +16,14 @@ public:
     void stopping();
     void status(const std::string& line);
     void alive();
-    /// Asks for that much time until the next word, while something slow is being prepared.
+    /// Asks for that much time until the next message, while a source prepares itself.
     void needs_time(std::chrono::microseconds time);
 
-    /// How long the daemon may be silent; zero = no watchdog.
+    /// Returns how long the daemon may send nothing; zero = no watchdog.
     std::chrono::microseconds watchdog_limit() const { return watchdog_limit_; }
 
 private:
     std::chrono::microseconds watchdog_limit_{0};
 };
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

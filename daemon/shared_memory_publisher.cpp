@@ -5,13 +5,13 @@
 #include <chrono>
 #include <span>
 
-#include "capture/start_thread.h"
+#include "base/start_thread.h"
 #include "daemon/log.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 namespace {
 
-/// The contract says twice a second at least; four times leaves room for a busy machine.
+/// The contract demands two beats a second; four leave a margin for a busy machine.
 constexpr std::chrono::milliseconds heartbeat_interval{250};
 
 proto::ShmLayout to_shm(const StreamLayout& layout) {
@@ -31,7 +31,7 @@ SharedMemoryPublisher::SharedMemoryPublisher(const std::string& name, const Stre
     if (!writer_.note().empty()) {
         log_warning(writer_.note());
     }
-    thread_ = capture::start_thread([this] { wake_readers(); });
+    thread_ = base::start_thread([this] { wake_readers(); });
 }
 
 SharedMemoryPublisher::~SharedMemoryPublisher() {
@@ -82,4 +82,4 @@ void SharedMemoryPublisher::wake_readers() {
     }
 }
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -10,7 +10,7 @@
 #include "daemon/published_frame.h"
 #include "proto/shared_memory_writer.h"
 
-namespace disparityd {
+namespace disparityd::daemon {
 
 /// Serves frames through shared memory: copies them in the caller's thread, wakes the readers and renews the heartbeat
 /// in a thread of its own, so that the pipeline does not pay for the readers.
@@ -24,11 +24,19 @@ public:
 
     const std::string& object_name() const { return writer_.object_name(); }
 
-    /// A frame of the layout. One thread; allocates nothing.
+    /// Publishes a frame of the layout. One thread; allocates nothing.
     void publish(const PublishedFrame& frame);
 
-    /// Another layout, while nobody publishes. Does nothing when it is the same. Throws as proto::SharedMemoryWriter.
+    /// Changes the layout, while no thread publishes. Does nothing when it is the same. Throws as
+    /// proto::SharedMemoryWriter.
     void relayout(const StreamLayout& layout);
+
+    /// Returns whether readers still find the object by its name. The thread that calls relayout() calls these two,
+    /// also while another thread publishes.
+    bool has_name() const { return writer_.has_name(); }
+
+    /// Makes the object anew if it has lost its name. Throws as proto::SharedMemoryWriter.
+    void restore() { writer_.restore(); }
 
 private:
     void wake_readers();
@@ -42,4 +50,4 @@ private:
     std::thread thread_;
 };
 
-}  // namespace disparityd
+}  // namespace disparityd::daemon

@@ -100,7 +100,7 @@ std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig
     }
 }
 
-void match(Matcher& matcher, const FrameView& frame, Parallel& workers) {
+void match_pair(Matcher& matcher, const FrameView& frame, Parallel& workers) {
     std::array<std::chrono::nanoseconds, 16> times{};
     const std::span<const StageInfo> stages = matcher.stages();
     for (std::size_t i = 1; i < stages.size(); ++i) {

@@ -69,18 +69,8 @@ void FallbackMatcher::run_second(int stage, const FrameView& frame, Parallel& wo
     for (std::chrono::nanoseconds& time : step_times) {
         time = {};
     }
-    step_times[step_of_winners(stage)] = total;
-}
-
-// The steps are the first matcher's: the whole time stands at the one that finds the winners.
-std::size_t FallbackMatcher::step_of_winners(int stage) const {
-    const std::span<const std::string_view> steps = stages()[static_cast<std::size_t>(stage)].steps;
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        if (steps[i].find("wta") != std::string_view::npos) {
-            return i;
-        }
-    }
-    return 0;
+    // The steps are the first matcher's: its winner step shows the whole time.
+    step_times[this->stages()[static_cast<std::size_t>(stage)].winner_step] = total;
 }
 
 }  // namespace disparityd

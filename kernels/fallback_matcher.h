@@ -16,7 +16,7 @@ namespace disparityd {
 /// bytes.
 class FallbackMatcher final : public Matcher {
 public:
-    /// `first` has two stages, "rectify" and one for the rest; these remain the stages. What `second` needs is taken
+    /// `first` has two stages, `rectify` and one for the rest; these remain the stages. What `second` needs is taken
     /// when it is needed.
     FallbackMatcher(std::unique_ptr<Matcher> first, const Backend& second);
 
@@ -34,7 +34,6 @@ private:
     void replace(const std::string& why);
     void run_second(int stage, const FrameView& frame, Parallel& workers,
                     std::span<std::chrono::nanoseconds> step_times);
-    std::size_t step_of_winners(int stage) const;
 
     std::unique_ptr<Matcher> first_;  // kept: another thread may still be in it
     const Backend& second_row_;

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "kernels/matcher.h"
+#include "kernels/round_up_to_cache_line.h"
 #include "kernels/steps.h"
-#include "kernels/whole_lines.h"
 
 namespace disparityd {
 
@@ -13,7 +13,7 @@ namespace {
 
 std::size_t words_of_both(const MatcherConfig& config) {
     const std::size_t pixels = static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height);
-    return config.options.method == Method::sad ? 0 : 2 * whole_lines(pixels * sizeof(std::uint64_t));
+    return config.options.method == Method::sad ? 0 : 2 * round_up_to_cache_line(pixels * sizeof(std::uint64_t));
 }
 
 template <typename T>
@@ -30,10 +30,10 @@ FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config,
     : width_(config.width), height_(config.height), filtered_(config.options.post.median > 0) {
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     const PostOptions& post = config.options.post;
-    right_winner_ = whole_lines(pixels * sizeof(std::int16_t));
-    matched_ = right_winner_ + whole_lines(pixels * sizeof(std::int16_t));
-    shared_ = matched_ + (filtered_ ? whole_lines(pixels * sizeof(std::int16_t)) : 0);
-    right_census_ = shared_ + whole_lines(pixels * sizeof(std::uint64_t));
+    right_winner_ = round_up_to_cache_line(pixels * sizeof(std::int16_t));
+    matched_ = right_winner_ + round_up_to_cache_line(pixels * sizeof(std::int16_t));
+    shared_ = matched_ + (filtered_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
+    right_census_ = shared_ + round_up_to_cache_line(pixels * sizeof(std::uint64_t));
     bytes_ = shared_ + std::max({census_bytes, post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
                                  post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
 }

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "kernels/over_rows.h"
+#include "kernels/parallel_rows.h"
 #include "kernels/steps.h"
 
 namespace disparityd {
@@ -28,7 +28,7 @@ const MatcherConfig& checked(const MatcherConfig& config) {
         throw std::invalid_argument("image size " + std::to_string(config.width) + "x" + std::to_string(config.height) +
                                     ": allowed is 1 to " + std::to_string(max_side) + " each");
     }
-    const std::string found = problem(config.options);
+    const std::string found = validate(config.options);
     if (!found.empty()) {
         throw std::invalid_argument(found);
     }
@@ -37,7 +37,7 @@ const MatcherConfig& checked(const MatcherConfig& config) {
 
 void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
     check_fits(frame);
-    over_rows(config_.height, workers, [&](Rows rows) {
+    parallel_rows(config_.height, workers, [&](Rows rows) {
         steps_.rectify(frame.raw, Eye::left, *frame.rectifier, frame.left, rows);
         steps_.rectify(frame.raw, Eye::right, *frame.rectifier, frame.right, rows);
         if (frame.left_colour) {
@@ -53,7 +53,7 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
     const std::int16_t invalid = invalid_disparity(options.range);
     const Plane<std::int16_t> matched = scratch.matched(frame);
     if (post.left_right_check) {
-        over_rows(height, workers, [&](Rows rows) {
+        parallel_rows(height, workers, [&](Rows rows) {
             steps_.left_right(scratch.left_winner(frame.scratch), scratch.right_winner(frame.scratch), options.range,
                               matched, rows);
         });
@@ -71,7 +71,7 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
     };
     const bool despeckle = post.speckle_size > 0;
     if (post.median > 0) {
-        over_rows(height, workers, [&](Rows rows) {
+        parallel_rows(height, workers, [&](Rows rows) {
             steps_.median(matched, invalid, post.median, frame.disparity, rows);
             if (!despeckle) {
                 finish(rows);  // each time that workers are woken takes as long as many rows
@@ -83,12 +83,12 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
                        workers);
     }
     if (post.median == 0 || despeckle) {
-        over_rows(height, workers, finish);
+        parallel_rows(height, workers, finish);
     }
     if (post.interpolate) {
         steps_.interpolate(frame.disparity, scratch.right_winner(frame.scratch), options.range,
                            scratch.work(frame.scratch), workers);
-        over_rows(height, workers, write_depth);
+        parallel_rows(height, workers, write_depth);
     }
 }
 

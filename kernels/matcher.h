@@ -13,6 +13,7 @@
 #include "kernels/options.h"
 #include "kernels/parallel.h"
 #include "kernels/raw_image.h"
+#include "kernels/stage.h"
 
 namespace disparityd {
 
@@ -69,18 +70,11 @@ struct MatcherConfig {
     MatchOptions options;
 };
 
-/// What one pipeline stage of a matcher consists of. A stage whose parts cannot be timed apart (fused kernels) has one
-/// step with the joined names, such as "dsi+aggregate+wta".
-struct StageInfo {
-    std::string_view name;
-    std::span<const std::string_view> steps;
-};
-
 /// A configured matching chain: raw frame in, disparity, confidence and depth out. All memory is allocated by the
 /// back end's create(); nothing is allocated per frame.
 ///
 /// Threads: the stages of one frame run in order; different stages may run at the same time on different frames (a
-/// pipeline), one stage is never entered by two threads at once. The first stage is always "rectify": a caller that
+/// pipeline), one stage is never entered by two threads at once. The first stage is always `rectify`: a caller that
 /// has a rectified pair already fills `left` and `right` and starts with stage 1.
 class Matcher {
 public:
@@ -113,7 +107,7 @@ struct Backend {
     std::string_view name;         ///< "reference", "cpu", "cuda"
     std::string_view description;  ///< one line for --help and status
     bool (*available)();           ///< whether this machine can run it
-    /// Throws std::invalid_argument with problem()'s line for bad options, std::runtime_error when memory is missing.
+    /// Throws std::invalid_argument with validate()'s line for bad options, std::runtime_error when memory is missing.
     std::unique_ptr<Matcher> (*create)(const MatcherConfig& config);
     std::string (*unavailable_because)();  ///< one line for people; empty when it is available
 };
@@ -128,7 +122,7 @@ const Backend& backend(std::string_view name);
 /// that has the memory; one on a device that is lost later goes on with the next back end, and trouble() says so.
 std::unique_ptr<Matcher> make_matcher(std::string_view name, const MatcherConfig& config);
 
-/// Match one rectified pair (frame.left, frame.right filled) from start to end: stages 1 and on.
-void match(Matcher& matcher, const FrameView& frame, Parallel& workers);
+/// Matches one rectified pair (frame.left, frame.right filled) from start to end: stages 1 and on.
+void match_pair(Matcher& matcher, const FrameView& frame, Parallel& workers);
 
 }  // namespace disparityd

@@ -56,7 +56,7 @@ std::string post_problem(const PostOptions& post) {
 
 }  // namespace
 
-std::string_view name(Method method) {
+std::string_view to_string(Method method) {
     return method_names[static_cast<std::size_t>(method)];
 }
 
@@ -88,7 +88,7 @@ MatchOptions default_options(Method method, DisparityRange range) {
     return options;
 }
 
-std::string problem(const MatchOptions& options) {
+std::string validate(const MatchOptions& options) {
     if (options.method != Method::sad && options.method != Method::census && options.method != Method::sgm) {
         return "unknown matching method: allowed are sad, census and sgm";
     }

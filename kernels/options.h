@@ -11,7 +11,7 @@ namespace disparityd {
 /// SGM (census cost aggregated along paths, step 5).
 enum class Method : unsigned char { sad, census, sgm };
 
-std::string_view name(Method method);                      ///< "sad", "census", "sgm"
+std::string_view to_string(Method method);                 ///< "sad", "census", "sgm"
 std::optional<Method> method_from_name(std::string_view);  ///< the reverse; empty for any other text
 
 /// Candidates d = first .. first + count - 1, in whole pixels; left (x, y) is compared with right (x - d, y).
@@ -50,7 +50,7 @@ struct MatchOptions {
 /// The tuned defaults of a method (docs/algorithm.md has the measurements), for the given range.
 MatchOptions default_options(Method method, DisparityRange range = {});
 
-/// One line that says which option is wrong, what was found and what is allowed; empty when all is well.
-std::string problem(const MatchOptions& options);
+/// Returns one line that says which option is wrong, what was found and what is allowed; empty when all is well.
+std::string validate(const MatchOptions& options);
 
 }  // namespace disparityd

@@ -62,7 +62,7 @@ void PairMatcher::match(Plane<const std::uint8_t> left, Plane<const std::uint8_t
     frame.depth = results.depth;
     frame.depth_scale = results.depth_scale;
     frame.scratch = {scratch_.data(), scratch_.size()};
-    disparityd::match(*matcher_, frame, workers);
+    match_pair(*matcher_, frame, workers);
 }
 
 }  // namespace disparityd

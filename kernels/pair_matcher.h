@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+/// @file
+/// The matcher as a library: rectified pair in, disparity out.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +16,7 @@ namespace disparityd {
 /// Where the results of a pair go: planes of the caller, of the pair's size.
 struct PairResults {
     Plane<std::int16_t> disparity;   ///< 1/16 px; rejected = invalid_disparity(options.range)
-    Plane<std::uint8_t> confidence;  ///< 1 .. 255; 0 = rejected or interpolated; optional
+    Plane<std::uint8_t> confidence;  ///< 1 to 255; 0 = rejected or interpolated; optional
     Plane<std::uint16_t> depth;      ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
     DepthScale depth_scale;          ///< what depth is computed with
 };
@@ -25,10 +27,10 @@ struct PairResults {
 /// One call at a time for an object; different objects are independent.
 class PairMatcher {
 public:
-    /// `width` and `height`: 1 .. 8192 each. `back_end`: a name of backends(), or "auto" for the fastest that this
-    /// machine can run: one that is on a GPU which has no memory left, or is lost later, gives way to the next, and
-    /// trouble() says so. Throws std::invalid_argument with one line for people when an argument is not allowed,
-    /// std::runtime_error when the memory is missing.
+    /// Allocates what matching needs. `width` and `height`: 1 to 8192 each. `back_end`: a name of backends(), or "auto"
+    /// for the fastest that this machine can run: one that is on a GPU which has no memory left, or is lost later,
+    /// gives way to the next, and trouble() says so. Throws std::invalid_argument with one line for people when an
+    /// argument is not allowed, std::runtime_error when the memory is missing.
     PairMatcher(int width, int height, const MatchOptions& options, std::string_view back_end = "auto");
 
     /// Left pixel (x, y) and right pixel (x - disparity, y) show the same; the images are read only. `workers`: Serial
@@ -38,6 +40,7 @@ public:
     void match(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, const PairResults& results,
                Parallel& workers);
 
+    /// What it was made with: size and options.
     const MatcherConfig& config() const { return matcher_->config(); }
 
     /// One line on what went wrong and was made good; empty as long as all is well. From any thread.

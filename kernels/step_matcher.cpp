@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
 
 namespace disparityd {
@@ -12,29 +13,20 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
-constexpr std::array<std::string_view, 1> census_steps = {"census"};
-constexpr std::array<std::string_view, 1> post_steps = {"post-process"};
 constexpr std::array<std::string_view, 2> sad_match_steps = {"sad", "wta"};
 constexpr std::array<std::string_view, 2> census_match_steps = {"dsi", "wta"};
 constexpr std::array<std::string_view, 3> sgm_match_steps = {"dsi", "aggregate", "wta"};
-
-constexpr std::array<StageInfo, 3> sad_stages = {
-    {{"rectify", rectify_steps}, {"match", sad_match_steps}, {"post-process", post_steps}}};
-constexpr std::array<StageInfo, 4> census_stages = {{{"rectify", rectify_steps},
-                                                     {"census", census_steps},
-                                                     {"match", census_match_steps},
-                                                     {"post-process", post_steps}}};
-constexpr std::array<StageInfo, 4> sgm_stages = {
-    {{"rectify", rectify_steps}, {"census", census_steps}, {"match", sgm_match_steps}, {"post-process", post_steps}}};
+constexpr auto stages_of_sad = sad_stages(sad_match_steps);
+constexpr auto stages_of_census = census_stages(census_match_steps);
+constexpr auto stages_of_sgm = census_stages(sgm_match_steps);
 
 std::span<const StageInfo> stages_of(Method method) {
     switch (method) {
-        case Method::sad: return sad_stages;
-        case Method::census: return census_stages;
+        case Method::sad: return stages_of_sad;
+        case Method::census: return stages_of_census;
         case Method::sgm: break;
     }
-    return sgm_stages;
+    return stages_of_sgm;
 }
 
 std::size_t candidates(const MatcherConfig& config) {
@@ -64,16 +56,16 @@ StepMatcher::StepMatcher(const MatcherConfig& config, const KernelSteps& steps)
 }
 
 void StepMatcher::run(int stage, const FrameView& frame, Parallel& /*workers*/, std::span<nanoseconds> step_times) {
-    const std::string_view name = stages_[static_cast<std::size_t>(stage)].name;
-    if (name == "match") {
+    const StageKind kind = stages_[static_cast<std::size_t>(stage)].kind;
+    if (kind == StageKind::match) {
         config_.options.method == Method::sad ? match_sad(frame, step_times) : match(frame, step_times);
         return;
     }
     Serial serial;
     StepClock clock(step_times);
-    if (name == "rectify") {
+    if (kind == StageKind::rectify) {
         frame_stages_.rectify(frame, serial);
-    } else if (name == "census") {
+    } else if (kind == StageKind::census) {
         census(frame);
     } else {
         frame_stages_.post_process(frame, scratch_, serial);

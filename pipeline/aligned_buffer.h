@@ -10,7 +10,8 @@
 
 namespace disparityd::pipeline {
 
-/// Memory aligned to a cache line, allocated once, zeroed. std::runtime_error when there is not enough.
+/// Owns zeroed memory that is aligned to a cache line. The constructor throws std::runtime_error when there is not
+/// enough.
 class AlignedBuffer {
 public:
     AlignedBuffer() = default;
@@ -19,7 +20,7 @@ public:
     std::byte* data() const { return bytes_.get(); }
     std::size_t size() const { return size_; }
 
-    /// A dense plane over the whole buffer, which must be large enough.
+    /// Returns a dense plane that starts at the buffer, which must be large enough.
     template <typename T>
     Plane<T> plane(int width, int height) const {
         return {reinterpret_cast<T*>(bytes_.get()), width, height, width};

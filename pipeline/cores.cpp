@@ -26,9 +26,10 @@ std::string text_of(const fs::path& path) {
     return text.str();
 }
 
-/// How many of `cores` with a smaller number are threads of the same physical core; 0 where the system does not tell.
+/// Returns how many of `cores` with a smaller number share the physical core of `core`; 0 where the system does not
+/// say.
 std::ptrdiff_t earlier_siblings(int core, const std::vector<int>& cores) {
-    // "0,20" or "0-1"
+    // The file holds "0,20" or "0-1".
     std::istringstream list(
         text_of("/sys/devices/system/cpu/cpu" + std::to_string(core) + "/topology/thread_siblings_list"));
     std::ptrdiff_t earlier = 0;
@@ -46,7 +47,7 @@ std::ptrdiff_t earlier_siblings(int core, const std::vector<int>& cores) {
     return earlier;
 }
 
-/// "150000 100000" is one core and a half: 2. "max 100000" is no limit: 0.
+/// Returns a limit of time in cores, rounded up: "150000 100000" gives 2, "max 100000" (no limit) gives 0.
 int cores_of(const std::string& limit) {
     std::istringstream text(limit);
     long long quota = 0, period = 0;

@@ -9,7 +9,7 @@ namespace disparityd::pipeline {
 
 namespace {
 
-// Bucket b = 8 * e + m covers [(8 + m) * 2^e, (9 + m) * 2^e) / 8 microseconds: linear within a doubling.
+// Returns b = 8 * e + m for a time in [(8 + m) * 2^e, (9 + m) * 2^e) / 8 microseconds: linear within a doubling.
 std::size_t bucket_of(std::uint64_t ns, std::size_t buckets) {
     const std::uint64_t eighths = std::max<std::uint64_t>(8, ns * 8 / 1000);
     const int doubling = static_cast<int>(std::bit_width(eighths)) - 4;

@@ -8,7 +8,7 @@
 
 namespace disparityd::pipeline {
 
-/// Microseconds.
+/// Durations in microseconds.
 struct HistogramSummary {
     std::uint64_t count = 0;
     double mean = 0;

@@ -3,23 +3,34 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
+#include "calibration/rectification.h"
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
-#include "capture/rectification_schedule.h"
 #include "kernels/matcher.h"
 #include "pipeline/frame_slot.h"
+#include "pipeline/heartbeat.h"
 #include "pipeline/histogram.h"
+#include "pipeline/rate_meter.h"
+#include "pipeline/rectification_schedule.h"
 #include "pipeline/worker_pool.h"
 
 namespace disparityd::pipeline {
+
+// Declared only: their header brings the library of the lock-free queues.
+class CaptureStage;
+class FreeSlots;
+class StageQueue;
 
 enum class Policy {
     live,    ///< the newest frame wins: when the pipeline is behind, older waiting frames are dropped and counted
@@ -33,7 +44,7 @@ struct PipelineConfig {
     bool left_colour = false;  ///< also rectify the left image in colour
 };
 
-/// Counters since start; a snapshot taken at any time, from any thread.
+/// Counters since the start.
 struct PipelineStatus {
     std::uint64_t captured = 0;         ///< frames taken from the source
     std::uint64_t published = 0;        ///< frames that reached the sink
@@ -50,31 +61,31 @@ struct PipelineStatus {
     std::vector<Step> steps;  ///< "capture" (waiting excluded), then the matcher's, then "publish" and "total"
 };
 
-/// Frames from a source through a matcher to a sink: one thread per stage, a lock-free queue in front of each.
+/// Takes frames from a source through a matcher to a sink: one thread per stage, a lock-free queue in front of each.
 ///
 /// Owns its threads and slots; borrows source, matcher, workers and rectifications, which must outlive it. start(),
 /// stop() and the destructor are called by one thread; the sink is called by the publish thread, one frame at a time
 /// in order of capture. An exception of the source, a stage or the sink ends the pipeline: status().error says why.
 class Pipeline {
 public:
-    /// Gets each finished frame; valid only during the call. Must not block for long in live use.
+    /// Gets each finished frame, which is valid during the call. Must not block for long in live use.
     using Sink = std::function<void(const FrameSlot&)>;
-    /// Sees each raw frame in the capture thread before processing (a recorder copies it here). Must not block.
+    /// Gets each raw frame in the capture thread, before it is processed: a recorder copies it. Must not block.
     using RawTap = std::function<void(const capture::RawFrame&)>;
 
     /// Allocates all slots. Throws std::invalid_argument when `config` is not allowed, std::logic_error when matcher
     /// and rectification differ in size, std::runtime_error when memory is missing.
     Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
-             const capture::Rectification& rectification, Sink sink, RawTap raw_tap = {});
-    /// The same where the rectification may change from one frame to the next.
+             const calibration::Rectification& rectification, Sink sink, RawTap raw_tap = {});
+    /// Takes a rectification that may change from one frame to the next.
     Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
-             capture::RectificationSchedule& rectifications, Sink sink, RawTap raw_tap = {});
+             RectificationSchedule& rectifications, Sink sink, RawTap raw_tap = {});
     ~Pipeline();
     Pipeline(const Pipeline&) = delete;
     Pipeline& operator=(const Pipeline&) = delete;
 
-    /// Once; std::logic_error the second time. std::runtime_error when the system starts no more threads: none runs
-    /// then.
+    /// Starts the threads. Throws std::logic_error the second time, std::runtime_error when the system starts no more
+    /// threads: none runs then.
     void start();
 
     /// Interrupts the source, lets the frames in flight finish, joins all threads. Safe to call twice.
@@ -83,18 +94,63 @@ public:
     /// Waits until the source has ended and all frames were published; false when `timeout` passed first.
     bool wait_until_ended(std::chrono::milliseconds timeout);
 
+    /// Returns a snapshot. Any thread.
     PipelineStatus status() const;
 
-    /// What FrameSlot::step_times holds: "capture", then the matcher's steps in order.
+    /// Returns the names of the times in FrameSlot::step_times: "capture", then the matcher's steps in order.
     const std::vector<std::string>& steps() const;
 
-    /// The name of a stage thread that has not answered for longer than `limit` (waiting for a frame is an answer);
-    /// empty when all answer. For the service manager's watchdog; any thread.
+    /// Returns the name of a stage thread whose last heartbeat is older than `limit`; empty when there is none. A
+    /// thread that waits for a frame beats, too. For the service manager's watchdog. Any thread.
     std::string stuck_stage(std::chrono::milliseconds limit) const;
 
 private:
-    class Impl;
-    std::unique_ptr<Impl> impl_;
+    // Threads wait at the gate until all are started: what one enqueues, another has to take.
+    enum class Gate { closed, open, given_up };
+
+    Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
+             std::unique_ptr<RectificationSchedule> own, RectificationSchedule* borrowed, Sink sink, RawTap raw_tap);
+
+    void check(const PipelineConfig& config, const calibration::Rectification& rectification) const;
+    void start_thread(std::function<void()> loop);
+    void open_gate(Gate gate);
+    void join();
+    std::string_view thread_name(std::size_t thread) const;
+    void fail() noexcept;
+    void keep_failure() noexcept;
+    void capture_loop();
+    void stage_loop(std::size_t stage);
+    void work(std::size_t stage, FrameSlot& slot);
+    void publish_loop();
+    void publish(const FrameSlot& slot);
+
+    const std::unique_ptr<RectificationSchedule> own_rectifications_;  ///< where the caller has one rectification only
+    RectificationSchedule& rectifications_;
+    capture::FrameSource& source_;
+    Matcher& matcher_;
+    WorkerPool& workers_;
+    const Sink sink_;
+
+    std::vector<std::string> step_names_;
+    std::vector<std::size_t> first_step_;      ///< per matcher stage, an index of step_names_
+    std::vector<Histogram> times_;             ///< per step, then "publish" and "total"
+    std::vector<Heartbeat> heartbeats_;        ///< per thread: capture, the matcher's stages, publish
+    std::vector<std::atomic<bool>> finished_;  ///< per thread, as heartbeats_
+    std::vector<std::unique_ptr<FrameSlot>> slots_;
+    std::unique_ptr<FreeSlots> free_slots_;
+    std::vector<std::unique_ptr<StageQueue>> queues_;  ///< in front of each matcher stage, and of publish
+    std::unique_ptr<CaptureStage> capture_stage_;
+
+    std::atomic<bool> stopping_{false};
+    std::atomic<bool> failed_{false};
+    std::atomic<std::uint64_t> published_{0};
+    RateMeter rate_;
+    mutable std::mutex mutex_;  ///< the two below
+    bool ended_ = false;
+    std::exception_ptr failure_;
+    std::condition_variable ended_changed_;
+    std::atomic<Gate> gate_{Gate::closed};
+    std::vector<std::thread> threads_;
 };
 
 }  // namespace disparityd::pipeline

@@ -21,7 +21,7 @@ void RateMeter::tick(std::chrono::steady_clock::time_point now) {
 
 double RateMeter::per_second(std::chrono::steady_clock::time_point now) const {
     const std::uint64_t ticks = ticks_.load(std::memory_order_acquire);
-    // One entry less than the ring holds: the oldest may be overwritten while it is read.
+    // One entry less than the ring holds: tick() may overwrite the oldest meanwhile.
     const std::uint64_t available = std::min<std::uint64_t>(ticks, times_ns_.size() - 1);
     std::uint64_t events = 0;
     std::int64_t oldest = 0;
@@ -36,7 +36,7 @@ double RateMeter::per_second(std::chrono::steady_clock::time_point now) const {
     if (events < 2) {
         return 0;
     }
-    // The interval that is running now only counts once it is longer than the average: a stopped source decays.
+    // The interval since the newest event counts once it is longer than the average: so a stopped source decays.
     const std::int64_t newest = times_ns_[(ticks - 1) % times_ns_.size()].load(std::memory_order_relaxed);
     const double intervals = static_cast<double>(events - 1);
     const double mean = static_cast<double>(newest - oldest) / intervals;

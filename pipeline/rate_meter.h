@@ -8,7 +8,7 @@
 
 namespace disparityd::pipeline {
 
-/// Events per second over the last five seconds at most. One thread ticks, any thread reads.
+/// Measures events per second over the last five seconds. One thread ticks, any thread reads.
 class RateMeter {
 public:
     void tick(std::chrono::steady_clock::time_point now);

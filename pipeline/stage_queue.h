@@ -1,41 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
-#include <cstdint>
 
 #include <concurrentqueue/blockingconcurrentqueue.h>
+
+#include "pipeline/heartbeat.h"
 
 namespace disparityd::pipeline {
 
 class FrameSlot;
 
-/// The sign of life of a stage thread: when it last came round its loop.
-class Pulse {
-public:
-    void beat() { last_ns_.store(now_ns(), std::memory_order_relaxed); }
-    std::chrono::nanoseconds silence() const {
-        return std::chrono::nanoseconds(now_ns() - last_ns_.load(std::memory_order_relaxed));
-    }
-
-private:
-    static std::int64_t now_ns() { return std::chrono::steady_clock::now().time_since_epoch().count(); }
-    std::atomic<std::int64_t> last_ns_{now_ns()};
-};
-
-/// How long a stage sleeps at most before it shows that it lives.
-inline constexpr std::chrono::milliseconds pulse_interval{100};
-
-/// moodycamel's defaults but for the spinning before sleep: cores are for the workers.
+/// moodycamel's defaults, but a waiting thread soon stops spinning: cores are for the workers.
 struct QueueTraits : moodycamel::ConcurrentQueueDefaultTraits {
     static constexpr int MAX_SEMA_SPINS = 50;
 };
 using SlotQueue = moodycamel::BlockingConcurrentQueue<FrameSlot*, QueueTraits>;
 
-/// The lock-free queue in front of a stage: frame slots in order, with room for `capacity` of them. One thread puts
-/// (the stage before), one takes; take_back() lets the putting thread withdraw what nobody took yet.
+/// The lock-free queue in front of a stage: frame slots in order, with room for `capacity` of them. The thread of the
+/// previous stage puts slots, that of the stage takes them; take_back() lets the former withdraw a waiting slot.
 class StageQueue {
 public:
     explicit StageQueue(std::size_t capacity)
@@ -43,26 +27,26 @@ public:
           producer_(queue_),
           room_(static_cast<ssize_t>(capacity), QueueTraits::MAX_SEMA_SPINS) {}
 
-    /// Waits for room, beating `pulse` meanwhile.
-    void reserve(Pulse& pulse) {
-        while (!room_.wait(std::chrono::microseconds(pulse_interval).count())) {
-            pulse.beat();
+    /// Waits for room; `heartbeat` beats meanwhile.
+    void reserve(Heartbeat& heartbeat) {
+        while (!room_.wait(std::chrono::microseconds(heartbeat_interval).count())) {
+            heartbeat.beat();
         }
-        pulse.beat();
+        heartbeat.beat();
     }
 
     bool try_reserve() { return room_.tryWait(); }
 
-    /// Puts a slot into reserved room. nullptr is the mark that no more frames come.
+    /// Puts a slot into reserved room. nullptr says that no more frames come.
     void put(FrameSlot* slot) { queue_.enqueue(producer_, slot); }
 
-    /// Waits for the next slot, beating `pulse` meanwhile.
-    FrameSlot* take(Pulse& pulse) {
+    /// Waits for the next slot; `heartbeat` beats meanwhile.
+    FrameSlot* take(Heartbeat& heartbeat) {
         FrameSlot* slot = nullptr;
-        while (!queue_.wait_dequeue_timed(slot, pulse_interval)) {
-            pulse.beat();
+        while (!queue_.wait_dequeue_timed(slot, heartbeat_interval)) {
+            heartbeat.beat();
         }
-        pulse.beat();
+        heartbeat.beat();
         room_.signal();
         return slot;
     }
@@ -76,8 +60,8 @@ private:
     moodycamel::LightweightSemaphore room_;
 };
 
-/// Slots that are free for the next frame. One thread takes and may put back, another returns finished ones; each has
-/// its own place in the queue, made beforehand, so that nothing is allocated when a thread puts for the first time.
+/// Slots that are free for the next frame. One thread takes and may put back, another returns finished ones. Each has a
+/// producer token of its own, made beforehand: otherwise its first put would allocate.
 class FreeSlots {
 public:
     explicit FreeSlots(std::size_t slots) : queue_(slots + 1, 2, 0), taker_(queue_), finisher_(queue_) {}

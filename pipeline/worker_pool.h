@@ -1,28 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
+#include <atomic>
+#include <mutex>
 #include <string>
+#include <vector>
 
+#include <pthread.h>
 #include <sched.h>
 
 #include "kernels/parallel.h"
+#include "pipeline/core_allocator.h"
+#include "pipeline/fifo_list.h"
 
 namespace disparityd::pipeline {
 
-/// Whether threads are bound to a core each while they work.
+/// Whether each thread is pinned to a core while it works.
 enum class Pinning : unsigned char { where_allowed, never };
 
 /// The one pool of workers that all stages share. A pool of N workers keeps N threads running at most: the threads that
-/// hold a Seat, and sleeping helpers that take the seats left over and give them back when a stage wants one.
+/// hold a ComputeSlot, and helpers that take the compute slots left over and give them back when a stage wants one.
 ///
 /// for_each() may be called by several threads at once: each works on its own tasks, helpers join whoever has the
-/// fewest of them and look again after each task when somebody else has come. Seats are given in the order in which
-/// they were asked for. Nothing is allocated by for_each() or Seat. Who waits sleeps, after some ten microseconds: the
-/// steps of a frame follow each other sooner than a sleeping thread would be awake.
+/// fewest of them and look again after each task when somebody else has come. Compute slots are given in the order in
+/// which they were asked for. Neither for_each() nor ComputeSlot allocates. A thread that waits sleeps after 50
+/// microseconds: the steps of a frame follow each other sooner than a sleeping thread would be awake. An exception of a
+/// task is thrown to the caller once all tasks have ended; of several the first.
 ///
-/// Pinned, each running thread has a core of its own: one that it ran on before where that is free, else another one.
-/// Needs as many cores as workers and a system that allows it.
+/// Pinned, each running thread has a core of its own: its last one where that is free, else another one. Pinning needs
+/// as many cores as workers and a system that allows it.
 class WorkerPool final : public Parallel {
 public:
     /// `workers` counts the calling thread: 1 starts no helper. 0 = cores_worth(), see pipeline/cores.h.
@@ -41,28 +47,59 @@ public:
     };
     Placement placement() const;
 
-    /// How many threads wait for a seat at this moment.
+    /// How many threads wait for a compute slot at this moment.
     int waiting() const;
 
-    /// Held by a thread while it works, for_each() included: one of the N places. Waits for a free one. Not taken twice
-    /// by one thread. A thread that calls for_each() without one runs beside the N. Where the thread may run is set
-    /// while it has the seat and afterwards as it was.
-    class Seat {
+    /// The right to compute, of which there are as many as workers. A thread holds one while it works, for_each()
+    /// included; the constructor waits for a free one. A thread takes one at a time. A thread that calls for_each()
+    /// without one runs beside the N. Pinned, the thread runs on one core while it holds the slot; the destructor
+    /// restores its affinity.
+    class ComputeSlot {
     public:
-        explicit Seat(WorkerPool& pool);
-        ~Seat();
-        Seat(const Seat&) = delete;
-        Seat& operator=(const Seat&) = delete;
+        explicit ComputeSlot(WorkerPool& pool);
+        ~ComputeSlot();
+        ComputeSlot(const ComputeSlot&) = delete;
+        ComputeSlot& operator=(const ComputeSlot&) = delete;
 
     private:
         WorkerPool& pool_;
-        int core_;          ///< which it is bound to meanwhile; -1 = none
-        cpu_set_t before_;  ///< where the thread might run without the seat
+        int core_;            ///< which the thread is pinned to; -1 = none
+        cpu_set_t affinity_;  ///< of the thread without the slot
     };
 
 private:
-    class Impl;
-    std::unique_ptr<Impl> impl_;
+    struct Job;
+    struct Waiter;
+    struct Helper;
+
+    void run(Job& job);
+    int acquire_slot();
+    void release_slot(int core);
+    void end_helpers();
+    void help(Helper& self);
+    void leave(Helper& self, Job& job, std::unique_lock<std::mutex>& lock);
+    Job* job_of_helper(const Job* current) const;
+    void linger(Helper& self, std::unique_lock<std::mutex>& lock);
+    void withdraw_late_helpers(Job& job);
+    void assign(Helper& helper, Job& job) const;
+    Job* least_helped(const Job* current) const;
+    void free_slot(int core);
+    void call_helpers();
+    Helper* sleeping_helper();
+    void place(Helper& helper);
+    int pin_self(int core);
+    bool pin(pthread_t thread, int core);
+
+    const int workers_;
+    mutable std::mutex mutex_;
+    CoreAllocator cores_;
+    FifoList<Job> jobs_;
+    FifoList<Waiter> waiters_;  ///< nobody waits while a slot is free
+    int free_slots_;
+    std::atomic<unsigned> changes_{0};  ///< counts what was added to jobs_ and waiters_
+    std::atomic<int> callers_{0};       ///< slots held by others than helpers; changed under the lock
+    bool stopping_ = false;
+    std::vector<Helper> helpers_;
 };
 
 }  // namespace disparityd::pipeline

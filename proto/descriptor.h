@@ -5,7 +5,7 @@
 
 namespace disparityd::proto {
 
-/// Of an open file, closed at the end; -1 is none.
+/// Owns the descriptor of an open file and closes it. -1 means none.
 class Descriptor {
 public:
     explicit Descriptor(int fd) : fd_(fd) {}

@@ -15,8 +15,8 @@ namespace disparityd::proto {
 
 static_assert(sizeof(std::atomic<std::uint32_t>) == 4, "a futex word is 32 bits");
 
-/// Sleeps while the word has the value, at most so long. Works across processes (no FUTEX_PRIVATE_FLAG) and on a
-/// read-only mapping. May return early for no reason.
+/// Sleeps while the word has the value, for `timeout` at most. Works across processes (no FUTEX_PRIVATE_FLAG) and on a
+/// read-only mapping. May return early without a reason.
 inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t value, std::chrono::nanoseconds timeout) {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(timeout);
     timespec relative{};
@@ -25,7 +25,7 @@ inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t val
     syscall(SYS_futex, &word, FUTEX_WAIT, value, &relative, nullptr, 0);
 }
 
-/// Wakes everybody who waits on the word, in all processes.
+/// Wakes every thread that waits on the word, in all processes.
 inline void futex_wake_all(std::atomic<std::uint32_t>& word) {
     syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
 }

@@ -9,10 +9,10 @@
 
 namespace disparityd::proto {
 
-/// A whole file in memory, shared with whoever else maps it, and unmapped at the end.
+/// Maps a whole file into memory, shared with other processes, and unmaps it at the end.
 class Mapping {
 public:
-    /// `access` as mmap has it. Maps nothing where the system refuses, and errno says why.
+    /// `access` is the protection of mmap. Where the system refuses, nothing is mapped and errno has the reason.
     Mapping(const Descriptor& file, std::size_t bytes, int access)
         : memory_(::mmap(nullptr, bytes, access, MAP_SHARED, file.get(), 0)), bytes_(bytes) {}
     ~Mapping() {
@@ -29,7 +29,7 @@ public:
         return *static_cast<T*>(memory_);
     }
 
-    /// It is no longer unmapped here.
+    /// Gives the mapping to the caller, who unmaps it.
     void release() { memory_ = MAP_FAILED; }
 
 private:

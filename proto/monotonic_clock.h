@@ -7,7 +7,7 @@
 
 namespace disparityd::proto {
 
-/// CLOCK_MONOTONIC, the clock of every time in shared memory.
+/// Returns CLOCK_MONOTONIC in ns, the clock of every time in shared memory.
 inline std::int64_t monotonic_ns() {
     timespec now{};
     clock_gettime(CLOCK_MONOTONIC, &now);

@@ -8,19 +8,19 @@
 
 namespace disparityd::proto {
 
-/// The message about a recording. `numbers` are those of whoever records: anything with frames, lost, source_lost,
-/// bytes, seconds and error.
+/// Returns the message about a recording. `numbers` is any structure with frames, lost, source_lost, bytes, seconds and
+/// error.
 template <typename Numbers>
 v1::RecordStatus record_message(const Numbers& numbers, const std::string& path, bool active) {
     v1::RecordStatus message;
     message.set_active(active);
-    message.set_path(text(path));
+    message.set_path(to_valid_utf8(path));
     message.set_frames(numbers.frames);
     message.set_lost(numbers.lost);
     message.set_source_lost(numbers.source_lost);
     message.set_bytes(numbers.bytes);
     message.set_seconds(numbers.seconds);
-    message.set_error(text(numbers.error));
+    message.set_error(to_valid_utf8(numbers.error));
     return message;
 }
 

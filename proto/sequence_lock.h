@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <cstring>
 
-/// The sequence lock of a slot, and copies that may run into each other. Everything is atomic word by word, so a reader
-/// that meets the writer gets old and new words mixed (and finds out), never undefined behaviour.
+/// Implements the sequence lock of a slot. Writer and reader may copy at the same time. Every word is atomic: such a
+/// reader gets old and new words mixed, which the lock shows; there is no undefined behaviour.
 ///
-/// Order: the writer's words must not become visible before its odd lock, and the reader's words must be read before it
-/// looks at the lock again. Fences do that at no cost per word; the thread sanitizer does not understand fences, so
-/// under it every word carries the order.
+/// Order: the writer's words must not become visible before its odd lock. The reader must read its words before it
+/// reads the lock again. Fences order this at no cost per word. The thread sanitizer does not support fences: under it
+/// each word is a release store and an acquire load.
 namespace disparityd::proto {
 
 #if defined(__has_feature)
@@ -40,7 +40,7 @@ inline void words_before_check() {
 }
 #endif
 
-/// One writer: begin(), copies, end().
+/// Keeps the lock odd while the one writer copies: from construction to destruction.
 class WriteGuard {
 public:
     explicit WriteGuard(std::atomic<std::uint64_t>& lock)
@@ -57,7 +57,8 @@ private:
     std::uint64_t even_;
 };
 
-/// Any number of readers: what was copied between construction and unchanged() is whole if that says true.
+/// Checks a reader's copy: what was copied between construction and unchanged() is whole if unchanged() is true. There
+/// may be any number of readers.
 class ReadCheck {
 public:
     explicit ReadCheck(const std::atomic<std::uint64_t>& lock)
@@ -78,7 +79,7 @@ inline void store_word(std::uint64_t* to, std::uint64_t value) {
 }
 
 inline std::uint64_t load_word(const std::uint64_t* from) {
-    // atomic_ref takes no const object in C++20; a load of a lock-free word writes nothing.
+    // atomic_ref takes no const object in C++20. A load of a lock-free word writes nothing.
     return std::atomic_ref<std::uint64_t>(*const_cast<std::uint64_t*>(from)).load(word_load_order);
 }
 

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The layout of the shared-memory object /disparityd.<name>. docs/protocol.md explains how to read it.
+#include "proto/frame_info.h"
+
+/// Defines the layout of the shared-memory object /disparityd.<name>. docs/protocol.md explains how to read it.
 ///
-/// One writer (the daemon) and any number of readers, which map the object read-only. Fields that change after
-/// creation are atomics; everything is little endian; offsets are bytes from the start of the object.
+/// There is one writer (the daemon) and any number of readers, which map the object read-only. Fields that change after
+/// creation are atomics. Everything is little endian. Offsets are bytes from the start of the object.
 namespace disparityd::proto {
 
 inline constexpr std::uint64_t shm_magic = 0x3159545241505344ULL;  // "DSPARTY1"
@@ -37,53 +39,30 @@ struct ShmHeader {
     std::uint32_t height;
     ShmPlane planes[shm_max_planes];
 
-    /// Changes whenever the object is laid out anew (restart, reload): readers must map again. 0 = the daemon has
-    /// closed this object in good order.
+    /// Differs for each new object (restart, reload): readers must map again. 0 = the daemon has closed this object.
     alignas(64) std::atomic<std::uint32_t> generation;
     /// Futex word: changes with every published frame, and when the object is closed.
     std::atomic<std::uint32_t> published;
-    /// Published frames so far; the newest is in slot (published_total - 1) % slot_count.
+    /// Counts the frames published so far; the newest is in slot (published_total - 1) % slot_count.
     std::atomic<std::uint64_t> published_total;
-    /// CLOCK_MONOTONIC in ns, renewed at least twice a second by a daemon that lives.
+    /// CLOCK_MONOTONIC in ns, which a running daemon renews at least twice a second.
     std::atomic<std::int64_t> heartbeat_ns;
     std::atomic<std::uint32_t> writer_pid;
 };
 
-/// What comes with every frame, at the head of each slot, under the same sequence lock as the payload.
-struct ShmFrame {
-    std::uint64_t publish_index;  ///< counts from 0
-    std::uint64_t sequence;
-    std::int64_t monotonic_ns;
-    std::int64_t realtime_ns;
-    std::int64_t age_ns;  ///< capture to publishing
-    std::uint64_t dropped_before;
-    std::uint64_t calibration_id;
-    double f;
-    double cx;
-    double cy;
-    double baseline_mm;
-    double disparity_offset;
-    std::int32_t d_min;
-    std::uint32_t disparities;
-    std::int32_t invalid;
-    std::uint32_t flags;  ///< FrameFlags of disparity.proto
-    std::uint32_t width;
-    std::uint32_t height;
-};
-
 struct ShmSlot {
-    /// Sequence lock: odd while the writer is inside; even and changed = another frame.
+    /// Sequence lock: odd while the writer copies; even and changed = another frame.
     alignas(64) std::atomic<std::uint64_t> lock;
-    alignas(64) ShmFrame frame;  ///< copied word by word with relaxed atomics, never with plain loads
+    alignas(64) FrameInfo frame;  ///< copied word by word with relaxed atomics, never with plain loads
 };
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "shared memory needs lock-free 64-bit atomics");
-static_assert(sizeof(ShmFrame) % 8 == 0);
+static_assert(sizeof(FrameInfo) % 8 == 0, "copied in words of 8 bytes");
 
 // The offsets that docs/protocol.md gives to other languages.
 static_assert(offsetof(ShmHeader, planes) == 64 && sizeof(ShmPlane) == 24 && offsetof(ShmHeader, generation) == 256 &&
               offsetof(ShmHeader, published) == 260 && offsetof(ShmHeader, published_total) == 264 &&
               offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280);
-static_assert(offsetof(ShmSlot, frame) == 64 && sizeof(ShmFrame) == 120);
+static_assert(offsetof(ShmSlot, frame) == 64);
 
 }  // namespace disparityd::proto

@@ -53,7 +53,7 @@ std::uint64_t plane_bytes(const ShmView& view, const ShmPlane& plane) {
     return std::uint64_t{view.width} * view.height * plane.bytes_per_pixel;
 }
 
-/// True if everything that the offsets reach lies inside the object. Written without sums that can overflow.
+/// Whether everything that the offsets reach lies inside the object. No sum in it can overflow.
 bool inside(const ShmView& view, std::uint64_t header_bytes) {
     const bool aligned =
         view.slots_offset % alignment == 0 && view.slot_stride % alignment == 0 && view.payload_offset % alignment == 0;

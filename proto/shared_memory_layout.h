@@ -9,8 +9,8 @@
 
 namespace disparityd::proto {
 
-/// What a program keeps for itself of an object's header after checking it: later writes to the header, by accident or
-/// malice, cannot lead it astray.
+/// A program's own copy of an object's header, made when the header was checked: later writes to the header have no
+/// effect on the program.
 struct ShmView {
     std::uint64_t total_bytes = 0;
     std::uint64_t slots_offset = 0;
@@ -23,16 +23,17 @@ struct ShmView {
     std::array<ShmPlane, shm_max_planes> planes{};
 };
 
-/// The POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that is empty, longer than 64
-/// characters or has others than A-Z a-z 0-9 . _ -
+/// Returns the POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that is empty, longer than 64
+/// characters or has characters other than A-Z a-z 0-9 . _ -
 std::string shm_object_name(const std::string& name);
 
-/// Reads the constant fields. `object_bytes` is the true size of the object, all of it mapped. Empty string when the
-/// header can be trusted, otherwise what is wrong with it, without the object's name.
+/// Copies the constant fields into `view` and checks them. `object_bytes` is the true size of the object, all of it
+/// mapped. Returns an empty string when the header can be used, otherwise what is wrong, without the object's name.
 std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, ShmView& view);
 
-/// Lays out slots and planes; view.planes[i].product and bytes_per_pixel, plane_count, width, height and slot_count are
-/// given. Throws std::invalid_argument when they are outside the limits of check_header.
+/// Computes offsets and sizes of slots and planes. The caller has set product and bytes_per_pixel of each plane,
+/// plane_count, width, height and slot_count. Throws std::invalid_argument when they are outside the limits of
+/// check_header().
 void lay_out(ShmView& view);
 
 inline const ShmSlot& slot_at(const ShmHeader& header, const ShmView& view, std::uint64_t index) {

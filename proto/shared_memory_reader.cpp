@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -17,6 +18,7 @@
 #include "proto/mapping.h"
 #include "proto/monotonic_clock.h"
 #include "proto/sequence_lock.h"
+#include "proto/shared_memory_owner.h"
 
 namespace disparityd::proto {
 namespace {
@@ -24,24 +26,29 @@ namespace {
 /// A copy that the writer overtook is tried again at once; only this often when the time is up already.
 constexpr int attempts_beyond_timeout = 8;
 
-std::string reason_to_open(const std::string& object, int error) {
-    if (error == EACCES) {
-        return "shared memory " + object + ": access denied: join the daemon's group, or run as its user";
+std::string reason_to_open(int error) {
+    if (error == ENOENT) {
+        return "there is none: is disparityd running, with shared memory on and this name?";
     }
-    return "shared memory " + object + ": cannot be opened: " + std::strerror(error);
-}
-
-std::string reason_to_map(const std::string& object, int error) {
-    return "shared memory " + object + ": cannot be mapped: " + std::strerror(error);
+    if (error == EACCES) {
+        return "access denied: join the daemon's group, or run as its user";
+    }
+    if (error == ELOOP) {
+        return "is a symbolic link: nothing that disparityd made";
+    }
+    return std::string("cannot be opened: ") + std::strerror(error);
 }
 
 }  // namespace
 
 ShmReader::ShmReader(const std::string& name, const Options& options)
     : object_name_(shm_object_name(name)), options_(options) {
+    options_.owner = trusted_user(options.owner);
     if (!map_current()) {
-        throw std::runtime_error("shared memory " + object_name_ +
-                                 ": there is none: is disparityd running, with shared memory on and this name?");
+        if (!options.may_be_absent) {
+            throw std::runtime_error(why_gone_);
+        }
+        gone_told_ = true;
     }
 }
 
@@ -56,30 +63,37 @@ void ShmReader::unmap() {
     }
 }
 
+bool ShmReader::no_daemon(const std::string& why) {
+    why_gone_ = "shared memory " + object_name_ + why;
+    return false;
+}
+
 bool ShmReader::map_current() {
-    const int fd = ::shm_open(object_name_.c_str(), O_RDONLY, 0);
-    if (fd < 0) {
-        if (errno == ENOENT) {
-            return false;
-        }
-        throw std::runtime_error(reason_to_open(object_name_, errno));
-    }
-    const Descriptor file(fd);
+    // Any user may have put anything under the name: the call follows no link and does not wait for a pipe.
+    const Descriptor file(::shm_open(object_name_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0));
     struct stat info {};
-    if (::fstat(file.get(), &info) != 0) {
-        throw std::runtime_error(reason_to_map(object_name_, errno));
+    if (file.get() < 0 || ::fstat(file.get(), &info) != 0) {
+        return no_daemon(": " + reason_to_open(errno));
     }
-    // Two objects that exist at the same time never share an inode number, and ours exists as long as we map it.
-    if (header_ != nullptr && info.st_ino == inode_) {
-        return header_->generation.load(std::memory_order_acquire) == generation_;
+    // Two objects that exist at the same time never share an inode number, and ours exists as long as it is mapped.
+    if (header_ != nullptr && info.st_ino == inode_ && info.st_dev == device_) {
+        return header_->generation.load(std::memory_order_acquire) == generation_ ||
+               no_daemon(": the daemon has closed it");
     }
-    if (info.st_size <= 0) {
-        throw std::runtime_error("shared memory " + object_name_ + " is empty");
+    const auto trusted = [this](uid_t owner) { return is_trusted(owner, options_.owner); };
+    if (const std::string why = distrust(info, trusted); !why.empty()) {
+        return no_daemon(" " + why + ", allowed: a plain file of root, of this program's user or of " + options_.owner +
+                         "; if the daemon runs as another user, name it with " + owner_variable);
     }
+    // From here on only a trusted user can make the object smaller.
     const auto bytes = static_cast<std::uint64_t>(info.st_size);
+    if (bytes < sizeof(ShmHeader)) {
+        throw std::runtime_error("shared memory " + object_name_ + " has " + std::to_string(bytes) +
+                                 " bytes, its header alone has " + std::to_string(sizeof(ShmHeader)));
+    }
     Mapping mapping(file, bytes, PROT_READ);
     if (!mapping) {
-        throw std::runtime_error(reason_to_map(object_name_, errno));
+        throw std::runtime_error("shared memory " + object_name_ + ": cannot be mapped: " + std::strerror(errno));
     }
     const auto& header = mapping.start<const ShmHeader>();
     ShmView view;
@@ -88,12 +102,13 @@ bool ShmReader::map_current() {
     }
     const std::uint32_t generation = header.generation.load(std::memory_order_acquire);
     if (generation == 0) {
-        return false;
+        return no_daemon(": the daemon has closed it");
     }
     unmap();
     mapping.release();
     header_ = &header;
     mapped_bytes_ = bytes;
+    device_ = info.st_dev;
     inode_ = info.st_ino;
     generation_ = generation;
     last_total_ = 0;
@@ -101,11 +116,23 @@ bool ShmReader::map_current() {
     return true;
 }
 
+/// Sleeps until the next look for a daemon. Returns false when read() must return `gone`: at once the first time, and
+/// at the deadline after that.
+bool ShmReader::may_look_again(std::int64_t deadline) {
+    const std::chrono::nanoseconds left(deadline - monotonic_ns());
+    if (!gone_told_ || left.count() <= 0) {
+        gone_told_ = true;
+        return false;
+    }
+    std::this_thread::sleep_for(std::min(left, options_.look_every));
+    return true;
+}
+
 std::chrono::nanoseconds ShmReader::heartbeat_age() const {
     if (header_ == nullptr) {
         return std::chrono::nanoseconds::max();
     }
-    // Any value may stand there; a difference that does not fit is no age.
+    // The memory may hold any value: a difference that overflows counts as the largest age.
     std::int64_t age = 0;
     if (__builtin_sub_overflow(monotonic_ns(), header_->heartbeat_ns.load(std::memory_order_acquire), &age)) {
         age = std::numeric_limits<std::int64_t>::max();
@@ -117,7 +144,7 @@ bool ShmReader::lives() const {
     return header_ != nullptr && header_->generation.load(std::memory_order_acquire) == generation_;
 }
 
-ShmReader::Copy ShmReader::copy_newest(ShmFrame& frame, const Target& target) {
+ShmReader::Copy ShmReader::copy_newest(FrameInfo& frame, const Target& target) {
     const std::uint64_t total = header_->published_total.load(std::memory_order_acquire);
     if (total == last_total_ || total == 0) {
         return Copy::nothing_new;
@@ -140,19 +167,23 @@ ShmReader::Copy ShmReader::copy_newest(ShmFrame& frame, const Target& target) {
     return Copy::done;
 }
 
-ShmReader::Result ShmReader::read(ShmFrame& frame, const Target& target, std::chrono::nanoseconds timeout) {
-    // Far beyond any use, and near enough that sums cannot overflow.
+ShmReader::Result ShmReader::read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout) {
+    // A year: longer than any use, and short enough that sums cannot overflow.
     const auto longest = std::chrono::nanoseconds(std::chrono::hours(24 * 365));
     const std::int64_t deadline = monotonic_ns() + std::clamp(timeout, std::chrono::nanoseconds(0), longest).count();
     int attempts = 0;
     while (true) {
         if (!lives() && !map_current()) {
             unmap();
-            return Result::gone;
+            if (!may_look_again(deadline)) {
+                return Result::gone;
+            }
+            continue;
         }
         const std::uint32_t seen = header_->published.load(std::memory_order_acquire);
         const Copy copy = copy_newest(frame, target);
         if (copy == Copy::done) {
+            gone_told_ = false;
             return Result::frame;
         }
         const std::int64_t now = monotonic_ns();
@@ -163,12 +194,18 @@ ShmReader::Result ShmReader::read(ShmFrame& frame, const Target& target, std::ch
             continue;
         }
         if (heartbeat_age() > options_.stale_after) {
-            const std::uint64_t before = inode_;
-            if (!map_current() || inode_ == before) {
-                return Result::gone;
+            const ShmHeader* const before = header_;
+            if (!map_current() || header_ == before) {
+                no_daemon(": the daemon has sent no heartbeat for " +
+                          std::to_string(std::chrono::duration_cast<std::chrono::seconds>(heartbeat_age()).count()) +
+                          " s");
+                if (!may_look_again(deadline)) {
+                    return Result::gone;
+                }
             }
             continue;
         }
+        gone_told_ = false;
         if (now >= deadline) {
             return Result::timeout;
         }

@@ -6,60 +6,76 @@
 #include <functional>
 #include <string>
 
+#include <sys/types.h>
+
 #include "proto/shared_memory_layout.h"
 
 namespace disparityd::proto {
 
-/// A client's side of shared memory: maps /disparityd.<name> read-only, waits for frames and copies them out whole.
-/// The writer never notices a reader. One thread at a time per object.
+/// Reads shared memory for a client: maps /disparityd.<name> read-only, waits for frames and copies them out whole. A
+/// reader has no effect on the writer. One thread at a time per object.
 class ShmReader {
 public:
     struct Options {
-        std::chrono::nanoseconds stale_after = std::chrono::seconds(3);  ///< older heartbeat = the daemon is dead
-        std::chrono::nanoseconds check_every = std::chrono::milliseconds(500);  ///< that is looked at while waiting
+        std::chrono::nanoseconds stale_after = std::chrono::seconds(3);         ///< an older heartbeat counts as `gone`
+        std::chrono::nanoseconds check_every = std::chrono::milliseconds(500);  ///< between two looks at the heartbeat
+        std::chrono::nanoseconds look_every = std::chrono::milliseconds(50);    ///< for a new object after `gone`
+        bool may_be_absent = false;  ///< no error at construction when there is no daemon yet
+        std::string owner;           ///< the user who is trusted too: trusted_user()
     };
     enum class Result { frame, timeout, gone };
 
-    /// Says where the bytes of a plane go (plane.bytes of them), or nullptr to leave the plane out. Called for every
+    /// Returns where the plane.bytes bytes of a plane go, or nullptr to leave the plane out. read() calls it for every
     /// plane of the object, and again when the writer overtook the copy.
     using Target = std::function<std::uint8_t*(const ShmPlane& plane)>;
 
-    /// Throws std::invalid_argument for a name that is not allowed, std::runtime_error with one line when there is no
-    /// such object, access is denied or its header cannot be trusted.
+    /// Throws std::invalid_argument for a name that is not allowed, std::runtime_error with one line when the object's
+    /// header is damaged or of another version, and, unless it may be absent, when there is none, access is denied or
+    /// it is somebody's who is not trusted (shared_memory_owner.h).
     explicit ShmReader(const std::string& name) : ShmReader(name, Options{}) {}
     ShmReader(const std::string& name, const Options& options);
     ~ShmReader();
     ShmReader(const ShmReader&) = delete;
     ShmReader& operator=(const ShmReader&) = delete;
 
-    /// Copies the newest frame not read before, waiting for one at most so long. `gone`: the daemon has closed its
-    /// object or its heartbeat is old; the next call looks for a new object under the same name, and so does this one
-    /// after a reload. Throws as the constructor does when such a new object cannot be used.
-    Result read(ShmFrame& frame, const Target& target, std::chrono::nanoseconds timeout);
+    /// Copies the newest frame not read before, and waits for one until the timeout. After a reload it maps the new
+    /// object. Returns `gone` at once when the daemon has closed its object or its heartbeat is old. The calls after it
+    /// wait for a new daemon, and return `gone` again when none has come in time. An object of an owner who is not
+    /// trusted counts as none. Throws std::runtime_error when a new object is damaged or of another version.
+    Result read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout);
 
-    /// Size of image and planes of the object mapped now; changes only inside read().
+    /// Returns the sizes of image and planes of the object mapped now. They change only inside read().
     const ShmView& view() const { return view_; }
 
-    /// Since the daemon's last sign of life; the largest value when nothing is mapped.
+    /// Returns one line: why the last read() was `gone`, or why there was no daemon at construction.
+    const std::string& why_gone() const { return why_gone_; }
+
+    /// Returns the time since the daemon's last heartbeat; the largest value when nothing is mapped.
     std::chrono::nanoseconds heartbeat_age() const;
 
 private:
     enum class Copy { done, nothing_new, torn };
 
-    /// Maps what has the name now, if that is another object than ours; false = none, or a closed one.
+    /// Maps the object that has the name now, if it is another one. Returns false when there is none that is open and
+    /// trusted; why_gone_ then has the reason.
     bool map_current();
+    bool no_daemon(const std::string& why);
+    bool may_look_again(std::int64_t deadline);
     void unmap();
     bool lives() const;
-    Copy copy_newest(ShmFrame& frame, const Target& target);
+    Copy copy_newest(FrameInfo& frame, const Target& target);
 
     std::string object_name_;
     Options options_;
     const ShmHeader* header_ = nullptr;
     std::uint64_t mapped_bytes_ = 0;
-    std::uint64_t inode_ = 0;
+    dev_t device_ = 0;
+    ino_t inode_ = 0;
     std::uint32_t generation_ = 0;
     std::uint64_t last_total_ = 0;
     ShmView view_;
+    std::string why_gone_;
+    bool gone_told_ = false;
 };
 
 }  // namespace disparityd::proto

@@ -7,10 +7,12 @@
 #include <cstring>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,19 +21,20 @@
 #include "proto/mapping.h"
 #include "proto/monotonic_clock.h"
 #include "proto/sequence_lock.h"
+#include "proto/shared_memory_owner.h"
 
 namespace disparityd::proto {
 namespace {
 
-/// An older sign of life counts as none.
+/// A daemon with an older heartbeat counts as dead.
 constexpr std::int64_t fresh_ns = 3'000'000'000;
 
 [[noreturn]] void refuse(const std::string& object, const std::string& what, int error) {
     throw std::runtime_error("shared memory " + object + ": " + what + ": " + std::strerror(error));
 }
 
-/// Linux keeps POSIX objects as files of this folder; that lets a finished object take its name in one step, so that
-/// nobody ever meets a half-made one.
+/// Linux keeps POSIX objects as files of this folder. A finished object can therefore take its name in one step, and no
+/// reader opens an unfinished one.
 std::string path_of(const std::string& object) {
     return "/dev/shm" + object;
 }
@@ -46,63 +49,74 @@ bool process_lives(std::uint32_t pid) {
     return pid != 0 && pid <= 0x7fffffffU && (::kill(static_cast<pid_t>(pid), 0) == 0 || errno == EPERM);
 }
 
-/// What is there under the name already.
+/// Describes the object that has the name already.
 struct Predecessor {
     bool exists = false;
     std::uint32_t generation = 0;
     std::string note;
 };
 
-/// Its descriptor, -1 where there is none.
+/// Returns a descriptor, or -1 and errno. Anything may have the name: the call follows no link and does not wait for a
+/// pipe.
 int open_predecessor(const std::string& object, bool& writable) {
-    int fd = ::shm_open(object.c_str(), O_RDWR, 0);
+    constexpr int careful = O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK;
+    const int fd = ::shm_open(object.c_str(), O_RDWR | careful, 0);
     writable = fd >= 0;
-    if (fd < 0 && errno == EACCES) {
-        fd = ::shm_open(object.c_str(), O_RDONLY, 0);
-    }
-    if (fd < 0 && errno != ENOENT) {
-        refuse(object, "it is there and cannot be opened (another user's? remove " + path_of(object) + ")", errno);
-    }
-    return fd;
+    return fd < 0 && errno == EACCES ? ::shm_open(object.c_str(), O_RDONLY | careful, 0) : fd;
 }
 
-/// Throws when a living daemon has it; otherwise says what will be replaced, and tells readers that still wait for its
-/// frames.
+/// Wakes the readers that still wait for frames of a daemon that no longer runs.
+void close_predecessor(const Descriptor& file, std::uint64_t bytes) {
+    const Mapping mapping(file, bytes, PROT_READ | PROT_WRITE);
+    if (mapping) {
+        tell_readers_the_end(mapping.start<ShmHeader>());
+    }
+}
+
+/// Returns what will be replaced. Throws when a running daemon has the name, or a user whose objects this process
+/// cannot replace. Another user's object is never mapped: its owner could shrink it meanwhile.
 Predecessor inspect(const std::string& object) {
     bool writable = false;
     const Descriptor file(open_predecessor(object, writable));
-    if (file.get() < 0) {
-        return {};
-    }
     struct stat info {};
-    if (::fstat(file.get(), &info) != 0) {
+    if (file.get() < 0 ? ::lstat(path_of(object).c_str(), &info) != 0 : ::fstat(file.get(), &info) != 0) {
+        if (errno == ENOENT) {
+            return {};
+        }
         refuse(object, "cannot be examined", errno);
     }
-    const auto bytes = static_cast<std::uint64_t>(info.st_size);
-    const std::string garbage = "replaced shared memory " + object + ", which ";
-    if (bytes < sizeof(ShmHeader)) {
-        return {true, 0, garbage + "was too small to be one of ours"};
-    }
-    const Mapping mapping(file, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ);
-    if (!mapping) {
-        refuse(object, "cannot be mapped", errno);
-    }
-    auto& header = mapping.start<ShmHeader>();
+    const bool ours = info.st_uid == ::geteuid();
+    const std::string owner = ours ? "" : " of " + user_text(info.st_uid);
+    ShmHeader header{};
     ShmView view;
-    if (const std::string wrong = check_header(header, bytes, view); !wrong.empty()) {
-        return {true, 0, garbage + wrong};
+    std::string wrong;
+    if (!S_ISREG(info.st_mode)) {
+        wrong = "was no plain file";
+    } else if (::pread(file.get(), &header, sizeof header, 0) != static_cast<ssize_t>(sizeof header)) {
+        wrong = "was too small to be one of ours, or not readable";
+    } else {
+        wrong = check_header(header, static_cast<std::uint64_t>(info.st_size), view);
     }
     const std::uint32_t pid = header.writer_pid.load(std::memory_order_relaxed);
-    const std::uint32_t generation = header.generation.load(std::memory_order_acquire);
-    const std::int64_t age = monotonic_ns() - header.heartbeat_ns.load(std::memory_order_acquire);
-    if (generation != 0 && age >= 0 && age < fresh_ns && process_lives(pid)) {
-        throw std::runtime_error("shared memory " + object + " is in use by process " + std::to_string(pid) +
+    const std::uint32_t generation = header.generation.load(std::memory_order_relaxed);
+    const std::int64_t age = monotonic_ns() - header.heartbeat_ns.load(std::memory_order_relaxed);
+    if (wrong.empty() && generation != 0 && age >= 0 && age < fresh_ns && process_lives(pid)) {
+        throw std::runtime_error("shared memory " + object + " is in use by process " + std::to_string(pid) + owner +
                                  ": stop it or choose another name with [shared_memory] name");
     }
-    if (writable) {
-        tell_readers_the_end(header);
+    if (!ours && ::geteuid() != 0) {
+        throw std::runtime_error("shared memory " + object + ": the name is taken by an object" + owner + ": remove " +
+                                 path_of(object) +
+                                 " as that user or root, or choose another name with [shared_memory] name");
     }
-    return {true, generation, "replaced shared memory " + object + ", left behind by process " + std::to_string(pid)};
+    const std::string replaced = "replaced shared memory " + object + owner + ", ";
+    if (!wrong.empty()) {
+        return {true, 0, replaced + "which " + wrong};
+    }
+    if (ours && writable && (info.st_mode & (S_IWGRP | S_IWOTH)) == 0) {
+        close_predecessor(file, static_cast<std::uint64_t>(info.st_size));
+    }
+    return {true, generation, replaced + "left behind by process " + std::to_string(pid)};
 }
 
 ShmView view_of(const ShmLayout& layout, std::uint32_t slot_count) {
@@ -123,104 +137,152 @@ ShmView view_of(const ShmLayout& layout, std::uint32_t slot_count) {
     return view;
 }
 
-/// Reserves and maps the memory of a new object under a name of its own and fills in the header.
-ShmHeader* make_object(const std::string& temporary, const std::string& object, const ShmView& view,
-                       std::uint32_t generation) {
-    ::shm_unlink(temporary.c_str());
-    const Descriptor fd(::shm_open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL, 0600));
-    if (fd.get() < 0) {
-        refuse(object, "cannot be created", errno);
+/// Returns a name that nobody can guess. Another user who knew it could take it first and keep the daemon from
+/// starting.
+std::string unguessable(const std::string& object) {
+    std::array<std::uint8_t, 16> bytes{};
+    if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+        refuse(object, "the system has no random numbers", errno);
     }
-    // Without reserving, a full /dev/shm would end the daemon with SIGBUS at its first frame.
-    const int error = ::posix_fallocate(fd.get(), 0, static_cast<off_t>(view.total_bytes));
-    if (error != 0) {
-        ::shm_unlink(temporary.c_str());
-        refuse(object, "cannot reserve " + std::to_string((view.total_bytes >> 20) + 1) + " MiB in /dev/shm", error);
+    std::string name = object + ".";
+    for (const std::uint8_t byte : bytes) {
+        constexpr const char* digits = "0123456789abcdef";
+        name += {digits[byte >> 4], digits[byte & 15]};
     }
-    void* memory = ::mmap(nullptr, view.total_bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, fd.get(), 0);
-    if (memory == MAP_FAILED || ::fchmod(fd.get(), 0640) != 0) {
-        const int saved = errno;
-        ::shm_unlink(temporary.c_str());
-        if (memory != MAP_FAILED) {
-            ::munmap(memory, view.total_bytes);
-        }
-        refuse(object, "cannot be mapped", saved);
-    }
-    auto* header = new (memory) ShmHeader{};
-    header->version = shm_version;
-    header->header_bytes = sizeof(ShmHeader);
-    header->total_bytes = view.total_bytes;
-    header->slot_count = view.slot_count;
-    header->plane_count = view.plane_count;
-    header->slots_offset = view.slots_offset;
-    header->slot_stride = view.slot_stride;
-    header->payload_offset = view.payload_offset;
-    header->width = view.width;
-    header->height = view.height;
-    std::copy(view.planes.begin(), view.planes.end(), header->planes);
-    header->generation.store(generation, std::memory_order_relaxed);
-    header->heartbeat_ns.store(monotonic_ns(), std::memory_order_relaxed);
-    header->writer_pid.store(static_cast<std::uint32_t>(::getpid()), std::memory_order_relaxed);
-    std::atomic_ref<std::uint64_t>(header->magic).store(shm_magic, std::memory_order_release);
-    return header;
+    return name + ".new";
 }
+
+/// Owns a new object under a temporary name. The destructor removes the name if it is still there.
+class NewObject {
+public:
+    /// Creates the object, reserves and maps its memory, and fills its header in.
+    NewObject(const std::string& object, const ShmView& view, std::uint32_t generation)
+        : object_(object), bytes_(view.total_bytes), temporary_(unguessable(object)) {
+        const Descriptor file(::shm_open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
+        if (file.get() < 0) {
+            refuse(object_, "cannot be created", errno);
+        }
+        try {
+            reserve(file);
+            fill(view, generation);
+        } catch (...) {
+            ::shm_unlink(temporary_.c_str());
+            throw;
+        }
+    }
+    ~NewObject() {
+        ::shm_unlink(temporary_.c_str());
+        if (memory_ != MAP_FAILED) {
+            ::munmap(memory_, bytes_);
+        }
+    }
+    NewObject(const NewObject&) = delete;
+    NewObject& operator=(const NewObject&) = delete;
+
+    /// Gives the object its name in one step. Without `replace` it fails where the name is taken: of two daemons that
+    /// start at once, one is refused.
+    void take_name(bool replace) {
+        const std::string from = path_of(temporary_);
+        const std::string to = path_of(object_);
+        if ((replace ? ::rename(from.c_str(), to.c_str()) : ::link(from.c_str(), to.c_str())) != 0) {
+            refuse(object_, "cannot take the name " + to, errno);
+        }
+    }
+
+    const struct stat& info() const { return info_; }
+
+    /// Gives the mapping to the caller.
+    ShmHeader* release() { return static_cast<ShmHeader*>(std::exchange(memory_, MAP_FAILED)); }
+
+private:
+    void reserve(const Descriptor& file) {
+        // Without this, a full /dev/shm would end the daemon with SIGBUS at its first frame.
+        const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(bytes_));
+        if (error != 0) {
+            refuse(object_, "cannot reserve " + std::to_string((bytes_ >> 20) + 1) + " MiB in /dev/shm", error);
+        }
+        memory_ = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, file.get(), 0);
+        if (memory_ == MAP_FAILED) {
+            refuse(object_, "cannot be mapped", errno);
+        }
+        if (::fchmod(file.get(), 0640) != 0 || ::fstat(file.get(), &info_) != 0) {
+            const int refused = errno;
+            ::munmap(memory_, bytes_);
+            refuse(object_, "cannot be made readable for the group", refused);
+        }
+    }
+
+    void fill(const ShmView& view, std::uint32_t generation) {
+        auto* header = new (memory_) ShmHeader{};
+        header->version = shm_version;
+        header->header_bytes = sizeof(ShmHeader);
+        header->total_bytes = view.total_bytes;
+        header->slot_count = view.slot_count;
+        header->plane_count = view.plane_count;
+        header->slots_offset = view.slots_offset;
+        header->slot_stride = view.slot_stride;
+        header->payload_offset = view.payload_offset;
+        header->width = view.width;
+        header->height = view.height;
+        std::copy(view.planes.begin(), view.planes.end(), header->planes);
+        header->generation.store(generation, std::memory_order_relaxed);
+        header->heartbeat_ns.store(monotonic_ns(), std::memory_order_relaxed);
+        header->writer_pid.store(static_cast<std::uint32_t>(::getpid()), std::memory_order_relaxed);
+        std::atomic_ref<std::uint64_t>(header->magic).store(shm_magic, std::memory_order_release);
+    }
+
+    const std::string& object_;
+    const std::size_t bytes_;
+    const std::string temporary_;
+    void* memory_ = MAP_FAILED;
+    struct stat info_ {};
+};
 
 }  // namespace
 
 SharedMemoryWriter::SharedMemoryWriter(const std::string& name, const ShmLayout& layout, std::uint32_t slot_count)
     : object_name_(shm_object_name(name)), slot_count_(slot_count) {
-    create(layout);
+    note_ = create(layout);
 }
 
 SharedMemoryWriter::~SharedMemoryWriter() {
     close();
 }
 
-void SharedMemoryWriter::create(const ShmLayout& layout) {
-    const ShmView view = view_of(layout, slot_count_);
-    Predecessor found;
-    if (header_ == nullptr) {
-        found = inspect(object_name_);
-    } else {
-        found = {true, header_->generation.load(std::memory_order_relaxed), {}};
-    }
-    // 0 means closed, so it is left out; the clock makes it likely that a new object differs from a forgotten one.
-    std::uint32_t generation =
-        found.generation != 0 ? found.generation + 1 : static_cast<std::uint32_t>(monotonic_ns() / 1'000'000);
-    generation += generation == 0 ? 1 : 0;
-
-    const std::string temporary = object_name_ + "." + std::to_string(::getpid()) + ".new";
-    ShmHeader* made = make_object(temporary, object_name_, view, generation);
+bool SharedMemoryWriter::has_name() const {
     struct stat info {};
-    const std::string from = path_of(temporary);
-    const std::string to = path_of(object_name_);
-    // link() does not replace: of two daemons that start at once, one is refused.
-    const int result = found.exists ? ::rename(from.c_str(), to.c_str()) : ::link(from.c_str(), to.c_str());
-    const int error = errno;
-    if (!found.exists) {
-        ::shm_unlink(temporary.c_str());
-    }
-    if (result != 0 || ::stat(to.c_str(), &info) != 0) {
-        ::shm_unlink(temporary.c_str());
-        ::munmap(made, view.total_bytes);
-        refuse(object_name_, "cannot take the name " + to + " (if another user owns it, remove it)", error);
-    }
-    const std::lock_guard guard(mutex_);
-    unmap();
-    header_ = made;
-    view_ = view;
-    inode_ = info.st_ino;
-    if (note_.empty()) {
-        note_ = found.note;
-    }
+    return header_ != nullptr && ::lstat(path_of(object_name_).c_str(), &info) == 0 && info.st_ino == inode_ &&
+           info.st_dev == device_;
 }
 
-void SharedMemoryWriter::unmap() {
-    if (header_ != nullptr) {
-        tell_readers_the_end(*header_);
-        ::munmap(header_, view_.total_bytes);
-        header_ = nullptr;
+std::string SharedMemoryWriter::create(const ShmLayout& layout) {
+    const ShmView view = view_of(layout, slot_count_);
+    const Predecessor found = has_name() ? Predecessor{true, 0, {}} : inspect(object_name_);
+    const std::uint32_t before =
+        header_ != nullptr ? header_->generation.load(std::memory_order_relaxed) : found.generation;
+    // 0 means closed, so no object has it. The clock makes it likely that a new object differs from a removed one.
+    std::uint32_t generation = before != 0 ? before + 1 : static_cast<std::uint32_t>(monotonic_ns() / 1'000'000);
+    generation += generation == 0 ? 1 : 0;
+
+    NewObject made(object_name_, view, generation);
+    made.take_name(found.exists);
+    ShmHeader* old = nullptr;
+    std::uint64_t old_bytes = 0;
+    {
+        const std::lock_guard publishing(publishing_);
+        const std::lock_guard guard(mutex_);
+        old = std::exchange(header_, made.release());
+        old_bytes = view_.total_bytes;
+        view_ = view;
     }
+    layout_ = layout;
+    device_ = made.info().st_dev;
+    inode_ = made.info().st_ino;
+    if (old != nullptr) {
+        tell_readers_the_end(*old);
+        ::munmap(old, old_bytes);
+    }
+    return found.note;
 }
 
 void SharedMemoryWriter::relayout(const ShmLayout& layout) {
@@ -230,19 +292,26 @@ void SharedMemoryWriter::relayout(const ShmLayout& layout) {
     create(layout);
 }
 
-void SharedMemoryWriter::close() {
-    const std::lock_guard guard(mutex_);
-    if (header_ == nullptr) {
-        return;
+void SharedMemoryWriter::restore() {
+    if (header_ != nullptr && !has_name()) {
+        create(ShmLayout(layout_));
     }
-    struct stat info {};
-    if (::stat(path_of(object_name_).c_str(), &info) == 0 && info.st_ino == inode_) {
-        ::shm_unlink(object_name_.c_str());
-    }
-    unmap();
 }
 
-void SharedMemoryWriter::publish(const ShmFrame& frame, std::span<const PlaneSource> planes) {
+void SharedMemoryWriter::close() {
+    if (has_name()) {
+        ::shm_unlink(object_name_.c_str());
+    }
+    const std::lock_guard guard(mutex_);
+    if (header_ != nullptr) {
+        tell_readers_the_end(*header_);
+        ::munmap(header_, view_.total_bytes);
+        header_ = nullptr;
+    }
+}
+
+void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSource> planes) {
+    const std::lock_guard publishing(publishing_);
     if (header_ == nullptr) {
         throw std::invalid_argument("shared memory " + object_name_ + " is closed");
     }

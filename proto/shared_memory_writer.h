@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
+#include <sys/types.h>
+
 #include "proto/shared_memory_layout.h"
 
 namespace disparityd::proto {
 
-/// What a shared-memory object is made for: the size of the rectified image and the planes of every frame.
+/// Says what a shared-memory object holds: the size of the rectified image and the planes of every frame.
 struct ShmLayout {
     struct Plane {
         std::uint32_t product = 0;  ///< a Product of disparity.proto, each at most once
@@ -23,7 +25,7 @@ struct ShmLayout {
     std::vector<Plane> planes;
 };
 
-/// Where one plane of a frame is copied from. Not owned.
+/// Says where publish() copies one plane of a frame from. Not owned.
 struct PlaneSource {
     std::uint32_t product = 0;
     const void* data = nullptr;
@@ -31,56 +33,67 @@ struct PlaneSource {
     std::size_t stride = 0;     ///< bytes from one row to the next
 };
 
-/// The daemon's side of shared memory. Owns the object /disparityd.<name> from construction to close().
+/// Writes shared memory for the daemon. Owns the object /disparityd.<name> from construction to close().
 ///
-/// publish(), relayout() and close() belong to one thread at a time; wake() and heartbeat() may be called from any
-/// thread at any time, beside them.
+/// One thread at a time calls publish(), relayout() and close(). Any thread may call wake() and heartbeat() at any
+/// time. has_name() and restore() may run beside publish(); otherwise the thread that calls relayout() calls them.
 class SharedMemoryWriter {
 public:
-    /// Creates the object, mode 0640, all of its memory reserved. What a daemon that no longer lives has left behind,
-    /// or what is no object of disparityd, is replaced: see note(). Throws std::invalid_argument for a name or layout
-    /// that is not allowed, std::runtime_error when a living daemon has the name or the system refuses.
+    /// Creates the object with mode 0640 and reserves all of its memory. Replaces an object that a daemon which no
+    /// longer runs has left, or that is not disparityd's: see note(). Throws std::invalid_argument for a name or layout
+    /// that is not allowed. Throws std::runtime_error when a running daemon or another user's object has the name (root
+    /// replaces the latter), or the system refuses.
     SharedMemoryWriter(const std::string& name, const ShmLayout& layout, std::uint32_t slot_count = 4);
     ~SharedMemoryWriter();
     SharedMemoryWriter(const SharedMemoryWriter&) = delete;
     SharedMemoryWriter& operator=(const SharedMemoryWriter&) = delete;
 
-    /// "/disparityd.<name>"
+    /// Returns "/disparityd.<name>".
     const std::string& object_name() const { return object_name_; }
 
-    /// One line for the log when something left over was replaced at construction; otherwise empty.
+    /// Returns one line for the log when the constructor replaced an object; otherwise empty.
     const std::string& note() const { return note_; }
 
-    /// Copies a frame into the next slot. `planes` has each plane of the layout once, in any order. Readers that wait
-    /// are not woken: call wake() after it, best from a thread that is not in a hurry. Never allocates, never waits.
-    /// Throws std::invalid_argument when planes or sizes are not those of the layout (nothing is published then).
-    void publish(const ShmFrame& frame, std::span<const PlaneSource> planes);
+    /// Copies a frame into the next slot. `planes` has each plane of the layout once, in any order. It does not wake
+    /// readers: call wake() after it, best from another thread. It never allocates. It waits for restore() only, while
+    /// that exchanges a pointer. Throws std::invalid_argument, and publishes nothing, when planes or sizes are not
+    /// those of the layout.
+    void publish(const FrameInfo& frame, std::span<const PlaneSource> planes);
 
     /// Wakes every reader that waits for a frame.
     void wake();
 
-    /// Says that the daemon lives; call it at least twice a second.
+    /// Renews the heartbeat; call it at least twice a second.
     void heartbeat();
 
-    /// Replaces the object by one with another layout; readers map the new one by themselves. Throws as the constructor
-    /// does; the old object is then still in use.
+    /// Replaces the object by one with another layout; readers map the new one. Throws as the constructor does; the old
+    /// object then stays in use.
     void relayout(const ShmLayout& layout);
 
-    /// Tells the readers that the daemon has ended, and removes the name. Done by the destructor too.
+    /// Whether the name still belongs to this object. Another process may have removed or replaced it.
+    bool has_name() const;
+
+    /// Creates a new object with the same layout and no frame if this one has lost its name; readers of the old one map
+    /// the new one. Throws as relayout().
+    void restore();
+
+    /// Tells the readers that the daemon has ended, and removes the name. The destructor calls it.
     void close();
 
 private:
-    /// Makes the new object, gives it the name, and tells the readers of the old one, if any.
-    void create(const ShmLayout& layout);
-    void unmap();
+    /// Creates the new object, gives it the name, and tells the readers of the old one, if any. Returns the note().
+    std::string create(const ShmLayout& layout);
 
     std::string object_name_;
     std::string note_;
     std::uint32_t slot_count_;
-    std::mutex mutex_;  ///< which object is mapped: wake() and heartbeat() against relayout() and close()
+    ShmLayout layout_;
+    std::mutex publishing_;  ///< publish() against restore(); taken before the other one
+    std::mutex mutex_;       ///< which object is mapped: wake() and heartbeat() against relayout() and close()
     ShmHeader* header_ = nullptr;
     ShmView view_;
-    std::uint64_t inode_ = 0;  ///< a name that another daemon has taken over is left alone
+    dev_t device_ = 0;  ///< with inode_: a name that another daemon has taken over is left alone
+    ino_t inode_ = 0;
 };
 
 }  // namespace disparityd::proto

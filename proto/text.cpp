@@ -5,7 +5,7 @@
 
 namespace disparityd::proto {
 
-std::string text(std::string_view from) {
+std::string to_valid_utf8(std::string_view from) {
     namespace utf = boost::locale::utf;
     std::string valid;
     valid.reserve(from.size());
@@ -22,6 +22,21 @@ std::string text(std::string_view from) {
         }
     }
     return valid;
+}
+
+std::string to_printable_utf8(std::string_view from) {
+    std::string line = to_valid_utf8(from);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const auto byte = [&line](std::size_t at) {
+            return at < line.size() ? static_cast<unsigned char>(line[at]) : 0U;
+        };
+        if (byte(i) < 0x20 || byte(i) == 0x7f) {
+            line[i] = '?';
+        } else if (byte(i) == 0xc2 && byte(i + 1) < 0xa0) {
+            line.replace(i, 2, "?");  // U+0080 to U+009F
+        }
+    }
+    return line;
 }
 
 }  // namespace disparityd::proto

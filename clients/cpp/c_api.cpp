@@ -8,6 +8,7 @@
 
 #include "clients/cpp/disparity_client.h"
 #include "clients/cpp/disparity_client.hpp"
+#include "proto/frame_info.h"
 
 struct disparity_shared_memory {
     disparity::SharedMemoryReader reader;
@@ -48,11 +49,11 @@ void note_error() noexcept {
             error_text() = "unknown error";
         }
     } catch (...) {
-        // No memory for the text either: the caller still gets the result code.
+        // There is no memory for the text either: the caller still gets the result code.
     }
 }
 
-/// No exception may leave a C function.
+/// Runs a call and returns `failure` when it throws: no exception may leave a C function.
 template <class Result, class Call>
 Result guarded(Result failure, Call&& call) noexcept {
     try {
@@ -71,12 +72,13 @@ T& given(T* object, const char* what) {
     return *object;
 }
 
-int code(disparity::ReadResult result) {
+int code(disparity::ReadResult result, const std::string& why_gone) {
     switch (result) {
         case disparity::ReadResult::frame: return DISPARITY_FRAME;
         case disparity::ReadResult::timeout: return DISPARITY_TIMEOUT;
         case disparity::ReadResult::gone: break;
     }
+    error_text() = why_gone;
     return DISPARITY_GONE;
 }
 
@@ -151,25 +153,8 @@ void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info
     }
     const disparity::Frame& from = frame->frame;
     disparity_frame_info all{};
-    all.publish_index = from.publish_index;
-    all.sequence = from.sequence;
-    all.monotonic_ns = from.monotonic_ns;
-    all.realtime_ns = from.realtime_ns;
-    all.age_ns = from.age_ns;
-    all.dropped_before = from.dropped_before;
+    disparityd::proto::copy_frame_fields(all, from);
     all.missed = from.missed;
-    all.calibration_id = from.calibration_id;
-    all.f = from.f;
-    all.cx = from.cx;
-    all.cy = from.cy;
-    all.baseline_mm = from.baseline_mm;
-    all.disparity_offset = from.disparity_offset;
-    all.d_min = from.d_min;
-    all.disparities = from.disparities;
-    all.invalid = from.invalid;
-    all.flags = from.flags;
-    all.width = from.width;
-    all.height = from.height;
     all.region_x = from.region_x;
     all.region_y = from.region_y;
     all.plane_count = static_cast<std::uint32_t>(from.planes.size());
@@ -190,6 +175,14 @@ disparity_shared_memory* disparity_shared_memory_open(const char* name) {
     });
 }
 
+disparity_shared_memory* disparity_shared_memory_open_with(const char* name, const char* owner, int may_be_absent) {
+    return guarded<disparity_shared_memory*>(nullptr, [&] {
+        const disparity::SharedMemoryOptions options{may_be_absent != 0, owner == nullptr ? "" : owner};
+        return new disparity_shared_memory{disparity::SharedMemoryReader(name == nullptr ? "default" : name, options),
+                                           {}};
+    });
+}
+
 void disparity_shared_memory_close(disparity_shared_memory* reader) {
     delete reader;
 }
@@ -205,7 +198,8 @@ int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_fram
         for (size_t i = 0; i < count; ++i) {
             wanted.push_back(static_cast<disparity::Product>(products[i]));
         }
-        return code(shared.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms), wanted));
+        return code(shared.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms), wanted),
+                    shared.why_gone());
     });
 }
 
@@ -254,8 +248,8 @@ int disparity_socket_subscribe(disparity_socket* client, const disparity_subscri
 
 int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms) {
     return guarded<int>(DISPARITY_ERROR, [&] {
-        return code(
-            given(client, "client").client.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms)));
+        disparity::SocketClient& from = given(client, "client").client;
+        return code(from.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms)), from.why_gone());
     });
 }
 
@@ -271,7 +265,8 @@ int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sam
         while (from.sensors_read == from.sensors.samples.size()) {
             from.sensors_read = 0;
             from.sensors.samples.clear();
-            const int result = code(from.client.read_sensors(from.sensors, std::chrono::milliseconds(timeout_ms)));
+            const int result = code(from.client.read_sensors(from.sensors, std::chrono::milliseconds(timeout_ms)),
+                                    from.client.why_gone());
             if (result != DISPARITY_FRAME) {
                 return result;
             }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * C interface of the client library of disparityd: frames over shared memory or a socket.
+/**
+ * @file
+ * The C interface of the client library of disparityd reads frames over shared memory or a socket.
  *
  * All calls on one object come from one thread; different objects are independent. No function throws or ends the
  * program. Functions that fail return NULL or DISPARITY_ERROR; disparity_last_error() then has one line that says why.
@@ -16,166 +17,189 @@ extern "C" {
 #endif
 
 #ifndef DISPARITY_API
+/** Marks what the library exports. */
 #define DISPARITY_API __attribute__((visibility("default")))
 #endif
 
-/* Products, with the type of a pixel. */
+/** Products, with the type of a pixel. */
 enum {
-    DISPARITY_PRODUCT_DISPARITY = 1,  /* int16_t, 1/16 px */
-    DISPARITY_PRODUCT_CONFIDENCE = 2, /* uint8_t, 0 = rejected or interpolated */
-    DISPARITY_PRODUCT_DEPTH = 3,      /* uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
-    DISPARITY_PRODUCT_LEFT = 4,       /* uint8_t, rectified left image */
-    DISPARITY_PRODUCT_LEFT_COLOUR = 5 /* 3 x uint8_t, BGR */
+    DISPARITY_PRODUCT_DISPARITY = 1,  /**< int16_t, 1/16 px; disparity_frame_info.invalid = rejected */
+    DISPARITY_PRODUCT_CONFIDENCE = 2, /**< uint8_t, 1 to 255; 0 = rejected or interpolated */
+    DISPARITY_PRODUCT_DEPTH = 3,      /**< uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
+    DISPARITY_PRODUCT_LEFT = 4,       /**< uint8_t, rectified left image */
+    DISPARITY_PRODUCT_LEFT_COLOUR = 5 /**< 3 x uint8_t, rectified left image, BGR */
 };
 
-/* Bits of disparity_frame_info.flags. */
+/** Bits of disparity_frame_info.flags. */
 enum {
-    DISPARITY_FLAG_UNRECTIFIED = 1,
-    DISPARITY_FLAG_INTERPOLATED = 2,
-    DISPARITY_FLAG_DROPPED_BEFORE = 4,
-    DISPARITY_FLAG_DISCONTINUITY = 8
+    DISPARITY_FLAG_UNRECTIFIED = 1,    /**< no calibration: the pixels are as captured */
+    DISPARITY_FLAG_INTERPOLATED = 2,   /**< rejected pixels were filled from their neighbours */
+    DISPARITY_FLAG_DROPPED_BEFORE = 4, /**< dropped_before is not 0 */
+    DISPARITY_FLAG_DISCONTINUITY = 8,  /**< the first frame after a gap or restart of the source */
+    DISPARITY_FLAG_SYNTHETIC = 16      /**< rendered, or a recording of rendered frames: not from a camera */
 };
 
-/* What reading gives. */
+/** What reading returns. */
 enum {
-    DISPARITY_FRAME = 1,   /* a frame newer than the one read before */
-    DISPARITY_TIMEOUT = 0, /* nothing new in time; the daemon lives */
-    DISPARITY_GONE = -1,   /* the daemon has stopped or died: connect again */
-    DISPARITY_ERROR = -2   /* see disparity_last_error() */
+    DISPARITY_FRAME = 1,   /**< a frame newer than the one read before */
+    DISPARITY_TIMEOUT = 0, /**< nothing new came in time; the daemon lives */
+    DISPARITY_GONE = -1,   /**< there is no daemon; later reads look for it again. disparity_last_error() says why */
+    DISPARITY_ERROR = -2   /**< the call failed, see disparity_last_error() */
 };
 
+/** A reader of the shared memory; disparity_shared_memory_open() makes it. */
 typedef struct disparity_shared_memory disparity_shared_memory;
+/** A connection to the daemon; disparity_socket_open() makes it. */
 typedef struct disparity_socket disparity_socket;
+/** A frame and its planes; disparity_frame_new() makes it. */
 typedef struct disparity_frame disparity_frame;
 
-/* Everything that comes with a frame; units as in docs/protocol.md. The layout does not change within a version of the
- * library's name; fields are only added at the end, where the caller says how much room there is. */
+/** Everything that comes with a frame. The layout does not change within a version of the library's name; fields are
+ * only added at the end, where the caller says how much room there is. */
 typedef struct disparity_frame_info {
-    uint64_t publish_index;
-    uint64_t sequence;
-    int64_t monotonic_ns;
-    int64_t realtime_ns;
-    int64_t age_ns;
-    uint64_t dropped_before;
-    uint64_t missed;
-    uint64_t calibration_id;
-    double f;
-    double cx;
-    double cy;
-    double baseline_mm;
-    double disparity_offset;
-    int32_t d_min;
-    uint32_t disparities;
-    int32_t invalid;
-    uint32_t flags;
-    uint32_t width;
-    uint32_t height;
-    uint32_t region_x;
-    uint32_t region_y;
-    uint32_t plane_count;
-    uint32_t reserved;
+    uint64_t publish_index;  /**< counts what the daemon has published since its start, from 0, without gaps */
+    uint64_t sequence;       /**< the source's own number of the frame; gaps where the source lost some */
+    int64_t monotonic_ns;    /**< capture time, CLOCK_MONOTONIC of the daemon's machine */
+    int64_t realtime_ns;     /**< capture time, CLOCK_REALTIME: ns since 1970 */
+    int64_t age_ns;          /**< from capture until the daemon published or sent the frame */
+    uint64_t dropped_before; /**< frames lost before the daemon published, since the one published before */
+    uint64_t missed;         /**< frames published but not seen by this client, since the one read before */
+    uint64_t calibration_id; /**< changes when the calibration does; 0 = none */
+    double f;                /**< focal length of the rectified camera, px; 0 = unknown */
+    double cx;               /**< column of the principal point of the rectified camera, px */
+    double cy;               /**< row of the principal point of the rectified camera, px */
+    double baseline_mm;      /**< distance of the two cameras, mm; 0 = unknown */
+    double disparity_offset; /**< px; is added to a valid disparity before depth is computed from it */
+    int32_t d_min;           /**< the first candidate, px */
+    uint32_t disparities;    /**< the number of candidates, the last one is d_min + disparities - 1 */
+    int32_t invalid;         /**< the disparity of a rejected pixel, 1/16 px: (d_min - 1) * 16 */
+    uint32_t flags;          /**< bits DISPARITY_FLAG_... */
+    uint32_t width;          /**< of the whole rectified image, px */
+    uint32_t height;         /**< of the whole rectified image, px */
+    uint32_t region_x;       /**< the column of the whole image where the planes begin */
+    uint32_t region_y;       /**< the row of the whole image where the planes begin */
+    uint32_t plane_count;    /**< the number of planes that the frame carries */
+    uint32_t reserved;       /**< 0 */
 } disparity_frame_info;
 
-/* One plane: rows follow each other without gaps, little endian. */
+/** One plane: rows follow each other without gaps, little endian. */
 typedef struct disparity_plane {
-    uint32_t product;
-    uint32_t width;
-    uint32_t height;
-    uint32_t bytes_per_pixel;
-    const void* data; /* owned by the frame, valid until it is read into again or freed */
-    uint64_t bytes;
+    uint32_t product;         /**< DISPARITY_PRODUCT_... */
+    uint32_t width;           /**< px */
+    uint32_t height;          /**< px */
+    uint32_t bytes_per_pixel; /**< all channels together */
+    const void* data;         /**< owned by the frame, valid until it is read into again or freed */
+    uint64_t bytes;           /**< width * height * bytes_per_pixel */
 } disparity_plane;
 
-/* Why the last call of this thread failed; never NULL. Valid until the thread's next call of the library. */
+/** Returns why the last call of this thread failed or gave DISPARITY_GONE; never NULL. Valid until the thread's next
+ * call of the library. */
 DISPARITY_API const char* disparity_last_error(void);
 
-/* An empty frame to read into, again and again. NULL only when memory is short. */
+/** Makes an empty frame to read into, any number of times. Returns NULL only when memory is short. */
 DISPARITY_API disparity_frame* disparity_frame_new(void);
+/** Frees a frame and its planes; NULL is allowed. */
 DISPARITY_API void disparity_frame_free(disparity_frame* frame);
 
-/* Fills the first info_bytes bytes of *info; pass sizeof(disparity_frame_info). */
+/** Fills the first info_bytes bytes of *info; pass sizeof(disparity_frame_info). */
 DISPARITY_API void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info* info,
                                             size_t info_bytes);
 
-/* 1 and fills *plane, or 0 when the frame does not carry the product / has no plane of that index. */
+/** Fills *plane and returns 1, or returns 0 when the frame does not carry the product. */
 DISPARITY_API int disparity_frame_get_plane(const disparity_frame* frame, uint32_t product, disparity_plane* plane);
+/** Does the same by index, 0 to plane_count - 1; returns 0 when there is no plane of that index. */
 DISPARITY_API int disparity_frame_plane_at(const disparity_frame* frame, uint32_t index, disparity_plane* plane);
 
-/* Maps /disparityd.<name> read-only; name NULL = "default". NULL on failure. */
+/** Maps /disparityd.NAME read-only; name NULL = "default". Returns NULL on failure. */
 DISPARITY_API disparity_shared_memory* disparity_shared_memory_open(const char* name);
+
+/** Does the same with options. owner: the user whose object is trusted, beside root's and those of this program's own
+ * user, a name or a number; NULL: the user that the environment variable DISPARITYD_SHARED_MEMORY_OWNER names, else
+ * "disparityd". may_be_absent not 0: succeeds without a daemon, too; reading waits for one. */
+DISPARITY_API disparity_shared_memory* disparity_shared_memory_open_with(const char* name, const char* owner,
+                                                                         int may_be_absent);
+/** Ends the reader; its frames stay. NULL is allowed. */
 DISPARITY_API void disparity_shared_memory_close(disparity_shared_memory* reader);
 
-/* Copies the newest frame not read before, waiting at most timeout_ms. Only the given products are copied; count 0 =
- * all. After DISPARITY_GONE the next call looks for a new daemon under the same name. */
+/** Copies the newest frame not read before, waiting at most timeout_ms. Only the given products are copied; count 0 =
+ * all. Returns DISPARITY_GONE at once when the daemon stops, and within 3 s when it dies. The calls after it wait for a
+ * new daemon under the name, and return DISPARITY_GONE again when none has come in time: a program that keeps reading
+ * survives a restart of the daemon. */
 DISPARITY_API int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms,
                                                const uint32_t* products, size_t count);
 
-/* Nanoseconds since the daemon's last sign of life; INT64_MAX when it is gone. */
+/** Returns the nanoseconds since the daemon's last heartbeat; INT64_MAX when it is gone. */
 DISPARITY_API int64_t disparity_shared_memory_heartbeat_age_ns(const disparity_shared_memory* reader);
 
-/* Connects to "tcp:HOST:PORT" or "unix:PATH" and says hello; client_name may be NULL. NULL on failure. */
+/** Connects to "tcp:HOST:PORT" or "unix:PATH" and sends Hello; client_name may be NULL. Returns NULL on failure. */
 DISPARITY_API disparity_socket* disparity_socket_open(const char* address, const char* client_name, int timeout_ms);
+/** Ends the connection; its frames stay. NULL is allowed. */
 DISPARITY_API void disparity_socket_close(disparity_socket* client);
 
-/* What disparity_socket_subscribe() asks for; memset to 0 first. */
+/** What disparity_socket_subscribe() asks for; memset to 0 first. */
 typedef struct disparity_subscription {
-    const uint32_t* products;
-    uint64_t product_count;
-    double max_rate;          /* frames per second, 0 = all */
-    double status_interval_s; /* 0 = no status messages */
-    uint32_t compressed;      /* not 0: zstd */
-    uint32_t region_x;
-    uint32_t region_y;
-    uint32_t region_width; /* 0 = the whole image */
-    uint32_t region_height;
-    uint32_t sensors; /* not 0: for disparity_socket_read_sensors() */
+    const uint32_t* products; /**< DISPARITY_PRODUCT_..., read during the call only */
+    uint64_t product_count;   /**< the number of products; 0 = no frames */
+    double max_rate;          /**< frames per second, 0 = all */
+    double status_interval_s; /**< 0 = no status messages */
+    uint32_t compressed;      /**< not 0: zstd */
+    uint32_t region_x;        /**< column of the rectified image where the region begins */
+    uint32_t region_y;        /**< row of the rectified image where the region begins */
+    uint32_t region_width;    /**< px; 0 = the whole image */
+    uint32_t region_height;   /**< px */
+    uint32_t sensors;         /**< not 0: for disparity_socket_read_sensors() */
 } disparity_subscription;
 
-/* 0, or DISPARITY_ERROR. A refusal of the daemon comes out of the next read. */
+/** Replaces the subscription. Returns 0, or DISPARITY_ERROR. The next read fails when the daemon refuses. When the
+ * connection has ended, the subscription holds from the next one on. */
 DISPARITY_API int disparity_socket_subscribe(disparity_socket* client, const disparity_subscription* subscription);
 
-/* Waits for the next frame. */
+/** Waits for the next frame. The first call after the end of the connection returns DISPARITY_GONE. The calls after it
+ * connect again, send Hello and subscribe as before, and return DISPARITY_GONE again when no daemon answers in time: a
+ * program that keeps reading survives a restart of the daemon. Returns DISPARITY_ERROR when the daemon refuses; the
+ * call may be repeated. */
 DISPARITY_API int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms);
 
-/* Bits of disparity_sensor_sample.holds; the fields of others are 0. */
+/** Bits of disparity_sensor_sample.holds; the fields of others are 0. */
 enum {
-    DISPARITY_SENSOR_INERTIAL = 1,        /* angular_velocity, acceleration, imu_celsius */
-    DISPARITY_SENSOR_MAGNETIC = 2,        /* magnetic_field */
-    DISPARITY_SENSOR_ENVIRONMENT = 4,     /* celsius, hectopascal, humidity_percent */
-    DISPARITY_SENSOR_EYE_TEMPERATURE = 8, /* left_celsius, right_celsius */
-    DISPARITY_SENSOR_FRAME_SYNC = 16      /* measured at the instant of a frame's exposure */
+    DISPARITY_SENSOR_INERTIAL = 1,        /**< angular_velocity, acceleration, imu_celsius */
+    DISPARITY_SENSOR_MAGNETIC = 2,        /**< magnetic_field */
+    DISPARITY_SENSOR_ENVIRONMENT = 4,     /**< celsius, hectopascal, humidity_percent */
+    DISPARITY_SENSOR_EYE_TEMPERATURE = 8, /**< left_celsius, right_celsius */
+    DISPARITY_SENSOR_FRAME_SYNC = 16      /**< measured at the instant of a frame's exposure */
 };
 
-/* What the camera's sensors measured at one instant, along the axes of the sensor, as the camera sends it. As for
+/** What the camera's sensors measured at one instant, along the axes of the sensor, as the camera sends it. As for
  * disparity_frame_info, fields are only added at the end. */
 typedef struct disparity_sensor_sample {
-    int64_t monotonic_ns;
-    int64_t realtime_ns;
-    int64_t camera_ns; /* the camera's clock, which starts anywhere */
-    uint32_t holds;
-    uint32_t lost_before;      /* samples that the daemon lost since the one before */
-    uint32_t frame_syncs;      /* the camera's count of frames that its sensors were synchronised with */
-    uint32_t skipped;          /* samples that this client missed before this one, because it read too slowly */
-    float angular_velocity[3]; /* rad/s */
-    float acceleration[3];     /* m/s2, gravity included */
-    float magnetic_field[3];   /* microtesla */
-    float imu_celsius;
-    float celsius; /* inside the camera */
-    float hectopascal;
-    float humidity_percent;
-    float left_celsius; /* of the left image sensor */
-    float right_celsius;
-    uint32_t reserved;
+    int64_t monotonic_ns;      /**< of that instant, CLOCK_MONOTONIC of the daemon's machine */
+    int64_t realtime_ns;       /**< of that instant, CLOCK_REALTIME: ns since 1970 */
+    int64_t camera_ns;         /**< on the camera's clock, which starts at any value */
+    uint32_t holds;            /**< bits DISPARITY_SENSOR_... */
+    uint32_t lost_before;      /**< samples that the daemon lost since the one before */
+    uint32_t frame_syncs;      /**< the camera's count of frames that its sensors were synchronised with */
+    uint32_t skipped;          /**< samples that this client missed before this one, because it read too slowly */
+    float angular_velocity[3]; /**< rad/s */
+    float acceleration[3];     /**< m/s2, gravity included */
+    float magnetic_field[3];   /**< microtesla */
+    float imu_celsius;         /**< of the inertial sensor */
+    float celsius;             /**< inside the camera */
+    float hectopascal;         /**< pressure of the air */
+    float humidity_percent;    /**< relative */
+    float left_celsius;        /**< of the left image sensor */
+    float right_celsius;       /**< of the right image sensor */
+    uint32_t reserved;         /**< 0 */
 } disparity_sensor_sample;
 
-/* Waits for samples and writes them into an array of `capacity` elements of sample_bytes each; pass
- * sizeof(disparity_sensor_sample). *count: how many there are now. What finds no room comes with the next call. Frames
- * that arrive meanwhile are kept for disparity_socket_read(), 8 of them. DISPARITY_FRAME: there are samples. */
+/** Waits for samples and writes them into an array of `capacity` elements of sample_bytes each; pass
+ * sizeof(disparity_sensor_sample). *count: how many there are now. The next call writes those without room. The newest
+ * 8 frames that arrive meanwhile are kept for disparity_socket_read(). Returns DISPARITY_FRAME when there are samples,
+ * else as disparity_socket_read(). */
 DISPARITY_API int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sample* samples,
                                                 size_t sample_bytes, size_t capacity, size_t* count, int timeout_ms);
 
-/* Asks for the status: a serialized disparityd.v1.Status, owned by the client and valid until its next call of this
- * function. NULL on failure. */
+/** Asks for the status. Returns a serialized disparityd.v1.Status, owned by the client and valid until its next call of
+ * this function; NULL on failure. */
 DISPARITY_API const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes);
 
 #ifdef __cplusplus

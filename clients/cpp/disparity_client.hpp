@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+/// @file
+/// C++ interface of the client library of disparityd.
 #pragma once
 
 #include <chrono>
@@ -9,72 +11,113 @@
 #include <utility>
 #include <vector>
 
+/// Marks what the library exports.
 #define DISPARITY_API __attribute__((visibility("default")))
 
-/// Client library of disparityd: frames over shared memory or a socket. Depends on nothing of the daemon.
+/// The client library of disparityd reads frames over shared memory or a socket. It depends on nothing of the daemon.
 /// All calls on one object come from one thread; different objects are independent.
 namespace disparity {
 
-enum class Product : std::uint32_t { disparity = 1, confidence = 2, depth = 3, left = 4, left_colour = 5 };
-
-enum FrameFlags : std::uint32_t { unrectified = 1, interpolated = 2, dropped_before = 4, discontinuity = 8 };
-
-struct PlaneData {
-    Product product{};
-    std::uint32_t width = 0;
-    std::uint32_t height = 0;
-    std::uint32_t bytes_per_pixel = 0;
-    std::vector<std::uint8_t> bytes;  ///< dense, little endian; the buffer is used again by the next read
+/// What a plane holds, with the type of a pixel.
+enum class Product : std::uint32_t {
+    disparity = 1,   ///< int16, 1/16 px; Frame::invalid = rejected
+    confidence = 2,  ///< uint8, 1 to 255; 0 = rejected or interpolated
+    depth = 3,       ///< uint16, mm; 0 = unknown, 65535 = beyond 65.534 m
+    left = 4,        ///< uint8, rectified left image
+    left_colour = 5  ///< 3 x uint8, rectified left image, BGR
 };
 
-/// Everything that comes with a frame; units as in docs/protocol.md.
-struct DISPARITY_API Frame {
-    std::uint64_t publish_index = 0;
-    std::uint64_t sequence = 0;
-    std::int64_t monotonic_ns = 0;
-    std::int64_t realtime_ns = 0;
-    std::int64_t age_ns = 0;
-    std::uint64_t dropped_before = 0;  ///< lost before the daemon published
-    std::uint64_t missed = 0;          ///< published, but not seen by this client, since the frame read before
-    std::uint64_t calibration_id = 0;
-    double f = 0, cx = 0, cy = 0, baseline_mm = 0, disparity_offset = 0;
-    std::int32_t d_min = 0;
-    std::uint32_t disparities = 0;
-    std::int32_t invalid = 0;
-    std::uint32_t flags = 0;
-    std::uint32_t width = 0;  ///< of the whole rectified image
-    std::uint32_t height = 0;
-    std::uint32_t region_x = 0, region_y = 0;  ///< where the planes start in it
-    std::vector<PlaneData> planes;
+/// Bits of Frame::flags.
+enum FrameFlags : std::uint32_t {
+    unrectified = 1,     ///< no calibration: the pixels are as captured
+    interpolated = 2,    ///< rejected pixels were filled from their neighbours
+    dropped_before = 4,  ///< Frame::dropped_before is not 0
+    discontinuity = 8,   ///< the first frame after a gap or restart of the source
+    synthetic = 16       ///< rendered, or a recording of rendered frames: not from a camera
+};
 
-    /// The plane of a product, or nullptr when the frame does not carry it.
+/// One plane of a frame: rows follow each other without gaps, little endian.
+struct PlaneData {
+    Product product{};                  ///< what the plane holds
+    std::uint32_t width = 0;            ///< px
+    std::uint32_t height = 0;           ///< px
+    std::uint32_t bytes_per_pixel = 0;  ///< all channels together
+    std::vector<std::uint8_t> bytes;    ///< width * height * bytes_per_pixel; the next read uses the buffer again
+};
+
+/// Everything that comes with a frame.
+struct DISPARITY_API Frame {
+    std::uint64_t publish_index = 0;   ///< counts what the daemon has published since its start, from 0, without gaps
+    std::uint64_t sequence = 0;        ///< the source's own number of the frame; gaps where the source lost some
+    std::int64_t monotonic_ns = 0;     ///< capture time, CLOCK_MONOTONIC of the daemon's machine
+    std::int64_t realtime_ns = 0;      ///< capture time, CLOCK_REALTIME: ns since 1970
+    std::int64_t age_ns = 0;           ///< from capture until the daemon published or sent the frame
+    std::uint64_t dropped_before = 0;  ///< frames lost before the daemon published, since the one published before
+    std::uint64_t missed = 0;          ///< frames published but not seen by this client, since the one read before
+    std::uint64_t calibration_id = 0;  ///< changes when the calibration does; 0 = none
+    double f = 0;                      ///< focal length of the rectified camera, px; 0 = unknown
+    double cx = 0;                     ///< column of the principal point of the rectified camera, px
+    double cy = 0;                     ///< row of the principal point of the rectified camera, px
+    double baseline_mm = 0;            ///< distance of the two cameras, mm; 0 = unknown
+    double disparity_offset = 0;       ///< px; is added to a valid disparity before depth is computed from it
+    std::int32_t d_min = 0;            ///< the first candidate, px
+    std::uint32_t disparities = 0;     ///< the number of candidates, the last one is d_min + disparities - 1
+    std::int32_t invalid = 0;          ///< the disparity of a rejected pixel, 1/16 px: (d_min - 1) * 16
+    std::uint32_t flags = 0;           ///< FrameFlags
+    std::uint32_t width = 0;           ///< of the whole rectified image, px
+    std::uint32_t height = 0;          ///< of the whole rectified image, px
+    std::uint32_t region_x = 0;        ///< the column of the whole image where the planes begin
+    std::uint32_t region_y = 0;        ///< the row of the whole image where the planes begin
+    std::vector<PlaneData> planes;     ///< one for each product that the frame carries
+
+    /// Returns the plane of a product, or nullptr when the frame does not carry it.
     const PlaneData* plane(Product product) const;
 };
 
+/// What reading returns.
 enum class ReadResult {
     frame,    ///< a frame newer than the one read before
-    timeout,  ///< nothing new in time; the daemon lives
-    gone,     ///< the daemon has stopped or died: try to connect again
+    timeout,  ///< nothing new came in time; the daemon lives
+    gone,     ///< there is no daemon: it has stopped or died. Later reads look for it again
 };
 
-/// Reads frames from shared memory. The writer never waits for a reader.
+/// Says what a reader of the shared memory does without a daemon, and which owner of the object it trusts.
+struct SharedMemoryOptions {
+    /// Without a daemon the constructor does not throw; read() waits for one.
+    bool may_be_absent = false;
+    /// The user whose object is trusted, beside root's and those of this program's own user: a name or a number.
+    /// Empty: the user that the environment variable DISPARITYD_SHARED_MEMORY_OWNER names, else "disparityd".
+    std::string owner{};
+};
+
+/// Reads frames from shared memory. The writer never waits for a reader. A reader uses an object only when its owner is
+/// trusted (SharedMemoryOptions::owner) and nobody else can write it.
 class DISPARITY_API SharedMemoryReader {
 public:
-    /// Maps /disparityd.<name> read-only. Throws std::invalid_argument for a name that is not allowed,
-    /// std::runtime_error with one line (what, where, what to do) when there is none, access is denied, or its version
-    /// is not ours.
+    /// Maps /disparityd.NAME read-only. Throws std::invalid_argument for a name that is not allowed. Throws
+    /// std::runtime_error with one line (what, where, what to do) when the object has another version, and, unless it
+    /// may be absent, when there is none, access is denied or its owner is not trusted.
     explicit SharedMemoryReader(const std::string& name = "default");
+    /// The same with options.
+    SharedMemoryReader(const std::string& name, const SharedMemoryOptions& options);
     ~SharedMemoryReader();
+    /// A reader that was moved from may only be assigned to or destroyed.
     SharedMemoryReader(SharedMemoryReader&&) noexcept;
+    /// As the constructor that moves.
     SharedMemoryReader& operator=(SharedMemoryReader&&) noexcept;
 
     /// Copies the newest frame that was not read before; waits for one until the timeout. After a reload of the daemon
-    /// it maps the new object by itself; after `gone` each call looks for a new daemon under the name. Only the wanted
-    /// products are copied (empty = all there are). What is in `frame` counts only when the result is
-    /// ReadResult::frame. Throws std::runtime_error when a new object cannot be used.
+    /// it maps the new object. Returns `gone` at once when the daemon stops, and within 3 s when it dies. The calls
+    /// after it wait for a new daemon under the name, and return `gone` again when none has come in time: a program
+    /// that keeps reading survives a restart of the daemon. Only the wanted products are copied (empty = all). `frame`
+    /// is valid only when the result is ReadResult::frame. Throws std::runtime_error when a new object of a trusted
+    /// user cannot be used.
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted = {});
 
-    /// Age of the daemon's last sign of life; the largest value after `gone`.
+    /// Returns one line: why the last read() was `gone`.
+    const std::string& why_gone() const;
+
+    /// Returns the age of the daemon's last heartbeat; the largest value after `gone`.
     std::chrono::nanoseconds heartbeat_age() const;
 
 private:
@@ -82,51 +125,61 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
+/// Says what the daemon sends to a client.
 struct Subscription {
-    std::vector<Product> products{Product::disparity};
-    double max_rate = 0;  ///< frames per second, 0 = all
-    bool compressed = false;
-    std::uint32_t region_x = 0, region_y = 0, region_width = 0, region_height = 0;  ///< width 0 = whole image
-    double status_interval_s = 0;
-    bool sensors = false;  ///< for SocketClient::read_sensors()
+    std::vector<Product> products{Product::disparity};  ///< empty = no frames
+    double max_rate = 0;                                ///< frames per second, 0 = all
+    bool compressed = false;                            ///< planes are sent with zstd; read() unpacks them
+    std::uint32_t region_x = 0;                         ///< column of the rectified image where the region begins
+    std::uint32_t region_y = 0;                         ///< row of the rectified image where the region begins
+    std::uint32_t region_width = 0;                     ///< px; 0 = the whole image
+    std::uint32_t region_height = 0;                    ///< px
+    double status_interval_s = 0;                       ///< for SocketClient::take_status(); 0 = no status messages
+    bool sensors = false;                               ///< for SocketClient::read_sensors()
 };
 
-/// Along the axes of the camera's sensor, as it sends them: nothing is rotated or calibrated.
+/// Has the axes of the camera's sensor, as it sends them: nothing is rotated or calibrated.
 struct SensorVector {
-    float x = 0, y = 0, z = 0;
+    float x = 0;  ///< in the unit of the field
+    float y = 0;  ///< in the unit of the field
+    float z = 0;  ///< in the unit of the field
 };
 
+/// What the inertial sensor measured.
 struct Inertial {
     SensorVector angular_velocity;  ///< rad/s
     SensorVector acceleration;      ///< m/s², gravity included
     float celsius = 0;              ///< of the inertial sensor
 };
 
+/// What was measured inside the camera.
 struct Environment {
     float celsius = 0;           ///< inside the camera
     float hectopascal = 0;       ///< pressure of the air
     float humidity_percent = 0;  ///< relative
 };
 
-/// Of the image sensors.
+/// What the image sensors' thermometers measured.
 struct EyeTemperatures {
-    float left_celsius = 0, right_celsius = 0;
+    float left_celsius = 0;   ///< of the left one
+    float right_celsius = 0;  ///< of the right one
 };
 
 /// What the camera's sensors measured at one instant; what is absent was not measured.
 struct SensorSample {
-    std::int64_t monotonic_ns = 0;  ///< of that instant, the daemon's CLOCK_MONOTONIC; of a replay, as recorded
-    std::int64_t realtime_ns = 0;
-    std::int64_t camera_ns = 0;     ///< on the camera's clock, which starts anywhere
-    std::uint32_t lost_before = 0;  ///< samples that the daemon lost since the one before
-    bool frame_sync = false;        ///< measured at the instant of a frame's exposure
-    std::uint32_t frame_syncs = 0;  ///< the camera's count of such instants
-    std::optional<Inertial> inertial;
-    std::optional<SensorVector> magnetic_field;  ///< microtesla
-    std::optional<Environment> environment;
-    std::optional<EyeTemperatures> eye_temperatures;
+    std::int64_t monotonic_ns = 0;     ///< of that instant, the daemon's CLOCK_MONOTONIC; of a replay, as recorded
+    std::int64_t realtime_ns = 0;      ///< of that instant, CLOCK_REALTIME: ns since 1970
+    std::int64_t camera_ns = 0;        ///< on the camera's clock, which starts at any value
+    std::uint32_t lost_before = 0;     ///< samples that the daemon lost since the one before
+    bool frame_sync = false;           ///< measured at the instant of a frame's exposure
+    std::uint32_t frame_syncs = 0;     ///< the camera's count of such instants
+    std::optional<Inertial> inertial;  ///< motion
+    std::optional<SensorVector> magnetic_field;       ///< microtesla
+    std::optional<Environment> environment;           ///< temperature and air inside the camera
+    std::optional<EyeTemperatures> eye_temperatures;  ///< temperatures of the image sensors
 };
 
+/// What SocketClient::read_sensors() gives.
 struct SensorBatch {
     std::vector<SensorSample> samples;  ///< in order
     std::uint64_t skipped = 0;          ///< samples that this client missed before them, because it read too slowly
@@ -134,48 +187,65 @@ struct SensorBatch {
 };
 
 /// Reads frames and status from a socket: "tcp:HOST:PORT" or "unix:PATH".
+///
+/// When the connection ends, the first read() or read_sensors() after it returns `gone`. The calls after that connect
+/// again, send Hello and subscribe as before. They return `gone` again when no daemon answers until the timeout, which
+/// must be longer than a message needs to the daemon and back. A program that keeps reading survives a restart of the
+/// daemon. Requests connect again, too.
 class DISPARITY_API SocketClient {
 public:
-    /// Connects, says hello. Throws std::invalid_argument for an address that is none, std::runtime_error with one line
-    /// when connecting fails or the daemon refuses.
+    /// Connects and sends Hello. Throws std::invalid_argument for an address of another form, std::runtime_error with
+    /// one line when connecting fails or the daemon refuses.
     explicit SocketClient(const std::string& address, const std::string& client_name = "disparity-client",
                           std::chrono::milliseconds timeout = std::chrono::seconds(5));
     ~SocketClient();
+    /// A client that was moved from may only be assigned to or destroyed.
     SocketClient(SocketClient&&) noexcept;
+    /// As the constructor that moves.
     SocketClient& operator=(SocketClient&&) noexcept;
 
-    /// The daemon's answer to hello: a serialized disparityd.v1.Welcome (geometry, products, name of shared memory).
+    /// Returns the daemon's answer to the last Hello: a serialized disparityd.v1.Welcome (geometry, products, name of
+    /// shared memory).
     const std::string& welcome() const;
 
-    /// Replaces the subscription. Frames of the one before may still arrive; a refusal comes out of the next read().
-    /// Throws std::runtime_error when the connection has ended.
+    /// Returns the user id of the process that listens at a Unix socket, as the system knows it; nothing over TCP. A
+    /// program that connects to a socket in a folder that others may write to compares it with the user that it trusts.
+    std::optional<unsigned> server_user() const;
+
+    /// Replaces the subscription. Frames of the one before may still arrive; the next read() throws when the daemon
+    /// refuses. When the connection has ended, the subscription holds from the next one on.
     void subscribe(const Subscription& subscription);
 
-    /// Waits for the next frame (older ones waiting in the socket are delivered first, none is skipped here).
-    /// `gone` when the connection has ended: make a new client. Throws std::runtime_error with the daemon's message
-    /// when it refuses or closes with an error, or when what it sends is no valid frame. What is in `frame` counts only
-    /// when the result is ReadResult::frame.
+    /// Waits for the next frame. Older frames that wait in the socket come first; this call skips none. Returns `gone`
+    /// when the connection has ended: see above. Throws std::runtime_error with the daemon's message when it refuses or
+    /// closes with an error, when it refuses the new connection until the timeout, or when it sends no valid frame;
+    /// read() may be called again. `frame` is valid only when the result is ReadResult::frame.
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout);
 
-    /// Waits for samples of the camera's sensors (Subscription::sensors): those that came while frames or answers were
-    /// waited for first, up to 8192 of which are kept, the newest win. Of the frames that come meanwhile up to 8 are
-    /// kept for read(). Returns and throws as read(), with ReadResult::frame for samples.
+    /// Returns one line: why the last read() or read_sensors() was `gone`.
+    const std::string& why_gone() const;
+
+    /// Waits for samples of the camera's sensors (Subscription::sensors). Samples that came during other calls come
+    /// first; the newest 8192 of them are kept. The newest 8 frames that come meanwhile are kept for read(). Returns
+    /// and throws as read(), with ReadResult::frame for samples.
     ReadResult read_sensors(SensorBatch& batch, std::chrono::milliseconds timeout);
 
-    /// Asks for the daemon's status; the answer is the serialized disparityd.v1.Status message of proto/. Up to 8
-    /// frames that arrive meanwhile are kept for read(), the newest win. This and the questions below throw
-    /// std::runtime_error when the daemon refuses (in its words), no answer comes in time, or the connection has ended.
+    /// Asks for the daemon's status and returns a serialized disparityd.v1.Status of proto/. The newest 8 frames that
+    /// arrive meanwhile are kept for read(). This and the requests below throw std::runtime_error when the daemon
+    /// refuses (with its message), no answer comes in time, or the connection has ended.
     std::string status(std::chrono::milliseconds timeout);
 
-    /// The newest status message that came by itself (Subscription::status_interval_s) during any call since the last
-    /// one of this; empty when none did.
+    /// Returns the newest status message that came unasked (Subscription::status_interval_s) during any call since the
+    /// last take_status(); empty when none did.
     std::string take_status();
 
-    /// Starts or stops a recording on the daemon's machine; the answer is a serialized disparityd.v1.RecordStatus.
+    /// Starts a recording on the daemon's machine and returns a serialized disparityd.v1.RecordStatus. `path` is
+    /// relative to the daemon's folder for recordings, is new and ends in .mkv.
     std::string start_recording(const std::string& path, std::chrono::milliseconds timeout);
+    /// Stops the recording that runs, and returns the same.
     std::string stop_recording(std::chrono::milliseconds timeout);
 
-    /// Sets controls of the daemon's live camera, in this order (none: only asks); the answer is a serialized
+    /// Sets controls of the daemon's live camera, in this order (none: only asks), and returns a serialized
     /// disparityd.v1.CameraControls.
     std::string control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,
                                std::chrono::milliseconds timeout);

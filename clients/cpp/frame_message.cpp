@@ -6,7 +6,9 @@
 
 #include <zstd.h>
 
+#include "proto/frame_message.h"
 #include "proto/framing.h"
+#include "proto/products.h"
 
 namespace disparity {
 namespace {
@@ -23,35 +25,19 @@ void unpack(PlaneData& plane, const v1::PlaneInfo& info, std::span<const std::ui
         std::memcpy(plane.bytes.data(), payload.data(), plane.bytes.size());
         return;
     }
-    // Writes no more than the plane has, whatever the compressed data claim.
+    // zstd writes at most the bytes of the plane, whatever size the compressed data claim.
     const std::size_t size = ZSTD_decompress(plane.bytes.data(), plane.bytes.size(), payload.data(), payload.size());
     if (ZSTD_isError(size) != 0 || size != plane.bytes.size()) {
-        throw std::invalid_argument("compressed plane of product " + std::to_string(info.product()) + " is damaged");
+        throw std::invalid_argument("compressed plane of " +
+                                    disparityd::proto::product_name(static_cast<std::uint32_t>(info.product())) +
+                                    " is damaged");
     }
 }
 
 }  // namespace
 
 void take_over(Frame& frame, const v1::Frame& message, std::span<const std::uint8_t> payload) {
-    const v1::Geometry& geometry = message.geometry();
-    frame.publish_index = message.publish_index();
-    frame.sequence = message.sequence();
-    frame.monotonic_ns = message.monotonic_ns();
-    frame.realtime_ns = message.realtime_ns();
-    frame.age_ns = message.age_ns();
-    frame.dropped_before = message.dropped_before();
-    frame.calibration_id = geometry.calibration_id();
-    frame.f = geometry.f();
-    frame.cx = geometry.cx();
-    frame.cy = geometry.cy();
-    frame.baseline_mm = geometry.baseline_mm();
-    frame.disparity_offset = geometry.disparity_offset();
-    frame.d_min = geometry.d_min();
-    frame.disparities = geometry.disparities();
-    frame.invalid = geometry.invalid();
-    frame.flags = message.flags();
-    frame.width = geometry.width();
-    frame.height = geometry.height();
+    disparityd::proto::copy_frame_fields(frame, disparityd::proto::to_info(message));
     frame.region_x = message.region().x();
     frame.region_y = message.region().y();
     frame.planes.resize(static_cast<std::size_t>(message.planes_size()));

@@ -12,7 +12,7 @@ namespace {
 namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
 
-/// How much more is made room for at a time, beyond what has arrived.
+/// The buffer grows by this much at a time, beyond the bytes that have arrived.
 constexpr std::uint64_t growth = 1 << 20;
 
 }  // namespace
@@ -102,7 +102,7 @@ MessageStream::Outcome MessageStream::receive(Deadline deadline) {
 MessageStream::Outcome MessageStream::send(const v1::Envelope& envelope, Deadline deadline) {
     proto::encode(envelope, out_);
     const Outcome outcome = transport_.send(out_, deadline);
-    if (outcome != Outcome::done) {
+    if (outcome == Outcome::timeout) {
         transport_.close();
     }
     return outcome;

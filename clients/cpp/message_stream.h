@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,8 +11,8 @@
 
 namespace disparity {
 
-/// Whole messages over a transport. A message that arrives in pieces over several calls is put together; memory grows
-/// with what has arrived, not with what a message claims.
+/// Sends and receives whole messages over a transport. It joins a message that arrives in pieces over several calls.
+/// Memory grows with the bytes that have arrived, not with the length that a message claims.
 class MessageStream {
 public:
     using Outcome = Transport::Outcome;
@@ -22,12 +23,16 @@ public:
     /// closed.
     Outcome receive(Deadline deadline);
 
-    /// The message that receive() was last `done` with, until the next call of it.
+    /// Returns the message of the last receive() that was `done`; valid until the next receive().
     const disparityd::v1::Envelope& envelope() const { return envelope_; }
     const std::vector<std::uint8_t>& payload() const { return payload_; }
 
-    /// Sends a message without payload. The connection is closed unless that was done.
+    /// Sends a message without payload. After a timeout the connection is closed. Where the other side has closed it
+    /// already, receive() still returns the messages sent before.
     Outcome send(const disparityd::v1::Envelope& envelope, Deadline deadline);
+
+    /// Returns Transport::server_user().
+    std::optional<unsigned> server_user() const { return transport_.server_user(); }
 
 private:
     enum class Part { length, envelope, payload };

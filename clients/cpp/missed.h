@@ -5,10 +5,11 @@
 
 namespace disparity {
 
-/// Counts what a client did not see of the frames that the daemon published.
+/// Counts the published frames that a client did not read.
 class MissedCounter {
 public:
-    /// Frames published between the one seen before and this one; 0 for the first, and after a restart of the daemon.
+    /// Returns how many frames were published between the one read before and this one; 0 for the first one, and after
+    /// a restart of the daemon.
     std::uint64_t seen(std::uint64_t publish_index) {
         const std::uint64_t missed = any_ && publish_index > last_ ? publish_index - last_ - 1 : 0;
         any_ = true;

@@ -10,14 +10,15 @@
 
 namespace disparity {
 
+/// Converts a message. Pure function, no errors.
 SensorBatch batch_of(const disparityd::v1::Sensors& message);
 
-/// Batches that came while something else was waited for. Bounded: the oldest make room and count as skipped.
+/// Keeps batches that came during other calls. It is bounded: the oldest batches are dropped and count as skipped.
 class SensorBacklog {
 public:
     void put(SensorBatch batch);
 
-    /// False when there is none.
+    /// Returns false when there is none.
     bool take(SensorBatch& batch);
 
 private:

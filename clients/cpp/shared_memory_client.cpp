@@ -10,23 +10,9 @@ namespace {
 
 namespace proto = disparityd::proto;
 
-void take_over(Frame& frame, const proto::ShmFrame& from, const proto::ShmView& view) {
-    frame.publish_index = from.publish_index;
-    frame.sequence = from.sequence;
-    frame.monotonic_ns = from.monotonic_ns;
-    frame.realtime_ns = from.realtime_ns;
-    frame.age_ns = from.age_ns;
-    frame.dropped_before = from.dropped_before;
-    frame.calibration_id = from.calibration_id;
-    frame.f = from.f;
-    frame.cx = from.cx;
-    frame.cy = from.cy;
-    frame.baseline_mm = from.baseline_mm;
-    frame.disparity_offset = from.disparity_offset;
-    frame.d_min = from.d_min;
-    frame.disparities = from.disparities;
-    frame.invalid = from.invalid;
-    frame.flags = from.flags;
+void take_over(Frame& frame, const proto::FrameInfo& from, const proto::ShmView& view) {
+    proto::copy_frame_fields(frame, from);
+    // The size of the planes was checked at opening; the one in the slot was not.
     frame.width = view.width;
     frame.height = view.height;
     frame.region_x = 0;
@@ -72,12 +58,12 @@ private:
 
 class SharedMemoryReader::Impl {
 public:
-    explicit Impl(const std::string& name) : reader_(name) {}
+    Impl(const std::string& name, const SharedMemoryOptions& options) : reader_(name, in_proto(options)) {}
 
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted) {
         Planes planes(frame, reader_.view(), wanted);
-        proto::ShmFrame head{};
-        // Beyond a year nobody waits, and nanoseconds of it fit.
+        proto::FrameInfo head{};
+        // A year is longer than any use, and fits in nanoseconds.
         const auto limited = std::min<std::chrono::milliseconds>(timeout, std::chrono::hours(24 * 365));
         const auto result = reader_.read(
             head, [&planes](const proto::ShmPlane& plane) { return planes.room_for(plane); }, limited);
@@ -94,13 +80,23 @@ public:
     }
 
     std::chrono::nanoseconds heartbeat_age() const { return reader_.heartbeat_age(); }
+    const std::string& why_gone() const { return reader_.why_gone(); }
 
 private:
+    static proto::ShmReader::Options in_proto(const SharedMemoryOptions& options) {
+        proto::ShmReader::Options own;
+        own.may_be_absent = options.may_be_absent;
+        own.owner = options.owner;
+        return own;
+    }
+
     proto::ShmReader reader_;
     MissedCounter missed_;
 };
 
-SharedMemoryReader::SharedMemoryReader(const std::string& name) : impl_(std::make_unique<Impl>(name)) {}
+SharedMemoryReader::SharedMemoryReader(const std::string& name) : SharedMemoryReader(name, {}) {}
+SharedMemoryReader::SharedMemoryReader(const std::string& name, const SharedMemoryOptions& options)
+    : impl_(std::make_unique<Impl>(name, options)) {}
 SharedMemoryReader::~SharedMemoryReader() = default;
 SharedMemoryReader::SharedMemoryReader(SharedMemoryReader&&) noexcept = default;
 SharedMemoryReader& SharedMemoryReader::operator=(SharedMemoryReader&&) noexcept = default;
@@ -108,6 +104,10 @@ SharedMemoryReader& SharedMemoryReader::operator=(SharedMemoryReader&&) noexcept
 ReadResult SharedMemoryReader::read(Frame& frame, std::chrono::milliseconds timeout,
                                     const std::vector<Product>& wanted) {
     return impl_->read(frame, timeout, wanted);
+}
+
+const std::string& SharedMemoryReader::why_gone() const {
+    return impl_->why_gone();
 }
 
 std::chrono::nanoseconds SharedMemoryReader::heartbeat_age() const {

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <deque>
+#include <exception>
+#include <memory>
+#include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "clients/cpp/disparity_client.hpp"
@@ -8,6 +13,7 @@
 #include "clients/cpp/message_stream.h"
 #include "clients/cpp/missed.h"
 #include "clients/cpp/sensor_message.h"
+#include "proto/text.h"
 
 namespace disparity {
 namespace {
@@ -16,33 +22,39 @@ namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
 using std::chrono::milliseconds;
 
-/// Frames kept while a question waits for its answer.
+/// So many frames are kept while a request waits for its answer.
 constexpr std::size_t most_pending = 8;
 
-/// How long a subscription may take to leave; it is small, so only a stuck daemon needs it.
+/// A subscription is small: only a daemon that hangs takes this long to accept it.
 constexpr milliseconds send_timeout{5000};
+
+/// The daemon must answer the Hello of a new connection within this time, over any number of calls.
+constexpr milliseconds hello_timeout{5000};
+
+/// Passes between two attempts to connect again.
+constexpr milliseconds reconnect_interval{100};
+
+/// Carries the message of a daemon that refuses.
+class Refused : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
 
 }  // namespace
 
 class SocketClient::Impl {
 public:
-    Impl(const std::string& address, const std::string& name, milliseconds timeout)
-        : address_(address), stream_(address, after(timeout)) {
+    Impl(const std::string& address, const std::string& name, milliseconds timeout) : address_(address), name_(name) {
         const Deadline deadline = after(timeout);
-        v1::Envelope hello;
-        hello.mutable_hello()->set_protocol_version(proto::protocol_version);
-        hello.mutable_hello()->set_client_name(name);
-        send(hello, deadline);
-        const v1::Envelope& answer = wait_for(v1::Envelope::kWelcome, "hello", deadline);
-        if (answer.welcome().protocol_version() != proto::protocol_version) {
-            fail("it speaks version " + std::to_string(answer.welcome().protocol_version()) +
-                 " of the protocol, this program version " + std::to_string(proto::protocol_version) +
-                 ": use the client library that came with the daemon");
+        connect(deadline, deadline);
+        if (!greeted(deadline)) {
+            fail("no answer to hello in time");
         }
-        welcome_ = answer.welcome().SerializeAsString();
     }
 
+    const std::string& why_gone() const { return why_gone_; }
     const std::string& welcome() const { return welcome_; }
+    std::optional<unsigned> server_user() const { return stream_ ? stream_->server_user() : std::nullopt; }
     std::string take_status() { return std::exchange(pushed_status_, {}); }
 
     void subscribe(const Subscription& wanted) {
@@ -61,7 +73,11 @@ public:
             message.mutable_region()->set_width(wanted.region_width);
             message.mutable_region()->set_height(wanted.region_height);
         }
-        send(envelope, after(send_timeout));
+        subscription_ = envelope;
+        if (!lost_) {
+            // Where it cannot be sent, the next read reports why, or sends it over another connection.
+            static_cast<void>(stream_->send(envelope, after(send_timeout)));
+        }
     }
 
     ReadResult read(Frame& frame, milliseconds timeout) {
@@ -72,12 +88,15 @@ public:
             frame.missed = missed_.seen(frame.publish_index);
             return ReadResult::frame;
         }
+        if (lost_ && !come_back(deadline)) {
+            return ReadResult::gone;
+        }
         while (true) {
             const auto outcome = receive(deadline);
             if (outcome != MessageStream::Outcome::done) {
                 return outcome == MessageStream::Outcome::timeout ? ReadResult::timeout : ReadResult::gone;
             }
-            if (stream_.envelope().has_frame()) {
+            if (stream_->envelope().has_frame()) {
                 unpack(frame);
                 frame.missed = missed_.seen(frame.publish_index);
                 return ReadResult::frame;
@@ -89,6 +108,9 @@ public:
     ReadResult read_sensors(SensorBatch& batch, milliseconds timeout) {
         const Deadline deadline = after(timeout);
         while (!sensors_.take(batch)) {
+            if (lost_ && !come_back(deadline)) {
+                return ReadResult::gone;
+            }
             const auto outcome = receive(deadline);
             if (outcome != MessageStream::Outcome::done) {
                 return outcome == MessageStream::Outcome::timeout ? ReadResult::timeout : ReadResult::gone;
@@ -117,18 +139,92 @@ public:
     }
 
 private:
+    template <class Exception = std::runtime_error>
     [[noreturn]] void fail(const std::string& what) const {
-        throw std::runtime_error("disparityd at " + address_ + ": " + what);
+        throw Exception("disparityd at " + address_ + ": " + what);
+    }
+
+    /// Opens another connection and sends Hello. The daemon must answer until `greeting`.
+    void connect(Deadline deadline, Deadline greeting) {
+        stream_ = std::make_unique<MessageStream>(address_, deadline);
+        greeting_ = greeting;
+        v1::Envelope hello;
+        hello.mutable_hello()->set_protocol_version(proto::protocol_version);
+        hello.mutable_hello()->set_client_name(name_);
+        send(hello, greeting);
+    }
+
+    /// Waits for the daemon's answer to Hello. Returns false when it has not come by the deadline and may still come.
+    bool greeted(Deadline deadline) {
+        while (true) {
+            const auto outcome = receive(std::min(deadline, greeting_));
+            if (outcome == MessageStream::Outcome::timeout) {
+                if (std::chrono::steady_clock::now() >= greeting_) {
+                    fail("no answer to hello in time");
+                }
+                return false;
+            }
+            if (outcome == MessageStream::Outcome::closed) {
+                fail("the connection has ended before hello was answered");
+            }
+            if (stream_->envelope().has_welcome()) {
+                break;
+            }
+            keep();
+        }
+        const v1::Welcome& welcome = stream_->envelope().welcome();
+        if (welcome.protocol_version() != proto::protocol_version) {
+            fail<Refused>("it speaks version " + std::to_string(welcome.protocol_version()) +
+                          " of the protocol, this program version " + std::to_string(proto::protocol_version) +
+                          ": use the client library that came with the daemon");
+        }
+        welcome_ = welcome.SerializeAsString();
+        return true;
+    }
+
+    /// Connects again, sends Hello and subscribes as before. Returns false when no daemon has answered by the deadline;
+    /// the next call continues. Throws when the daemon refuses until then.
+    bool come_back(Deadline deadline) {
+        std::exception_ptr refusal;
+        while (true) {
+            try {
+                if (!stream_) {
+                    connect(std::min(deadline, after(hello_timeout)), after(hello_timeout));
+                }
+                if (greeted(deadline)) {
+                    lost_ = false;
+                    if (subscription_) {
+                        static_cast<void>(stream_->send(*subscription_, after(send_timeout)));
+                    }
+                    return true;
+                }
+                break;
+            } catch (const std::runtime_error& error) {
+                stream_.reset();
+                lost_ = true;
+                why_gone_ = error.what();
+                refusal = dynamic_cast<const Refused*>(&error) != nullptr ? std::current_exception() : nullptr;
+            }
+            const Deadline next = std::chrono::steady_clock::now() + reconnect_interval;
+            std::this_thread::sleep_until(std::min(deadline, next));
+            if (next >= deadline) {
+                break;
+            }
+        }
+        if (refusal) {
+            std::rethrow_exception(refusal);
+        }
+        return false;
     }
 
     void send(const v1::Envelope& envelope, Deadline deadline) {
-        if (stream_.send(envelope, deadline) != MessageStream::Outcome::done) {
+        if (stream_->send(envelope, deadline) != MessageStream::Outcome::done) {
             report_last_words();
             fail("the connection has ended");
         }
     }
 
-    /// A daemon that refused something says why before it closes; that explains more than a broken connection.
+    /// Throws the Error that arrived before the connection ended, if any: it explains more than a broken connection.
     void report_last_words() {
         while (receive(after(milliseconds(0))) == MessageStream::Outcome::done) {
         }
@@ -137,36 +233,41 @@ private:
     MessageStream::Outcome receive(Deadline deadline) {
         MessageStream::Outcome outcome{};
         try {
-            outcome = stream_.receive(deadline);
+            outcome = stream_->receive(deadline);
         } catch (const std::invalid_argument& error) {
             fail(std::string("broke the protocol: ") + error.what());
         }
-        if (outcome == MessageStream::Outcome::done && stream_.envelope().has_error()) {
-            fail(stream_.envelope().error().message());
+        if (outcome == MessageStream::Outcome::done && stream_->envelope().has_error()) {
+            fail<Refused>(proto::to_printable_utf8(stream_->envelope().error().message()));
+        }
+        if (outcome == MessageStream::Outcome::closed) {
+            lost_ = true;
+            stream_.reset();
+            why_gone_ = "disparityd at " + address_ + ": the connection has ended";
         }
         return outcome;
     }
 
     void unpack(Frame& frame) {
         try {
-            take_over(frame, stream_.envelope().frame(), stream_.payload());
+            take_over(frame, stream_->envelope().frame(), stream_->payload());
         } catch (const std::invalid_argument& error) {
             fail(std::string("sent a bad frame: ") + error.what());
         }
     }
 
-    /// A message that is not what we wait for: frames, samples and status are for later, anything else is of a newer
-    /// daemon.
+    /// Keeps frames, samples and status that come during another call. Other messages are of a newer daemon and are
+    /// ignored.
     void keep() {
-        if (stream_.envelope().has_frame()) {
+        if (stream_->envelope().has_frame()) {
             if (pending_.size() == most_pending) {
                 pending_.pop_front();
             }
             unpack(pending_.emplace_back());
-        } else if (stream_.envelope().has_status()) {
-            pushed_status_ = stream_.envelope().status().SerializeAsString();
-        } else if (stream_.envelope().has_sensors()) {
-            sensors_.put(batch_of(stream_.envelope().sensors()));
+        } else if (stream_->envelope().has_status()) {
+            pushed_status_ = stream_->envelope().status().SerializeAsString();
+        } else if (stream_->envelope().has_sensors()) {
+            sensors_.put(batch_of(stream_->envelope().sensors()));
         }
     }
 
@@ -179,27 +280,50 @@ private:
             if (outcome == MessageStream::Outcome::closed) {
                 fail("the connection has ended before " + question + " was answered");
             }
-            if (stream_.envelope().body_case() == body) {
-                return stream_.envelope();
+            if (stream_->envelope().body_case() == body) {
+                return stream_->envelope();
             }
             keep();
         }
     }
 
-    /// What has arrived before the question cannot be its answer.
+    /// Whether a message waits that came before a request. An Error with which the daemon closed the connection, as
+    /// after a long time without requests, is no answer: it only ends that connection.
+    bool came_before() {
+        try {
+            return receive(after(milliseconds(0))) == MessageStream::Outcome::done;
+        } catch (const Refused& refused) {
+            if (!stream_->envelope().error().closing()) {
+                throw;
+            }
+            lost_ = true;
+            stream_.reset();
+            why_gone_ = refused.what();
+            return false;
+        }
+    }
+
+    /// Sends a request and returns its answer. Messages that arrived before the request cannot be its answer.
     const v1::Envelope& ask(const v1::Envelope& request, v1::Envelope::BodyCase body, const std::string& question,
                             milliseconds timeout) {
         const Deadline deadline = after(timeout);
-        while (receive(after(milliseconds(0))) == MessageStream::Outcome::done &&
-               std::chrono::steady_clock::now() < deadline) {
+        while (!lost_ && came_before() && std::chrono::steady_clock::now() < deadline) {
             keep();
+        }
+        if (lost_ && !come_back(deadline)) {
+            throw std::runtime_error(why_gone_);
         }
         send(request, deadline);
         return wait_for(body, question, deadline);
     }
 
     std::string address_;
-    MessageStream stream_;
+    std::string name_;
+    std::unique_ptr<MessageStream> stream_;  ///< none between two connections
+    bool lost_ = false;                      ///< the connection has ended; a new stream_ has no answer to Hello yet
+    Deadline greeting_;
+    std::optional<v1::Envelope> subscription_;
+    std::string why_gone_;
     std::string welcome_;
     std::string pushed_status_;
     std::deque<Frame> pending_;
@@ -215,6 +339,12 @@ SocketClient& SocketClient::operator=(SocketClient&&) noexcept = default;
 
 const std::string& SocketClient::welcome() const {
     return impl_->welcome();
+}
+std::optional<unsigned> SocketClient::server_user() const {
+    return impl_->server_user();
+}
+const std::string& SocketClient::why_gone() const {
+    return impl_->why_gone();
 }
 void SocketClient::subscribe(const Subscription& subscription) {
     impl_->subscribe(subscription);

@@ -20,13 +20,13 @@
 namespace disparity {
 namespace {
 
-/// Milliseconds for poll(), rounded up so that it does not spin before the deadline.
+/// Returns milliseconds for poll(), rounded up: rounded down, the caller would spin before the deadline.
 int remaining(Deadline deadline) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
     return static_cast<int>(std::clamp<std::int64_t>(left, 0, 1'000'000'000));
 }
 
-/// False when the time is up. Errors of the socket count as ready: the next call on it reports them.
+/// Returns false when the time is up. An error of the socket counts as ready: the next call on it reports the error.
 bool wait_for(int fd, short events, Deadline deadline) {
     while (true) {
         pollfd entry{fd, events, 0};
@@ -43,7 +43,7 @@ bool wait_for(int fd, short events, Deadline deadline) {
     }
 }
 
-/// A connected descriptor, or -1 and errno.
+/// Returns a connected descriptor, or -1 and errno.
 int connect_one(int family, const sockaddr* address, socklen_t length, Deadline deadline) {
     const int fd = ::socket(family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (fd < 0) {
@@ -67,8 +67,16 @@ int connect_one(int family, const sockaddr* address, socklen_t length, Deadline 
     return fd;
 }
 
-[[noreturn]] void no_connection(const std::string& address, const char* reason) {
-    throw std::runtime_error(address + ": cannot connect: " + reason + ": is disparityd running, with this address?");
+[[noreturn]] void no_connection(const std::string& address, int error, const char* reason = nullptr) {
+    if (error == EMFILE || error == ENFILE) {
+        throw std::runtime_error(address + ": cannot connect: " +
+                                 (error == EMFILE ? "this program has too many files open: raise its limit (ulimit -n, "
+                                                    "or LimitNOFILE= of a service)"
+                                                  : "all programs together have too many files open: raise the limit "
+                                                    "(sysctl fs.file-max)"));
+    }
+    throw std::runtime_error(address + ": cannot connect: " + (reason == nullptr ? std::strerror(error) : reason) +
+                             ": is disparityd running, with this address?");
 }
 
 int connect_unix(const std::string& address, const std::string& path, Deadline deadline) {
@@ -81,7 +89,7 @@ int connect_unix(const std::string& address, const std::string& path, Deadline d
     std::memcpy(name.sun_path, path.c_str(), path.size() + 1);
     const int fd = connect_one(AF_UNIX, reinterpret_cast<const sockaddr*>(&name), sizeof name, deadline);
     if (fd < 0) {
-        no_connection(address, std::strerror(errno));
+        no_connection(address, errno);
     }
     return fd;
 }
@@ -107,21 +115,22 @@ int connect_tcp(const std::string& address, const std::string& host_and_port, De
     addrinfo* found = nullptr;
     const int result = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
     if (result != 0) {
-        no_connection(address, ::gai_strerror(result));
+        no_connection(address, result == EAI_SYSTEM ? errno : 0,
+                      result == EAI_SYSTEM ? nullptr : ::gai_strerror(result));
     }
     const std::unique_ptr<addrinfo, decltype(&::freeaddrinfo)> owner(found, &::freeaddrinfo);
     int error = 0;
     for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {
         const int fd = connect_one(entry->ai_family, entry->ai_addr, entry->ai_addrlen, deadline);
         if (fd >= 0) {
-            // Requests are small and waited for.
+            // A request is small, and its answer is waited for: sending must not be delayed.
             const int on = 1;
             ::setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
             return fd;
         }
         error = errno;
     }
-    no_connection(address, std::strerror(error));
+    no_connection(address, error);
 }
 
 }  // namespace
@@ -151,6 +160,20 @@ void Transport::close() {
         ::close(fd_);
         fd_ = -1;
     }
+}
+
+std::optional<unsigned> Transport::server_user() const {
+    int domain = 0;
+    socklen_t size = sizeof domain;
+    if (::getsockopt(fd_, SOL_SOCKET, SO_DOMAIN, &domain, &size) != 0 || domain != AF_UNIX) {
+        return std::nullopt;
+    }
+    ucred peer{};
+    size = sizeof peer;
+    if (::getsockopt(fd_, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) {
+        return std::nullopt;
+    }
+    return peer.uid;
 }
 
 Transport::Outcome Transport::send(std::span<const std::uint8_t> bytes, Deadline deadline) {

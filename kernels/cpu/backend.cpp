@@ -7,7 +7,7 @@
 #include "hwy/targets.h"
 #include "kernels/cpu/block_matcher.h"
 #include "kernels/cpu/cache_size.h"
-#include "kernels/cpu/sgm_matcher.h"
+#include "kernels/cpu/sgm/sgm_matcher.h"
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/frame_stages.h"
 

@@ -4,14 +4,14 @@
 #define HWY_TARGET_INCLUDE "kernels/cpu/block_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/cpu/instruction_sets.h"
+#include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
-#include "kernels/cpu/keyed_winner_row-inl.h"
-#include "kernels/cpu/layouts-inl.h"
-#include "kernels/cpu/matching_cost-inl.h"
-#include "kernels/cpu/sad_rows-inl.h"
-#include "kernels/cpu/winner_row-inl.h"
+#include "kernels/cpu/cost/matching_cost-inl.h"
+#include "kernels/cpu/cost/sad_rows-inl.h"
+#include "kernels/cpu/simd/layouts-inl.h"
+#include "kernels/cpu/winner/packed_argmin-inl.h"
+#include "kernels/cpu/winner/winner_row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -19,20 +19,20 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 template <class Tag, int registers>
 struct Block {
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
-    static constexpr int key_bits = 8;  // beside costs of bytes
-    static_assert(census_bits < (no_key >> key_bits));
+    static constexpr int packed_index_bits = 8;  // beside costs of bytes
+    static_assert(census_bits < (no_key >> packed_index_bits));
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    static constexpr int classes = 2 * registers;
+    static constexpr int stride = 2 * registers;
 
-    static std::size_t scratch_bytes(const SgmGeometry& geometry) {
+    static std::size_t scratch_bytes(const MatchGeometry& geometry) {
         return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs half of it
     }
 
-    static void sad(const SgmGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
+    static void sad(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                     Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
         using Windows = SadRows<Tag, registers>;
         Windows windows(geometry, left, right, scratch);
-        WinnerSearch<KeyTag, classes, classes <= (many_registers ? 8 : 4)> search(geometry);
+        WinnerSearch<KeyTag, stride, stride <= (many_registers ? 8 : 4)> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
@@ -42,19 +42,20 @@ struct Block {
         }
     }
 
-    static void census(const SgmGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
-                       Rows rows, std::uint8_t* scratch, const WinnerPlanes& out) {
+    static void census(const MatchGeometry& geometry, const PostOptions& options,
+                       CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch,
+                       const WinnerPlanes& out) {
         const KeyTag words;
         const auto keys = [=](int x, hn::Vec<KeyTag>* key) {
             DISPARITYD_UNROLL
             for (int r = 0; r < registers; ++r) {
                 const std::ptrdiff_t at = (static_cast<std::ptrdiff_t>(x) * registers + r) * lanes;
                 const auto costs = hn::BitCast(words, hn::Load(Tag(), scratch + at));
-                key[r] = hn::ShiftLeft<key_bits>(costs);  // the odd byte leaves the word by itself
+                key[r] = hn::ShiftLeft<packed_index_bits>(costs);  // the odd byte leaves the word by itself
                 key[r + registers] = hn::And(costs, hn::Set(words, std::uint16_t{0xff00}));
             }
         };
-        KeyedWinnerSearch<KeyTag, classes, key_bits, 0> search(geometry);
+        PackedArgmin<KeyTag, stride, packed_index_bits, 0> search(geometry);
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {

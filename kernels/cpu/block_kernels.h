@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/cpu/match_layout.h"
 
 namespace disparityd::cpu {
 
@@ -12,14 +12,14 @@ namespace disparityd::cpu {
 /// rows of an image. `geometry` has the layout of sgm_kernels().
 struct BlockKernels {
     /// Bytes of memory that sad() and census() need for one band of rows, aligned to 64.
-    std::size_t (*scratch_bytes)(const SgmGeometry& geometry);
+    std::size_t (*scratch_bytes)(const MatchGeometry& geometry);
 
     /// Steps 2, 6, 7 and 12 for rows [first, last).
-    void (*sad)(const SgmGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
+    void (*sad)(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                 Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 
     /// Steps 4, 6, 7 and 12 for rows [first, last) from census planes.
-    void (*census)(const SgmGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
+    void (*census)(const MatchGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
                    Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 };
 

@@ -4,33 +4,27 @@
 #include <algorithm>
 #include <array>
 
-#include "kernels/over_rows.h"
+#include "kernels/parallel_rows.h"
+#include "kernels/round_up_to_cache_line.h"
+#include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
-#include "kernels/whole_lines.h"
 
 namespace disparityd::cpu {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
-constexpr std::array<std::string_view, 1> census_steps = {"census"};
 constexpr std::array<std::string_view, 1> sad_match_steps = {"sad+wta"};
 constexpr std::array<std::string_view, 1> census_match_steps = {"dsi+wta"};
-constexpr std::array<std::string_view, 1> post_steps = {"post-process"};
-constexpr std::array<StageInfo, 3> sad_stages = {
-    {{"rectify", rectify_steps}, {"match", sad_match_steps}, {"post-process", post_steps}}};
-constexpr std::array<StageInfo, 4> census_stages = {{{"rectify", rectify_steps},
-                                                     {"census", census_steps},
-                                                     {"match", census_match_steps},
-                                                     {"post-process", post_steps}}};
+constexpr auto stages_of_sad = sad_stages(sad_match_steps);
+constexpr auto stages_of_census = census_stages(census_match_steps);
 
 // A band of SAD begins with the sums of seven rows: lower ones than this are not worth it.
-constexpr int least_rows_of_band = 16;
+constexpr int min_rows_of_band = 16;
 
-// Costs as they are: only paths want them raised.
-SgmGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels) {
-    SgmGeometry geometry = geometry_for(kernels, config.width, config.height, config.options.range);
-    geometry.raised_cost = 0;
+// Costs without a bias: only paths want one.
+MatchGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels) {
+    MatchGeometry geometry = geometry_for(kernels, config.width, config.height, config.options.range);
+    geometry.cost_bias = 0;
     return geometry;
 }
 
@@ -43,8 +37,8 @@ BlockMatcher::BlockMatcher(const MatcherConfig& config, const FrameSteps& steps,
       geometry_(geometry_of(config, census_kernels_)),
       scratch_(steps, config, census_bytes()),
       frame_stages_(steps, config),
-      bands_(std::clamp(config.height / least_rows_of_band, 1, bands)),
-      bytes_of_band_(whole_lines(kernels_.scratch_bytes(geometry_))) {
+      bands_(std::clamp(config.height / min_rows_of_band, 1, bands)),
+      bytes_of_band_(round_up_to_cache_line(kernels_.scratch_bytes(geometry_))) {
     band_scratch_ = LargeBuffer(bytes_of_band_ * static_cast<std::size_t>(bands_));
 }
 
@@ -53,22 +47,18 @@ std::size_t BlockMatcher::census_bytes() const {
 }
 
 std::span<const StageInfo> BlockMatcher::stages() const {
-    return config_.options.method == Method::sad ? std::span<const StageInfo>(sad_stages)
-                                                 : std::span<const StageInfo>(census_stages);
+    return config_.options.method == Method::sad ? std::span<const StageInfo>(stages_of_sad)
+                                                 : std::span<const StageInfo>(stages_of_census);
 }
 
 void BlockMatcher::run(int stage, const FrameView& frame, Parallel& workers,
                        std::span<std::chrono::nanoseconds> step_times) {
     StepClock clock(step_times);
-    const std::string_view name = stages()[static_cast<std::size_t>(stage)].name;
-    if (name == "rectify") {
-        frame_stages_.rectify(frame, workers);
-    } else if (name == "census") {
-        census(frame, workers);
-    } else if (name == "match") {
-        match(frame, workers);
-    } else {
-        frame_stages_.post_process(frame, scratch_, workers);
+    switch (stages()[static_cast<std::size_t>(stage)].kind) {
+        case StageKind::rectify: frame_stages_.rectify(frame, workers); break;
+        case StageKind::census: census(frame, workers); break;
+        case StageKind::match: match(frame, workers); break;
+        case StageKind::post_process: frame_stages_.post_process(frame, scratch_, workers); break;
     }
     clock.next();
 }
@@ -76,7 +66,7 @@ void BlockMatcher::run(int stage, const FrameView& frame, Parallel& workers,
 void BlockMatcher::census(const FrameView& frame, Parallel& workers) const {
     const CensusPlanes planes(geometry_.census, config_.height,
                               reinterpret_cast<std::uint8_t*>(scratch_.census(frame.scratch).data()));
-    over_rows(config_.height, workers, [&](Rows rows) {
+    parallel_rows(config_.height, workers, [&](Rows rows) {
         census_kernels_.census_left(geometry_, frame.left, planes.left, rows);
         census_kernels_.census_right(geometry_, frame.right, planes.right, rows);
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/cpu/block_kernels.h"
+#include "kernels/cpu/sgm/sgm_kernels.h"
 #include "kernels/frame_scratch.h"
 #include "kernels/frame_stages.h"
 #include "kernels/large_buffer.h"
@@ -29,7 +30,7 @@ private:
     MatcherConfig config_;
     SgmKernels census_kernels_;
     BlockKernels kernels_;
-    SgmGeometry geometry_;
+    MatchGeometry geometry_;
     FrameScratch scratch_;
     FrameStages frame_stages_;
     int bands_;

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cpu/step_kernels.h"
 
-#include "kernels/cpu/rectify_kernels.h"
+#include "kernels/cpu/rectify/rectify_kernels.h"
 #include "kernels/reference/steps.h"
 
 #define HWY_TARGET_INCLUDE "kernels/cpu/step_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/cpu/instruction_sets.h"
+#include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
-#include "kernels/cpu/interpolate-inl.h"
-#include "kernels/cpu/left_right-inl.h"
-#include "kernels/cpu/median-inl.h"
-#include "kernels/cpu/outputs-inl.h"
-#include "kernels/cpu/speckle-inl.h"
+#include "kernels/cpu/post/interpolate-inl.h"
+#include "kernels/cpu/post/left_right-inl.h"
+#include "kernels/cpu/post/median-inl.h"
+#include "kernels/cpu/post/outputs-inl.h"
+#include "kernels/cpu/post/speckle-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {

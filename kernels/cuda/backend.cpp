@@ -7,19 +7,18 @@
 #include "kernels/cuda/match_stage.h"
 #include "kernels/cuda/rectify_stage.h"
 #include "kernels/frame_stages.h"
+#include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
 
 namespace disparityd::cuda {
 
 namespace {
 
-constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
-
 class CudaMatcher final : public Matcher {
 public:
     explicit CudaMatcher(const MatcherConfig& config)
         : config_(config),
-          stages_{{{"rectify", rectify_steps}, {"match", MatchStage::steps(config.options.method)}}},
+          stages_{{{StageKind::rectify, rectify_steps}, MatchStage::info(config.options.method)}},
           rectify_(config.width, config.height),
           match_(config) {}
 

@@ -12,7 +12,7 @@ bool available();
 /// Why not, in one line; empty when it is.
 std::string unavailable_because();
 
-/// The chain on the machine's first GPU. Two stages, "rectify" and "match", may work on two frames at the same time.
+/// The chain on the machine's first GPU. Two stages, `rectify` and `match`, may work on two frames at the same time.
 std::unique_ptr<Matcher> create(const MatcherConfig& config);
 
 }  // namespace disparityd::cuda

@@ -19,8 +19,8 @@ __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(Censu
         return;
     }
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * winner.width;
-    const Reach<packs> reach(winner.range, winner.width);
-    WordsAlongRow<packs, 1> right(words.right + row, reach, 0);
+    const CandidateBounds<packs> bounds(winner.range, winner.width);
+    WordsAlongRow<packs, 1> right(words.right + row, bounds, 0);
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
     winners.walk([&](int x, int phase, Costs<packs>& costs) { right.next(words.left[row + x], x, phase, costs); });
 }
@@ -30,11 +30,11 @@ __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(Censu
 template <int packs>
 class SadRow {
 public:
-    using Ring = Pair (&)[window_width][packs][lanes];
+    using Ring = U16x2 (&)[window_width][packs][lanes];
 
-    __device__ SadRow(View<const std::uint8_t> left, View<const std::uint8_t> right, const Reach<packs>& reach, int y,
-                      Ring ring)
-        : left_(left), right_(right), reach_(reach), y_(y), ring_(ring) {
+    __device__ SadRow(View<const std::uint8_t> left, View<const std::uint8_t> right,
+                      const CandidateBounds<packs>& bounds, int y, Ring ring)
+        : left_(left), right_(right), bounds_(bounds), y_(y), ring_(ring) {
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
             sums_[p] = 0;
@@ -55,8 +55,8 @@ public:
         for (int p = 0; p < packs; ++p) {
             out[p] = sums_[p];
         }
-        if (!reach_.all_inside(x)) {
-            reach_.limit(x, outside, out);
+        if (!bounds_.all_inside(x)) {
+            bounds_.limit(x, outside, out);
         }
     }
 
@@ -74,7 +74,7 @@ private:
     __device__ void change(int x, int sign) {
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
-            const Pair column = ring_[x % window_width][p][lane_index()];
+            const U16x2 column = ring_[x % window_width][p][lane_index()];
             sums_[p] = sign > 0 ? sums_[p] + column : sums_[p] - column;
         }
     }
@@ -87,7 +87,7 @@ private:
             const unsigned pixel = left_.at(x, window_y);
 #pragma unroll
             for (int s = 0; s < slots_of(packs); ++s) {
-                sums[s] = __usad(pixel, right[reach_.column(x, s)], sums[s]);
+                sums[s] = __usad(pixel, right[bounds_.column(x, s)], sums[s]);
             }
         }
 #pragma unroll
@@ -98,7 +98,7 @@ private:
 
     View<const std::uint8_t> left_;
     View<const std::uint8_t> right_;
-    const Reach<packs>& reach_;
+    const CandidateBounds<packs>& bounds_;
     int y_;
     Ring ring_;
     Costs<packs> sums_;
@@ -107,14 +107,14 @@ private:
 template <int packs>
 __global__ void __launch_bounds__(block_rows* lanes)
     sad_winners_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right, WinnerJob winner) {
-    DISPARITYD_SHARED(Pair, rings, [block_rows][window_width][packs][lanes]);
+    DISPARITYD_SHARED(U16x2, rings, [block_rows][window_width][packs][lanes]);
     DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
     if (y >= winner.height) {
         return;
     }
-    const Reach<packs> reach(winner.range, winner.width);
-    SadRow<packs> sad(left, right, reach, y, rings[threadIdx.y]);
+    const CandidateBounds<packs> bounds(winner.range, winner.width);
+    SadRow<packs> sad(left, right, bounds, y, rings[threadIdx.y]);
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
     winners.walk_pixel_by_pixel([&](int x, Costs<packs>& costs) {
         sad.costs(x, costs);

@@ -9,10 +9,10 @@
 namespace disparityd::cuda {
 
 /// How a warp holds the candidates of a pixel: each lane has so many slots, and candidate k (d = first + k) is in lane
-/// k / slots, slot k % slots. Two slots are a Pair: slots 2p and 2p + 1 the low and high half of pack p. So d - 1 and
+/// k / slots, slot k % slots. Two slots are a U16x2: slots 2p and 2p + 1 the low and high half of pack p. So d - 1 and
 /// d + 1 are in the same lane but at its ends. Slots from `count` on are idle: never less than `unreachable`.
 template <int packs>
-using Costs = Pair[packs];
+using Costs = U16x2[packs];
 
 __host__ __device__ constexpr int slots_of(int packs) {
     return 2 * packs;
@@ -41,10 +41,10 @@ constexpr unsigned census_outside = 62;
 
 /// Which slots have a candidate whose right pixel lies inside the image.
 template <int packs>
-class Reach {
+class CandidateBounds {
 public:
     /// Of `columns` neighbouring pixels, which all_inside() asks about at once.
-    __device__ Reach(Range range, int width, int columns = 1) : range_(range), width_(width) {
+    __device__ CandidateBounds(Range range, int width, int columns = 1) : range_(range), width_(width) {
         constexpr int all = slots_of(packs) * lanes;
         from_ = range.first + all - 1;
         all_inside_ = range.count == all ? static_cast<unsigned>(max(width - all + 2 - columns, 0)) : 0;
@@ -70,13 +70,13 @@ public:
         }
     }
 
-    /// The column of the right image that a lane's first candidate meets; one close to the image, of which it has no
+    /// The column of the right image that a lane's first candidate leads to; one close to the image, of which it has no
     /// other candidate either, where it is far outside.
     __device__ int first_column(int x) const {
         return clamp(x - range_.first - candidate<packs>(0), 0, width_ + margin_words);
     }
 
-    /// The column of the right image that the candidate meets, or the nearest one there is.
+    /// The column of the right image that the candidate leads to, or the nearest one there is.
     __device__ int column(int x, int slot) const {
         return clamp(x - range_.first - candidate<packs>(slot), 0, width_ - 1);
     }
@@ -119,22 +119,22 @@ template <int packs, int dx>
 class WordsAlongRow {
 public:
     /// Before the pixel `x`, which has phase 0.
-    __device__ WordsAlongRow(const std::uint64_t* __restrict__ row, const Reach<packs>& reach, int x)
-        : row_(row), reach_(reach) {
+    __device__ WordsAlongRow(const std::uint64_t* __restrict__ row, const CandidateBounds<packs>& bounds, int x)
+        : row_(row), bounds_(bounds) {
 #pragma unroll
         for (int s = 0; s < slots; ++s) {
-            words_[renamed<packs, dx>(s, slots - 1)] = row[reach.column(x - dx, s)];
+            words_[renamed<packs, dx>(s, slots - 1)] = row[bounds.column(x - dx, s)];
         }
     }
 
     /// Steps 4 for the next pixel, which is at x.
     __device__ void next(std::uint64_t left, int x, int phase, Costs<packs>& costs) {
         constexpr int entering = dx > 0 ? 0 : slots - 1;
-        words_[renamed<packs, dx>(entering, phase)] = row_[reach_.column(x, entering)];
+        words_[renamed<packs, dx>(entering, phase)] = row_[bounds_.column(x, entering)];
         census_costs<packs>(
             left, [&](int slot) { return words_[renamed<packs, dx>(slot, phase)]; }, costs);
-        if (!reach_.all_inside(x)) {
-            reach_.limit(x, census_outside, costs);
+        if (!bounds_.all_inside(x)) {
+            bounds_.limit(x, census_outside, costs);
         }
     }
 
@@ -142,7 +142,7 @@ private:
     static constexpr int slots = slots_of(packs);
 
     const std::uint64_t* __restrict__ row_;
-    const Reach<packs>& reach_;
+    const CandidateBounds<packs>& bounds_;
     std::uint64_t words_[slots];
 };
 

@@ -14,16 +14,16 @@ public:
     Graph(const Graph&) = delete;
     Graph& operator=(const Graph&) = delete;
 
-    /// Holds what put_on_stream() puts on the stream instead of what it held before; none of it runs yet. What that
-    /// throws goes through. Holds nothing afterwards where the driver refuses.
-    template <typename PutOnStream>
-    void take(const Stream& stream, PutOnStream put_on_stream) {
+    /// Captures what enqueue() enqueues on the stream, in the place of what it held; none of it runs yet. Lets through
+    /// what enqueue() throws. Holds nothing afterwards where the driver refuses.
+    template <typename Enqueue>
+    void capture(const Stream& stream, Enqueue enqueue) {
         clear();
         if (!begin(stream)) {
             return;
         }
         try {
-            put_on_stream();
+            enqueue();
         } catch (...) {
             end(stream);
             clear();

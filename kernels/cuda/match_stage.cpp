@@ -25,24 +25,27 @@ constexpr std::array<std::string_view, 9> sgm_steps = {"upload",
                                                        "interpolate+depth",
                                                        "download"};
 
+static_assert(sad_steps[1] == "sad+wta" && census_steps[2] == "dsi+wta" && sgm_steps[4] == "dsi+aggregate+wta",
+              "the winner steps of info()");
+
 }  // namespace
 
-std::span<const std::string_view> MatchStage::steps(Method method) {
+StageInfo MatchStage::info(Method method) {
     switch (method) {
-        case Method::sad: return sad_steps;
-        case Method::census: return census_steps;
+        case Method::sad: return {StageKind::match, sad_steps, 1};
+        case Method::census: return {StageKind::match, census_steps, 2};
         case Method::sgm: break;
     }
-    return sgm_steps;
+    return {StageKind::match, sgm_steps, 4};
 }
 
 MatchStage::MatchStage(const MatcherConfig& config)
     : config_(config),
       pixels_(static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height)),
-      clock_(steps(config.options.method).size() + 1) {
+      clock_(info(config.options.method).steps.size() + 1) {
     const MatchOptions& options = config.options;
     for (std::size_t eye = 0; eye < 2; ++eye) {
-        pair_[eye] = ExchangeMemory(pixels_, "the rectified pair");
+        pair_[eye] = PinnedBuffer(pixels_, "the rectified pair");
         if (device_is_integrated()) {
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
@@ -55,7 +58,7 @@ MatchStage::MatchStage(const MatcherConfig& config)
     }
     stream_.wait("clearing the census words");
     if (options.method == Method::sgm) {
-        take_sgm_memory();
+        allocate_sgm();
     }
     winner_disparity_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     winner_confidence_ = DeviceMemory(pixels_, "the winners");
@@ -66,12 +69,12 @@ MatchStage::MatchStage(const MatcherConfig& config)
         labels_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
         sizes_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
     }
-    disparity_ = ExchangeMemory(pixels_ * sizeof(std::int16_t), "the disparities");
-    confidence_ = ExchangeMemory(pixels_, "the confidences");
-    depth_ = ExchangeMemory(pixels_ * sizeof(std::uint16_t), "the depths");
+    disparity_ = PinnedBuffer(pixels_ * sizeof(std::int16_t), "the disparities");
+    confidence_ = PinnedBuffer(pixels_, "the confidences");
+    depth_ = PinnedBuffer(pixels_ * sizeof(std::uint16_t), "the depths");
 }
 
-void MatchStage::take_sgm_memory() {
+void MatchStage::allocate_sgm() {
     const SgmOptions& sgm = config_.options.sgm;
     const SgmBytes bytes = sgm_bytes(config_.width, config_.height, config_.options.range.count, sgm.paths, sgm.p2);
     left_volume_ = DeviceMemory(bytes.left_volume, "the path costs");
@@ -92,7 +95,7 @@ void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) 
     start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16});
     stream_.wait("matching");
     const auto matched = steady_clock::now();
-    give_results(frame);
+    download(frame);
     for (std::size_t i = 0; i < step_times.size(); ++i) {
         step_times[i] = clock_.after(i);
     }
@@ -103,19 +106,19 @@ void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) 
 void MatchStage::start(const Output& output) {
     if (graph_output_ != output) {
         graph_output_.reset();
-        graph_.take(stream_, [&] { put_on_stream(output); });
+        graph_.capture(stream_, [&] { enqueue(output); });
         graph_output_ = output;
     }
     if (graph_.holds_operations()) {
         graph_.start(stream_);
     } else {
-        put_on_stream(output);
+        enqueue(output);
     }
 }
 
-void MatchStage::put_on_stream(const Output& output) {
+void MatchStage::enqueue(const Output& output) {
     marks_ = 0;
-    take_pair();
+    upload();
     find_winners();
     post_process(output);
 }
@@ -134,7 +137,7 @@ std::uint64_t* MatchStage::words(std::size_t eye) const {
     return words_[eye].as<std::uint64_t>() + margin_words;
 }
 
-void MatchStage::take_pair() {
+void MatchStage::upload() {
     mark();
     for (std::size_t eye = 0; eye < 2; ++eye) {
         pair_[eye].to_device(stream_);
@@ -194,17 +197,17 @@ void MatchStage::find_winners() {
         mark();
         path_to_left(paths, stream_.get());
         mark();
-        aggregate_and_choose(paths, winner_job(), stream_.get());
+        sgm_winners(paths, winner_job(), stream_.get());
     }
     mark();
 }
 
 void MatchStage::post_process(const Output& output) {
     const PostOptions& post = config_.options.post;
-    filter({config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
-            left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(), post.left_right_check,
-            post.median, filtered_.as<std::int16_t>()},
-           stream_.get());
+    left_right_median({config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
+                       left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(),
+                       post.left_right_check, post.median, filtered_.as<std::int16_t>()},
+                      stream_.get());
     mark();
     if (post.speckle_size > 0) {
         speckle({config_.width, config_.height, invalid_disparity(config_.options.range), post.speckle_size,
@@ -213,11 +216,11 @@ void MatchStage::post_process(const Output& output) {
                 stream_.get());
     }
     mark();
-    finish({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
-            right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), output.depth_k,
-            output.offset16, disparity_.device<std::int16_t>(), confidence_.device<std::uint8_t>(),
-            output.depth ? depth_.device<std::uint16_t>() : nullptr},
-           stream_.get());
+    interpolate_depth({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
+                       right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(),
+                       output.depth_k, output.offset16, disparity_.device<std::int16_t>(),
+                       confidence_.device<std::uint8_t>(), output.depth ? depth_.device<std::uint16_t>() : nullptr},
+                      stream_.get());
     mark();
     disparity_.to_host(stream_);
     confidence_.to_host(stream_);
@@ -227,7 +230,7 @@ void MatchStage::post_process(const Output& output) {
     mark();
 }
 
-void MatchStage::give_results(const FrameView& frame) const {
+void MatchStage::download(const FrameView& frame) const {
     scatter(disparity_.host<const std::int16_t>(), frame.disparity);
     scatter(confidence_.host<const std::uint8_t>(), frame.confidence);
     if (frame.depth) {

@@ -22,7 +22,8 @@ public:
     /// Throws std::runtime_error when the device has too little memory.
     explicit MatchStage(const MatcherConfig& config);
 
-    static std::span<const std::string_view> steps(Method method);
+    /// Returns the steps of a method and which of them chooses the disparities.
+    static StageInfo info(Method method);
 
     void run(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times);
 
@@ -35,13 +36,13 @@ private:
         bool operator==(const Output&) const = default;
     };
 
-    void take_sgm_memory();
+    void allocate_sgm();
     void start(const Output& output);
-    void put_on_stream(const Output& output);
-    void take_pair();
+    void enqueue(const Output& output);
+    void upload();
     void find_winners();
     void post_process(const Output& output);
-    void give_results(const FrameView& frame) const;
+    void download(const FrameView& frame) const;
     void mark();
 
     View<const std::uint8_t> image(std::size_t eye) const;
@@ -55,7 +56,7 @@ private:
     StreamClock clock_;
     std::size_t marks_ = 0;
 
-    std::array<ExchangeMemory, 2> pair_;
+    std::array<PinnedBuffer, 2> pair_;
     std::array<DeviceMemory, 2> images_;  // where the pair is mapped: a copy that the device caches
     std::array<DeviceMemory, 2> words_;
     DeviceMemory left_volume_;
@@ -69,9 +70,9 @@ private:
     DeviceMemory filtered_;
     DeviceMemory labels_;
     DeviceMemory sizes_;
-    ExchangeMemory disparity_;
-    ExchangeMemory confidence_;
-    ExchangeMemory depth_;
+    PinnedBuffer disparity_;
+    PinnedBuffer confidence_;
+    PinnedBuffer depth_;
     std::optional<Output> graph_output_;  // what the graph is for
     Graph graph_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes

@@ -47,42 +47,42 @@ DeviceMemory& DeviceMemory::operator=(DeviceMemory&& other) noexcept {
 }
 
 // From the other constructor on it is destroyed, so that nothing is lost when a later step fails.
-ExchangeMemory::ExchangeMemory(std::size_t bytes, const std::string& what) : ExchangeMemory() {
+PinnedBuffer::PinnedBuffer(std::size_t bytes, const std::string& what) : PinnedBuffer() {
     size_ = bytes;
     check_memory(cudaHostAlloc(&host_, bytes, cudaHostAllocMapped), bytes, what, "pinned on the host");
     if (device_is_integrated()) {
         check(cudaHostGetDevicePointer(&mapped_, host_, 0), "mapping " + what);
     } else {
-        twin_ = DeviceMemory(bytes, what);
+        device_copy_ = DeviceMemory(bytes, what);
     }
 }
 
-ExchangeMemory::~ExchangeMemory() {
+PinnedBuffer::~PinnedBuffer() {
     static_cast<void>(cudaFreeHost(host_));
 }
 
-ExchangeMemory::ExchangeMemory(ExchangeMemory&& other) noexcept {
+PinnedBuffer::PinnedBuffer(PinnedBuffer&& other) noexcept {
     *this = std::move(other);
 }
 
-ExchangeMemory& ExchangeMemory::operator=(ExchangeMemory&& other) noexcept {
+PinnedBuffer& PinnedBuffer::operator=(PinnedBuffer&& other) noexcept {
     std::swap(size_, other.size_);
     std::swap(host_, other.host_);
     std::swap(mapped_, other.mapped_);
-    std::swap(twin_, other.twin_);
+    std::swap(device_copy_, other.device_copy_);
     return *this;
 }
 
-void ExchangeMemory::to_device(const Stream& stream) const {
+void PinnedBuffer::to_device(const Stream& stream) const {
     if (mapped_ == nullptr) {
-        check(cudaMemcpyAsync(twin_.as<void>(), host_, size_, cudaMemcpyHostToDevice, stream.get()),
+        check(cudaMemcpyAsync(device_copy_.as<void>(), host_, size_, cudaMemcpyHostToDevice, stream.get()),
               "copying to the device");
     }
 }
 
-void ExchangeMemory::to_host(const Stream& stream) const {
+void PinnedBuffer::to_host(const Stream& stream) const {
     if (mapped_ == nullptr) {
-        check(cudaMemcpyAsync(host_, twin_.as<void>(), size_, cudaMemcpyDeviceToHost, stream.get()),
+        check(cudaMemcpyAsync(host_, device_copy_.as<void>(), size_, cudaMemcpyDeviceToHost, stream.get()),
               "copying from the device");
     }
 }

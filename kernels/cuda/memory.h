@@ -26,15 +26,15 @@ private:
     void* data_ = nullptr;
 };
 
-/// Memory that host and device both see: pinned on the host, with a twin on the device or, on an integrated one,
-/// mapped: then nothing is copied.
-class ExchangeMemory {
+/// Memory that host and device both use: pinned on the host, with a copy on the device. On an integrated device it is
+/// mapped instead, and nothing is copied.
+class PinnedBuffer {
 public:
-    ExchangeMemory() = default;
-    ExchangeMemory(std::size_t bytes, const std::string& what);
-    ~ExchangeMemory();
-    ExchangeMemory(ExchangeMemory&& other) noexcept;
-    ExchangeMemory& operator=(ExchangeMemory&& other) noexcept;
+    PinnedBuffer() = default;
+    PinnedBuffer(std::size_t bytes, const std::string& what);
+    ~PinnedBuffer();
+    PinnedBuffer(PinnedBuffer&& other) noexcept;
+    PinnedBuffer& operator=(PinnedBuffer&& other) noexcept;
 
     template <typename T>
     T* host() const {
@@ -42,7 +42,7 @@ public:
     }
     template <typename T>
     T* device() const {
-        return static_cast<T*>(mapped_ != nullptr ? mapped_ : twin_.as<void>());
+        return static_cast<T*>(mapped_ != nullptr ? mapped_ : device_copy_.as<void>());
     }
     std::size_t size() const { return size_; }
 
@@ -53,7 +53,7 @@ private:
     std::size_t size_ = 0;
     void* host_ = nullptr;
     void* mapped_ = nullptr;
-    DeviceMemory twin_;
+    DeviceMemory device_copy_;
 };
 
 }  // namespace disparityd::cuda

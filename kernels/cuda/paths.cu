@@ -18,9 +18,9 @@ __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJ
     }
     const int width = job.image.width;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
-    const Reach<packs> reach(job.range, width);
-    WordsAlongRow<packs, -1> words(job.words.right + row, reach, width - 1);
-    const Recursion recursion(job.p1);
+    const CandidateBounds<packs> bounds(job.range, width);
+    WordsAlongRow<packs, -1> words(job.words.right + row, bounds, width - 1);
+    const PathPenalties penalties(job.p1);
     PathCosts<packs> path;
     for (int x0 = width - 1; x0 >= 0; x0 -= slots) {
 #pragma unroll
@@ -31,8 +31,8 @@ __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJ
             }
             Costs<packs> costs;
             words.next(job.words.left[row + x], x, phase, costs);
-            const Pair p2 = adapted_p2<adaptive>(job, {x + 1, y}, {x, y});
-            path = continued<packs>(recursion, path, costs, p2);
+            const U16x2 p2 = adapted_p2<adaptive>(job, {x + 1, y}, {x, y});
+            path = continued<packs>(penalties, path, costs, p2);
             Costs<packs> added;
 #pragma unroll
             for (int p = 0; p < packs; ++p) {

@@ -24,7 +24,7 @@ Format format_of(PixelFormat format) {
 
 // Maps come rarely: from memory that is not pinned, and waited for.
 template <typename T>
-void upload(Plane<const T> plane, const DeviceMemory& to, const Stream& stream) {
+void upload_plane(Plane<const T> plane, const DeviceMemory& to, const Stream& stream) {
     std::vector<T> dense(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
     gather(plane, dense.data());
     check(cudaMemcpyAsync(to.as<void>(), dense.data(), dense.size() * sizeof(T), cudaMemcpyHostToDevice, stream.get()),
@@ -39,30 +39,30 @@ RectifyStage::RectifyStage(int width, int height) : width_(width), height_(heigh
     for (std::size_t eye = 0; eye < 2; ++eye) {
         xy_[eye] = DeviceMemory(2 * pixels * sizeof(std::int16_t), "the rectification maps");
         fraction_[eye] = DeviceMemory(pixels * sizeof(std::uint16_t), "the rectification maps");
-        out_[eye] = ExchangeMemory(pixels, "the rectified pair");
+        out_[eye] = PinnedBuffer(pixels, "the rectified pair");
     }
-    colour_ = ExchangeMemory(3 * pixels, "the left image in colour");
+    colour_ = PinnedBuffer(3 * pixels, "the left image in colour");
 }
 
-void RectifyStage::take_raw(const RawImage& raw) {
+void RectifyStage::upload_raw(const RawImage& raw) {
     const int row_bytes = 2 * raw.eye_width * bytes_per_pixel(raw.format);
     const std::size_t bytes = static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(raw.height);
     if (raw_.size() != bytes) {
-        raw_ = ExchangeMemory(bytes, "the raw frame");
+        raw_ = PinnedBuffer(bytes, "the raw frame");
     }
     gather<std::uint8_t>({raw.data, row_bytes, raw.height, raw.stride}, raw_.host<std::uint8_t>());
     raw_.to_device(stream_);
 }
 
-void RectifyStage::take_maps(const Rectifier& rectifier) {
+void RectifyStage::upload_maps(const Rectifier& rectifier) {
     if (!rectifier.mapped || (rectifier.id != 0 && rectifier.id == maps_id_)) {
         return;
     }
     maps_id_ = 0;  // until all of them are there
-    upload(rectifier.left.xy, xy_[0], stream_);
-    upload(rectifier.left.fraction, fraction_[0], stream_);
-    upload(rectifier.right.xy, xy_[1], stream_);
-    upload(rectifier.right.fraction, fraction_[1], stream_);
+    upload_plane(rectifier.left.xy, xy_[0], stream_);
+    upload_plane(rectifier.left.fraction, fraction_[0], stream_);
+    upload_plane(rectifier.right.xy, xy_[1], stream_);
+    upload_plane(rectifier.right.fraction, fraction_[1], stream_);
     maps_id_ = rectifier.id;
 }
 
@@ -70,8 +70,8 @@ void RectifyStage::run(const FrameView& frame) {
     check_fits(frame);
     const RawImage& raw = frame.raw;
     const Rectifier& rectifier = *frame.rectifier;
-    take_maps(rectifier);
-    take_raw(raw);
+    upload_maps(rectifier);
+    upload_raw(raw);
     RectifyJob job{};
     job.raw = raw_.device<const std::uint8_t>();
     job.raw_stride = std::ptrdiff_t{2} * raw.eye_width * bytes_per_pixel(raw.format);

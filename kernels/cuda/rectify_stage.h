@@ -19,17 +19,17 @@ public:
     void run(const FrameView& frame);
 
 private:
-    void take_raw(const RawImage& raw);
-    void take_maps(const Rectifier& rectifier);
+    void upload_raw(const RawImage& raw);
+    void upload_maps(const Rectifier& rectifier);
 
     int width_;
     int height_;
-    ExchangeMemory raw_;
+    PinnedBuffer raw_;
     std::array<DeviceMemory, 2> xy_;
     std::array<DeviceMemory, 2> fraction_;
     std::uint64_t maps_id_ = 0;  // of those on the device; 0: none that may be used again
-    std::array<ExchangeMemory, 2> out_;
-    ExchangeMemory colour_;
+    std::array<PinnedBuffer, 2> out_;
+    PinnedBuffer colour_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes
 };
 

@@ -11,7 +11,7 @@ namespace {
 template <int packs>
 __device__ void add_costs(const PathCosts<packs>& path, const Costs<packs>& costs, int other_paths,
                           Costs<packs>& sums) {
-    constexpr Pair reachable_costs = 0x003f003f;
+    constexpr U16x2 reachable_costs = 0x003f003f;
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
         sums[p] = path.cost[p] + (costs[p] & reachable_costs) * static_cast<unsigned>(other_paths);
@@ -39,16 +39,16 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     }
     const int width = job.image.width;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
-    const Reach<packs> reach(job.range, width);
-    WordsAlongRow<packs, 1> words(job.words.right + row, reach, 0);
-    const Recursion recursion(job.p1);
+    const CandidateBounds<packs> bounds(job.range, width);
+    WordsAlongRow<packs, 1> words(job.words.right + row, bounds, 0);
+    const PathPenalties penalties(job.p1);
     PathCosts<packs> path;
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
     winners.walk([&](int x, int phase, Costs<packs>& sums) {
         Costs<packs> costs;
         words.next(job.words.left[row + x], x, phase, costs);
-        const Pair p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});
-        path = continued<packs>(recursion, path, costs, p2);
+        const U16x2 p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});
+        path = continued<packs>(penalties, path, costs, p2);
         add_costs<packs>(path, costs, job.paths - 1, sums);
         add_volume<packs>(job.left_volume, row + x, false, sums);
         add_volume<packs>(job.sweep_volume[0], row + x, job.wide, sums);
@@ -58,9 +58,9 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
 
 }  // namespace
 
-void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream) {
+void sgm_winners(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream) {
     with_packs(paths, [&](auto packs, auto adaptive) {
-        launch("aggregate and choose", rows_shape(paths.image.height), stream,
+        launch("SGM winners", rows_shape(paths.image.height), stream,
                sgm_winners_kernel<decltype(packs)::value, decltype(adaptive)::value>, paths, winner);
     });
 }

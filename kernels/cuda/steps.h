@@ -100,7 +100,7 @@ struct PathsJob {
 void sweep(const PathsJob& job, cudaStream_t stream);
 void path_to_left(const PathsJob& job, cudaStream_t stream);
 /// The path to the right, the sums, and the winners.
-void aggregate_and_choose(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream);
+void sgm_winners(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream);
 
 /// Step 4 (CENSUS) and the winners.
 void census_winners(CensusWords words, const WinnerJob& winner, cudaStream_t stream);
@@ -109,7 +109,7 @@ void sad_winners(View<const std::uint8_t> left, View<const std::uint8_t> right, 
                  cudaStream_t stream);
 
 /// Steps 8 and 9. `winners` null: no left-right check; median 0: none.
-struct FilterJob {
+struct LeftRightMedianJob {
     int width;
     int height;
     Range range;
@@ -120,7 +120,7 @@ struct FilterJob {
     int median;
     std::int16_t* out;  ///< another plane than `disparity`
 };
-void filter(const FilterJob& job, cudaStream_t stream);
+void left_right_median(const LeftRightMedianJob& job, cudaStream_t stream);
 
 /// Step 10, in place; `labels` and `sizes` are planes to work in.
 struct SpeckleJob {
@@ -136,7 +136,7 @@ struct SpeckleJob {
 void speckle(const SpeckleJob& job, cudaStream_t stream);
 
 /// Steps 11 and 12.
-struct FinishJob {
+struct InterpolateDepthJob {
     int width;
     int height;
     Range range;
@@ -150,6 +150,6 @@ struct FinishJob {
     std::uint8_t* confidence;
     std::uint16_t* depth;  ///< null: not wanted
 };
-void finish(const FinishJob& job, cudaStream_t stream);
+void interpolate_depth(const InterpolateDepthJob& job, cudaStream_t stream);
 
 }  // namespace disparityd::cuda

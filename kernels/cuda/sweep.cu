@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/block_sync.h"
 #include "kernels/cuda/device.h"
-#include "kernels/cuda/hand_over.h"
 #include "kernels/cuda/path_costs.h"
 #include "kernels/cuda/strips.h"
 
@@ -18,7 +18,7 @@ struct Edge {
 
 template <int packs>
 struct SharedEdge {
-    Pair words[edge_paths][packs + 1][lanes];
+    U16x2 words[edge_paths][packs + 1][lanes];
 
     __device__ void set(int i, const PathCosts<packs>& path) {
 #pragma unroll
@@ -46,18 +46,18 @@ public:
 
     __device__ Columns(const PathsJob& job, bool upwards)
         : job_(job),
-          reach_(job.range, width(), columns),
-          recursion_(job.p1),
+          bounds_(job.range, width(), columns),
+          penalties_(job.p1),
           upwards_(upwards),
           volume_(upwards ? job.sweep_volume[1] : job.sweep_volume[0]) {}
 
     // Row r of the sweep, of which the warp's first column is at x.
     __device__ void advance(int r, int x, const Edge<packs>& edge) {
         const int y = row(r);
-        const bool all_inside = reach_.all_inside(x);
+        const bool all_inside = bounds_.all_inside(x);
         const std::ptrdiff_t row_begin = static_cast<std::ptrdiff_t>(y) * width();
         // From the last column's first candidate on.
-        const std::uint64_t* right = job_.words.right + row_begin + reach_.first_column(x + columns - 1);
+        const std::uint64_t* right = job_.words.right + row_begin + bounds_.first_column(x + columns - 1);
         std::uint64_t words[words_of_columns];
 #pragma unroll
         for (int i = 0; i < words_of_columns; ++i) {
@@ -77,7 +77,7 @@ public:
             census_costs<packs>(
                 left[c], [&](int slot) { return words[columns - 1 - c + slot]; }, costs);
             if (!all_inside) {
-                reach_.limit(x + c, census_outside, costs);
+                bounds_.limit(x + c, census_outside, costs);
             }
             Costs<packs> added;
             continue_paths(c, {x + c, y}, costs, edge, added);
@@ -93,8 +93,8 @@ public:
     }
     // A path that somebody else kept as bytes, in which idle slots are lost.
     __device__ void complete(PathCosts<packs>& path) const {
-        reach_.limit_idle(path.cost);
-        find_least<packs>(path);
+        bounds_.limit_idle(path.cost);
+        find_min<packs>(path);
     }
 
 private:
@@ -119,17 +119,17 @@ private:
 
     __device__ void continue_paths(int c, Pixel pixel, const Costs<packs>& costs, const Edge<packs>& edge,
                                    Costs<packs>& added) {
-        const int before = pixel.y + (upwards_ ? 1 : -1);
-        const auto p2_from = [&](int x) { return adapted_p2<adaptive>(job_, {x, before}, pixel); };
+        const int previous_y = pixel.y + (upwards_ ? 1 : -1);
+        const auto p2_from = [&](int x) { return adapted_p2<adaptive>(job_, {x, previous_y}, pixel); };
         if constexpr (diagonals) {
             const PathCosts<packs>& right = c + 1 < columns ? straight_[(c + 1) % columns] : edge.straight;
             const PathCosts<packs>& second_right =
                 c + 2 < columns ? against_[(c + 2) % columns] : edge.against[(c + 2) % columns % 2];
-            along_[c] = continued<packs>(recursion_, along_[c], costs, p2_from(pixel.x - 1));
-            straight_[c] = continued<packs>(recursion_, right, costs, p2_from(pixel.x));
-            against_[c] = continued<packs>(recursion_, second_right, costs, p2_from(pixel.x + 1));
+            along_[c] = continued<packs>(penalties_, along_[c], costs, p2_from(pixel.x - 1));
+            straight_[c] = continued<packs>(penalties_, right, costs, p2_from(pixel.x));
+            against_[c] = continued<packs>(penalties_, second_right, costs, p2_from(pixel.x + 1));
         } else {
-            straight_[c] = continued<packs>(recursion_, straight_[c], costs, p2_from(pixel.x));
+            straight_[c] = continued<packs>(penalties_, straight_[c], costs, p2_from(pixel.x));
         }
 #pragma unroll
         for (int p = 0; p < packs; ++p) {
@@ -141,8 +141,8 @@ private:
     }
 
     const PathsJob& job_;
-    Reach<packs> reach_;
-    Recursion recursion_;
+    CandidateBounds<packs> bounds_;
+    PathPenalties penalties_;
     bool upwards_;
     std::uint8_t* volume_;
     PathCosts<packs> straight_[columns];
@@ -212,7 +212,7 @@ public:
         : memory_(job, strip.number - 1, strip.upwards),
           last_row_(strip.number == 0 ? 0 : min(strip.last_row, job.image.width - strip.x - columns_of_strip(packs))) {}
 
-    // As it was in the row before r.
+    // As it was in row r - 1.
     template <bool adaptive>
     __device__ void edge(int r, const Columns<packs, true, adaptive>& columns, Edge<packs>& edge) {
         if (r == 0 || r > last_row_) {
@@ -247,8 +247,8 @@ __device__ void give_edge_to_next_strip(const EdgeInMemory<packs>& memory, const
     }
 }
 
-// A strip waits only for the one of the ticket before the last, whose block has begun and stays on its multiprocessor
-// until it has ended: however many blocks there are at a time, none waits for ever.
+// A strip waits only for the one whose ticket is two less. The block of that one has begun and stays on its
+// multiprocessor until it has ended: however many blocks there are at a time, none waits for ever.
 __device__ int draw_ticket(int* tickets) {
     DISPARITYD_SHARED(int, drawn, [1]);
     if (threadIdx.x == 0 && threadIdx.y == 0) {
@@ -304,7 +304,7 @@ void sweep(const PathsJob& job, cudaStream_t stream) {
         const Shape shape{dim3(static_cast<unsigned>(2 * strips)), dim3(lanes, strip_warps)};
         if (diagonals) {
             const std::size_t bytes = static_cast<std::size_t>(1 + 2 * strips) * sizeof(int);
-            check(cudaMemsetAsync(job.progress, 0, bytes, stream), "forgetting the progress of the frame before");
+            check(cudaMemsetAsync(job.progress, 0, bytes, stream), "forgetting the progress of the previous frame");
             launch("sweep", shape, stream, sweep_kernel<packs, adaptive>, job);
         } else {
             launch("straight sweep", shape, stream, straight_kernel<packs, adaptive>, job);

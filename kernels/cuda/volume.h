@@ -51,7 +51,7 @@ __device__ void store(std::uint8_t* pixel, bool wide, const Costs<packs>& costs)
     }
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        reinterpret_cast<Pair*>(pixel)[p * lanes + lane_index()] = costs[p];
+        reinterpret_cast<U16x2*>(pixel)[p * lanes + lane_index()] = costs[p];
     }
 }
 
@@ -63,7 +63,7 @@ __device__ void load(const std::uint8_t* pixel, bool wide, Costs<packs>& costs) 
     }
 #pragma unroll
     for (int p = 0; p < packs; ++p) {
-        costs[p] = reinterpret_cast<const Pair*>(pixel)[p * lanes + lane_index()];
+        costs[p] = reinterpret_cast<const U16x2*>(pixel)[p * lanes + lane_index()];
     }
 }
 

@@ -16,7 +16,7 @@ struct WinnerBatch {
     static constexpr int words = packs * lanes;
     /// Candidates slots * l + 2p and the one after it in word p * lanes + l. With one word more between pixels, so that
     /// every lane can read its own pixel's at the same time.
-    Pair sums[batch_pixels(packs)][words + 1];
+    U16x2 sums[batch_pixels(packs)][words + 1];
     unsigned left_last_slot[batch_pixels(packs)];
 };
 
@@ -24,8 +24,8 @@ struct WinnerBatch {
 /// lanes.
 ///
 /// Right winners: candidate k of left pixel x is one of right pixel x - first - k. Each slot keeps the best of its
-/// right pixel so far; from pixel to pixel all of them move up by one candidate, and who leaves the last slot has met
-/// all.
+/// right pixel so far. From pixel to pixel all of them move up by one candidate, and a right pixel that leaves the last
+/// slot is complete.
 template <int packs>
 class WinnerRow {
 public:
@@ -37,11 +37,11 @@ public:
         for (int s = 0; s < slots; ++s) {
             right_[s] = none;
         }
-        // Right pixels that no slot meets.
-        const int first_met = -(job.range.first + last_slot);
-        const int last_met = job.width - 1 - job.range.first;
+        // Right pixels that are candidates of no left pixel.
+        const int first_reached = -(job.range.first + last_slot);
+        const int last_reached = job.width - 1 - job.range.first;
         for (int x = lane_index(); x < job.width; x += lanes) {
-            if (x < first_met || x > last_met) {
+            if (x < first_reached || x > last_reached) {
                 set_right(x, none);
             }
         }
@@ -57,7 +57,7 @@ public:
                 if (x + phase < job_.width) {
                     Costs<packs> sums;
                     sums_of(x + phase, phase, sums);
-                    meet(sums, phase);
+                    update(sums, phase);
                 }
                 move_up(phase);
             }
@@ -72,7 +72,7 @@ public:
         for (int x = 0; x < job_.width; ++x) {
             Costs<packs> sums;
             sums_of(x, sums);
-            meet(sums, 0);
+            update(sums, 0);
             move_up(0);
             const unsigned first = right_[slots - 1];
 #pragma unroll
@@ -105,7 +105,7 @@ private:
         job_.right_winner[row_ + x] = static_cast<std::int16_t>(job_.range.first + (found ? k_of(key) : -1));
     }
 
-    __device__ void meet(const Costs<packs>& sums, int phase) {
+    __device__ void update(const Costs<packs>& sums, int phase) {
         unsigned best = none;
 #pragma unroll
         for (int s = 0; s < slots; ++s) {
@@ -115,7 +115,7 @@ private:
             unsigned& right = right_[renamed<packs, 1>(s, phase)];
             right = min(right, here);
         }
-        best = least_of_warp(best);
+        best = min_of_warp(best);
         const int place = pixels_ + phase;
         if (lane_index() == place) {
             best_ = best;
@@ -174,20 +174,20 @@ private:
         pixels_ = 0;
     }
 
-    __device__ void write_left(Pair* sums) const {
+    __device__ void write_left(U16x2* sums) const {
         const int k = k_of(best_);
         const int least = cost_of(best_);
         const bool first = k == 0;
         const bool last = k == job_.range.count - 1;
-        take(sums, k);
-        const int before = first ? 0 : take(sums, k - 1);
-        const int after = last ? 0 : take(sums, k + 1);
-        const int second = least_of(sums);
-        const bool no_minimum = (first || before == least) && (last || after == least);
+        remove(sums, k);
+        const int minus = first ? 0 : remove(sums, k - 1);
+        const int plus = last ? 0 : remove(sums, k + 1);
+        const int second = min_of(sums);
+        const bool no_minimum = (first || minus == least) && (last || plus == least);
         const bool ambiguous = job_.uniqueness > 0 && second * (100 - job_.uniqueness) <= least * 100;
         const bool rejected = ambiguous || (job_.local_extrema && no_minimum);
         const int winner = job_.range.first + k;
-        const int offset = job_.subpixel && !first && !last ? offset16(before, least, after) : 0;
+        const int offset = job_.subpixel && !first && !last ? offset16(minus, least, plus) : 0;
         const std::ptrdiff_t i = row_ + x_ + lane_index();
         job_.left_winner[i] = static_cast<std::int16_t>(winner);
         job_.disparity[i] = static_cast<std::int16_t>(rejected ? (job_.range.first - 1) * 16 : 16 * winner + offset);
@@ -196,31 +196,31 @@ private:
     }
 
     // The sum of a candidate, which then no longer counts.
-    __device__ static int take(Pair* sums, int k) {
+    __device__ static int remove(U16x2* sums, int k) {
         const int slot = k % slots;
-        Pair& pair = sums[slot / 2 * lanes + k / slots];
+        U16x2& both = sums[slot / 2 * lanes + k / slots];
         const int shift = slot % 2 * 16;
-        const int sum = static_cast<int>(pair >> shift & 0xffff);
-        pair = (pair & ~(0xffffU << shift)) | unreachable << shift;
+        const int sum = static_cast<int>(both >> shift & 0xffff);
+        both = (both & ~(0xffffU << shift)) | unreachable << shift;
         return sum;
     }
 
-    __device__ static int least_of(const Pair* sums) {
-        Pair least = pair_of(unreachable);
+    __device__ static int min_of(const U16x2* sums) {
+        U16x2 least = splat_u16x2(unreachable);
 #pragma unroll 8
         for (int w = 0; w < WinnerBatch<packs>::words; ++w) {
-            least = lesser(least, sums[w]);
+            least = min_u16x2(least, sums[w]);
         }
-        return static_cast<int>(lesser_half(least));
+        return static_cast<int>(min_half(least));
     }
 
     // The equiangular fit.
-    __device__ static int offset16(int before, int least, int after) {
-        const int steeper = max(before, after) - least;
+    __device__ static int offset16(int minus, int least, int plus) {
+        const int steeper = max(minus, plus) - least;
         if (steeper == 0) {
             return 0;
         }
-        const int difference = before - after;
+        const int difference = minus - plus;
         const int magnitude = (16 * (difference < 0 ? -difference : difference) + steeper) / (2 * steeper);
         return difference >= 0 ? magnitude : -magnitude;
     }

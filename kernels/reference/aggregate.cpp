@@ -63,7 +63,7 @@ public:
     }
 
 private:
-    // One pixel: its line's path costs, those of the pixel before, become this pixel's.
+    // One pixel: its line's path costs, those of the previous pixel, become this pixel's.
     void advance(Direction r, int line, int x, int y, bool first_direction) const {
         const int disparities = costs_.disparities;
         const std::uint8_t* cost = costs_.pixel(x, y);
@@ -84,19 +84,20 @@ private:
         add(path, disparities, first_direction, sums_.pixel(x, y));
     }
 
-    // The recursion of step 5, relative to the least cost of the pixel before: nothing exceeds 62 + P2, bytes suffice.
+    // The recursion of step 5, relative to the least cost of the previous pixel: nothing exceeds 62 + P2, bytes
+    // suffice.
     static std::uint8_t continue_path(const std::uint8_t* __restrict cost, int disparities, int p1, int p2,
-                                      std::uint8_t least_before, std::uint8_t* __restrict path) {
+                                      std::uint8_t min_before, std::uint8_t* __restrict path) {
         const auto penalty = static_cast<std::uint8_t>(p1);
-        const auto jump = static_cast<std::uint8_t>(p2);
+        const auto limit = static_cast<std::uint8_t>(p2);
         const auto largest_neighbour = static_cast<std::uint8_t>(p2 - p1);
         std::array<std::uint8_t, max_disparities + 2> before;  // one more at both ends, where no neighbour is
         std::uint8_t* __restrict middle = before.data() + 1;
         for (int d = 0; d < disparities; ++d) {
-            middle[d] = lesser(static_cast<std::uint8_t>(path[d] - least_before), jump);
+            middle[d] = lesser(static_cast<std::uint8_t>(path[d] - min_before), limit);
         }
-        middle[-1] = jump;
-        middle[disparities] = jump;
+        middle[-1] = limit;
+        middle[disparities] = limit;
         std::uint8_t least = 255;
         for (int d = 0; d < disparities; ++d) {
             const std::uint8_t neighbour = lesser(lesser(middle[d - 1], middle[d + 1]), largest_neighbour);

@@ -22,7 +22,7 @@ bool no_minimum(const T* cost, int count, int k) {
 
 // The least cost among candidates that are no neighbours of the winner.
 template <typename T>
-int second_least(const T* cost, int count, int k) {
+int second_min(const T* cost, int count, int k) {
     T least = std::numeric_limits<T>::max();
     for (int i = 0; i < k - 1; ++i) {
         least = std::min(least, cost[i]);
@@ -45,7 +45,7 @@ void local_extrema(Volume<const T> costs, DisparityRange range, const PostOption
             const T* cost = costs.pixel(x, y);
             const int k = winner.at(x, y) - range.first;
             const int least = cost[k];
-            const int second = second_least(cost, range.count, k);
+            const int second = second_min(cost, range.count, k);
             const bool ambiguous = options.uniqueness > 0 && second * (100 - options.uniqueness) <= least * 100;
             if (ambiguous || (options.local_extrema && no_minimum(cost, range.count, k))) {
                 disparity.at(x, y) = invalid;

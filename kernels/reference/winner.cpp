@@ -10,13 +10,13 @@ namespace disparityd::reference {
 namespace {
 
 // The equiangular fit: how far, in 1/16 px, the minimum lies from the middle one of three costs.
-int offset16(int before, int least, int after) {
-    const int steeper = std::max(before, after) - least;
+int offset16(int minus, int least, int plus) {
+    const int steeper = std::max(minus, plus) - least;
     if (steeper == 0) {
         return 0;
     }
-    const int magnitude = (16 * std::abs(before - after) + steeper) / (2 * steeper);
-    return before >= after ? magnitude : -magnitude;
+    const int magnitude = (16 * std::abs(minus - plus) + steeper) / (2 * steeper);
+    return minus >= plus ? magnitude : -magnitude;
 }
 
 }  // namespace
@@ -49,17 +49,17 @@ void winner_right(Volume<const T> costs, DisparityRange range, Plane<std::int16_
         std::fill_n(best, width, static_cast<std::int16_t>(range.first - 1));
         std::fill_n(least.begin(), width, std::uint16_t{65535});  // no cost is as large
         for (int x = 0; x < width; ++x) {
-            // Candidate k of left pixel x is one of right pixel x - range.first - k. Each right pixel meets its
-            // candidates in ascending order, so that the smallest of equal ones stays.
+            // Candidate k of left pixel x is one of right pixel x - range.first - k. The candidates of a
+            // right pixel come in ascending order, so that the smallest of equal ones stays.
             const T* __restrict cost = costs.pixel(x, y);
-            std::uint16_t* __restrict least_of = least.data();
+            std::uint16_t* __restrict min_of = least.data();
             const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
             const int last = std::clamp(x + 1 - range.first, first, range.count);
             for (int k = first; k < last; ++k) {
                 const int right_x = x - range.first - k;
-                const bool better = cost[k] < least_of[right_x];
+                const bool better = cost[k] < min_of[right_x];
                 best[right_x] = better ? static_cast<std::int16_t>(range.first + k) : best[right_x];
-                least_of[right_x] = better ? cost[k] : least_of[right_x];
+                min_of[right_x] = better ? cost[k] : min_of[right_x];
             }
         }
     }

@@ -26,7 +26,7 @@ public:
     Pair(Random& random, int width, int height, const cuda::Stream& stream)
         : width_(width), height_(height), textures_{{{width, height}, {width, height}}} {
         for (std::size_t eye = 0; eye < 2; ++eye) {
-            images_[eye] = cuda::ExchangeMemory(bytes_of(width, height), "an image");
+            images_[eye] = cuda::PinnedBuffer(bytes_of(width, height), "an image");
             std::generate_n(images_[eye].host<std::uint8_t>(), bytes_of(width, height),
                             [&] { return static_cast<std::uint8_t>(random() & 255); });
             images_[eye].to_device(stream);
@@ -42,7 +42,7 @@ public:
 private:
     int width_;
     int height_;
-    std::array<cuda::ExchangeMemory, 2> images_;
+    std::array<cuda::PinnedBuffer, 2> images_;
     std::array<Texture, 2> textures_;
 };
 
@@ -79,9 +79,9 @@ CensusTimes census_times(int width, int height) {
 double rectify_time(int width, int height) {
     Random random(2);
     const std::size_t pixels = bytes_of(width, height);
-    const cuda::ExchangeMemory raw(4 * pixels, "a raw frame");
-    const cuda::ExchangeMemory xy(4 * pixels, "a map");
-    const cuda::ExchangeMemory fraction(2 * pixels, "a map");
+    const cuda::PinnedBuffer raw(4 * pixels, "a raw frame");
+    const cuda::PinnedBuffer xy(4 * pixels, "a map");
+    const cuda::PinnedBuffer fraction(2 * pixels, "a map");
     const std::array<cuda::DeviceMemory, 2> out = {{{pixels, "an image"}, {pixels, "an image"}}};
     const cuda::Stream stream;
     for (std::size_t i = 0; i < pixels; ++i) {
@@ -90,7 +90,7 @@ double rectify_time(int width, int height) {
         fraction.host<std::uint16_t>()[i] = static_cast<std::uint16_t>(random() & 1023);
     }
     std::fill_n(raw.host<std::uint8_t>(), 4 * pixels, std::uint8_t{77});
-    for (const cuda::ExchangeMemory* memory : {&raw, &xy, &fraction}) {
+    for (const cuda::PinnedBuffer* memory : {&raw, &xy, &fraction}) {
         memory->to_device(stream);
     }
     cuda::RectifyJob job{};

@@ -33,7 +33,7 @@ constexpr std::array<PaperScene, 4> paper_scenes = {{{{"Cones", 450, 375, 128}, 
                                                      {{"Teddy", 450, 375, 128}, {6.5, 8.2, 2.3}, 31, 11.4, 130},
                                                      {{"Sawtooth", 434, 380, 32}, {5.22, 7.47, 2.82}, 31, 11.8, 123}}};
 
-// What the design has to do: bytes to and from the device's memory (docs/benchmarks.md), and packed minima.
+// What the design has to do: bytes to and from the device's memory (docs/benchmarks/cuda.md), and packed minima.
 struct Work {
     double bytes = 0;
     double minima = 0;
@@ -66,16 +66,16 @@ Work work_of(const std::string& step, const Size& size) {
                                                                                 {"left-right+median", 8},
                                                                                 {"speckle", 38},
                                                                                 {"interpolate+depth", 10}}};
-    for (const auto& [name, bytes] : bytes_per_pixel) {
+    for (const auto& [name, per_pixel] : bytes_per_pixel) {
         if (step == name) {
-            return {bytes * pixels, 0};
+            return {per_pixel * pixels, 0};
         }
     }
     return {};
 }
 
 double floor_of(const Work& work, const MachineFloor& machine) {
-    return 1e3 * std::max(work.bytes / machine.bytes_per_second, work.minima / machine.most_minima_per_second());
+    return 1e3 * std::max(work.bytes / machine.bytes_per_second, work.minima / machine.max_minima_per_second());
 }
 
 /// A JSON list, an object at a time.
@@ -97,11 +97,11 @@ void time_frame(const Size& size, Method method, const MachineFloor& machine, Pa
     const double in_flight = two_in_flight("cuda", size, method, frames, workers);
     const FrameTimes cpu = frame_times("cpu", size, method, frames / 4, workers);
     std::printf("%-7s %4dx%-4d D %-3d %-7s %8.3f ms, two in flight %8.3f ms, from rectified %8.3f ms, cpu %8.3f ms\n",
-                size.name, size.width, size.height, size.disparities, std::string(name(method)).c_str(), cuda.frame,
-                in_flight, cuda.matched, cpu.frame);
+                size.name, size.width, size.height, size.disparities, std::string(to_string(method)).c_str(),
+                cuda.frame, in_flight, cuda.matched, cpu.frame);
     std::ostream& out = json.next();
     out << R"({"size": ")" << size.name << R"(", "disparities": )" << size.disparities << R"(, "method": ")"
-        << name(method) << R"(", "cuda_ms": )" << cuda.frame << R"(, "cuda_in_flight_ms": )" << in_flight
+        << to_string(method) << R"(", "cuda_ms": )" << cuda.frame << R"(, "cuda_in_flight_ms": )" << in_flight
         << R"(, "cuda_matched_ms": )" << cuda.matched << R"(, "cpu_ms": )" << cpu.frame << R"(, "steps_ms": {)";
     double all_floors = 0;
     for (std::size_t i = 0; i < cuda.steps.size(); ++i) {

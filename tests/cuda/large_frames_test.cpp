@@ -27,7 +27,7 @@ TEST_P(CudaLargeFrames, EqualThoseOfTheProcessorEveryTime) {
             const auto matcher = backend("cuda").create({width, height, options});
             for (int i = 0; i < times; ++i) {
                 Frame frame(*matcher, pair.left, pair.right);
-                match(*matcher, frame.view, serial);
+                match_pair(*matcher, frame.view, serial);
                 // Not ASSERT_EQ: a million numbers would be printed.
                 ASSERT_TRUE((Result{frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()}) ==
                             expected)

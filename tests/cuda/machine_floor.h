@@ -11,7 +11,7 @@ struct MachineFloor {
     double minima_as_f16_per_second = 0;
     double minima_of_sum_per_second = 0;
 
-    double most_minima_per_second() const {
+    double max_minima_per_second() const {
         return minima_as_integers_per_second > minima_as_f16_per_second ? minima_as_integers_per_second
                                                                         : minima_as_f16_per_second;
     }

@@ -130,8 +130,8 @@ TEST_F(CudaDevice, DepthFollowsTheScaleOfEachFrame) {
                 frame->view.depth_scale = scale;
                 frame->view.depth = depth ? frame->view.depth : Plane<std::uint16_t>{};
             }
-            match(*cuda, found.view, serial);
-            match(*reference, expected.view, serial);
+            match_pair(*cuda, found.view, serial);
+            match_pair(*reference, expected.view, serial);
             ASSERT_EQ(found.depth.pixels(), expected.depth.pixels()) << scale.k << ' ' << scale.offset16;
             ASSERT_EQ(found.disparity.pixels(), expected.disparity.pixels());
         }
@@ -145,7 +145,7 @@ TEST_F(CudaDevice, DepthMayBeMissing) {
     const auto matcher = backend("cuda").create({30, 12, default_options(Method::sgm, {0, 16})});
     Frame frame(*matcher, pair.left, pair.right);
     frame.view.depth = {};
-    match(*matcher, frame.view, serial);
+    match_pair(*matcher, frame.view, serial);
     EXPECT_EQ(frame.depth.pixels(), std::vector<std::uint16_t>(360, 4321));
 }
 
@@ -155,7 +155,7 @@ TEST_F(CudaDevice, EveryStepIsTimed) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
         const Pair pair(random, 30, 12);
         const auto matcher = backend("cuda").create({30, 12, default_options(method, {0, 16})});
-        ASSERT_EQ(matcher->stages().front().name, "rectify");
+        ASSERT_EQ(matcher->stages().front().kind, StageKind::rectify);
         Frame frame(*matcher, pair.left, pair.right);
         std::vector<std::chrono::nanoseconds> times(matcher->stages()[1].steps.size(), std::chrono::nanoseconds(-1));
         matcher->run(1, frame.view, serial, times);

@@ -6,38 +6,38 @@ namespace disparityd::test {
 
 namespace {
 
-using cuda::Pair;
+using cuda::U16x2;
 
 template <Minimum way>
-__device__ Pair lesser(Pair a, Pair b, Pair nothing) {
+__device__ U16x2 min_u16x2(U16x2 a, U16x2 b, U16x2 nothing) {
     if constexpr (way == Minimum::as_integers) {
-        return cuda::lesser_as_integers(a, b);
+        return cuda::min_u16x2_as_integers(a, b);
     } else if constexpr (way == Minimum::as_f16) {
-        return cuda::lesser_as_f16(a, b);
+        return cuda::min_u16x2_as_f16(a, b);
     } else {
-        return cuda::lesser_of_sum(a, nothing, b);
+        return cuda::min_u16x2_of_sum(a, nothing, b);
     }
 }
 
 // `nothing` is 0, which the compiler is not told.
 template <Minimum way>
-__global__ void minima_kernel(int rounds, Pair step, Pair nothing, Pair* out) {
-    constexpr Pair small = 0x3fff3fff;
+__global__ void minima_kernel(int rounds, U16x2 step, U16x2 nothing, U16x2* out) {
+    constexpr U16x2 small = 0x3fff3fff;
     const unsigned thread = blockIdx.x * minima_threads + threadIdx.x;
-    Pair values[minima_chains];
+    U16x2 values[minima_chains];
 #pragma unroll
     for (int i = 0; i < minima_chains; ++i) {
         values[i] = ((thread + static_cast<unsigned>(i)) * 0x9e3779b9U) & small;
     }
-    Pair other = step;
+    U16x2 other = step;
     for (int round = 0; round < rounds; ++round) {
 #pragma unroll
         for (int i = 0; i < minima_chains; ++i) {
-            values[i] = lesser<way>(values[i], other, nothing);
+            values[i] = min_u16x2<way>(values[i], other, nothing);
         }
         other = (other + step) & small;
     }
-    Pair all = 0;
+    U16x2 all = 0;
 #pragma unroll
     for (int i = 0; i < minima_chains; ++i) {
         all = all * 31 + values[i];
@@ -47,9 +47,9 @@ __global__ void minima_kernel(int rounds, Pair step, Pair nothing, Pair* out) {
 
 }  // namespace
 
-void take_minima(Minimum way, int blocks, int rounds, Pair step, Pair* out, cudaStream_t stream) {
+void take_minima(Minimum way, int blocks, int rounds, U16x2 step, U16x2* out, cudaStream_t stream) {
     const cuda::Shape shape{dim3(static_cast<unsigned>(blocks)), dim3(minima_threads)};
-    const Pair nothing = 0;
+    const U16x2 nothing = 0;
     switch (way) {
         case Minimum::as_integers:
             cuda::launch("minima", shape, stream, minima_kernel<Minimum::as_integers>, rounds, step, nothing, out);

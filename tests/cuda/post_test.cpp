@@ -5,7 +5,7 @@
 #include "kernels/cuda/memory.h"
 #include "kernels/cuda/steps.h"
 #include "tests/cuda/device_under_test.h"
-#include "tests/kernels/post_inputs.h"
+#include "tests/kernels/post/post_inputs.h"
 
 // The steps after matching, one by one, on what the CPU's kernels are tested with.
 namespace disparityd::test {
@@ -36,7 +36,7 @@ public:
 private:
     int width_;
     int height_;
-    cuda::ExchangeMemory memory_;
+    cuda::PinnedBuffer memory_;
 };
 
 cuda::Range on_device(DisparityRange range) {
@@ -61,9 +61,9 @@ TEST_F(CudaPost, LeftRightAndMedianEqualTheReference) {
         const cuda::Stream stream;
         const OnDevice<std::int16_t> in(checked), left_winner(left), right_winner(right);
         const OnDevice<std::int16_t> out(Disparities(size.width, size.height, 77));
-        cuda::filter({size.width, size.height, on_device(range), in.at(stream), left_winner.at(stream),
-                      right_winner.at(stream), check_left_right, side, out.at(stream)},
-                     stream.get());
+        cuda::left_right_median({size.width, size.height, on_device(range), in.at(stream), left_winner.at(stream),
+                                 right_winner.at(stream), check_left_right, side, out.at(stream)},
+                                stream.get());
 
         if (check_left_right) {
             reference::left_right(std::as_const(left).plane(), right.plane(), range, checked.plane(), checked.rows());
@@ -145,10 +145,10 @@ Finished finished(const ToFinish& from) {
     const OnDevice<std::int16_t> disparity(Disparities(width, height, 77));
     const OnDevice<std::uint8_t> confidence(Image<std::uint8_t>(width, height, 77));
     const OnDevice<std::uint16_t> depth(Image<std::uint16_t>(width, height, 77));
-    cuda::finish({width, height, on_device(from.range), from.interpolate, filtered.at(stream), right.at(stream),
-                  measured.at(stream), from.scale.k, from.scale.offset16, disparity.at(stream), confidence.at(stream),
-                  depth.at(stream)},
-                 stream.get());
+    cuda::interpolate_depth({width, height, on_device(from.range), from.interpolate, filtered.at(stream),
+                             right.at(stream), measured.at(stream), from.scale.k, from.scale.offset16,
+                             disparity.at(stream), confidence.at(stream), depth.at(stream)},
+                            stream.get());
     return {disparity.found(stream), confidence.found(stream), depth.found(stream)};
 }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/cuda/device_under_test.h"
-#include "tests/kernels/rectify_inputs.h"
+#include "tests/kernels/rectify/rectify_inputs.h"
 
 namespace disparityd::test {
 namespace {

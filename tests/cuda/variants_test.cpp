@@ -43,8 +43,8 @@ private:
     int width_;
     int height_;
     std::size_t pixels_ = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-    std::array<cuda::ExchangeMemory, 2> images_ = {{{pixels_, "an image"}, {pixels_, "an image"}}};
-    std::array<cuda::ExchangeMemory, 2> words_ = {{{8 * pixels_, "the words"}, {8 * pixels_, "the words"}}};
+    std::array<cuda::PinnedBuffer, 2> images_ = {{{pixels_, "an image"}, {pixels_, "an image"}}};
+    std::array<cuda::PinnedBuffer, 2> words_ = {{{8 * pixels_, "the words"}, {8 * pixels_, "the words"}}};
 
 public:
     cuda::Stream stream;
@@ -89,7 +89,7 @@ TEST_F(CudaVariants, EveryWayToTakeAMinimumGivesTheSame) {
     constexpr int rounds = 3;
     const auto found = [](Minimum way) {
         const cuda::Stream stream;
-        const cuda::ExchangeMemory out(minima_threads * sizeof(std::uint32_t), "minima");
+        const cuda::PinnedBuffer out(minima_threads * sizeof(std::uint32_t), "minima");
         take_minima(way, 1, rounds, 0x12341678, out.device<std::uint32_t>(), stream.get());
         out.to_host(stream);
         stream.wait("minima");

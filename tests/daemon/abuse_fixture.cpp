@@ -29,7 +29,7 @@ std::unique_ptr<DaemonProcess> AbuseTest::abuser(const std::string& manner, cons
 }
 
 void AbuseTest::run(const std::string& config, std::chrono::seconds duration) {
-    const auto daemon = start_ready(config, {"--set", "socket.client_queue=8"});
+    const auto daemon = start_ready(config, {"--set", "socket.client_queue=8", "--set", "socket.max_clients=96"});
     const std::string tcp = daemon->address("tcp:");
     const std::string local = daemon->address("unix:");
     WireClient good_tcp = subscriber(tcp, {v1::DISPARITY, v1::CONFIDENCE}, "good over tcp");
@@ -46,12 +46,18 @@ void AbuseTest::run(const std::string& config, std::chrono::seconds duration) {
     abusers.push_back(abuser("stop-reading", local));
     auto victim = abuser("read", tcp);
 
+    const std::string left_out = "lines of this kind left out before";
     std::uint64_t frames = 0;
     std::uint64_t killed = 0;
     double early_memory = 0;
     std::vector<std::uint64_t> last(2, 0);
     const auto begin = steady_clock::now();
-    while (steady_clock::now() - begin < duration) {
+    // As long as a slow machine needs for what is looked at below.
+    const auto all_was_tried = [&] {
+        return steady_clock::now() - begin >= duration && killed >= 3 && early_memory > 0 &&
+               daemon->log().find(left_out) != std::string::npos;
+    };
+    while (!all_was_tried() && steady_clock::now() - begin < duration + DaemonProcess::patience) {
         for (WireClient* client : {&good_tcp, &good_local}) {
             const auto message = client->receive_frame();
             ASSERT_TRUE(message) << daemon->log();
@@ -82,14 +88,14 @@ void AbuseTest::run(const std::string& config, std::chrono::seconds duration) {
     RecordProperty("frames", std::to_string(frames));
     RecordProperty("dropped", std::to_string(now.dropped()));
     const std::string log = daemon->log();
-    EXPECT_THAT(log, HasSubstr("lines of this kind left out before"));
+    EXPECT_THAT(log, HasSubstr(left_out));
     EXPECT_LT(log.size(), 1U << 20) << "the log is not bounded";
     for (const auto& process : abusers) {
         EXPECT_EQ(process->wait_for_exit(0ms), std::nullopt) << process->log();
     }
     abusers.clear();
     daemon->send_signal(SIGTERM);
-    EXPECT_EQ(daemon->wait_for_exit(2s), 0);
+    EXPECT_EQ(daemon->wait_for_exit(), 0);
 }
 
 }  // namespace disparityd::test

@@ -114,6 +114,17 @@ bool DaemonProcess::wait_until_ready(std::chrono::milliseconds timeout) {
     return false;
 }
 
+bool DaemonProcess::wait_for_line(const std::function<bool(const std::string&)>& wanted,
+                                  std::chrono::milliseconds timeout) {
+    const auto deadline = steady_clock::now() + timeout;
+    for (std::string line; read_line(line, deadline);) {
+        if (wanted(line)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 std::string DaemonProcess::address(const std::string& prefix) const {
     const auto found = std::find_if(addresses_.begin(), addresses_.end(),
                                     [&prefix](const std::string& candidate) { return candidate.starts_with(prefix); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The real daemon, from outside: what it serves, how it reloads, how it stops.
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -16,8 +17,10 @@
 namespace disparityd::test {
 namespace {
 
+using std::chrono::steady_clock;
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using namespace std::chrono_literals;
 
 using EndToEndTest = DaemonTest;
@@ -49,7 +52,14 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
     std::map<std::uint64_t, disparity::Frame> by_memory;
     std::map<std::uint64_t, disparity::Frame> by_tcp;
     std::map<std::uint64_t, disparity::Frame> by_unix;
-    for (int i = 0; i < 15; ++i) {
+    const auto on_all_ways = [&] {
+        return std::count_if(by_memory.begin(), by_memory.end(), [&](const auto& frame) {
+            return by_tcp.contains(frame.first) && by_unix.contains(frame.first);
+        });
+    };
+    // On a busy machine each reader misses frames of its own.
+    for (const auto end = steady_clock::now() + DaemonProcess::patience;
+         on_all_ways() < 5 && steady_clock::now() < end;) {
         disparity::Frame frame;
         ASSERT_EQ(memory.read(frame, 10s), disparity::ReadResult::frame);
         by_memory[frame.publish_index] = frame;
@@ -134,7 +144,7 @@ TEST_F(EndToEndTest, StopsCleanly) {
         ASSERT_EQ(stat(object.c_str(), &mode), 0);
         EXPECT_EQ(mode.st_mode & 0777, 0640U);
         daemon->send_signal(signal);
-        EXPECT_EQ(daemon->wait_for_exit(2s), 0) << daemon->log();
+        EXPECT_EQ(daemon->wait_for_exit(), 0) << daemon->log();
         EXPECT_TRUE(client.is_closed());
         EXPECT_FALSE(std::filesystem::exists(object));
         EXPECT_FALSE(std::filesystem::exists(folder_.path() + "/d.sock"));
@@ -265,7 +275,7 @@ TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
         }
         // Ended by the daemon's own end, the file must be whole.
         daemon->send_signal(SIGTERM);
-        EXPECT_EQ(daemon->wait_for_exit(5s), 0) << daemon->log();
+        EXPECT_EQ(daemon->wait_for_exit(), 0) << daemon->log();
     }
     const std::string replay = config_text(recording, 160, 88);
     {
@@ -281,7 +291,7 @@ TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
         EXPECT_EQ(now.dropped(), 0U);
         disparity::SharedMemoryReader memory(shared_memory_name());
         disparity::Frame frame;
-        EXPECT_EQ(memory.read(frame, 5s), disparity::ReadResult::frame);
+        EXPECT_EQ(memory.read(frame, DaemonProcess::patience), disparity::ReadResult::frame);
         // Frames that were under way when the source ended may still come.
         while ((now = status(client)).published() != frame.publish_index + 1) {
             memory.read(frame, 100ms);
@@ -311,22 +321,23 @@ TEST_F(EndToEndTest, ASourceThatEndsLeavesTheDaemonServing) {
 }
 
 TEST_F(EndToEndTest, StopsWhileTheSourceIsBeingPrepared) {
-    // Far more than this test may take, in large frames: the one at hand is not finished.
+    // More rows than any machine draws before the signal arrives: a daemon that finished them would serve.
     const auto daemon = start(config_text("scene:hd2k@15?loop=16"));
-    ASSERT_TRUE(daemon->wait_for_log("preparing scene:hd2k"));
-    EXPECT_FALSE(daemon->wait_until_ready(300ms)) << "too fast for this test";
+    ASSERT_TRUE(daemon->wait_for_log("preparing scene:hd2k")) << daemon->log();
     daemon->send_signal(SIGTERM);
-    const bool emulated = !std::string(DISPARITYD_EMULATOR).empty();
-    EXPECT_EQ(daemon->wait_for_exit(emulated ? 60s : 5s), 0) << daemon->log();
+    EXPECT_EQ(daemon->wait_for_exit(), 0) << daemon->log();
+    EXPECT_THAT(daemon->log(), HasSubstr("stopping: SIGTERM"));
+    EXPECT_THAT(daemon->log(), Not(HasSubstr("serving"))) << "the scene was drawn to its end";
 }
 
 TEST_F(EndToEndTest, RecordingsStayInsideTheirFolder) {
     const auto daemon = start_ready(config_text());
-    WireClient client(daemon->address("tcp:"));
+    WireClient client(daemon->address("unix:"));
     client.hello();
     folder_.write("there.mkv", "x");
-    for (const std::string path : {"../escape.mkv", "/tmp/escape.mkv", "", ".", "there.mkv", "no/such/folder.mkv",
-                                   "a\n00:00:00.000 error forged.mkv", "\x1b[31m.mkv"}) {
+    for (const std::string path :
+         {"../escape.mkv", "/tmp/escape.mkv", "", ".", "there.mkv", "no/such/folder.mkv", ".bash_profile", "-rf",
+          ".a.mkv", "-a.mkv", "a.txt", "a\n00:00:00.000 error forged.mkv", "\x1b[31m.mkv"}) {
         v1::Envelope request;
         request.mutable_record_start()->set_path(path);
         ASSERT_TRUE(client.send(request));

@@ -12,16 +12,16 @@ using testing::HasSubstr;
 constexpr std::size_t megabyte = 1'000'000;
 
 TEST(HugePages, TheChosenWord) {
-    EXPECT_EQ(chosen_word("always [madvise] never\n"), "madvise");
-    EXPECT_EQ(chosen_word("always madvise [never]\n"), "never");
+    EXPECT_EQ(daemon::chosen_word("always [madvise] never\n"), "madvise");
+    EXPECT_EQ(daemon::chosen_word("always madvise [never]\n"), "never");
     for (const char* text : {"", "always", "]x[", "[always"}) {
-        EXPECT_EQ(chosen_word(text), "") << text;
+        EXPECT_EQ(daemon::chosen_word(text), "") << text;
     }
 }
 
 TEST(HugePages, OnlyMappingsThatAskAreCounted) {
-    HugePages pages;
-    count_huge_pages(
+    daemon::HugePages pages;
+    daemon::count_huge_pages(
         "7f0000000000-7f0000800000 rw-p 00000000 00:00 0 \n"
         "Size:               8192 kB\nRss:                6144 kB\nPss:                6144 kB\n"
         "AnonHugePages:      4096 kB\nVmFlags: rd wr mr mw me ac hg sd \n"
@@ -35,17 +35,19 @@ TEST(HugePages, OnlyMappingsThatAskAreCounted) {
 }
 
 TEST(HugePages, ANoticeOnlyWhereSomethingIsMissing) {
-    EXPECT_EQ(huge_page_notice({"madvise", false, 200 * megabyte, 200 * megabyte}), "");
-    EXPECT_EQ(huge_page_notice({"madvise", false, 200 * megabyte, 190 * megabyte}), "");
-    EXPECT_EQ(huge_page_notice({"never", false, 0, 0}), "") << "nothing asks for them";
-    EXPECT_THAT(huge_page_notice({"", false, 0, 0}), HasSubstr("this kernel has none"));
-    EXPECT_THAT(huge_page_notice({"never", false, 200 * megabyte, 0}), HasSubstr("says never, allowed: madvise"));
-    EXPECT_THAT(huge_page_notice({"madvise", true, 200 * megabyte, 0}), HasSubstr("forbidden to this process"));
-    EXPECT_THAT(huge_page_notice({"always", false, 200 * megabyte, 20 * megabyte}), HasSubstr("for 20 of 200 MB"));
+    EXPECT_EQ(daemon::huge_page_notice({"madvise", false, 200 * megabyte, 200 * megabyte}), "");
+    EXPECT_EQ(daemon::huge_page_notice({"madvise", false, 200 * megabyte, 190 * megabyte}), "");
+    EXPECT_EQ(daemon::huge_page_notice({"never", false, 0, 0}), "") << "nothing asks for them";
+    EXPECT_THAT(daemon::huge_page_notice({"", false, 0, 0}), HasSubstr("this kernel has none"));
+    EXPECT_THAT(daemon::huge_page_notice({"never", false, 200 * megabyte, 0}),
+                HasSubstr("says never, allowed: madvise"));
+    EXPECT_THAT(daemon::huge_page_notice({"madvise", true, 200 * megabyte, 0}), HasSubstr("forbidden to this process"));
+    EXPECT_THAT(daemon::huge_page_notice({"always", false, 200 * megabyte, 20 * megabyte}),
+                HasSubstr("for 20 of 200 MB"));
 }
 
 TEST(HugePages, ThisProcessCanBeLookedAt) {
-    const HugePages pages = huge_pages();
+    const daemon::HugePages pages = daemon::huge_pages();
     EXPECT_LE(pages.got, pages.wanted);
 }
 

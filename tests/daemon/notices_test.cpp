@@ -49,12 +49,36 @@ TEST_F(NoticesTest, NoHugePages) {
     EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("no huge pages")));
 }
 
+// A rendered scene must not be taken for what a camera sees: not live, not as a recording of it.
+TEST_F(NoticesTest, ASceneIsToldAsSynthetic) {
+    const auto expect_synthetic = [this](const DaemonProcess& daemon) {
+        WireClient client = subscriber(daemon.address("tcp:"), {v1::DISPARITY});
+        const auto frame = client.receive_frame();
+        ASSERT_TRUE(frame);
+        EXPECT_NE(frame->envelope.frame().flags() & v1::SYNTHETIC, 0U);
+        EXPECT_TRUE(status(client).synthetic());
+        EXPECT_THAT(status(client).notices(), Contains(HasSubstr("synthetic")));
+        EXPECT_TRUE(daemon.wait_for_log("the frames are synthetic, no camera saw them"));
+    };
+    {
+        const auto daemon = start_ready(config_text());
+        expect_synthetic(*daemon);
+        WireClient recorder(daemon->address("unix:"));
+        recorder.hello();
+        ASSERT_TRUE(recorder.record("drawn.mkv"));
+        while (status(recorder).record().frames() == 0) {
+        }
+        EXPECT_TRUE(recorder.record(""));
+    }
+    expect_synthetic(*start_ready(config_text(folder_.path() + "/drawn.mkv"), {"--set", "source.loop=true"}));
+}
+
 // A disk that is too slow and frames that come too fast are the same to a recorder: its buffers are full.
 TEST_F(NoticesTest, ARecordingThatLosesFramesSaysSoOnceAndIsValid) {
     const std::string slow = "slow.mkv: frames come faster than they can be written and are lost: record to a faster";
     {
         const auto daemon = start_ready(config_text("scene:hd720@1000?loop=2"));
-        WireClient client(daemon->address("tcp:"));
+        WireClient client(daemon->address("unix:"));
         client.hello();
         ASSERT_TRUE(client.record("slow.mkv"));
         EXPECT_TRUE(daemon->wait_for_log(slow)) << daemon->log();

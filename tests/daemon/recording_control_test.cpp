@@ -1,91 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/recording_control.h"
-
+#include <atomic>
 #include <filesystem>
 #include <future>
-#include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
-#include "tests/capture/file_size_limit.h"
-#include "tests/capture/record_fixture.h"
+#include "tests/capture/recording/file_size_limit.h"
+#include "tests/daemon/recording_fixture.h"
 
-namespace disparityd {
+namespace disparityd::test {
 namespace {
 
-using capture::test::make_frame;
-using capture::test::make_info;
 using ::testing::HasSubstr;
 
-struct Answered {
-    v1::RecordStatus status;
-    std::string refusal;
-};
-
-/// One that has not been answered yet may be waited for.
-class Request {
-public:
-    RecordingControl::Answer answer() {
-        return [promise = promise_](const v1::RecordStatus& status, const std::string& refusal) {
-            promise->set_value({status, refusal});
-        };
-    }
-
-    Answered wait() { return answered_.get(); }
-
-private:
-    std::shared_ptr<std::promise<Answered>> promise_ = std::make_shared<std::promise<Answered>>();
-    std::future<Answered> answered_ = promise_->get_future();
-};
-
-class RecordingControlTest : public ::testing::Test {
-protected:
-    RecordingControlTest() {
-        control_.configure(true, folder_.path());
-        control_.set_source(info_, "");
-    }
-
-    Answered start(const std::string& path) {
-        Request request;
-        control_.start(path, request.answer());
-        return request.wait();
-    }
-
-    Answered stop() {
-        Request request;
-        control_.stop(request.answer());
-        return request.wait();
-    }
-
-    void offer(int frames) {
-        for (int i = 0; i < frames; ++i) {
-            control_.offer(make_frame(info_, i).frame);
-        }
-    }
-
-    /// The worker is busy with an answer until the promise is kept.
-    std::promise<void> hold_worker() {
-        std::promise<void> go_on;
-        const auto held = std::make_shared<std::promise<void>>();
-        control_.start("", [held, released = go_on.get_future().share()](const auto&, const auto&) {
-            held->set_value();
-            released.wait();
-        });
-        held->get_future().wait();
-        return go_on;
-    }
-
-    std::uintmax_t size_of(const std::string& name) const {
-        return std::filesystem::file_size(folder_.path() + "/" + name);
-    }
-
-    capture::test::TemporaryFolder folder_;
-    capture::SourceInfo info_ = make_info(PixelFormat::grey8, 16, 8);
-    RecordingControl control_;
-};
+using RecordingControlTest = RecordingTest;
 
 TEST_F(RecordingControlTest, StartsAndStops) {
     EXPECT_THAT(stop().refusal, HasSubstr("nothing is being recorded"));
@@ -125,7 +56,7 @@ TEST_F(RecordingControlTest, TheNextOneStartsWhenTheLastIsFinished) {
     offer(2);
     std::promise<void> go_on = hold_worker();
     Request started;
-    control_.start("b.mkv", started.answer());
+    control_.start({"b.mkv"}, started.answer());
     control_.set_source(info_, "another configuration");
     go_on.set_value();
     const Answered second = started.wait();
@@ -156,6 +87,55 @@ TEST_F(RecordingControlTest, OneThatHasFailedIsFinishedAndTheNextOneCanStart) {
     EXPECT_EQ(start("b.mkv").refusal, "");
 }
 
+TEST_F(RecordingControlTest, NamesAreThoseOfRecordings) {
+    for (const std::string name : {".bash_profile", "-rf", ".a.mkv", "-a.mkv", "_a.mkv", " a.mkv", "sub/.a.mkv",
+                                   ".sub/a.mkv", "a", "a.txt", "a.mkv.txt", "a.MKV", ".mkv", "mkv", "a.mkv/"}) {
+        EXPECT_THAT(start(name).refusal, HasSubstr("allowed: a new file in " + folder_.path())) << name;
+    }
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+    std::filesystem::create_directory(folder_.path() + "/2026");
+    for (const std::string name : {"2026/a.mkv", "\xc3\xa4.mkv", "./7.mkv"}) {
+        EXPECT_EQ(start(name).refusal, "") << name;
+        offer(1);
+        EXPECT_EQ(stop().refusal, "");
+    }
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() + "/2026/a.mkv"));
+}
+
+TEST_F(RecordingControlTest, AFolderThatNobodyHasChosenIsForItsOwner) {
+    rules_.directory_is_chosen = false;
+    control_.configure(rules_);
+    EXPECT_THAT(start("a.mkv").refusal, HasSubstr("[record] directory"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+    Request request;
+    control_.start({"a.mkv", true}, request.answer());
+    EXPECT_EQ(request.wait().refusal, "");
+}
+
+TEST_F(RecordingControlTest, RecordingsMayEndWhileAFrameIsCopied) {
+    std::atomic<bool> done{false};
+    std::thread capture([&] {
+        while (!done) {
+            offer(1);
+        }
+    });
+    for (int i = 0; i < 4; ++i) {
+        const std::string name = std::to_string(i) + ".mkv";
+        EXPECT_EQ(start(name).refusal, "");
+        while (control_.status().active() && control_.status().frames() == 0) {
+            std::this_thread::yield();
+        }
+        control_.set_source(info_, "another configuration");
+        control_.wait();
+        const v1::RecordStatus end = control_.status();
+        EXPECT_FALSE(end.active());
+        EXPECT_EQ(end.error(), "another configuration");
+        EXPECT_EQ(capture::test::replay(folder_.path() + "/" + name).frames.size(), end.frames());
+    }
+    done = true;
+    capture.join();
+}
+
 TEST_F(RecordingControlTest, CanBeWaitedFor) {
     ASSERT_EQ(start("a.mkv").refusal, "");
     offer(2);
@@ -167,4 +147,4 @@ TEST_F(RecordingControlTest, CanBeWaitedFor) {
 }
 
 }  // namespace
-}  // namespace disparityd
+}  // namespace disparityd::test

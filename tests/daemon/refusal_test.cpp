@@ -2,10 +2,14 @@
 //
 // What the real daemon refuses at start, each with one clear line and the right exit status; and what it copes with.
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 
 #include <gmock/gmock.h>
+#include <sys/socket.h>
+#include <sys/un.h>
 
 #include "tests/daemon/daemon_fixture.h"
 
@@ -136,6 +140,28 @@ TEST_F(RefusalTest, HelpAndVersion) {
     DaemonProcess version(folder_, {"--version"});
     EXPECT_EQ(version.wait_for_exit(), 0);
     EXPECT_THAT(version.output(), StartsWith("disparityd "));
+}
+
+// Its backlog is full, so a connection would wait for it for ever.
+TEST_F(RefusalTest, ASocketThatAcceptsNobodyIsRefusedToo) {
+    const std::string path = folder_.path() + "/d.sock";
+    sockaddr_un name{};
+    name.sun_family = AF_UNIX;
+    std::strncpy(name.sun_path, path.c_str(), sizeof name.sun_path - 1);
+    const auto* address = reinterpret_cast<const sockaddr*>(&name);
+    const int listener = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    ASSERT_EQ(bind(listener, address, sizeof name), 0);
+    ASSERT_EQ(listen(listener, 0), 0);
+    std::vector<int> waiting;
+    do {
+        waiting.push_back(socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    } while (connect(waiting.back(), address, sizeof name) == 0);
+    EXPECT_EQ(errno, EAGAIN);
+    expect_refusal(config_text(), {}, 1, {"cannot serve at unix:" + path, "Address already in use", "[socket] unix"});
+    for (const int end : waiting) {
+        close(end);
+    }
+    close(listener);
 }
 
 }  // namespace

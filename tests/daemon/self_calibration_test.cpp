@@ -8,9 +8,9 @@
 
 #include <gmock/gmock.h>
 
-#include "capture/calibration_correction.h"
+#include "calibration/calibration_correction.h"
 #include "capture/frame_source.h"
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 #include "tests/daemon/daemon_fixture.h"
 
 namespace disparityd::test {

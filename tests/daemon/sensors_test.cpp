@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/frame_source.h"
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "tests/daemon/daemon_fixture.h"
 
@@ -54,7 +54,7 @@ TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
     disparity::Subscription subscription;
     subscription.sensors = true;
     listener.subscribe(subscription);
-    WireClient recorder(daemon->address("tcp:"));
+    WireClient recorder(daemon->address("unix:"));
     recorder.hello();
     ASSERT_TRUE(recorder.record("again.mkv"));
     std::int64_t last = -1;

@@ -23,19 +23,19 @@ protected:
 
     /// Plays one frame with so many threads to be had.
     std::string failure(int threads) {
-        Config config;
+        daemon::Config config;
         config.source.uri = folder_.file("left%d.pgm") + "," + folder_.file("right%d.pgm");
         config.match.backend = "cpu";
         config.pipeline.workers = 2;
         config.socket.tcp = "127.0.0.1:0";
         config.socket.unix_path = folder_.file("socket");
         config.shared_memory.name = "thread-failure-test-" + std::to_string(getpid());
-        config.log.level = LogLevel::error;
+        config.log.level = daemon::LogLevel::error;
         test::allow_threads(threads);
         try {
-            DaemonOptions options;
+            daemon::DaemonOptions options;
             options.exit_at_end = true;
-            Daemon daemon(options, config);
+            daemon::Daemon daemon(options, config);
             return daemon.run() ? "none" : "the source failed";
         } catch (const std::runtime_error& error) {
             return error.what();

@@ -12,7 +12,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 
 namespace {
 
@@ -57,7 +57,7 @@ void record(const char* left_path, const char* right_path, const char* calibrati
     info.eye_width = left.cols;
     info.height = left.rows;
     info.rate = 15;
-    info.calibration = capture::read_calibration(calibration, left.cols, left.rows);
+    info.calibration = calibration::read_calibration(calibration, left.cols, left.rows);
     capture::RecordingWriter writer(out, info);
     for (int i = 0; i < frames; ++i) {
         const std::vector<std::uint8_t> pixels = side_by_side(left, right, i);

@@ -18,7 +18,7 @@ Contestants lined_up(const std::vector<std::string>& words) {
     check_contestants(words);
     std::map<std::string, MatchOptions> options;
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-        options["cpu/" + std::string(name(method))] = default_options(method, {0, 16});
+        options["cpu/" + std::string(to_string(method))] = default_options(method, {0, 16});
     }
     return line_up(render(64, 48, 16), {words, parse_instruction_sets("best"), {1}}, options, pools);
 }

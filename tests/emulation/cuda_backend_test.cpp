@@ -18,7 +18,7 @@ TEST(EmulatedCuda, OrderAndUnwrittenMemoryDoNotMatter) {
         const Result expected = result_of("reference", pair, options);
         for (int n = 0; n < 6; n += all_rounds ? 1 : 4) {
             const Variation variation(n);
-            ASSERT_EQ(result_of("cuda", pair, options), expected) << name(method) << ", settings " << n;
+            ASSERT_EQ(result_of("cuda", pair, options), expected) << to_string(method) << ", settings " << n;
         }
     }
 }

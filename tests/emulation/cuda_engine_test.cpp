@@ -18,11 +18,11 @@ using testing::HasSubstr;
 
 constexpr std::size_t frames = 8;
 
-Config config_for(const std::string& backend) {
-    Config config;
+daemon::Config config_for(const std::string& backend) {
+    daemon::Config config;
     config.source.uri = "scene:vga@15?width=64&height=40&loop=3&frames=8";
     config.source.pace = capture::Pace::fastest;
-    config.source.policy = PolicyChoice::replay;
+    config.source.policy = daemon::PolicyChoice::replay;
     config.match.backend = backend;
     config.match.options = default_options(Method::census, {0, 16});
     config.pipeline.workers = 1;
@@ -36,12 +36,12 @@ struct Outcome {
 };
 
 Outcome outcome_of(const std::string& backend) {
-    Engine engine(config_for(backend), {}, [](int, int) {});
+    daemon::Engine engine(config_for(backend), {}, [](int, int) {});
     Outcome outcome;
     engine.fill(outcome.before);
     std::mutex mutex;
     std::condition_variable arrived;
-    const auto keep = [&](const PublishedFrame& frame) {
+    const auto keep = [&](const daemon::PublishedFrame& frame) {
         const std::lock_guard lock(mutex);
         outcome.numbers.push_back(frame.info.sequence);
         std::vector<std::uint8_t>& bytes = outcome.disparities.emplace_back();
@@ -77,7 +77,7 @@ TEST(EmulatedCudaEngine, StatusNamesTheSubstituteWhereTheDeviceHasTooLittleMemor
     simt::Machine small;
     small.memory = 10000;
     const WithMachine machine(small);
-    const Engine engine(config_for("auto"), {}, [](int, int) {});
+    const daemon::Engine engine(config_for("auto"), {}, [](int, int) {});
     v1::Status status;
     engine.fill(status);
     EXPECT_EQ(status.backend(), "cpu");

@@ -126,8 +126,8 @@ TEST(EmulatedCudaErrors, AllMemoryIsReturnedAndNoneTakenPerFrame) {
         const std::size_t configured = simt::allocated_bytes();
         EXPECT_GT(configured, before);
         Frame frame(*matcher, noise(random, 40, 30), noise(random, 40, 30));
-        match(*matcher, frame.view, serial);
-        match(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
         EXPECT_EQ(simt::allocated_bytes(), configured);
     }
     EXPECT_EQ(simt::allocated_bytes(), before);
@@ -141,17 +141,17 @@ TEST(EmulatedCudaErrors, ADeviceLostInMidFrame) {
     for (int operations = 0; operations < 12; operations += all_rounds ? 1 : 5) {
         const auto matcher = backend("cuda").create({20, 15, default_options(Method::sgm, {0, 16})});
         Frame frame(*matcher, noise(random, 20, 15), noise(random, 20, 15));
-        match(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
         simt::Machine failing;
         failing.operations_until_lost = operations;
         const WithMachine machine(failing);
         try {
-            match(*matcher, frame.view, serial);
+            match_pair(*matcher, frame.view, serial);
             FAIL() << "lost after " << operations << " operations";
         } catch (const std::runtime_error& error) {
             EXPECT_THAT(error.what(), AllOf(HasSubstr("CUDA"), HasSubstr("launch failure")));
         }
-        EXPECT_THROW(match(*matcher, frame.view, serial), std::runtime_error);
+        EXPECT_THROW(match_pair(*matcher, frame.view, serial), std::runtime_error);
     }
     EXPECT_EQ(simt::allocated_bytes(), before);
 }
@@ -173,8 +173,8 @@ TEST(EmulatedCudaErrors, WithAutoTheProcessorGoesOnWhereTheDeviceIsLost) {
         for (int i = 0; i < 5; ++i) {
             Frame frame(*matcher, noise(random, 20, 15), noise(random, 20, 15));
             Frame expected(*reference, frame.left, frame.right);
-            match(*matcher, frame.view, serial);
-            match(*reference, expected.view, serial);
+            match_pair(*matcher, frame.view, serial);
+            match_pair(*reference, expected.view, serial);
             EXPECT_EQ(frame.disparity.pixels(), expected.disparity.pixels()) << "frame " << i;
             EXPECT_EQ(frame.depth.pixels(), expected.depth.pixels());
         }

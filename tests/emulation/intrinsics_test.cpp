@@ -106,7 +106,7 @@ TEST(Intrinsics, MinimumOfF16FollowsItsSpecification) {
 TEST(Packed, HalfPrecisionOrdersSmallIntegersAsTheyAre) {
     for (unsigned bits = 0; bits + 1 < 0x7c00; ++bits) {
         ASSERT_LT(value_of_f16(bits), value_of_f16(bits + 1)) << bits;
-        ASSERT_EQ(cuda::lesser_as_f16(bits | (bits + 1) << 16, (bits + 1) | bits << 16), bits * 0x10001);
+        ASSERT_EQ(cuda::min_u16x2_as_f16(bits | (bits + 1) << 16, (bits + 1) | bits << 16), bits * 0x10001);
     }
     // Idle candidates with a penalty, and the largest cost there is.
     EXPECT_LT((cuda::unreachable | 0xff) + 193 + 7 * 255, 0x7c00U);

@@ -454,7 +454,7 @@ Settings& settings() {
 
 void run(Dim3 grid, Dim3 block, std::size_t dynamic_shared_bytes, const std::function<void()>& kernel) {
     const std::size_t threads = std::size_t{block.x} * block.y * block.z;
-    if (threads == 0 || threads > most_threads || std::size_t{grid.x} * grid.y * grid.z == 0) {
+    if (threads == 0 || threads > max_threads || std::size_t{grid.x} * grid.y * grid.z == 0) {
         throw BrokenKernel("a launch of " + text(grid) + " blocks of " + text(block) + " threads");
     }
     Residents(grid, block, dynamic_shared_bytes, kernel).run();

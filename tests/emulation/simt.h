@@ -13,7 +13,7 @@
 namespace disparityd::simt {
 
 constexpr int warp_lanes = 32;
-constexpr int most_threads = 1024;  // of a block
+constexpr int max_threads = 1024;  // of a block
 
 struct Dim3 {
     unsigned x, y, z;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <numeric>
+#include <ostream>
 #include <set>
 #include <string>
 #include <vector>
@@ -9,6 +10,16 @@
 #include <gtest/gtest.h>
 
 #include "tests/emulation/with_settings.h"
+
+namespace disparityd::simt {
+
+// What ctest lists; found by GoogleTest in the namespace of the type.
+static void PrintTo(Order order, std::ostream* out) {
+    constexpr std::array names = {"ascending", "descending", "shuffled"};
+    *out << names[static_cast<std::size_t>(order)];
+}
+
+}  // namespace disparityd::simt
 
 namespace disparityd::test {
 namespace {
@@ -142,8 +153,7 @@ TEST_P(EveryOrder, AtomicsReturnWhatWasThere) {
 }
 
 std::string name_of(const testing::TestParamInfo<Order>& instance) {
-    constexpr std::array names = {"ascending", "descending", "shuffled"};
-    return names[static_cast<std::size_t>(instance.param)];
+    return testing::PrintToString(instance.param);
 }
 
 INSTANTIATE_TEST_SUITE_P(Simt, EveryOrder, testing::Values(Order::ascending, Order::descending, Order::shuffled),

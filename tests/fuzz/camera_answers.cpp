@@ -10,8 +10,8 @@
 #include <linux/uvcvideo.h>
 #include <linux/videodev2.h>
 
-#include "capture/camera_controls.h"
-#include "capture/zed_extension.h"
+#include "capture/camera/camera_controls.h"
+#include "capture/camera/zed_extension.h"
 #include "tests/fuzz/outcome.h"
 
 using namespace disparityd;
@@ -28,12 +28,12 @@ public:
     void close(int) override {}
     void* map(int, std::size_t, std::int64_t) override { return nullptr; }
     void unmap(void*, std::size_t) override {}
-    Wakening wait(int, capture::Waker&, std::chrono::steady_clock::time_point) override { return {}; }
+    base::Wakening wait(int, base::Waker&, std::chrono::steady_clock::time_point) override { return {}; }
     int reset_usb(int, int) override { return EIO; }
     std::chrono::steady_clock::time_point now() override { return {}; }
     std::int64_t realtime_ns() override { return 0; }
 
-    int control(int, unsigned long request, void* argument) override {
+    int ioctl(int, unsigned long request, void* argument) override {
         if (request == UVCIOC_CTRL_QUERY) {
             const auto& query = *static_cast<const uvc_xu_control_query*>(argument);
             if (query.query != UVC_SET_CUR) {

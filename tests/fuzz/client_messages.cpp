@@ -5,8 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "daemon/client_session.h"
-#include "tests/daemon/frame_feed.h"
+#include "daemon/socket/client_session.h"
+#include "tests/daemon/socket/pattern_frames.h"
 #include "tests/fuzz/outcome.h"
 
 using namespace disparityd;
@@ -14,26 +14,28 @@ using namespace disparityd;
 namespace {
 
 /// A daemon that grants everything.
-class Host final : public SessionHost {
+class Host final : public daemon::SessionHost {
 public:
     /// What it does, it does in `loop`, so that the same input always takes the same way.
     explicit Host(boost::asio::io_context& loop) : compressor_(loop, loop.get_executor()) {
         ring_.put(pool_.copy(feed_.next(), ~0U));
     }
 
-    const StreamLayout& layout() const override { return feed_.layout(); }
-    FrameRing& frames() override { return ring_; }
-    FrameCompressor& compressor() override { return compressor_; }
-    const SensorRing& sensors() override { return samples_; }
-    ClientLog& log() override { return log_; }
+    const daemon::StreamLayout& layout() const override { return feed_.layout(); }
+    daemon::FrameRing& frames() override { return ring_; }
+    daemon::FrameCompressor& compressor() override { return compressor_; }
+    const daemon::SensorRing& sensors() override { return samples_; }
+    daemon::ClientLog& log() override { return log_; }
     v1::Status status() override { return {}; }
-    void start_recording(const std::string& path, RecordAnswer answer) override {
-        answer({}, path.empty() ? "record: no path" : "");
+    const daemon::ClientRules& rules() const override { return rules_; }
+    bool is_recording_for(std::uint64_t) const override { return false; }
+    void start_recording(const daemon::RecordRequest& request, RecordAnswer answer) override {
+        answer({}, request.path.empty() ? "record: no path" : "");
     }
     void stop_recording(RecordAnswer answer) override { answer({}, ""); }
     void control_camera(const v1::CameraRequest&, CameraAnswer answer) override { answer({}, ""); }
     void subscription_changed() override {}
-    void closed(std::uint64_t) override { closed_ = true; }
+    void closed(std::uint64_t) noexcept override { closed_ = true; }
 
     void publish() {
         ring_.put(pool_.copy(feed_.next(), ~0U));
@@ -42,12 +44,14 @@ public:
     bool is_closed() const { return closed_; }
 
 private:
-    test::FrameFeed feed_{8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT}};
-    FramePool pool_{feed_.layout(), 4};
-    FrameRing ring_{2};
-    FrameCompressor compressor_;
-    SensorRing samples_;
-    ClientLog log_;
+    test::PatternFrames feed_{8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT}};
+    daemon::FramePool pool_{feed_.layout(), 4};
+    daemon::FrameRing ring_{2};
+    daemon::FrameCompressor compressor_;
+    daemon::SensorRing samples_;
+    daemon::ClientLog log_;
+    // Without a pause between messages.
+    daemon::ClientRules rules_{"", {}, {}, {}};
     bool closed_ = false;
 };
 
@@ -63,8 +67,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) == 0, "socketpair");
     boost::asio::io_context loop;
     Host host(loop);
-    const auto session = std::make_shared<ClientSession>(
-        ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]), "fuzz", 1, host);
+    const auto session = std::make_shared<daemon::ClientSession>(
+        daemon::ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]),
+        daemon::ClientPeer{"fuzz", true, ::geteuid()}, 1, host);
     session->start();
     std::size_t sent = 0;
     // Until the session has read all and has nothing to do; what it answers is thrown away.
@@ -81,6 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     session->frame_arrived();
     session->sensors_arrived();
     session->layout_changed();
+    session->watch();
     loop.poll();
     session->status();
     ::close(ends[1]);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the user types: a configuration in TOML, or a single word such as a source, an override or controls of a camera.
-#include "capture/camera_controls.h"
-#include "capture/camera_uri.h"
-#include "capture/scene_options.h"
-#include "daemon/config.h"
+#include "capture/camera/camera_controls.h"
+#include "capture/camera/camera_uri.h"
+#include "capture/scene/scene_options.h"
+#include "daemon/config/config.h"
 #include "tests/fuzz/outcome.h"
 
 using namespace disparityd;
@@ -35,13 +35,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     constexpr std::string_view controls = "controls ";
     if (text.starts_with(set)) {
         const std::string word = text.substr(set.size());
-        fuzz::accepted("--set ", [&] { parse_config("", "file", {parse_override(word)}); });
+        fuzz::accepted("--set ", [&] { daemon::parse_config("", "file", {daemon::parse_override(word)}); });
     } else if (text.starts_with(controls)) {
         fuzz::accepted("where: ", [&] { capture::parse_camera_settings(text.substr(controls.size()), "where"); });
     } else if (text.starts_with("v4l2:") || text.starts_with("scene:")) {
         read_source(text);
     } else {
-        fuzz::accepted("file", [&] { read_source(parse_config(text, "file").source.uri); });
+        fuzz::accepted("file", [&] { read_source(daemon::parse_config(text, "file").source.uri); });
     }
     return 0;
 }

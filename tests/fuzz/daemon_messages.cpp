@@ -28,7 +28,7 @@ void read_shared_memory(const std::uint8_t* data, std::size_t size) {
     fuzz::accepted<std::runtime_error>("shared memory " + object, [&] {
         proto::ShmReader reader(name);
         std::vector<std::uint8_t> plane;
-        proto::ShmFrame frame{};
+        proto::FrameInfo frame{};
         reader.read(
             frame,
             [&](const proto::ShmPlane& wanted) {

@@ -4,9 +4,9 @@
 // segment lies, the calibration as text.
 #include <array>
 
-#include "calibration/correction_file.h"
-#include "capture/recording_format.h"
-#include "capture/recording_segment.h"
+#include "calibration/online/correction_file.h"
+#include "capture/recording/recording_format.h"
+#include "capture/recording/recording_segment.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/outcome.h"
 #include "tests/fuzz/rectify.h"
@@ -18,8 +18,8 @@ namespace {
 
 constexpr int largest_maps = 128;  // pixels of a side; larger ones would only take longer
 
-capture::StereoCalibration known_calibration() {
-    capture::StereoCalibration calibration;
+calibration::StereoCalibration known_calibration() {
+    calibration::StereoCalibration calibration;
     calibration.width = 64;
     calibration.height = 48;
     calibration.left = calibration.right = {60, 60, 31.5, 23.5, {}};
@@ -52,7 +52,7 @@ void read_segment(std::span<const std::uint8_t> bytes) {
 
 void read_calibration(const std::string& text) {
     fuzz::accepted("calibration", [&] {
-        const capture::StereoCalibration calibration = capture::calibration_from_text(text, "input");
+        const calibration::StereoCalibration calibration = calibration::calibration_from_text(text, "input");
         fuzz::expect_same_after_text(calibration);
         if (calibration.width <= largest_maps && calibration.height <= largest_maps) {
             fuzz::rectify(calibration, "input");

@@ -3,8 +3,8 @@
 // HID reports of a camera's sensors, and what a recording keeps of them.
 #include <cmath>
 
-#include "capture/recording_sensors.h"
-#include "capture/sensor_report.h"
+#include "capture/recording/recording_sensors.h"
+#include "capture/sensors/sensor_report.h"
 #include "tests/fuzz/outcome.h"
 
 using namespace disparityd;

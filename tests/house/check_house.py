@@ -3,6 +3,7 @@
 
 Usage: check_house.py [ROOT]. Prints each violation as FILE:LINE: text; exit status 1 if there is one.
 """
+import collections
 import pathlib
 import re
 import subprocess
@@ -16,19 +17,26 @@ SOURCES = {".h", ".hpp", ".c", ".cpp", ".cu", ".py", ".sh", ".cmake"}
 
 # What a folder may include besides itself.
 ARROWS = {
+    "base": set(),
     "kernels": set(),
     "proto": set(),
-    "capture": {"kernels"},
-    "calibration": {"kernels", "capture"},
-    "pipeline": {"kernels", "capture"},
+    "calibration": {"base", "kernels"},
+    "capture": {"base", "calibration", "kernels"},
+    "pipeline": {"base", "calibration", "capture", "kernels"},
     "clients": {"proto"},
-    "daemon": {"kernels", "capture", "calibration", "pipeline", "proto"},
-    "tools": {"kernels", "capture", "calibration", "pipeline", "proto", "clients"},
+    "daemon": {"base", "kernels", "capture", "calibration", "pipeline", "proto"},
+    "tools": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
-# The only headers of capture that the pipeline may know.
-PIPELINE_SEES = {"capture/frame_source.h", "capture/rectification.h", "capture/rectification_schedule.h",
-                 "capture/start_thread.h", "capture/calibration.h"}
+# The only header of capture that the pipeline may know.
+PIPELINE_SEES = {"capture/frame_source.h"}
+# The folders of capture/ that are kinds of sources, and which of the others each may know.
+KINDS = {"camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
+         "usb": set()}
+# The one file of capture/ itself that knows the kinds.
+KNOWS_KINDS = "capture/source_table.cpp"
+MAX_FILES = 40
+VAGUE_NAMES = {"utils", "util", "helpers", "helper", "common", "misc"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -88,14 +96,53 @@ def check_arrows(name, lines):
     return found
 
 
-def violations(root):
+def check_kinds(name, lines):
+    """Only the table of sources knows the kinds; a kind knows the contract of capture/ and few of its neighbours."""
+    parts = name.split("/")
+    if parts[0] != "capture" or pathlib.Path(name).suffix not in {".h", ".cpp"} or name == KNOWS_KINDS:
+        return []
+    kind = parts[1] if len(parts) > 2 else None
+    allowed = KINDS.get(kind, set()) | {kind}
     found = []
-    for name in project_files(root):
+    for number, line in enumerate(lines, 1):
+        match = INCLUDE.match(line)
+        target = match.group(1).split("/") if match else []
+        if len(target) > 2 and target[0] == "capture" and target[1] in KINDS and target[1] not in allowed:
+            found.append(f"{name}:{number}: includes {match.group(1)}; "
+                         + (f"capture/{kind} may know {', '.join(sorted(allowed - {kind})) or 'no other kind'}" if kind
+                            else f"kinds of sources are known to {KNOWS_KINDS} alone"))
+    return found
+
+
+def check_name(name):
+    stem = pathlib.Path(name).stem.lower()
+    if stem in VAGUE_NAMES or set(pathlib.Path(name).parent.parts) & VAGUE_NAMES:
+        return [f"{name}:1: '{stem}' says nothing of what is inside: name the one idea of the file"]
+    return []
+
+
+def check_folders(names):
+    """A folder with many files and no sub-folders hides its architecture."""
+    files, split = collections.Counter(), set()
+    for name in names:
+        path = pathlib.PurePath(name)
+        if path.suffix in SOURCES:
+            files[path.parent] += 1
+            split.add(path.parent.parent)
+    return [f"{folder}:1: {count} source files, allowed {MAX_FILES} in a folder without sub-folders"
+            for folder, count in sorted(files.items()) if count > MAX_FILES and folder not in split]
+
+
+def violations(root):
+    names = project_files(root)
+    found = check_folders(names)
+    for name in names:
+        found += check_name(name)
         try:
             lines = (root / name).read_text(encoding="utf-8").splitlines()
         except UnicodeDecodeError:
             continue
-        for check in (check_licence, check_size, check_arrows):
+        for check in (check_licence, check_size, check_arrows, check_kinds):
             found += check(name, lines)
     return found
 

@@ -36,11 +36,32 @@ class CheckHouse(unittest.TestCase):
     def test_finds_includes_against_the_arrows(self):
         for name, header in [("kernels/a.cpp", "pipeline/pipeline.h"), ("kernels/cuda/a.cu", "pipeline/pipeline.h"), ("kernels/a.cpp", "opencv2/core.hpp"),
                              ("proto/a.cpp", "kernels/image.h"), ("clients/cpp/a.cpp", "kernels/image.h"),
-                             ("pipeline/a.cpp", "daemon/config.h"), ("pipeline/a.cpp", "capture/recorder.h"),
-                             ("tools/ctl/a.cpp", "daemon/config.h"), ("calibration/a.cpp", "pipeline/pipeline.h"),
-                             ("capture/a.cpp", "calibration/patch.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
+                             ("pipeline/a.cpp", "daemon/config/config.h"), ("pipeline/a.cpp", "capture/recording/recorder.h"),
+                             ("base/a.cpp", "kernels/image.h"), ("calibration/a.cpp", "capture/frame_source.h"),
+                             ("tools/ctl/a.cpp", "daemon/config/config.h"), ("calibration/a.cpp", "pipeline/pipeline.h"),
+                             ("capture/a.cpp", "pipeline/pipeline.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
             with self.subTest(name=name, header=header):
                 self.assertEqual(len(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'})), 1)
+
+    def test_finds_kinds_of_sources_where_they_are_not_known(self):
+        for name, header in [("capture/frame_source.cpp", "capture/scene/scene_render.h"),
+                             ("capture/usb/a.cpp", "capture/camera/video_system.h"),
+                             ("capture/recording/a.cpp", "capture/images/image_files.h")]:
+            with self.subTest(name=name, header=header):
+                self.assertEqual(len(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'})), 1)
+        for name, header in [("capture/source_table.cpp", "capture/scene/scene_render.h"),
+                             ("capture/camera/a.cpp", "capture/usb/sysfs.h"),
+                             ("capture/scene/a.cpp", "capture/scene/b.h")]:
+            with self.subTest(name=name, header=header):
+                self.assertEqual(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'}), [])
+
+    def test_finds_names_that_say_nothing(self):
+        self.assertEqual(len(self.found_in({"daemon/utils.h": SPDX_LINE, "tools/common/a.h": SPDX_LINE})), 2)
+
+    def test_finds_folders_with_too_many_files(self):
+        many = {f"proto/f{i}.h": SPDX_LINE for i in range(check_house.MAX_FILES + 1)}
+        self.assertEqual(len(self.found_in(many)), 1)
+        self.assertEqual(self.found_in(many | {"proto/part/a.h": SPDX_LINE}), [])
 
 
 if __name__ == "__main__":

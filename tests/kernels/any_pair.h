@@ -79,7 +79,7 @@ struct Result {
 
 inline Result result_of(Matcher& matcher, const Pair& pair, Parallel& workers) {
     Frame frame(matcher, pair.left, pair.right);
-    match(matcher, frame.view, workers);
+    match_pair(matcher, frame.view, workers);
     return {frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()};
 }
 
@@ -93,7 +93,7 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
                           const Parallel& workers) {
     const MatchOptions& options = config.options;
     const auto where = [&] {
-        return testing::Message() << config.width << "x" << config.height << " " << name(options.method) << ", D "
+        return testing::Message() << config.width << "x" << config.height << " " << to_string(options.method) << ", D "
                                   << options.range.count << " from " << options.range.first << ", " << options.sgm.paths
                                   << " paths, " << workers.workers() << " workers";
     };
@@ -104,7 +104,7 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
 
 inline void expect_equal_to_reference(Matcher& matcher, const Pair& pair, Parallel& workers) {
     const MatchOptions& options = matcher.config().options;
-    ASSERT_EQ(problem(options), "");
+    ASSERT_EQ(validate(options), "");
     expect_result(result_of(matcher, pair, workers), result_of("reference", pair, options), matcher.config(), workers);
 }
 

@@ -10,9 +10,12 @@ namespace disparityd::test {
 namespace {
 
 using testing::HasSubstr;
+using namespace std::chrono_literals;
 
-constexpr std::array<std::string_view, 1> one_step = {"wta"};
-constexpr std::array<StageInfo, 2> two_stages = {{{"rectify", one_step}, {"match", one_step}}};
+constexpr std::array<std::string_view, 1> rectify_steps = {"rectify"};
+constexpr std::array<std::string_view, 3> match_steps = {"upload", "wta", "download"};
+constexpr std::array<StageInfo, 2> two_stages = {
+    {{StageKind::rectify, rectify_steps}, {StageKind::match, match_steps, 1}}};
 constexpr std::size_t scratch_of_second = 100;
 
 class TwoStages : public Matcher {
@@ -38,7 +41,8 @@ class Second final : public TwoStages {
 public:
     std::size_t scratch_bytes() const override { return next_scratch; }
     void run(int /*stage*/, const FrameView& frame, Parallel& /*workers*/,
-             std::span<std::chrono::nanoseconds> /*step_times*/) override {
+             std::span<std::chrono::nanoseconds> step_times) override {
+        std::fill(step_times.begin(), step_times.end(), std::chrono::nanoseconds(5));
         ASSERT_EQ(frame.scratch.size(), scratch_of_second);
         std::fill(frame.scratch.begin(), frame.scratch.end(), std::byte{1});
         ++runs;
@@ -64,7 +68,7 @@ TEST(FallbackMatcher, WithoutMemoryForTheSecondTheNextFrameTriesAgain) {
     FallbackMatcher matcher(std::make_unique<Lost>(), second_row);
     Serial serial;
     FrameView frame;
-    std::array<std::chrono::nanoseconds, 1> times{};
+    std::array<std::chrono::nanoseconds, 3> times{};
     Second::next_scratch = std::numeric_limits<std::size_t>::max() / 4;
     Second::runs = 0;
     for (int i = 0; i < 2; ++i) {
@@ -75,6 +79,7 @@ TEST(FallbackMatcher, WithoutMemoryForTheSecondTheNextFrameTriesAgain) {
     Second::next_scratch = scratch_of_second;
     matcher.run(1, frame, serial, times);
     EXPECT_EQ(Second::runs, 1);
+    EXPECT_THAT(times, testing::ElementsAre(0ns, 15ns, 0ns)) << "the winner step shows the whole time";
     EXPECT_EQ(matcher.substitute(), "second");
     EXPECT_THAT(matcher.trouble(), HasSubstr("the device is lost; the back end second goes on"));
 }

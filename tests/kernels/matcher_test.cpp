@@ -30,7 +30,7 @@ TEST_P(EveryMethod, AShiftedImageGivesTheShiftEverywhereItCan) {
         const auto matcher = backend("cpu").create({70, 30, options});
         const Pair pair = shifted_pair(random, 70, 30, d);
         Frame frame(*matcher, pair.left, pair.right);
-        match(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
         int possible = 0;
         int missed = 0;
         for (int y = 0; y < 30; ++y) {
@@ -60,7 +60,7 @@ TEST_P(EveryMethod, ConfidenceAndDepthFollowTheDisparity) {
         const auto matcher = backend("cpu").create({60, 25, options});
         const Pair pair = shifted_pair(random, 60, 25, 4);
         Frame frame(*matcher, pair.left, pair.right);
-        match(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
         int interpolated = 0;
         for (int y = 0; y < 25; ++y) {
             for (int x = 0; x < 60; ++x) {
@@ -83,7 +83,7 @@ TEST_P(EveryMethod, NothingIsMeasuredOnConstantImagesWhereAllCandidatesAreEqual)
         const auto matcher = backend("cpu").create({60, 20, default_options(GetParam(), {0, 16})});
         const Image<std::uint8_t> image(60, 20, static_cast<std::uint8_t>(grey));
         Frame frame(*matcher, image, image);
-        match(*matcher, frame.view, serial);
+        match_pair(*matcher, frame.view, serial);
         for (int y = 0; y < 20; ++y) {
             for (int x = 0; x < 60; ++x) {
                 if (GetParam() == Method::sgm) {
@@ -107,8 +107,8 @@ TEST_P(EveryMethod, OptionalPlanesMayBeMissing) {
     Frame with(*matcher, pair.left, pair.right);
     Frame without(*matcher, pair.left, pair.right);
     without.view.depth = {};
-    match(*matcher, with.view, serial);
-    match(*matcher, without.view, serial);
+    match_pair(*matcher, with.view, serial);
+    match_pair(*matcher, without.view, serial);
     EXPECT_EQ(with.disparity.pixels(), without.disparity.pixels());
     EXPECT_EQ(without.depth.pixels(), std::vector<std::uint16_t>(600, 4321));
 }
@@ -117,8 +117,9 @@ TEST_P(EveryMethod, StagesStartWithRectifyAndTimeEveryStep) {
     Random random(23);
     Serial serial;
     const auto matcher = backend("cpu").create({24, 10, default_options(GetParam(), {0, 16})});
-    EXPECT_EQ(matcher->stages().front().name, "rectify");
-    EXPECT_EQ(matcher->stages().back().name, "post-process");
+    EXPECT_EQ(matcher->stages().front().kind, StageKind::rectify);
+    EXPECT_EQ(matcher->stages().back().kind, StageKind::post_process);
+    EXPECT_EQ(to_string(StageKind::post_process), "post-process");
     Image<std::uint8_t> bytes = noise(random, 2 * 2 * 30, 12);
     const Rectifier rectifier{false, {}, {}, 6, 2};
     Frame frame(*matcher, Image<std::uint8_t>(24, 10), Image<std::uint8_t>(24, 10));
@@ -161,7 +162,7 @@ TEST_P(EveryMethod, ARegionOutsideTheFrameIsRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethod, testing::Values(Method::sad, Method::census, Method::sgm),
-                         [](const auto& instance) { return std::string(name(instance.param)); });
+                         [](const auto& instance) { return std::string(to_string(instance.param)); });
 
 class EveryInstructionSet : public testing::TestWithParam<cpu::InstructionSet> {};
 
@@ -256,11 +257,11 @@ TEST(CpuBackend, NothingIsLeftFromTheFrameBefore) {
         const Pair one = shifted_pair(random, 33, 21, 3);
         const Pair other = shifted_pair(random, 33, 21, 9);
         Frame first(*matcher, one.left, one.right);
-        match(*matcher, first.view, serial);
+        match_pair(*matcher, first.view, serial);
         Frame second(*matcher, other.left, other.right);
-        match(*matcher, second.view, serial);
+        match_pair(*matcher, second.view, serial);
         Frame again(*matcher, one.left, one.right);
-        match(*matcher, again.view, serial);
+        match_pair(*matcher, again.view, serial);
         EXPECT_EQ(first.disparity.pixels(), again.disparity.pixels());
         EXPECT_EQ(first.confidence.pixels(), again.confidence.pixels());
         EXPECT_NE(first.disparity.pixels(), second.disparity.pixels());
@@ -277,7 +278,7 @@ TEST(CpuBackend, WhatTravelsWithAFrameIsItsOwn) {
     const Pair one = shifted_pair(random, 33, 21, 3);
     const Pair other = shifted_pair(random, 33, 21, 9);
     Frame alone(*matcher, one.left, one.right);
-    match(*matcher, alone.view, serial);
+    match_pair(*matcher, alone.view, serial);
 
     Frame first(*matcher, one.left, one.right);
     Frame second(*matcher, other.left, other.right);

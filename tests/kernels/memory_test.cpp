@@ -72,10 +72,10 @@ TEST_P(MatcherMemory, NothingIsAskedForPerFrame) {
             const Image<std::uint8_t> image = noise(random, 200, 100);
             const auto matcher = cpu::create({200, 100, sgm_options(paths, p2, 48)}, GetParam());
             const Frame frame(*matcher, image, image);
-            match(*matcher, frame.view, workers);
+            match_pair(*matcher, frame.view, workers);
             counted_memory::reset();
             for (int i = 0; i < 5; ++i) {
-                match(*matcher, frame.view, workers);
+                match_pair(*matcher, frame.view, workers);
             }
             EXPECT_EQ(counted_memory::calls(), 0U) << paths << " paths, P2 " << p2;
         }

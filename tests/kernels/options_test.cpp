@@ -12,9 +12,9 @@ using testing::HasSubstr;
 
 TEST(Options, MethodsHaveNames) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-        EXPECT_EQ(method_from_name(name(method)), method);
+        EXPECT_EQ(method_from_name(to_string(method)), method);
     }
-    EXPECT_EQ(name(Method::census), "census");
+    EXPECT_EQ(to_string(Method::census), "census");
     EXPECT_FALSE(method_from_name("SGM"));
     EXPECT_FALSE(method_from_name(""));
 }
@@ -22,7 +22,7 @@ TEST(Options, MethodsHaveNames) {
 TEST(Options, DefaultsAreFine) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
         const MatchOptions options = default_options(method, {-16, 96});
-        EXPECT_EQ(problem(options), "");
+        EXPECT_EQ(validate(options), "");
         EXPECT_EQ(options.method, method);
         EXPECT_EQ(options.range.first, -16);
         EXPECT_EQ(options.range.count, 96);
@@ -61,7 +61,7 @@ TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
         options.sgm.p1 = 10;
         options.sgm.p2 = 63;
         bad.spoil(options);
-        EXPECT_THAT(problem(options), AllOf(HasSubstr(bad.what), HasSubstr(bad.found), HasSubstr(bad.allowed)));
+        EXPECT_THAT(validate(options), AllOf(HasSubstr(bad.what), HasSubstr(bad.found), HasSubstr(bad.allowed)));
         EXPECT_THROW(backend("auto").create({8, 8, options}), std::invalid_argument);
     }
 }

@@ -49,7 +49,7 @@ TEST_P(PairMatcherOf, GivesWhatTheReferenceChainGives) {
     const auto reference = backend("reference").create({width, height, options});
     Frame expected(*reference, copy_of(pair.left()), copy_of(pair.right()));
     ShuffledWorkers workers(3, 5);
-    match(*reference, expected.view, workers);
+    match_pair(*reference, expected.view, workers);
 
     PairMatcher matcher(width, height, options);
     EXPECT_EQ(matcher.config().width, width);
@@ -77,7 +77,7 @@ TEST_P(PairMatcherOf, GivesWhatTheReferenceChainGives) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, PairMatcherOf, testing::Values(Method::sad, Method::census, Method::sgm),
-                         [](const auto& instance) { return std::string(name(instance.param)); });
+                         [](const auto& instance) { return std::string(to_string(instance.param)); });
 
 TEST(PairMatcher, RefusesPlanesOfAnotherSizeByName) {
     Random random(61);

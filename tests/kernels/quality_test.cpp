@@ -21,7 +21,7 @@ struct Scene {
     const char* mask;
     int scale;
     int disparities;
-    std::array<double, 3> most_bad;  // percent, of SAD, CENSUS and SGM
+    std::array<double, 3> max_bad;  // percent, of SAD, CENSUS and SGM
 };
 
 // What ctest lists; found by GoogleTest.
@@ -79,7 +79,7 @@ TEST_P(Quality, IsAtLeastThatOfThePaper) {
         options.post.interpolate = true;
         const auto matcher = backend("auto").create({left.width(), left.height(), options});
         Frame frame(*matcher, left, right);
-        match(*matcher, frame.view, workers);
+        match_pair(*matcher, frame.view, workers);
         int judged = 0;
         int bad = 0;
         for (std::size_t i = 0; i < mask.pixels().size(); ++i) {
@@ -92,8 +92,8 @@ TEST_P(Quality, IsAtLeastThatOfThePaper) {
         }
         ASSERT_GT(judged, 10000);
         const double percent = 100.0 * bad / judged;
-        EXPECT_LE(percent, scene.most_bad[static_cast<std::size_t>(method)]) << name(method);
-        RecordProperty(std::string(name(method)), std::to_string(percent));
+        EXPECT_LE(percent, scene.max_bad[static_cast<std::size_t>(method)]) << to_string(method);
+        RecordProperty(std::string(to_string(method)), std::to_string(percent));
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include "kernels/matcher.h"
 #include "kernels/reference/steps.h"
+#include "tests/kernels/print_parameters.h"
 
 namespace disparityd::test {
 

@@ -4,13 +4,14 @@
 #include <array>
 #include <atomic>
 #include <memory>
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "calibration/rectification.h"
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
 #include "kernels/matcher.h"
 #include "pipeline/pipeline.h"
 #include "proto/shared_memory_writer.h"
@@ -38,7 +39,7 @@ public:
         options.loans = slots + 2;
         source_ = capture::open_source(options);
         const capture::SourceInfo& info = source_->info();
-        rectification_ = capture::make_rectification(info.calibration, info.eye_width, info.height, {});
+        rectification_ = calibration::make_rectification(info.calibration, info.eye_width, info.height, {});
         matcher_ = backend("cpu").create({rectification_.width, rectification_.height, match});
         const auto width = static_cast<std::uint32_t>(rectification_.width);
         const auto height = static_cast<std::uint32_t>(rectification_.height);
@@ -70,7 +71,7 @@ private:
     }
 
     void publish(const FrameSlot& slot) {
-        proto::ShmFrame frame{};
+        proto::FrameInfo frame{};
         frame.sequence = slot.raw.sequence;
         frame.width = static_cast<std::uint32_t>(rectification_.width);
         frame.height = static_cast<std::uint32_t>(rectification_.height);
@@ -86,7 +87,7 @@ private:
     }
 
     std::unique_ptr<capture::FrameSource> source_;
-    capture::Rectification rectification_;
+    calibration::Rectification rectification_;
     std::unique_ptr<Matcher> matcher_;
     std::unique_ptr<proto::SharedMemoryWriter> memory_;
     WorkerPool workers_{2};
@@ -110,6 +111,11 @@ struct Case {
         return options;
     }
 };
+
+// What a failure shows; found by GoogleTest.
+void PrintTo(const Case& matcher, std::ostream* out) {
+    *out << matcher.name;
+}
 
 class NoAllocation : public testing::TestWithParam<Case> {};
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "calibration/rectification.h"
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
 #include "kernels/matcher.h"
 
 namespace disparityd::pipeline::fakes {
@@ -161,11 +161,11 @@ private:
     std::function<void(int, const FrameView&)> hook_;
     std::array<std::string_view, 1> rectify_{"rectify"};
     std::array<std::string_view, 2> match_{"dsi", "wta"};
-    std::array<StageInfo, 2> stages_{StageInfo{"rectify", rectify_}, StageInfo{"match", match_}};
+    std::array<StageInfo, 2> stages_{StageInfo{StageKind::rectify, rectify_}, StageInfo{StageKind::match, match_}};
 };
 
-inline capture::Rectification rectification() {
-    capture::Rectification rectification;
+inline calibration::Rectification rectification() {
+    calibration::Rectification rectification;
     rectification.width = width;
     rectification.height = height;
     return rectification;

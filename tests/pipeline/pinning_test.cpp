@@ -66,13 +66,13 @@ TEST(Pinning, WorkersAtOnceHaveCoresOfTheirOwn) {
     EXPECT_THAT(pool.placement().text, HasSubstr("pinned, each to one of cores "));
     const std::vector<int> before = cores_allowed();
     for (int round = 0; round < 50; ++round) {
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         const auto cores = cores_of_two_tasks(pool);
         ASSERT_EQ(cores[0].size(), 1U);
         ASSERT_EQ(cores[1].size(), 1U);
         ASSERT_NE(cores[0], cores[1]);
     }
-    EXPECT_EQ(cores_allowed(), before) << "without a seat the thread runs where it could before";
+    EXPECT_EQ(cores_allowed(), before) << "without a slot the thread runs where it could before";
 }
 
 TEST(Pinning, ManyStagesShareTheCores) {
@@ -86,7 +86,7 @@ TEST(Pinning, ManyStagesShareTheCores) {
     for (int stage = 0; stage < 4; ++stage) {
         stages.emplace_back([&] {
             for (int round = 0; round < 20; ++round) {
-                const WorkerPool::Seat seat(pool);
+                const WorkerPool::ComputeSlot slot(pool);
                 pool.for_each(5, [&](int) {
                     auto& here = on_core[static_cast<std::size_t>(cores_allowed().front())];
                     shared.fetch_add(here.fetch_add(1) > 0 ? 1 : 0);
@@ -106,7 +106,7 @@ TEST(Pinning, SwitchedOff) {
     WorkerPool pool(2, Pinning::never);
     EXPECT_FALSE(pool.placement().pinned);
     EXPECT_EQ(pool.placement().text, "not pinned to cores: switched off");
-    const WorkerPool::Seat seat(pool);
+    const WorkerPool::ComputeSlot slot(pool);
     const auto cores = cores_of_two_tasks(pool);
     EXPECT_EQ(cores[0], cores_allowed());
     EXPECT_EQ(cores[1], cores_allowed());
@@ -119,7 +119,7 @@ TEST(Pinning, TheMaskOfTheThreadIsRespected) {
         WorkerPool pool(0);
         EXPECT_EQ(pool.workers(), 1);
         EXPECT_EQ(pool.placement().text, "pinned, each to one of cores " + std::to_string(only));
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         EXPECT_EQ(cores_allowed(), std::vector<int>{only});
     });
 }
@@ -130,7 +130,7 @@ TEST(Pinning, MoreWorkersThanCoresAreNotPinned) {
         WorkerPool pool(2);
         EXPECT_FALSE(pool.placement().pinned);
         EXPECT_EQ(pool.placement().text, "not pinned to cores: 2 workers share 1 core");
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         EXPECT_EQ(cores_of_two_tasks(pool)[0], cores_allowed());
     });
 }
@@ -154,7 +154,7 @@ TEST(Pinning, ARefusalFromTheStartIsReported) {
         EXPECT_FALSE(pool.placement().pinned);
         EXPECT_EQ(pool.placement().text, "not pinned to cores: the system refuses it: Operation not permitted");
         int runs = 0;
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         pool.for_each(5, [&](int) { ++runs; });
         EXPECT_EQ(runs, 5);
     });
@@ -168,7 +168,7 @@ TEST(Pinning, ARefusalLaterEndsIt) {
             GTEST_SKIP() << "no filters of system calls here";
         }
         for (int round = 0; round < 2; ++round) {
-            const WorkerPool::Seat seat(pool);
+            const WorkerPool::ComputeSlot slot(pool);
             EXPECT_EQ(pool.placement().text, "not pinned to cores: the system refuses it: Operation not permitted");
         }
     });

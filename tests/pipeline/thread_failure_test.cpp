@@ -33,7 +33,7 @@ TEST_F(ThreadFailure, APipelineEndsTheThreadsThatItHasStarted) {
             fakes::Source source(1000);  // frames are there at once, for threads that do not wait for each other
             fakes::Matcher matcher;
             WorkerPool workers(1);
-            const capture::Rectification rectification = fakes::rectification();
+            const calibration::Rectification rectification = fakes::rectification();
             int published = 0;
             Pipeline pipeline({.policy = policy, .slots = 3}, source, matcher, workers, rectification,
                               [&](const FrameSlot&) { ++published; });

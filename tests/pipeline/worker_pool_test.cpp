@@ -67,9 +67,9 @@ TEST(WorkerPool, HelpersTakePart) {
     EXPECT_EQ(threads.size(), 2U);
 }
 
-TEST(WorkerPool, ManyCallersNeverRunMoreThreadsThanSeats) {
-    constexpr int seats = 3;
-    WorkerPool pool(seats);
+TEST(WorkerPool, ManyCallersNeverRunMoreThreadsThanSlots) {
+    constexpr int slots = 3;
+    WorkerPool pool(slots);
     std::atomic<int> running{0};
     std::atomic<int> most{0};
     std::atomic<int> tasks{0};
@@ -77,7 +77,7 @@ TEST(WorkerPool, ManyCallersNeverRunMoreThreadsThanSeats) {
     for (int caller = 0; caller < 5; ++caller) {
         callers.emplace_back([&] {
             for (int round = 0; round < 50; ++round) {
-                const WorkerPool::Seat seat(pool);
+                const WorkerPool::ComputeSlot slot(pool);
                 pool.for_each(20, [&](int) {
                     const int now = running.fetch_add(1) + 1;
                     int seen = most.load();
@@ -94,7 +94,7 @@ TEST(WorkerPool, ManyCallersNeverRunMoreThreadsThanSeats) {
         caller.join();
     }
     EXPECT_EQ(tasks.load(), 5 * 50 * 20);
-    EXPECT_LE(most.load(), seats);
+    EXPECT_LE(most.load(), slots);
 }
 
 // Two stages at once: none of them runs ahead of the other by more than its tasks in hand, or both would wait for ever.
@@ -104,10 +104,10 @@ TEST(WorkerPool, CallersAtOnceAllMakeProgress) {
         constexpr int tasks = 300;
         constexpr int ahead = 8;
         std::array<std::atomic<int>, 2> begun{};
-        std::barrier both_seated(2);
+        std::barrier both_have_slots(2);
         const auto stage = [&](std::size_t own, std::size_t other) {
-            const WorkerPool::Seat seat(pool);
-            both_seated.arrive_and_wait();
+            const WorkerPool::ComputeSlot slot(pool);
+            both_have_slots.arrive_and_wait();
             pool.for_each(tasks, [&](int) {
                 const int mine = begun[own].fetch_add(1);
                 while (begun[other].load() < std::min(mine - ahead, tasks)) {
@@ -132,7 +132,7 @@ TEST(WorkerPool, WhoComesLaterGetsHelpBeforeTheFirstHasFinished) {
     std::atomic<int> begun{0};
     std::thread first([&] {
         const auto caller = std::this_thread::get_id();
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         pool.for_each(many, [&](int) {
             begun.fetch_add(1);
             (std::this_thread::get_id() == caller ? caller_goes_on : helpers_go_on).acquire();
@@ -141,10 +141,10 @@ TEST(WorkerPool, WhoComesLaterGetsHelpBeforeTheFirstHasFinished) {
     while (begun.load() < workers) {
         std::this_thread::yield();
     }
-    // Every seat is taken by the first; the second gets that of the first helper that looks up, then the next helper.
+    // Every slot is taken by the first; the second gets that of the first helper that looks up, then the next helper.
     std::atomic<int> met{0};
     std::thread second([&] {
-        const WorkerPool::Seat seat(pool);
+        const WorkerPool::ComputeSlot slot(pool);
         pool.for_each(2, [&](int) {
             met.fetch_add(1);
             while (met.load() < 2) {
@@ -168,24 +168,24 @@ TEST(WorkerPool, WhoComesLaterGetsHelpBeforeTheFirstHasFinished) {
     EXPECT_EQ(begun.load(), many);
 }
 
-TEST(WorkerPool, SeatsAreGivenInTheOrderOfAsking) {
+TEST(WorkerPool, SlotsAreGivenInTheOrderOfAsking) {
     WorkerPool pool(1);
     std::vector<int> order;
-    auto seat = std::make_unique<WorkerPool::Seat>(pool);
+    auto slot = std::make_unique<WorkerPool::ComputeSlot>(pool);
     std::vector<std::thread> others;
     for (int i = 0; i < 3; ++i) {
         others.emplace_back([&pool, &order, i] {
-            const WorkerPool::Seat other(pool);
+            const WorkerPool::ComputeSlot other(pool);
             order.push_back(i);
         });
         while (pool.waiting() <= i) {
             std::this_thread::yield();
         }
     }
-    seat.reset();
-    seat = std::make_unique<WorkerPool::Seat>(pool);
+    slot.reset();
+    slot = std::make_unique<WorkerPool::ComputeSlot>(pool);
     order.push_back(3);
-    seat.reset();
+    slot.reset();
     for (std::thread& other : others) {
         other.join();
     }
@@ -232,17 +232,17 @@ TEST(WorkerPool, IdleHelpersSleep) {
 
 TEST(WorkerPool, IdleHelpersSleepWhileSomebodyHasAFrameInWork) {
     WorkerPool pool(4);
-    const WorkerPool::Seat seat(pool);
+    const WorkerPool::ComputeSlot slot(pool);
     expect_idle_helpers_sleep(pool);
 }
 
-// A helper that looks out for work has a seat, which somebody else wants.
-TEST(WorkerPool, SeatsAreFreeAtOnceWhenTheWorkHasEnded) {
+// A helper that lingers has a slot, which another thread wants.
+TEST(WorkerPool, SlotsAreFreeAtOnceWhenTheWorkHasEnded) {
     WorkerPool pool(2);
-    const WorkerPool::Seat seat(pool);
+    const WorkerPool::ComputeSlot slot(pool);
     for (int round = 0; round < 200; ++round) {
         pool.for_each(2, [](int) {});
-        std::thread([&] { const WorkerPool::Seat other(pool); }).join();
+        std::thread([&] { const WorkerPool::ComputeSlot other(pool); }).join();
     }
 }
 

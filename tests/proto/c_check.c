@@ -84,6 +84,37 @@ static int check_sensors(disparity_socket* client) {
     return 0;
 }
 
+/* The daemon ends the connection; reading on makes another one. */
+static int check_return(disparity_socket* client, disparity_frame* frame) {
+    if (disparity_socket_read(client, frame, 20000) != DISPARITY_ERROR) {
+        return fail("the daemon's last words");
+    }
+    if (disparity_socket_read(client, frame, 20000) != DISPARITY_GONE ||
+        strstr(disparity_last_error(), "the connection has ended") == NULL) {
+        return fail("the end of the connection");
+    }
+    return disparity_socket_read(client, frame, 20000) == DISPARITY_FRAME ? 0 : fail("another connection");
+}
+
+/* A reader that may be there before the daemon. */
+static int check_absence(const char* name) {
+    char absent[100];
+    disparity_frame* frame = disparity_frame_new();
+    disparity_shared_memory* reader;
+    snprintf(absent, sizeof absent, "%s-absent", name);
+    if (disparity_shared_memory_open(absent) != NULL) {
+        return fail("no shared memory");
+    }
+    reader = disparity_shared_memory_open_with(absent, NULL, 1);
+    if (reader == NULL || disparity_shared_memory_read(reader, frame, 10, NULL, 0) != DISPARITY_GONE ||
+        strstr(disparity_last_error(), "there is none") == NULL) {
+        return fail("shared memory that may be absent");
+    }
+    disparity_shared_memory_close(reader);
+    disparity_frame_free(frame);
+    return 0;
+}
+
 int main(int argc, char** argv) {
     const uint32_t products[] = {DISPARITY_PRODUCT_DISPARITY, DISPARITY_PRODUCT_CONFIDENCE,
                                  DISPARITY_PRODUCT_LEFT_COLOUR};
@@ -108,6 +139,9 @@ int main(int argc, char** argv) {
     if (check_sensors(client) != 0) {
         return 1;
     }
+    if (check_return(client, frame) != 0) {
+        return 1;
+    }
     disparity_socket_close(client);
 
     reader = disparity_shared_memory_open(argv[2]);
@@ -130,5 +164,5 @@ int main(int argc, char** argv) {
     }
     disparity_shared_memory_close(reader);
     disparity_frame_free(frame);
-    return 0;
+    return check_absence(argv[2]);
 }

@@ -10,7 +10,7 @@
 struct Collected {
     using Reader = disparityd::proto::ShmReader;
 
-    disparityd::proto::ShmFrame frame{};
+    disparityd::proto::FrameInfo frame{};
     std::map<std::uint32_t, std::vector<std::uint8_t>> planes;
     std::uint64_t copies = 0;  ///< of the first plane: more than frames when the writer overtook some
 

@@ -69,6 +69,10 @@ void ServerEnd::send_bytes(std::span<const std::uint8_t> bytes) {
     }
 }
 
+void ServerEnd::close() {
+    ::shutdown(fd_, SHUT_RDWR);
+}
+
 v1::Envelope ServerEnd::greet(std::uint32_t version) {
     v1::Envelope hello;
     receive(hello);

@@ -20,6 +20,9 @@ public:
     void send(const disparityd::v1::Envelope& envelope, std::span<const std::uint8_t> payload = {});
     void send_bytes(std::span<const std::uint8_t> bytes);
 
+    /// Ends the connection before the script ends.
+    void close();
+
     /// Hello, Welcome. The first message of the client is returned.
     disparityd::v1::Envelope greet(std::uint32_t version = disparityd::proto::protocol_version);
 

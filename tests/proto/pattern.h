@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "proto/frame_info.h"
 #include "proto/shared_memory_writer.h"
 
 /// Frames of which every byte follows from the sequence number, so that a mixture of two of them is always found.
@@ -51,25 +52,21 @@ private:
     std::vector<disparityd::proto::PlaneSource> planes_;
 };
 
+/// A value that no other field of the frame has and that fits every type.
+template <typename T>
+T field_value(std::uint64_t sequence, int index) {
+    return static_cast<T>(static_cast<double>(sequence % 1000) + 0.125 + 17 * index);
+}
+
 /// Every field follows from the sequence number too.
-inline disparityd::proto::ShmFrame head(std::uint64_t sequence, const disparityd::proto::ShmLayout& layout) {
-    disparityd::proto::ShmFrame frame{};
-    frame.publish_index = sequence + 7;
+inline disparityd::proto::FrameInfo head(std::uint64_t sequence, const disparityd::proto::ShmLayout& layout) {
+    disparityd::proto::FrameInfo frame{};
+    int index = 0;
+#define PATTERN_FIELD(name) frame.name = field_value<decltype(frame.name)>(sequence, index++);
+    DISPARITYD_FRAME_FIELDS(PATTERN_FIELD, PATTERN_FIELD)
+#undef PATTERN_FIELD
     frame.sequence = sequence;
-    frame.monotonic_ns = static_cast<std::int64_t>(sequence * 1000);
-    frame.realtime_ns = static_cast<std::int64_t>(sequence * 1001);
-    frame.age_ns = static_cast<std::int64_t>(sequence * 3);
-    frame.dropped_before = sequence * 5;
-    frame.calibration_id = word(sequence, 0, 1);
-    frame.f = static_cast<double>(sequence) + 0.125;
-    frame.cx = static_cast<double>(sequence) + 0.25;
-    frame.cy = static_cast<double>(sequence) + 0.375;
-    frame.baseline_mm = static_cast<double>(sequence) + 0.5;
-    frame.disparity_offset = static_cast<double>(sequence) + 0.625;
-    frame.d_min = static_cast<std::int32_t>(sequence % 100) - 50;
-    frame.disparities = static_cast<std::uint32_t>(sequence % 256);
-    frame.invalid = (frame.d_min - 1) * 16;
-    frame.flags = static_cast<std::uint32_t>(sequence % 16);
+    frame.publish_index = sequence + 7;
     frame.width = layout.width;
     frame.height = layout.height;
     return frame;

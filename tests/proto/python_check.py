@@ -4,7 +4,9 @@
 python_check.py ADDRESS NAME-OF-SHARED-MEMORY. Exit status 77: a Python module is missing, said on stderr.
 """
 import os
+import resource
 import sys
+import time
 
 try:
     import google.protobuf  # noqa: F401
@@ -24,11 +26,8 @@ def fnv1a(data):
 
 
 def print_frame(way, f):
-    print(
-        way, f.publish_index, f.sequence, f.monotonic_ns, f.realtime_ns, f.age_ns, f.dropped_before, f.calibration_id,
-        *("%.17g" % value for value in (f.f, f.cx, f.cy, f.baseline_mm, f.disparity_offset)),
-        f.d_min, f.disparities, f.invalid, f.flags, f.width, f.height, f.region_x, f.region_y,
-    )
+    values = [getattr(f, name) for name, _ in disparity.frame.C_FIELDS if name != "missed"]
+    print(way, *("%.17g" % value if isinstance(value, float) else value for value in values))
     for product, plane in f.planes.items():
         pixel = plane.itemsize * (plane.shape[2] if plane.ndim == 3 else 1)
         print(way, "plane", product, plane.shape[1], plane.shape[0], pixel, f"{fnv1a(plane.tobytes()):016x}")
@@ -49,6 +48,16 @@ def check_arrays(frame):
     assert np.isnan(frame.depth_m[0, 0]) and np.isinf(frame.depth_m[0, 1]) and frame.depth_m[0, 2] == 1.5
 
 
+def check_fields():
+    """Every field of the messages is one of Frame, or is named here: it comes out in another way."""
+    from disparity import disparity_pb2 as pb
+
+    elsewhere = {"geometry", "region", "planes", "skipped_for_client"}
+    for message, descriptor in (("frame", pb.Frame.DESCRIPTOR), ("geometry", pb.Geometry.DESCRIPTOR)):
+        names = {field.name for field in descriptor.fields} - elsewhere
+        assert names == set(disparity.frame.MESSAGE_FIELDS[message]), (message, names)
+
+
 def check_refusals():
     for address in ("", "http:x", "tcp:", "tcp:host", "tcp:host:x", "unix:"):
         try:
@@ -62,6 +71,23 @@ def check_refusals():
         assert "unix:/nonexistent/socket: cannot connect" in str(error), error
     else:
         raise AssertionError("connected to nothing")
+
+
+def check_words():
+    """What a daemon says moves no terminal's cursor; this program's own limit is not the daemon's fault."""
+    assert disparity.stream.printable("a\x1b[2J\nb\x9b\xe9\x7f") == "a?[2J?b?\xe9?"
+    before = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with open(os.devnull, encoding="utf-8") as lowest:
+        free = lowest.fileno()
+    resource.setrlimit(resource.RLIMIT_NOFILE, (free, before[1]))
+    try:
+        disparity.SocketClient("unix:/tmp/any.sock")
+    except disparity.DisparityError as error:
+        assert "too many files" in str(error) and "is disparityd running" not in str(error), error
+    else:
+        raise AssertionError("connected")
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
 
 
 def check_limits():
@@ -101,6 +127,26 @@ def check_sensors(sensors):
     assert second.environment.hectopascal == 1013.25 and second.frame_sync and not second.HasField("inertial")
 
 
+def check_absent_memory(name):
+    """A reader that waits for its daemon, and one that does not."""
+    try:
+        disparity.SharedMemoryReader(name)
+    except disparity.DisparityError as error:
+        assert "there is none" in str(error), error
+    else:
+        raise AssertionError("opened nothing")
+    with disparity.SharedMemoryReader(name, may_be_absent=True) as reader:
+        for timeout in (0.3, 0):
+            begin = time.monotonic()
+            try:
+                reader.read(timeout=timeout)
+            except disparity.Gone as error:
+                assert "there is none" in str(error), error
+                assert time.monotonic() - begin >= timeout * 0.99
+            else:
+                raise AssertionError("not gone")
+
+
 def check_compressed(address, products, raw):
     """The same planes come out when they travel compressed."""
     try:
@@ -115,9 +161,21 @@ def check_compressed(address, products, raw):
     assert all(np.array_equal(frame.planes[product], raw[product]) for product in raw)
 
 
+def check_ownership(reader, frame):
+    """The planes are the program's own: writing to them changes neither the library's frame nor another copy of it."""
+    for plane in frame.planes.values():
+        assert plane.flags.writeable and plane.flags.c_contiguous
+        plane[...] = 0
+    again = reader._copy()
+    assert all(plane.any() for plane in again.planes.values())
+    assert not any(plane.any() for plane in frame.planes.values())
+
+
 def main():
     address, name = sys.argv[1:]
+    check_fields()
     check_refusals()
+    check_words()
     check_limits()
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
     with disparity.SocketClient(address) as client:
@@ -139,12 +197,23 @@ def main():
             pass
         else:
             raise AssertionError("not gone")
+        again = client.read(timeout=20)  # on another connection, subscribed as before
+        assert again.publish_index == frame.publish_index and sorted(again.planes) == sorted(raw)
+    try:
+        client.read(timeout=0)
+    except ValueError as error:
+        assert "closed" in str(error), error
+    else:
+        raise AssertionError("a closed client read on")
     check_compressed(address, products, raw)
     # An instrumented library cannot be loaded into a program that is not.
     if "DISPARITY_SKIP_LIBRARY" not in os.environ:
         with disparity.SharedMemoryReader(name) as reader:
-            print_frame("shm", reader.read(timeout=20))
+            frame = reader.read(timeout=20)
+            print_frame("shm", frame)
+            check_ownership(reader, frame)
             assert reader.read(timeout=0) is None
+        check_absent_memory(name + "-absent")
 
 
 if __name__ == "__main__":

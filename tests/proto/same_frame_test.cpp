@@ -2,14 +2,16 @@
 //
 // One frame, published over shared memory and over sockets, read by C++, C and Python: the same bytes and numbers.
 #include <cinttypes>
+#include <concepts>
 #include <cstdio>
 
 #include <disparity_client.hpp>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <zstd.h>
 
+#include "proto/frame_message.h"
+#include "tests/proto/command_output.h"
 #include "tests/proto/fake_daemon.h"
 #include "tests/proto/pattern.h"
 #include "tests/proto/sensor_pattern.h"
@@ -30,15 +32,24 @@ std::uint64_t fnv1a(const std::vector<std::uint8_t>& bytes) {
     return hash;
 }
 
+std::string in_text(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, " %.17g", value);
+    return text;
+}
+
+template <std::integral T>
+std::string in_text(T value) {
+    return " " + std::to_string(value);
+}
+
 std::string describe(const char* way, const disparity::Frame& f) {
+    std::string text = way;
+#define ADD_FIELD(name) text += in_text(f.name);
+    DISPARITYD_FRAME_FIELDS(ADD_FIELD, ADD_FIELD)
+#undef ADD_FIELD
+    text += in_text(f.region_x) + in_text(f.region_y) + "\n";
     char line[700];
-    std::snprintf(line, sizeof line,
-                  "%s %" PRIu64 " %" PRIu64 " %" PRId64 " %" PRId64 " %" PRId64 " %" PRIu64 " %" PRIu64
-                  " %.17g %.17g %.17g %.17g %.17g %d %u %d %u %u %u %u %u\n",
-                  way, f.publish_index, f.sequence, f.monotonic_ns, f.realtime_ns, f.age_ns, f.dropped_before,
-                  f.calibration_id, f.f, f.cx, f.cy, f.baseline_mm, f.disparity_offset, f.d_min, f.disparities,
-                  f.invalid, f.flags, f.width, f.height, f.region_x, f.region_y);
-    std::string text = line;
     for (const disparity::PlaneData& plane : f.planes) {
         std::snprintf(line, sizeof line, "%s plane %u %u %u %u %016" PRIx64 "\n", way,
                       static_cast<unsigned>(plane.product), plane.width, plane.height, plane.bytes_per_pixel,
@@ -74,28 +85,9 @@ protected:
         if (subscribe.subscribe().sensors()) {
             end.send(sensor_message());
         }
-        const proto::ShmFrame head = pattern::head(sequence, layout_);
         v1::Envelope envelope;
         v1::Frame& frame = *envelope.mutable_frame();
-        frame.set_publish_index(head.publish_index);
-        frame.set_sequence(head.sequence);
-        frame.set_monotonic_ns(head.monotonic_ns);
-        frame.set_realtime_ns(head.realtime_ns);
-        frame.set_age_ns(head.age_ns);
-        frame.set_dropped_before(head.dropped_before);
-        frame.set_flags(head.flags);
-        v1::Geometry& geometry = *frame.mutable_geometry();
-        geometry.set_width(head.width);
-        geometry.set_height(head.height);
-        geometry.set_f(head.f);
-        geometry.set_cx(head.cx);
-        geometry.set_cy(head.cy);
-        geometry.set_baseline_mm(head.baseline_mm);
-        geometry.set_disparity_offset(head.disparity_offset);
-        geometry.set_d_min(head.d_min);
-        geometry.set_disparities(head.disparities);
-        geometry.set_invalid(head.invalid);
-        geometry.set_calibration_id(head.calibration_id);
+        proto::fill(frame, pattern::head(sequence, layout_));
         std::vector<std::uint8_t> payload;
         pattern::Source source(layout_);
         for (const proto::PlaneSource& from : source.make(sequence)) {
@@ -144,19 +136,6 @@ protected:
         return text;
     }
 
-    /// Exit status and what a command prints.
-    static std::pair<int, std::string> run(const std::string& command) {
-        FILE* pipe = ::popen(command.c_str(), "r");
-        EXPECT_NE(pipe, nullptr);
-        std::string text;
-        char buffer[4096];
-        for (std::size_t got = 0; (got = std::fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
-            text.append(buffer, got);
-        }
-        const int status = ::pclose(pipe);
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, text};
-    }
-
 private:
     std::jthread heart_;
 };
@@ -183,7 +162,7 @@ TEST_F(SameFrame, CppReadsTheSameOverBothWays) {
 
 TEST_F(SameFrame, CReadsTheSame) {
     for (const std::string& address : {daemon_.unix_address(), daemon_.tcp_address()}) {
-        const auto [status, text] = run(C_CHECK " " + address + " " + name_);
+        const auto [status, text] = command_output(C_CHECK " " + address + " " + name_);
         EXPECT_EQ(status, 0);
         EXPECT_EQ(text, wanted(address));
     }
@@ -195,7 +174,7 @@ TEST_F(SameFrame, PythonReadsTheSame) {
         GTEST_SKIP() << "no Python for this machine's programs";
     }
     for (const std::string& address : {daemon_.unix_address(), daemon_.tcp_address()}) {
-        const auto [status, text] = run(python + " " + address + " " + name_);
+        const auto [status, text] = command_output(python + " " + address + " " + name_);
         if (status == 77) {
             GTEST_SKIP() << "numpy or protobuf is not installed for Python";
         }

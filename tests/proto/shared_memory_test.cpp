@@ -21,6 +21,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
+constexpr auto plenty = 60s;
+constexpr auto rarely = 2 * plenty;
+
 class SharedMemory : public testing::Test {
 protected:
     std::string name_ = pattern::unique_name("unit", ::getpid());
@@ -32,7 +35,7 @@ protected:
     }
 
     void expect_frame(const Collected& got, std::uint64_t sequence) {
-        const proto::ShmFrame wanted = pattern::head(sequence, layout_);
+        const proto::FrameInfo wanted = pattern::head(sequence, layout_);
         EXPECT_EQ(std::memcmp(&got.frame, &wanted, sizeof wanted), 0) << "frame " << got.frame.sequence;
         ASSERT_EQ(got.planes.size(), layout_.planes.size());
         for (const auto& [product, bytes] : got.planes) {
@@ -79,20 +82,20 @@ TEST_F(SharedMemory, ModeIs0640WhateverTheUmask) {
 
 TEST_F(SharedMemory, WaitingReaderIsWokenByTheFutex) {
     proto::SharedMemoryWriter writer(name_, layout_);
-    // Looks by itself only every 30 s: what comes sooner was woken.
+    // Looks by itself only now and then: what comes before its time is up was woken.
     proto::ShmReader::Options options;
-    options.check_every = 30s;
+    options.check_every = rarely;
     proto::ShmReader reader(name_, options);
     Collected got;
     Result result = Result::timeout;
     const auto begin = std::chrono::steady_clock::now();
-    std::thread waiting([&] { result = got.read(reader, 20s); });
+    std::thread waiting([&] { result = got.read(reader, plenty); });
     std::this_thread::sleep_for(50ms);  // not needed to pass: makes it likely that the reader sleeps already
     publish(writer, 3);
     writer.wake();
     waiting.join();
     EXPECT_EQ(result, Result::frame);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, plenty);
 }
 
 TEST_F(SharedMemory, TimeoutIsKept) {
@@ -103,23 +106,23 @@ TEST_F(SharedMemory, TimeoutIsKept) {
     EXPECT_EQ(got.read(reader, 80ms), Result::timeout);
     const auto waited = std::chrono::steady_clock::now() - begin;
     EXPECT_GE(waited, 79ms);
-    EXPECT_LT(waited, 5s);
+    EXPECT_LT(waited, plenty);
 }
 
 TEST_F(SharedMemory, CloseWakesReadersAndRemovesTheName) {
     auto writer = std::make_unique<proto::SharedMemoryWriter>(name_, layout_);
     proto::ShmReader::Options options;
-    options.check_every = 30s;
+    options.check_every = rarely;
     proto::ShmReader reader(name_, options);
     Collected got;
     Result result = Result::frame;
     const auto begin = std::chrono::steady_clock::now();
-    std::thread waiting([&] { result = got.read(reader, 20s); });
+    std::thread waiting([&] { result = got.read(reader, plenty); });
     std::this_thread::sleep_for(50ms);  // as above
     writer.reset();
     waiting.join();
     EXPECT_EQ(result, Result::gone);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, plenty);
     EXPECT_THROW(proto::ShmReader again(name_), std::runtime_error);
     EXPECT_EQ(reader.heartbeat_age(), std::chrono::nanoseconds::max());
 
@@ -169,12 +172,12 @@ TEST_F(SharedMemory, ReadersFollowANewLayout) {
 TEST_F(SharedMemory, SleepingReaderFollowsANewLayout) {
     proto::SharedMemoryWriter writer(name_, layout_);
     proto::ShmReader::Options options;
-    options.check_every = 30s;
+    options.check_every = rarely;
     proto::ShmReader reader(name_, options);
     Collected got;
     Result result = Result::gone;
     const auto begin = std::chrono::steady_clock::now();
-    std::thread waiting([&] { result = got.read(reader, 20s); });
+    std::thread waiting([&] { result = got.read(reader, plenty); });
     layout_ = {64, 64, {{1, 2}}};
     writer.relayout(layout_);
     publish(writer, 4);
@@ -182,7 +185,7 @@ TEST_F(SharedMemory, SleepingReaderFollowsANewLayout) {
     waiting.join();
     EXPECT_EQ(result, Result::frame);
     EXPECT_EQ(got.frame.sequence, 4U);
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 10s);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, plenty);
 }
 
 TEST_F(SharedMemory, PublishRefusesPlanesThatAreNotOfTheLayout) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <semaphore>
 #include <stdexcept>
 
 #include <disparity_client.hpp>
@@ -6,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include "tests/capture/open_files_limit.h"
 #include "tests/proto/fake_daemon.h"
 
 namespace proto = disparityd::proto;
@@ -87,30 +90,34 @@ TEST(SocketClient, FramesComeInOrderWithMissedOnesCounted) {
         EXPECT_EQ(frame.sequence, 105U);
         EXPECT_EQ(frame.missed, 3U);
         EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
-        EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
     }
 }
 
 TEST(SocketClient, MessageInPiecesSurvivesTimeouts) {
-    FakeDaemon daemon([](ServerEnd& end) {
+    // A slow server: it sends a byte after each timeout of the client.
+    std::counting_semaphore<> timed_out(0);
+    std::atomic<std::size_t> pieces{0};
+    FakeDaemon daemon([&](ServerEnd& end) {
         end.greet();
         std::vector<std::uint8_t> bytes;
         proto::encode(frame_message(1), bytes);
         const auto payload = bytes_of(12);
         bytes.insert(bytes.end(), payload.begin(), payload.end());
+        pieces = bytes.size();
         for (const std::uint8_t byte : bytes) {
+            timed_out.acquire();
             end.send_bytes({&byte, 1});
-            std::this_thread::sleep_for(2ms);  // a slow server
         }
         until_closed(end);
     });
     disparity::SocketClient client(daemon.unix_address());
     disparity::Frame frame;
-    int timeouts = 0;
+    std::size_t timeouts = 0;
     while (client.read(frame, 1ms) == ReadResult::timeout) {
-        ASSERT_LT(++timeouts, 100000);
+        ++timeouts;
+        timed_out.release();
     }
-    EXPECT_GT(timeouts, 0);
+    EXPECT_GE(timeouts, pieces);
     EXPECT_EQ(frame.plane(disparity::Product::confidence)->bytes, bytes_of(12));
 }
 
@@ -138,6 +145,19 @@ TEST(SocketClient, DaemonsErrorIsTheTextOfTheException) {
     EXPECT_EQ(failure([&] { client.read(frame, patience); }),
               "disparityd at " + daemon.unix_address() + ": product DEPTH: not made by this configuration");
     EXPECT_EQ(client.read(frame, patience), ReadResult::frame) << "a refused request does not end the connection";
+}
+
+TEST(SocketClient, TooManyOpenFilesAreNotTheDaemonsFault) {
+    const disparityd::capture::test::OpenFilesLimit none;
+    for (const char* address : {"unix:/tmp/any.sock", "tcp:127.0.0.1:9"}) {
+        try {
+            disparity::SocketClient client(address);
+            FAIL() << "connected";
+        } catch (const std::runtime_error& error) {
+            EXPECT_THAT(error.what(), testing::AllOf(testing::HasSubstr("this program has too many files open"),
+                                                     testing::Not(testing::HasSubstr("is disparityd running"))));
+        }
+    }
 }
 
 TEST(SocketClient, RefusalInsteadOfWelcomeIsReported) {

@@ -78,6 +78,10 @@ TEST_F(BadInputTest, OptionsThatDoNotExist) {
     expect_refused(process({path("in"), "--method", "smg"}), AllOf(HasSubstr("smg"), HasSubstr("census")));
     expect_refused(process({path("in"), "--backend", "abacus"}), AllOf(HasSubstr("abacus"), HasSubstr("cpu")));
     expect_refused(process({path("in"), "--p1", "90", "--p2", "50"}), HasSubstr("p1"));
+    expect_refused(process({path("in"), "--method", "sad", "--p1", "4"}),
+                   HasSubstr("--p1: only the method sgm uses it, found: sad"));
+    expect_refused(process({path("in"), "--method", "census", "--no-adaptive-p2"}), HasSubstr("--adaptive-p2"));
+    expect_refused(process({path("in"), "--colour-range", "frame"}), HasSubstr("--colour"));
     expect_refused(process({path("in"), "--size", "640"}), AllOf(HasSubstr("--size"), HasSubstr("640x360")));
     expect_refused(process({path("in"), "--size", "0x0"}), HasSubstr("--size"));
     expect_refused(process({path("in"), "--region", "0,0,64"}), HasSubstr("--region"));
@@ -113,6 +117,15 @@ TEST_F(BadInputTest, NoDaemonIsExitCode1) {
     EXPECT_EQ(by_name.exit_code, 1);
     EXPECT_THAT(by_name.err, HasSubstr("nobody-has-this-name"));
     expect_refused(run(DISPARITYCTL, {"status", "--socket", "somewhere"}), HasSubstr("somewhere"));
+}
+
+TEST_F(BadInputTest, VersionsAreTold) {
+    for (const auto& [program, name] :
+         {std::pair(DISPARITYCTL, "disparityctl"), std::pair(DISPARITY_EVAL, "disparity-eval")}) {
+        const Outcome outcome = run(program, {"--version"});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, testing::MatchesRegex(std::string(name) + " [0-9]+\\.[0-9]+\\.[0-9]+.*\n"));
+    }
 }
 
 TEST_F(BadInputTest, EveryHelpHasAnExample) {

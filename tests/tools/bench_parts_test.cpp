@@ -16,6 +16,12 @@
 #include "tools/bench/vector_paths.h"
 
 namespace disparityd::bench {
+
+// What ctest lists; found by GoogleTest in the namespace of the type.
+static void PrintTo(Build build, std::ostream* out) {
+    *out << (build == Build::as_compiled ? "as_compiled" : "not_vectorised");
+}
+
 namespace {
 
 using test::Image;
@@ -84,8 +90,8 @@ void expect_equal_sums(const PlainVariants& plain, ContinuePath continue_path, u
 
 TEST_P(PlainVariantsTest, SumsEqualTheReference) {
     const PlainVariants& plain = plain_variants(GetParam());
-    expect_equal_sums(plain, plain.least_once, 2);
-    expect_equal_sums(plain, plain.least_per_candidate, 3);
+    expect_equal_sums(plain, plain.min_once, 2);
+    expect_equal_sums(plain, plain.min_per_candidate, 3);
 }
 
 TEST_P(PlainVariantsTest, NaiveStepsGiveTheSameBytes) {
@@ -146,8 +152,7 @@ std::vector<int> turns(std::vector<int> runs) {
 
 TEST(AlternationTest, EverybodyRunsOncePerRound) {
     std::vector<int> order;
-    const auto found =
-        alternate(small_pair(), contestants(order, 3), {.rounds = 4, .seconds = 3600, .least_rounds = 3});
+    const auto found = alternate(small_pair(), contestants(order, 3), {.rounds = 4, .seconds = 3600, .min_rounds = 3});
     EXPECT_EQ(turns(order), (std::vector<int>{0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2}));
     ASSERT_EQ(found.size(), 3U);
     EXPECT_EQ(found[0].ms.size(), 4U);
@@ -158,7 +163,7 @@ TEST(AlternationTest, EverybodyRunsOncePerRound) {
 TEST(AlternationTest, WhoIsSlowSitsOutRounds) {
     std::vector<int> order;
     // With no time at all everybody is too slow: the least number of rounds, spread over all.
-    const auto found = alternate(small_pair(), contestants(order, 2), {.rounds = 30, .seconds = 0, .least_rounds = 3});
+    const auto found = alternate(small_pair(), contestants(order, 2), {.rounds = 30, .seconds = 0, .min_rounds = 3});
     EXPECT_EQ(turns(order), (std::vector<int>{0, 1, 0, 1, 0, 1}));
     EXPECT_EQ(found[1].ms.size(), 3U);
 }
@@ -167,7 +172,7 @@ TEST(AlternationTest, AFrameIsMeasuredAfterAnotherUnlessItIsLong) {
     // Before the first one nobody knows how long it takes.
     for (const auto& [long_frame_ms, runs] : {std::pair{3.6e6, 6U}, std::pair{0.0, 4U}}) {
         std::vector<int> order;
-        const Patience patience{.rounds = 3, .seconds = 3600, .least_rounds = 3, .long_frame_ms = long_frame_ms};
+        const Patience patience{.rounds = 3, .seconds = 3600, .min_rounds = 3, .long_frame_ms = long_frame_ms};
         const auto found = alternate(small_pair(), contestants(order, 1), patience);
         EXPECT_EQ(found[0].ms.size(), 3U);
         EXPECT_EQ(order.size(), runs) << long_frame_ms << " ms";
@@ -192,7 +197,7 @@ Measurement measured(std::string name, std::string isa, int threads, std::vector
 TEST(MeasurementTest, MedianAndQuartiles) {
     const Measurement one = measured("cpu/sgm", "AVX2", 1, {9, 1, 5, 3, 7});
     EXPECT_DOUBLE_EQ(one.median_ms(), 5);
-    EXPECT_DOUBLE_EQ(one.least_ms(), 1);
+    EXPECT_DOUBLE_EQ(one.min_ms(), 1);
     EXPECT_DOUBLE_EQ(one.lower_quartile_ms(), 3);
     EXPECT_DOUBLE_EQ(one.upper_quartile_ms(), 7);
     EXPECT_DOUBLE_EQ(one.frames_per_second(), 200);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tests/calibration/drawn_board.h"
+#include "tests/calibration/board/drawn_board.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
 
@@ -53,10 +53,13 @@ TEST_F(CalibrateTest, WritesACalibrationThatIsRead) {
     EXPECT_THAT(outcome.err, HasSubstr("view 1 of 20; "));
     EXPECT_THAT(outcome.err, HasSubstr("has not moved"));
 
-    const auto read = capture::read_calibration(path("out.yml"), width, height);
+    const auto read = calibration::read_calibration(path("out.yml"), width, height);
     const auto truth = capture::scene_calibration(width, height);
     EXPECT_NEAR(read.left.fx / truth.left.fx, 1, 0.01);
     EXPECT_NEAR(read.translation[0], truth.translation[0], 1);
+    EXPECT_EQ(result["views"][0]["frame"], "left0.png, right0.png");
+    EXPECT_EQ(result["parts"], 9);
+    EXPECT_EQ(result["parts_seen"], 9);
     const cv::Mat report = cv::imread(path("report.png"));
     EXPECT_EQ(report.cols, 4 * 320);
     EXPECT_GT(report.rows, 6 * 180);
@@ -64,8 +67,40 @@ TEST_F(CalibrateTest, WritesACalibrationThatIsRead) {
     // Nothing is overwritten, and the same views give the same file.
     EXPECT_EQ(calibrate({"--square", "30"}).exit_code, 2);
     const std::string first = read_file(path("out.yml"));
-    ASSERT_EQ(calibrate({"--square", "30", "--force"}).exit_code, 0);
+    const Outcome again = calibrate({"--square", "30", "--force"});
+    ASSERT_EQ(again.exit_code, 0);
+    EXPECT_THAT(again.out, HasSubstr("left0.png, right0.png"));
+    EXPECT_THAT(again.out, HasSubstr("corners in 9 of 9 parts of the image: good, each has one"));
     EXPECT_EQ(read_file(path("out.yml")), first);
+}
+
+TEST_F(CalibrateTest, SwappedEyesAreRefusedAndLeaveNothing) {
+    make_views(13);
+    write_text(path("out.yml"), "the calibration before");
+    const Outcome outcome = run(DISPARITYCTL, {"calibrate", path("right%d.png") + "," + path("left%d.png"), "--square",
+                                               "30", "-o", path("out.yml"), "--report", path("report.png"), "--force"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("exchange the two eyes of the source"));
+    EXPECT_EQ(read_file(path("out.yml")), "the calibration before");
+    EXPECT_FALSE(std::filesystem::exists(path("report.png")));
+}
+
+TEST_F(CalibrateTest, NamesOfOtherFormatsAreRefused) {
+    const Outcome report = calibrate({"--square", "30", "--report", path("report.bmp")});
+    EXPECT_EQ(report.exit_code, 2);
+    EXPECT_THAT(report.err, HasSubstr("allowed: .png, .jpg, .jpeg"));
+    const Outcome output = run(DISPARITYCTL, {"calibrate", path("x%d.png"), "--square", "30", "-o", path("out.conf")});
+    EXPECT_EQ(output.exit_code, 2);
+    EXPECT_THAT(output.err, HasSubstr("allowed: .yml, .yaml"));
+}
+
+TEST_F(CalibrateTest, SaysWhichPartsOfTheImageHaveNoCorner) {
+    make_views(4);  // the board in the upper left, mostly
+    const Outcome outcome = calibrate({"--square", "30", "--report", path("report.png")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("corners in [1-8] of 9 parts of the image: distortion"));
+    EXPECT_THAT(outcome.err, HasSubstr("hold the board into"));
+    EXPECT_FALSE(cv::imread(path("report.png")).empty());
 }
 
 TEST_F(CalibrateTest, ReadsBoardsWithMarkers) {
@@ -89,7 +124,7 @@ TEST_F(CalibrateTest, ReadsBoardsWithMarkers) {
     const Outcome outcome = with({"--marker", "30", "--dictionary", "5x5", "--json", "--report", path("report.png")});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_LT(nlohmann::json::parse(outcome.out)["rms_px"], 0.25);
-    const auto read = capture::read_calibration(path("out.yml"), width, height);
+    const auto read = calibration::read_calibration(path("out.yml"), width, height);
     EXPECT_NEAR(read.left.fx / capture::scene_calibration(width, height).left.fx, 1, 0.01);
     EXPECT_FALSE(cv::imread(path("report.png")).empty());
 }

@@ -53,7 +53,24 @@ TEST_F(EvalTest, EveryMatcherIsMeasured) {
         EXPECT_GT(row["density"], 85) << row;
     }
     EXPECT_EQ(files_in(path("errors")).size(), rows.size());
-    EXPECT_EQ(images::read_image(path("errors/cones_sgm_cpu.png")).rows, 80);
+    const cv::Mat picture = images::read_image(path("errors/cones_sgm_cpu.png"));
+    EXPECT_GE(picture.rows, 80);
+    // Beside left image, disparity and errors, a legend with every colour of the errors.
+    const cv::Mat legend = picture.colRange(3 * 160, picture.cols);
+    for (const cv::Scalar& colour : {cv::Scalar(160, 160, 160), cv::Scalar(40, 40, 230), cv::Scalar(30, 150, 240),
+                                     cv::Scalar(200, 110, 30), cv::Scalar(24, 70, 16)}) {
+        cv::Mat found;
+        cv::inRange(legend, colour, colour, found);
+        EXPECT_GT(cv::countNonZero(found), 30) << colour;
+    }
+}
+
+TEST_F(EvalTest, OptionsThatNoMethodUsesAreRefused) {
+    make_scene(path("cones"));
+    const Outcome refused = run(DISPARITY_EVAL, {"--method", "sad", "--method", "census", "--p2", "40", path("cones")});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.err, HasSubstr("--p2: only the method sgm uses it, found: sad and census"));
+    EXPECT_EQ(run(DISPARITY_EVAL, {"--method", "all", "--p2", "40", path("cones")}).exit_code, 0);
 }
 
 /// Rows of a result by the name of their method.

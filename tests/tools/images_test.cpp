@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -10,9 +13,11 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/capture/recording/file_size_limit.h"
 #include "tools/images/colour_map.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
+#include "tools/images/legend.h"
 #include "tools/images/picture.h"
 
 namespace disparityd::images {
@@ -32,6 +37,42 @@ protected:
 
     std::filesystem::path folder_;
 };
+
+std::string content(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(ImagesTest, AFileIsReplacedAsAWholeOrNotAtAll) {
+    const std::string name(250, 'n');  // as long as names can nearly be
+    const std::vector<std::uint8_t> small(100, 'a');
+    const std::vector<std::uint8_t> large(100'000, 'b');
+    write_file(path(name), small);
+    std::filesystem::permissions(path(name), std::filesystem::perms(0640));
+    std::filesystem::create_symlink(name, path("link"));
+    {
+        const capture::test::FileSizeLimit full(50'000);
+        EXPECT_THAT([&] { write_file(path("link"), large); },
+                    testing::ThrowsMessage<std::runtime_error>(
+                        testing::AllOf(testing::HasSubstr("link"), testing::HasSubstr("File too large"))));
+        EXPECT_THROW(write_file(path("new"), large), std::runtime_error);
+    }
+    EXPECT_EQ(content(path(name)), std::string(100, 'a')) << "the old one is whole";
+    write_file(path("link"), large);
+    EXPECT_EQ(content(path(name)), std::string(100'000, 'b'));
+    EXPECT_TRUE(std::filesystem::is_symlink(path("link")));
+    EXPECT_EQ(std::filesystem::status(path(name)).permissions(), std::filesystem::perms(0640));
+    std::filesystem::create_symlink("made", path("ahead"));
+    write_file(path("ahead"), small);
+    EXPECT_EQ(content(path("made")), std::string(100, 'a')) << "what a link leads to is made";
+    EXPECT_TRUE(std::filesystem::is_symlink(path("ahead")));
+    const std::filesystem::directory_iterator files(folder_);
+    EXPECT_EQ(std::distance(begin(files), end(files)), 4) << "nothing unfinished is left";
+    write_file("/dev/null", large);
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+    EXPECT_THROW(write_file("/dev/full", small), std::runtime_error);
+    EXPECT_THROW(write_file(path("absent/file"), small), std::runtime_error);
+}
 
 struct Sample {
     DisparityRange range;
@@ -159,12 +200,33 @@ TEST(ColourMapTest, LightnessRisesEvenlyAndNothingIsBlack) {
     EXPECT_GT(lab.at<cv::Vec3f>(0, 255)[0], 85);
 }
 
-TEST(PictureTest, NearIsLightRejectedIsBlack) {
+TEST(ColourMapTest, RejectedPixelsAreOfNoColourOfTheMap) {
+    EXPECT_EQ(rejected_colour[0], rejected_colour[1]) << "grey";
+    EXPECT_EQ(rejected_colour[1], rejected_colour[2]) << "grey";
+    for (const cv::Vec3b& colour : colour_map()) {
+        EXPECT_GT(cv::norm(colour, rejected_colour), 50) << colour;
+    }
+}
+
+TEST(PictureTest, NearIsLightRejectedIsGrey) {
     const Sample sample{{0, 64}, 3, 1, {-16, 0, 63 * 16}};
     const cv::Mat coloured = colour_disparity(sample.map(), whole_range(sample.range));
-    EXPECT_EQ(coloured.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+    EXPECT_EQ(coloured.at<cv::Vec3b>(0, 0), rejected_colour);
     EXPECT_EQ(coloured.at<cv::Vec3b>(0, 1), colour_map().front());
     EXPECT_EQ(coloured.at<cv::Vec3b>(0, 2), colour_map().back());
+}
+
+TEST(PictureTest, DrawnPicturesSaySoWhereThereIsRoom) {
+    cv::Mat picture(60, 120, CV_8UC3, cv::Scalar(7, 7, 7));
+    mark_synthetic(picture);
+    EXPECT_EQ(picture.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0)) << "the ground of the text";
+    EXPECT_EQ(picture.at<cv::Vec3b>(59, 119), cv::Vec3b(7, 7, 7)) << "the rest stays";
+    double brightest = 0;
+    cv::minMaxLoc(picture.reshape(1), nullptr, &brightest);
+    EXPECT_GT(brightest, 200) << "the text";
+    cv::Mat small(8, 120, CV_8UC3, cv::Scalar(7, 7, 7));
+    mark_synthetic(small);
+    EXPECT_EQ(small.at<cv::Vec3b>(0, 0), cv::Vec3b(7, 7, 7));
 }
 
 TEST(PictureTest, FittedScaleLeavesOutliersOut) {
@@ -192,10 +254,77 @@ TEST(PictureTest, LeftDisparityAndScaleStandSideBySide) {
     EXPECT_EQ(cv::norm(metric(cv::Rect(320, 0, 320, 240)), colour_disparity(sample.map(), scale), cv::NORM_INF), 0);
 }
 
-TEST(PictureTest, AScaleFitsAnyHeight) {
-    for (const int height : {1, 2, 10, 60, 1242}) {
-        EXPECT_EQ(scale_bar(height, {0, 255}, {700, 120, 5}).rows, height);
-        EXPECT_EQ(scale_bar(height, {-3, -2}, {}).rows, height);
+/// The rows or columns at the edges that hold nothing but the background.
+int empty_border(const cv::Mat& picture, bool right) {
+    const cv::Vec3b paper = picture.at<cv::Vec3b>(0, 0);
+    const int lines = right ? picture.cols : picture.rows;
+    int empty = 0;
+    while (empty < lines) {
+        const int at = lines - 1 - empty;
+        const cv::Mat line = right ? picture.col(at) : picture.row(at);
+        if (cv::norm(line, cv::Mat(line.size(), CV_8UC3, cv::Scalar(paper)), cv::NORM_INF) > 0) {
+            break;
+        }
+        ++empty;
+    }
+    return empty;
+}
+
+TEST(PictureTest, AScaleHasAllItsTextAtAnyHeight) {
+    for (const int height : {1, 2, 10, 60, 96, 480, 1242}) {
+        for (const ColourScale& scale : {ColourScale{0, 255}, ColourScale{-256, -1}, ColourScale{-3, -2}}) {
+            for (const Metric& metric : {Metric{700, 120, 5}, Metric{90'000, 9'000, 300}, Metric{}}) {
+                const cv::Mat bar = scale_bar(height, scale, metric);
+                EXPECT_GE(bar.rows, height);
+                EXPECT_EQ(bar.rows, std::max(height, scale_bar(1, scale, metric).rows));
+                EXPECT_GE(empty_border(bar, true), 3) << "text is cut off at the right";
+                EXPECT_GE(empty_border(bar, false), 3) << "text is cut off below";
+            }
+        }
+    }
+}
+
+TEST(PictureTest, ASmallPictureIsEnlargedForItsScale) {
+    const Sample sample = random_sample({0, 64}, 40, 20);
+    const ColourScale scale = whole_range(sample.range);
+    const cv::Mat all = picture(cv::Mat(20, 40, CV_8UC1, cv::Scalar(77)), sample.map(), scale, {500, 120, 0});
+    const cv::Mat bar = scale_bar(20, scale, {500, 120, 0});
+    ASSERT_EQ(all.rows, bar.rows);
+    ASSERT_EQ(all.cols, 80 + bar.cols);
+    EXPECT_EQ(cv::norm(all.colRange(80, all.cols), bar, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(all(cv::Rect(40, 0, 40, 20)), colour_disparity(sample.map(), scale), cv::NORM_INF), 0);
+}
+
+TEST(PictureTest, AScaleShowsTheColourOfRejectedPixels) {
+    const cv::Mat bar = scale_bar(100, {0, 63}, {});
+    cv::Mat grey;
+    cv::inRange(bar.colRange(0, bar.cols / 2), cv::Scalar(rejected_colour), cv::Scalar(rejected_colour), grey);
+    EXPECT_GT(cv::countNonZero(grey), 50);
+}
+
+TEST(PictureTest, OneRuleForTheColours) {
+    const Sample sample{{0, 64}, 3, 1, {-16, 10 * 16, 20 * 16}};
+    EXPECT_EQ(colour_scale(sample.map(), ColourRange::searched).high, 63);
+    EXPECT_EQ(colour_scale(sample.map(), ColourRange::frame).high, 20);
+    EXPECT_EQ(colour_scale(sample.map(), ColourRange::frame).low, 10);
+}
+
+TEST_F(ImagesTest, TheNameSaysTheFormat) {
+    const cv::Mat image(40, 60, CV_8UC3, cv::Scalar(20, 120, 220));
+    const std::map<std::string, std::string> first_bytes{
+        {"a.png", "\x89PNG"}, {"b.PNG", "\x89PNG"}, {"c.jpg", "\xff\xd8\xff"}, {"d.jpeg", "\xff\xd8\xff"}};
+    for (const auto& [name, magic] : first_bytes) {
+        write_picture(path(name), image);
+        std::ifstream file(path(name), std::ios::binary);
+        const std::string bytes(std::istreambuf_iterator<char>(file), {});
+        EXPECT_EQ(bytes.substr(0, magic.size()), magic) << name;
+        EXPECT_LE(cv::norm(read_image(path(name)), image, cv::NORM_INF), 4) << name;
+    }
+    for (const char* name : {"e.bmp", "png", "f", "g.png.txt"}) {
+        EXPECT_THAT([&] { write_picture(path(name), image); },
+                    testing::ThrowsMessage<std::invalid_argument>(
+                        testing::AllOf(testing::HasSubstr(name), testing::HasSubstr("allowed: .png, .jpg, .jpeg"))));
+        EXPECT_FALSE(std::filesystem::exists(path(name)));
     }
 }
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::test {

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -77,6 +78,27 @@ TEST_F(RecordTest, AnExistingFileIsKept) {
     EXPECT_EQ(frames_of(path("out.mkv")).size(), 2U);
 }
 
+TEST_F(RecordTest, OneProcessAtATimeWritesAFile) {
+    make_recording(path("in.mkv"), 2, 64, 32);
+    Program first(DISPARITYCTL,
+                  {"record", path("out.mkv"), "--source", "scene:vga@30?width=128&height=96&loop=8", "--json"});
+    ASSERT_TRUE(eventually([&] {
+        return !first.running() ||
+               (std::filesystem::exists(path("out.mkv")) && std::filesystem::file_size(path("out.mkv")) > 100'000);
+    }));
+    first.send(SIGSTOP);
+    const Outcome second = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--force"});
+    first.send(SIGCONT);
+    first.send(SIGINT);
+    EXPECT_EQ(second.exit_code, 1) << second.err;
+    EXPECT_THAT(second.err, testing::AllOf(HasSubstr("out.mkv"), HasSubstr("another program is writing it")));
+    const Outcome outcome = first.wait();
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(frames_of(path("out.mkv")).size(), nlohmann::json::parse(outcome.out)["frames"]);
+    EXPECT_EQ(run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv"), "--force"}).exit_code, 0);
+    EXPECT_EQ(frames_of(path("out.mkv")).size(), 2U) << "the lock ends with the process";
+}
+
 TEST_F(RecordTest, CtrlCLeavesAValidFile) {
     Program program(DISPARITYCTL,
                     {"record", path("out.mkv"), "--source", "scene:vga@30?width=128&height=96&loop=8", "--json"});
@@ -131,6 +153,59 @@ TEST_F(RecordTest, ADiskThatIsTooSlowIsSaidAtOnceAndTheFileIsValid) {
     EXPECT_EQ(frames, summary["frames"]);
 }
 
+/// No file of the programs that are started meanwhile may grow beyond that.
+class FileSizeOfChildren {
+public:
+    explicit FileSizeOfChildren(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        rlimit limit = before_;
+        limit.rlim_cur = bytes;
+        EXPECT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    }
+    ~FileSizeOfChildren() { setrlimit(RLIMIT_FSIZE, &before_); }
+    FileSizeOfChildren(const FileSizeOfChildren&) = delete;
+    FileSizeOfChildren& operator=(const FileSizeOfChildren&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+TEST_F(RecordTest, ALimitOfFilesIsAFullDisk) {
+    make_recording(path("in.mkv"), 100, 128, 64);
+    const FileSizeOfChildren limit(1'000'000);
+    const Outcome outcome = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in.mkv")});
+    EXPECT_EQ(outcome.exit_code, 1) << "128 + 25 is SIGXFSZ";
+    EXPECT_THAT(outcome.err, HasSubstr("out.mkv"));
+    EXPECT_THAT(outcome.err, HasSubstr("File too large"));
+    EXPECT_FALSE(frames_of(path("out.mkv")).empty()) << "what was written is a recording";
+}
+
+TEST_F(RecordTest, ALimitOfFilesEndsProcessWithALine) {
+    make_recording(path("in.mkv"), 2, 320, 200);
+    const FileSizeOfChildren limit(20'000);
+    const Outcome outcome =
+        run(DISPARITYCTL, {"process", path("in.mkv"), "--output", path("out"), "--disparities", "32"});
+    EXPECT_EQ(outcome.exit_code, 1) << "128 + 25 is SIGXFSZ";
+    EXPECT_THAT(outcome.err, HasSubstr("disparityctl: error: "));
+    EXPECT_THAT(outcome.err, HasSubstr(path("out")));
+}
+
+TEST_F(RecordTest, WithoutAFrameNoFileIsMadeAndNoneReplaced) {
+    make_recording(path("in.mkv"), 3, 128, 64);
+    const std::string bytes = read_file(path("in.mkv"));
+    const auto cluster = bytes.find("\x1f\x43\xb6\x75");  // of Matroska: frames follow
+    ASSERT_NE(cluster, std::string::npos);
+    write_text(path("in.mkv"), bytes.substr(0, cluster + 200));  // a part of the first frame
+    write_text(path("old.mkv"), "what was there before");
+    const Outcome outcome = run(DISPARITYCTL, {"record", path("new.mkv"), "--source", path("in.mkv")});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("nothing was recorded"));
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_FALSE(std::filesystem::exists(path("new.mkv")));
+    EXPECT_EQ(run(DISPARITYCTL, {"record", path("old.mkv"), "--force", "--source", path("in.mkv")}).exit_code, 1);
+    EXPECT_EQ(read_file(path("old.mkv")), "what was there before");
+}
+
 TEST_F(RecordTest, TruncatedSourceKeepsWhatIsThere) {
     make_recording(path("in.mkv"), 30, 128, 64);
     std::filesystem::resize_file(path("in.mkv"), std::filesystem::file_size(path("in.mkv")) / 2);
@@ -154,6 +229,16 @@ TEST_F(SourcesTest, KindsAreListed) {
         EXPECT_FALSE(kind["name"].get<std::string>().empty());
         EXPECT_THAT(run(DISPARITYCTL, {"sources"}).out, HasSubstr(kind["description"].get<std::string>()));
     }
+}
+
+TEST_F(SourcesTest, WhatARecordingSaysOfItselfIsOneLineWithoutControls) {
+    make_kitti_folder(path("in\x1b[2J\nforged"), 1, 64, 32);
+    ASSERT_EQ(run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in\x1b[2J\nforged")}).exit_code, 0);
+    const Outcome outcome = run(DISPARITYCTL, {"sources", path("out.mkv")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("in?[2J?forged"));
+    EXPECT_EQ(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 2) << outcome.out;
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);
 }
 
 TEST_F(SourcesTest, AnOpenedSourceIsDescribed) {

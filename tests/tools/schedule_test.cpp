@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/cpu/sgm/sgm_kernels.h"
 #include "tools/schedule/simulation.h"
 
 namespace disparityd::schedule {
@@ -40,7 +40,7 @@ TEST(ScheduleTest, RowsFollowEachOtherAtTheDistanceOfTheKernels) {
     const cpu::SweepPlan plan(width, height, 1, 64, 64);
     // A row waits for the end of a step of the row before that is one block further, and then goes that far itself.
     const int steps = plan.steps_at_once();
-    ASSERT_EQ(steps, cpu::least_block);
+    ASSERT_EQ(steps, cpu::min_block);
     const double lag = 10.0 * 2 * steps / width;
     EXPECT_GT(simulated(times, 64), lag * (height - 2));
     EXPECT_LT(simulated(times, 64), 2 * (lag + 10.0 * steps / width) * height);

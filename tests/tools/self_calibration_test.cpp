@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/calibration_correction.h"
+#include "calibration/calibration_correction.h"
 #include "capture/frame_source.h"
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
 #include "tools/images/image_file.h"
@@ -17,7 +17,7 @@
 namespace disparityd::test {
 namespace {
 
-using capture::CalibrationCorrection;
+using calibration::CalibrationCorrection;
 using testing::HasSubstr;
 
 constexpr CalibrationCorrection turned{4'000'000, 0, -3'000'000, 0};  // about 1.4 px and 0.2 degrees
@@ -99,6 +99,7 @@ TEST_F(SelfCalibrationTest, ShowsTheRowsBeforeAndAfter) {
     ASSERT_EQ(std::sscanf(outcome.out.c_str() + at, "last frame %lf px as calibrated, %lf px", &before, &after), 2);
     EXPECT_GT(before, 1);
     EXPECT_LT(after, 0.15);
+    EXPECT_THAT(outcome.out, HasSubstr("wrong matches, which are left out"));
     EXPECT_THAT(outcome.out, HasSubstr("frame 0: corrected"));
     EXPECT_GT(images::read_image(path("rows.png")).rows, 4 * 90);
 

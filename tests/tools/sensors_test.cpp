@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "capture/frame_source.h"
-#include "capture/recording_writer.h"
+#include "capture/recording/recording_writer.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
 
@@ -49,33 +49,45 @@ void make_recording_with_sensors(const std::string& path) {
     writer.close();
 }
 
-class SensorsTest : public FolderTest {
+/// A daemon with a socket of its own, and nothing else that clients could reach.
+class SensorDaemonTest : public FolderTest {
 protected:
-    void SetUp() override {
-        FolderTest::SetUp();
-        make_recording_with_sensors(path("made.mkv"));
-        const std::string id = std::to_string(getpid());
-        socket_ = "unix:/tmp/dctl-sensors-" + id + ".sock";
-        std::vector<std::string> arguments{"--source", path("made.mkv"), "--name", "dctl-sensors-" + id};
-        for (const std::string& setting : {"socket.unix=" + socket_.substr(5), std::string("socket.tcp="),
-                                           std::string("match.disparities=16"), std::string("source.loop=true")}) {
+    /// Until its status holds the text.
+    void start(const std::string& source, std::vector<std::string> settings, const std::string& ready) {
+        const std::string id = "dctl-sensors-" + std::to_string(getpid());
+        socket_ = "unix:/tmp/" + id + ".sock";
+        settings.insert(settings.end(), {"socket.unix=" + socket_.substr(5), "socket.tcp="});
+        std::vector<std::string> arguments{"--source", source, "--name", id};
+        for (const std::string& setting : settings) {
             arguments.insert(arguments.end(), {"--set", setting});
         }
         daemon_ = std::make_unique<Program>(DISPARITYD, arguments);
-        ASSERT_TRUE(eventually([this] {
-            return !daemon_->running() || run(DISPARITYCTL, {"status", "--socket", socket_}).exit_code == 0;
+        ASSERT_TRUE(eventually([&] {
+            const Outcome status = run(DISPARITYCTL, {"status", "--socket", socket_});
+            return !daemon_->running() || (status.exit_code == 0 && status.out.find(ready) != std::string::npos);
         }));
         ASSERT_TRUE(daemon_->running()) << daemon_->wait().err;
     }
 
     void TearDown() override {
-        daemon_->send(SIGTERM);
-        daemon_->wait();
+        if (daemon_) {
+            daemon_->send(SIGTERM);
+            daemon_->wait();
+        }
         FolderTest::TearDown();
     }
 
     std::string socket_;
     std::unique_ptr<Program> daemon_;
+};
+
+class SensorsTest : public SensorDaemonTest {
+protected:
+    void SetUp() override {
+        SensorDaemonTest::SetUp();
+        make_recording_with_sensors(path("made.mkv"));
+        start(path("made.mkv"), {"match.disparities=16", "source.loop=true"}, "");
+    }
 };
 
 TEST_F(SensorsTest, JsonHasEverySample) {
@@ -94,6 +106,31 @@ TEST_F(SensorsTest, JsonHasEverySample) {
         last = number;
     }
     EXPECT_EQ(count, 40);
+}
+
+/// A daemon whose camera is not there, and whose name would colour a terminal.
+class AbsentCameraTest : public SensorDaemonTest {
+protected:
+    void SetUp() override {
+        SensorDaemonTest::SetUp();
+        start("v4l2:hd720@30?port=\x1b[31mRED", {}, "plug it in");
+    }
+};
+
+TEST_F(AbsentCameraTest, TheReasonIsPrintable) {
+    const Outcome outcome = run(DISPARITYCTL, {"sensors", "--socket", socket_, "--count", "1"});
+    EXPECT_THAT(outcome.out, HasSubstr("no sample: "));
+    EXPECT_THAT(outcome.out, HasSubstr("RED"));
+    EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos) << outcome.out;
+}
+
+TEST_F(AbsentCameraTest, JsonSaysWhyNothingComes) {
+    Program show(DISPARITYCTL, {"sensors", "--socket", socket_, "--json"});
+    EXPECT_TRUE(eventually([&] { return !show.running() || show.said("no sample: "); }));
+    show.send(SIGINT);
+    const Outcome outcome = show.wait();
+    EXPECT_THAT(outcome.err, HasSubstr("plug it in"));
+    EXPECT_EQ(outcome.out, "");
 }
 
 TEST_F(SensorsTest, ALineForEachSecond) {

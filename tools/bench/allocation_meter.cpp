@@ -14,15 +14,15 @@ namespace {
 
 std::atomic<bool> counting{false};
 std::atomic<std::int64_t> held{0};
-std::atomic<std::int64_t> most_held{0};
+std::atomic<std::int64_t> max_held{0};
 
 void add(std::int64_t bytes) {
     if (!counting.load(std::memory_order_relaxed)) {
         return;
     }
     const std::int64_t now = held.fetch_add(bytes, std::memory_order_relaxed) + bytes;
-    std::int64_t most = most_held.load(std::memory_order_relaxed);
-    while (now > most && !most_held.compare_exchange_weak(most, now, std::memory_order_relaxed)) {
+    std::int64_t most = max_held.load(std::memory_order_relaxed);
+    while (now > most && !max_held.compare_exchange_weak(most, now, std::memory_order_relaxed)) {
     }
 }
 
@@ -97,7 +97,7 @@ namespace disparityd::bench {
 
 AllocationMeter::AllocationMeter() {
     held = 0;
-    most_held = 0;
+    max_held = 0;
     counting = true;
 }
 
@@ -107,7 +107,7 @@ AllocationMeter::~AllocationMeter() {
 
 std::optional<std::int64_t> AllocationMeter::peak_bytes() const {
 #ifdef DISPARITYD_BENCH_COUNTS_ALLOCATIONS
-    return most_held.load();
+    return max_held.load();
 #else
     return std::nullopt;
 #endif

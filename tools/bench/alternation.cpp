@@ -5,8 +5,8 @@
 #include <chrono>
 #include <ctime>
 
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/progress.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/progress.h"
 #include "tools/eval/median.h"
 
 namespace disparityd::bench {
@@ -67,7 +67,7 @@ int rounds_for(const Measurement& measurement, const Patience& patience) {
     const double affordable = patience.seconds * 1e3 / std::max(measurement.ms.front(), 1e-3);
     const int most = std::max(patience.rounds, 1);
     return static_cast<int>(
-        std::clamp(affordable, static_cast<double>(std::min(patience.least_rounds, most)), static_cast<double>(most)));
+        std::clamp(affordable, static_cast<double>(std::min(patience.min_rounds, most)), static_cast<double>(most)));
 }
 
 /// Whether a contestant with `turns` of `rounds` rounds takes part in this one: `turns` times, evenly spread, in the
@@ -86,7 +86,7 @@ double Measurement::median_cpu_ms() const {
     return eval::median(cpu_ms);
 }
 
-double Measurement::least_ms() const {
+double Measurement::min_ms() const {
     return *std::min_element(ms.begin(), ms.end());
 }
 

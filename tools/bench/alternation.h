@@ -13,7 +13,7 @@ namespace disparityd::bench {
 struct Patience {
     int rounds = 15;            ///< at most
     double seconds = 0.8;       ///< who has used up as much time of its own runs less often ..
-    int least_rounds = 3;       ///< .. but at least this often
+    int min_rounds = 3;         ///< .. but at least this often
     double long_frame_ms = 50;  ///< after one of these the next is measured without another before it
 };
 
@@ -34,7 +34,7 @@ struct Measurement {
 
     double median_ms() const;
     double median_cpu_ms() const;
-    double least_ms() const;
+    double min_ms() const;
     /// The medians of the faster and of the slower half.
     double lower_quartile_ms() const;
     double upper_quartile_ms() const;

@@ -8,11 +8,11 @@
 
 #include <sys/prctl.h>
 
-#include "kernels/cpu/sgm_matcher.h"
+#include "kernels/cpu/sgm/sgm_matcher.h"
 #include "kernels/cpu/step_kernels.h"
 #include "tools/bench/vector_paths.h"
 #include "tools/bench/work_volumes.h"
-#include "tools/ctl/interrupt.h"
+#include "tools/command_line/interrupt.h"
 
 namespace disparityd::bench {
 namespace {
@@ -38,10 +38,10 @@ public:
     std::vector<Idea> measure() {
         two_passes();
         two_sweeps();
-        least_once();
+        min_once();
         compiler_vectors();
         if (!sets_.empty()) {
-            least_by_tree();
+            min_by_tree();
             wide_vectors();
             many_threads();
             beyond_the_paper();
@@ -72,21 +72,21 @@ private:
             compare_work("two sweeps, SGM",
                          std::string("8 paths one after the other over the volume; four paths at a time, ") +
                              (build == Build::not_vectorised ? "scalar code" : "vectorised by the compiler"),
-                         paths_one_by_one(work, build), two_sweeps(work, build, plain_variants(build).least_once));
+                         paths_one_by_one(work, build), two_sweeps(work, build, plain_variants(build).min_once));
         }
     }
 
-    void least_once() {
+    void min_once() {
         const WorkVolumes work(pair_, rows_of_slow_code);
         const PlainVariants& plain = plain_variants(Build::not_vectorised);
         compare_work(
             "minimum of the pixel before, once",
             "looked for per candidate; once per pixel, scalar code, top " + std::to_string(work.rows().last) + " rows",
-            two_sweeps(work, Build::not_vectorised, plain.least_per_candidate),
-            two_sweeps(work, Build::not_vectorised, plain.least_once));
+            two_sweeps(work, Build::not_vectorised, plain.min_per_candidate),
+            two_sweeps(work, Build::not_vectorised, plain.min_once));
     }
 
-    void least_by_tree() {
+    void min_by_tree() {
         const WorkVolumes work(pair_, pair_.left.rows);
         const VectorPaths paths = vector_paths(sets_.front().target);
         compare_work(
@@ -98,7 +98,7 @@ private:
     void compiler_vectors() {
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
             compare_matchers(
-                "vector instructions by the compiler, " + std::string(name(method)), "the reference, 1 thread",
+                "vector instructions by the compiler, " + std::string(to_string(method)), "the reference, 1 thread",
                 [&] { return make_naive(pair_, options(method), Build::not_vectorised, pools_); },
                 [&] { return make_naive(pair_, options(method), Build::as_compiled, pools_); });
         }
@@ -108,7 +108,7 @@ private:
         const cpu::InstructionSet& narrow = sets_.back();
         const cpu::InstructionSet& wide = sets_.front();
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-            const std::string which(name(method));
+            const std::string which(to_string(method));
             compare_matchers(
                 "vector instructions by hand, " + which,
                 "the reference vectorised by the compiler; ours with " + wide.name + ", 1 thread",
@@ -126,7 +126,7 @@ private:
     void many_threads() {
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
             compare_matchers(
-                "threads, " + std::string(name(method)), "ours with 1; with " + std::to_string(threads_),
+                "threads, " + std::string(to_string(method)), "ours with 1; with " + std::to_string(threads_),
                 [&] { return make_ours(pair_, options(method), sets_.front(), {1}, pools_); },
                 [&] { return make_ours(pair_, options(method), sets_.front(), {threads_}, pools_); });
         }

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/program.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/program.h"
 
 namespace disparityd::bench {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 constexpr std::array methods = {Method::sgm, Method::sad, Method::census};
 
 /// Pairs with more candidates keep naive code busy for seconds per frame.
-constexpr double most_candidates_for_naive = 25e6;
+constexpr double max_candidates_for_naive = 25e6;
 
 bool names(const std::string& word, const std::string& contestant) {
     return contestant == word || contestant.rfind(word + '/', 0) == 0;
@@ -48,7 +48,7 @@ public:
         : pair_(pair), selection_(selection), options_of_(options_of), pools_(pools) {}
 
     void ours(Method method) {
-        const std::string who = "cpu/" + std::string(name(method));
+        const std::string who = "cpu/" + std::string(to_string(method));
         if (wanted(selection_, who)) {
             for (const cpu::InstructionSet& set : selection_.instruction_sets) {
                 add(who, [&] { return make_ours(pair_, options(method), set, selection_.threads, pools_); });
@@ -58,7 +58,7 @@ public:
 
     /// Who asks for it by name where there is no GPU is told why.
     void cuda(Method method) {
-        const std::string who = "cuda/" + std::string(name(method));
+        const std::string who = "cuda/" + std::string(to_string(method));
         if (wanted(selection_, who) && (!selection_.contestants.empty() || has_gpu())) {
             add(who, [&] {
                 const MatcherConfig config{pair_.left.cols, pair_.left.rows, options(method)};
@@ -76,8 +76,8 @@ public:
     }
 
     void naive(Method method) {
-        const std::string who = "naive/" + std::string(name(method));
-        const bool soon_done = pair_.candidates() <= most_candidates_for_naive || !selection_.contestants.empty();
+        const std::string who = "naive/" + std::string(to_string(method));
+        const bool soon_done = pair_.candidates() <= max_candidates_for_naive || !selection_.contestants.empty();
         if (wanted(selection_, who) && soon_done) {
             for (const Build build : {Build::as_compiled, Build::not_vectorised}) {
                 add(who, [&] { return make_naive(pair_, options(method), build, pools_); });
@@ -87,7 +87,7 @@ public:
 
     /// Takes seconds per frame: only for who asks for it.
     void as_described(Method method) {
-        const std::string who = "paper/" + std::string(name(method));
+        const std::string who = "paper/" + std::string(to_string(method));
         if (wanted(selection_, who) && !selection_.contestants.empty()) {
             add(who, [&] { return make_as_described(pair_, options(method), pools_); });
         }
@@ -96,7 +96,7 @@ public:
     Contestants all() { return std::move(all_); }
 
 private:
-    const MatchOptions& options(Method method) const { return options_of_.at("cpu/" + std::string(name(method))); }
+    const MatchOptions& options(Method method) const { return options_of_.at("cpu/" + std::string(to_string(method))); }
 
     void add(const std::string& who, const std::function<Contestants()>& create) {
         if (tools::interrupted()) {
@@ -124,10 +124,10 @@ private:
 void check_contestants(const std::vector<std::string>& words) {
     std::vector<std::string> known;
     for (const Method method : methods) {
-        known.push_back("cpu/" + std::string(name(method)));
-        known.push_back("cuda/" + std::string(name(method)));
-        known.push_back("naive/" + std::string(name(method)));
-        known.push_back("paper/" + std::string(name(method)));
+        known.push_back("cpu/" + std::string(to_string(method)));
+        known.push_back("cuda/" + std::string(to_string(method)));
+        known.push_back("naive/" + std::string(to_string(method)));
+        known.push_back("paper/" + std::string(to_string(method)));
     }
     for (const eval::OpencvMethod method : eval::opencv_methods()) {
         known.push_back(contestant_name(method));
@@ -138,6 +138,20 @@ void check_contestants(const std::vector<std::string>& words) {
                                         "', allowed: cpu, cuda, naive, opencv, paper, " + list_of(known));
         }
     }
+}
+
+std::vector<Method> methods_of(const std::vector<std::string>& words) {
+    const Selection selection{words, {}, {}};
+    std::vector<Method> chosen;
+    for (const Method method : methods) {
+        for (const char* const kind : {"cpu/", "cuda/", "naive/", "paper/"}) {
+            if (wanted(selection, kind + std::string(to_string(method)))) {
+                chosen.push_back(method);
+                break;
+            }
+        }
+    }
+    return chosen;
 }
 
 std::vector<cpu::InstructionSet> parse_instruction_sets(const std::string& word) {

@@ -22,6 +22,9 @@ struct Selection {
 /// Throws std::invalid_argument for a word that names nobody.
 void check_contestants(const std::vector<std::string>& words);
 
+/// The methods of the contestants that take options of matching; OpenCV's have their own.
+std::vector<Method> methods_of(const std::vector<std::string>& words);
+
 /// The instruction sets that a word names: "best", "all", or the name of one. Throws std::invalid_argument.
 std::vector<cpu::InstructionSet> parse_instruction_sets(const std::string& word);
 

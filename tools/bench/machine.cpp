@@ -6,6 +6,7 @@
 
 #include <sched.h>
 
+#include "base/words.h"
 #include "kernels/cpu/backend.h"
 #include "kernels/cpu/cache_size.h"
 
@@ -47,8 +48,8 @@ std::vector<std::string> describe_machine() {
     for (const cpu::InstructionSet& set : cpu::instruction_sets()) {
         sets += ' ' + set.name;
     }
-    return {processor() + ", " + std::to_string(allowed_cores()) + " cores for this process, last-level cache " +
-                std::to_string(cpu::last_level_cache_bytes() >> 20) +
+    return {processor() + ", " + base::counted(static_cast<std::uint64_t>(allowed_cores()), "core") +
+                " for this process, last-level cache " + std::to_string(cpu::last_level_cache_bytes() >> 20) +
                 " MiB; instruction sets:" + (sets.empty() ? " none that ours is built for" : sets),
             "built with " + compiler()};
 }

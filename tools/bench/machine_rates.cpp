@@ -18,7 +18,7 @@ namespace {
 using std::chrono::steady_clock;
 
 /// Pieces short enough that most of them are not interrupted.
-constexpr std::size_t longest_piece = std::size_t{4} << 20;
+constexpr std::size_t max_piece = std::size_t{4} << 20;
 constexpr std::size_t line_bytes = 64;
 
 /// What all workers together do per second: the sum of the workers' median rates over their pieces of work.
@@ -42,8 +42,8 @@ double rate(Parallel& workers, int pieces, FunctionRef<double(int, int)> work) {
 class Pieces {
 public:
     Pieces(std::size_t bytes, int workers)
-        : piece_bytes_(std::clamp(bytes / static_cast<std::size_t>(workers) / line_bytes * line_bytes, line_bytes,
-                                  longest_piece)),
+        : piece_bytes_(
+              std::clamp(bytes / static_cast<std::size_t>(workers) / line_bytes * line_bytes, line_bytes, max_piece)),
           pieces_(std::max(1, static_cast<int>(bytes / piece_bytes_ / static_cast<std::size_t>(workers)))),
           buffer_(piece_bytes_ * static_cast<std::size_t>(pieces_) * static_cast<std::size_t>(workers)) {
         std::memset(buffer_.data(), 1, buffer_.size());

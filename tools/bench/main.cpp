@@ -14,10 +14,10 @@
 #include "tools/bench/report.h"
 #include "tools/bench/roofline.h"
 #include "tools/bench/step_work.h"
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/match_arguments.h"
-#include "tools/ctl/number_argument.h"
-#include "tools/ctl/program.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/match_arguments.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/scene.h"
 #include "tools/images/image_file.h"
@@ -25,7 +25,7 @@
 namespace disparityd::bench {
 namespace {
 
-constexpr int most_threads = 256;
+constexpr int max_threads = 256;
 
 struct BenchArguments {
     std::vector<std::string> pairs;
@@ -59,9 +59,9 @@ std::vector<int> threads_of(const BenchArguments& arguments) {
     for (const std::string& text : arguments.threads) {
         const int count =
             text.size() > 3 || text.find_first_not_of("0123456789") != std::string::npos ? 0 : std::atoi(text.c_str());
-        if (count < 1 || count > most_threads) {
+        if (count < 1 || count > max_threads) {
             throw std::invalid_argument("--threads: found '" + text + "', allowed: a whole number from 1 to " +
-                                        std::to_string(most_threads));
+                                        std::to_string(max_threads));
         }
         threads.push_back(count);
     }
@@ -89,6 +89,7 @@ public:
           selection_{arguments.contestants, parse_instruction_sets(arguments.isa), threads_of(arguments)},
           roofline_(pools_, selection_.instruction_sets) {
         check_contestants(selection_.contestants);
+        arguments.match.check_used(methods_of(selection_.contestants));
         if (selection_.contestants.empty() && arguments.paper_tables) {
             selection_.contestants = {"cpu", "naive", "paper"};
         }
@@ -117,7 +118,7 @@ public:
             print_json(all_, std::cout);
         }
         if (tools::interrupted()) {
-            tools::print_note("interrupted: this is what there was so far");
+            tools::print_note("stopped by Ctrl-C; the tables hold what was measured before");
             return tools::exit_interrupted;
         }
         return tools::exit_done;
@@ -156,7 +157,7 @@ private:
     std::map<std::string, MatchOptions> options_for(int disparities) const {
         std::map<std::string, MatchOptions> options;
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-            options["cpu/" + std::string(name(method))] = arguments_.match.options(method, disparities);
+            options["cpu/" + std::string(to_string(method))] = arguments_.match.options(method, disparities);
         }
         return options;
     }
@@ -216,7 +217,7 @@ private:
     Patience patience_;
     WorkerPools pools_;
     Roofline roofline_;
-    std::vector<capture::DatasetScene> found_;
+    std::vector<datasets::DatasetScene> found_;
     std::vector<Measurement> all_;
     std::ostream nowhere_{nullptr};
 };
@@ -225,33 +226,33 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
     const auto several = [&](const std::string& name, std::vector<std::string>& words, const std::string& description) {
         return program.add_option(name, words, description)->allow_extra_args(false);
     };
-    several(
-        "--pair", arguments.pairs,
-        "what is matched: paper (its four scenes with its D), one of cones, tsukuba, teddy, sawtooth, rendered (six "
-        "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
+    several("--pair", arguments.pairs,
+            "pairs to match: paper (its four scenes with its D), one of cones, tsukuba, teddy, sawtooth, rendered (six "
+            "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
         ->type_name("PAIR");
     several("--contestant", arguments.contestants,
-            "who matches: cpu, cuda, naive, opencv, paper (naive code as the paper describes it, seconds per frame), "
-            "or one of them such as cpu/sgm or opencv/3way; may be repeated; default all that the machine has but "
-            "paper, naive only up to 25 million candidates per frame")
+            "matchers to time: cpu, cuda, naive, opencv, paper (naive code as the paper describes it, seconds per "
+            "frame), or one method of them such as cpu/sgm or opencv/3way; may be repeated; default: all that run here "
+            "except paper, and naive only up to 25 million candidates per frame")
         ->type_name("NAME");
     program.add_option("--isa", arguments.isa, "vector instructions of cpu: best, all, or a name; default best")
         ->type_name("NAME");
     several("--threads", arguments.threads, "number of threads; may be repeated; default 1, 2, 4 .. cores")
         ->type_name("N");
-    tools::add_integer(program, "--rounds", arguments.rounds, 1, 100000, "most runs of each contestant; default 15");
+    tools::add_integer(program, "--rounds", arguments.rounds, 1, 100000,
+                       "highest number of runs of each contestant; default 15");
     program
         .add_option("--seconds", arguments.seconds,
-                    "who has taken that long on a pair runs less often, three times at least; default 0.8")
+                    "time for each matcher and pair; a slow one runs at least three times; default 0.8")
         ->check(CLI::Range(0.0, 3600.0))
         ->type_name("X");
     program.add_option("--data", arguments.data, "folder with the paper's scenes; default: what DISPARITYD_DATA names")
         ->type_name("DIR");
     tools::add_switch(program, "roofline", arguments.roofline,
-                      "time of each of our steps beside what its bytes and operations take at least; default on");
+                      "time of each of our steps beside the least time that its bytes and operations need; default on");
     program.add_flag(
         "--ideas", arguments.ideas,
-        "what each idea of the paper gives, switched off in turn, on the first pair (default Cones, D 128)");
+        "speed-up by each idea of the paper: each is switched off in turn, on the first pair (default Cones, D 128)");
     program.add_flag("--paper-tables", arguments.paper_tables, "tables 1 and 2 of the paper beside ours, in Markdown");
     program.add_option("--json", arguments.json, "a list of objects to a file; -: to standard output, without tables")
         ->type_name("FILE");
@@ -273,7 +274,7 @@ int main(int argc, char** argv) {
         "\nx naive, x scalar, x 3WAY: how many times as fast as the reference as compiled, the reference not "
         "vectorised\n"
         "(both of the same method, 1 thread), and OpenCV's MODE_SGBM_3WAY with as many threads.\n"
-        "Ctrl-C ends it with what there is so far.\n"
+        "Ctrl-C ends it; what was measured before is printed.\n"
         "Exit status: 0 done; 1 the system refused; 2 arguments or data must be changed; 130 ended by Ctrl-C.\n"
         "Example: disparity-bench --pair 640x480x64 --contestant cpu --contestant opencv/3way --isa all --json "
         "out.json");

@@ -30,9 +30,9 @@ public:
     OurContestant(std::shared_ptr<MatchedPair> pair, pipeline::WorkerPool& pool)
         : pair_(std::move(pair)), pool_(pool) {}
 
-    void prepare() override { seat_.emplace(pool_); }
+    void prepare() override { slot_.emplace(pool_); }
     void run() override { pair_->frame.match(pool_); }
-    void finish() override { seat_.reset(); }
+    void finish() override { slot_.reset(); }
 
     std::vector<StepTime> steps() const override {
         std::vector<StepTime> steps;
@@ -49,7 +49,7 @@ public:
 private:
     std::shared_ptr<MatchedPair> pair_;
     pipeline::WorkerPool& pool_;
-    std::optional<pipeline::WorkerPool::Seat> seat_;
+    std::optional<pipeline::WorkerPool::ComputeSlot> slot_;
 };
 
 struct Who {
@@ -66,7 +66,7 @@ Contestants make(const StereoPair& pair, const std::function<std::unique_ptr<Mat
     const AllocationMeter meter;
     const auto matched = std::make_shared<MatchedPair>(create(), pair);
     {
-        const pipeline::WorkerPool::Seat seat(pools.with(who.threads.front()));
+        const pipeline::WorkerPool::ComputeSlot slot(pools.with(who.threads.front()));
         matched->frame.match(pools.with(who.threads.front()));
     }
     const double memory = megabytes(meter.peak_bytes());
@@ -96,19 +96,19 @@ Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const
     const MatcherConfig config{pair.left.cols, pair.left.rows, options};
     return make(
         pair, [&] { return cpu::create(config, instruction_set); },
-        {"cpu/" + std::string(name(options.method)), instruction_set.name, threads}, pools);
+        {"cpu/" + std::string(to_string(options.method)), instruction_set.name, threads}, pools);
 }
 
 Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Build build, WorkerPools& pools) {
     return make_plain(
         pair, options, naive_steps(build),
-        {"naive/" + std::string(name(options.method)), build == Build::as_compiled ? "compiled" : "scalar", {1}},
+        {"naive/" + std::string(to_string(options.method)), build == Build::as_compiled ? "compiled" : "scalar", {1}},
         pools);
 }
 
 Contestants make_as_described(const StereoPair& pair, const MatchOptions& options, WorkerPools& pools) {
-    return make_plain(pair, options, one_pass_steps(), {"paper/" + std::string(name(options.method)), "scalar", {1}},
-                      pools);
+    return make_plain(pair, options, one_pass_steps(),
+                      {"paper/" + std::string(to_string(options.method)), "scalar", {1}}, pools);
 }
 
 Contestants make_with(const std::function<std::unique_ptr<Matcher>()>& create, const StereoPair& pair,

@@ -50,7 +50,7 @@ const Measurement* ours(const std::vector<Measurement>& scene, const std::string
     return find(scene, name, "", threads);
 }
 
-int most_threads(const std::vector<Measurement>& scene) {
+int max_threads(const std::vector<Measurement>& scene) {
     int most = 1;
     for (const Measurement& one : scene) {
         most = std::max(most, one.threads);
@@ -59,9 +59,9 @@ int most_threads(const std::vector<Measurement>& scene) {
 }
 
 std::vector<std::string> row(const PaperTimes& paper, Method method, const std::vector<Measurement>& scene) {
-    const std::string name(disparityd::name(method));
+    const std::string name(disparityd::to_string(method));
     const PaperTime time = time_of(paper, method);
-    const int threads = most_threads(scene);
+    const int threads = max_threads(scene);
     const Measurement* described = find(scene, "paper/" + name, "scalar", 1);
     const Measurement* scalar = find(scene, "naive/" + name, "scalar", 1);
     const Measurement* compiled = find(scene, "naive/" + name, "compiled", 1);
@@ -89,7 +89,7 @@ std::vector<Measurement> of_scene(const std::vector<Measurement>& measurements, 
 }
 
 void print_method(const std::vector<Measurement>& measurements, Method method, std::ostream& to) {
-    const std::string threads = std::to_string(most_threads(measurements));
+    const std::string threads = std::to_string(max_threads(measurements));
     tools::Table table({"scene (D)", "paper naive", "paper 20 cores", "paper gain", "naive as described",
                         "reference, scalar", "reference, compiled", "ours 1 thread", "ours " + threads,
                         "gain on naive as described, 1 / " + threads, "on the reference, scalar",

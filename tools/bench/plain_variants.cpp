@@ -85,16 +85,15 @@ constexpr std::uint8_t lesser(std::uint8_t a, std::uint8_t b) {
 }
 
 // The reference's form of the recursion, see kernels/reference/aggregate.cpp.
-std::uint8_t least_once(const std::uint8_t* __restrict cost, int disparities, int p1, int p2,
-                        const std::uint8_t* __restrict before, std::uint8_t least_before,
-                        std::uint8_t* __restrict path) {
+std::uint8_t min_once(const std::uint8_t* __restrict cost, int disparities, int p1, int p2,
+                      const std::uint8_t* __restrict before, std::uint8_t min_before, std::uint8_t* __restrict path) {
     const auto penalty = static_cast<std::uint8_t>(p1);
     const auto jump = static_cast<std::uint8_t>(p2);
     const auto largest_neighbour = static_cast<std::uint8_t>(p2 - p1);
     std::array<std::uint8_t, max_disparities + 2> capped;  // one more at both ends, where no neighbour is
     std::uint8_t* __restrict middle = capped.data() + 1;
     for (int k = 0; k < disparities; ++k) {
-        middle[k] = lesser(static_cast<std::uint8_t>(before[k] - least_before), jump);
+        middle[k] = lesser(static_cast<std::uint8_t>(before[k] - min_before), jump);
     }
     middle[-1] = jump;
     middle[disparities] = jump;
@@ -109,10 +108,10 @@ std::uint8_t least_once(const std::uint8_t* __restrict cost, int disparities, in
 }
 
 // The recursion as it is written in step 5.
-std::uint8_t least_per_candidate(const std::uint8_t* __restrict cost, int disparities, int p1, int p2,
-                                 const std::uint8_t* __restrict before, std::uint8_t /*least_before*/,
-                                 std::uint8_t* __restrict path) {
-    std::uint8_t least_of_path = 255;
+std::uint8_t min_per_candidate(const std::uint8_t* __restrict cost, int disparities, int p1, int p2,
+                               const std::uint8_t* __restrict before, std::uint8_t /*min_before*/,
+                               std::uint8_t* __restrict path) {
+    std::uint8_t min_of_path = 255;
     for (int k = 0; k < disparities; ++k) {
         std::uint8_t least = 255;
         for (int i = 0; i < disparities; ++i) {
@@ -122,9 +121,9 @@ std::uint8_t least_per_candidate(const std::uint8_t* __restrict cost, int dispar
         best = k > 0 ? std::min(best, before[k - 1] + p1) : best;
         best = k + 1 < disparities ? std::min(best, before[k + 1] + p1) : best;
         path[k] = static_cast<std::uint8_t>(cost[k] + best - least);
-        least_of_path = lesser(least_of_path, path[k]);
+        min_of_path = lesser(min_of_path, path[k]);
     }
-    return least_of_path;
+    return min_of_path;
 }
 
 // Where a path comes from, with the signs of the first sweep: three from the row before, one along the row.
@@ -237,8 +236,8 @@ const PlainVariants variants = {
     .matching_cost_in_one_pass = matching_cost_in_one_pass,
     .aggregate_in_two_sweeps = aggregate_in_two_sweeps,
     .two_sweeps_scratch = SweepRows::bytes,
-    .least_once = least_once,
-    .least_per_candidate = least_per_candidate,
+    .min_once = min_once,
+    .min_per_candidate = min_per_candidate,
 };
 
 }  // namespace disparityd::bench::DISPARITYD_BENCH_BUILD

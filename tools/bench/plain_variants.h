@@ -11,9 +11,9 @@
 namespace disparityd::bench {
 
 /// L of a pixel from L of the one before on its path (step 5 of docs/algorithm.md): `path` and `before` hold one cost
-/// per candidate and do not overlap, `least_before` is the least of `before`. Returns the least of `path`.
+/// per candidate and do not overlap, `min_before` is the least of `before`. Returns the least of `path`.
 using ContinuePath = std::uint8_t (*)(const std::uint8_t* cost, int disparities, int p1, int p2,
-                                      const std::uint8_t* before, std::uint8_t least_before, std::uint8_t* path);
+                                      const std::uint8_t* before, std::uint8_t min_before, std::uint8_t* path);
 
 /// Plain scalar code with one idea of the paper left out, or alone: what the reference gives, by another way. Pure
 /// functions; planes and volumes of one call have one size.
@@ -31,8 +31,8 @@ struct PlainVariants {
                                     std::span<std::uint8_t> scratch, ContinuePath continue_path);
     std::size_t (*two_sweeps_scratch)(int width, int disparities);  ///< bytes that aggregate_in_two_sweeps() needs
 
-    ContinuePath least_once;           ///< the least cost of the pixel before is found once per pixel
-    ContinuePath least_per_candidate;  ///< it is looked for again for every candidate
+    ContinuePath min_once;           ///< the least cost of the pixel before is found once per pixel
+    ContinuePath min_per_candidate;  ///< it is looked for again for every candidate
 };
 
 }  // namespace disparityd::bench

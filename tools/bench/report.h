@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/bench/alternation.h"
-#include "tools/ctl/table.h"
+#include "tools/command_line/table.h"
 
 namespace disparityd::bench {
 

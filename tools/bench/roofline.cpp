@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <ostream>
 
+#include "base/words.h"
 #include "kernels/cpu/cache_size.h"
 #include "tools/bench/report.h"
 #include "tools/bench/step_work.h"
@@ -15,7 +16,7 @@ namespace {
 using tools::fixed;
 
 std::string machine_line(const std::string& isa, int threads, const MachineRates& rates) {
-    return isa + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads") + ": read " +
+    return isa + ", " + base::counted(static_cast<std::uint64_t>(threads), "thread") + ": read " +
            fixed(rates.read_bytes_per_second / 1e9, 1) + " GB/s, copy " + fixed(rates.copy_bytes_per_second / 1e9, 1) +
            " GB/s (in the last-level cache " + fixed(rates.cached_copy_bytes_per_second / 1e9, 1) + "), " +
            fixed(rates.byte_operations_per_second / 1e9, 0) + " thousand million operations on bytes per second";
@@ -77,7 +78,7 @@ const MachineRates& Roofline::rates(std::int64_t target, int threads) {
     const auto [entry, inserted] = rates_.try_emplace({target, threads});
     if (inserted) {
         pipeline::WorkerPool& pool = pools_.with(threads);
-        const pipeline::WorkerPool::Seat seat(pool);
+        const pipeline::WorkerPool::ComputeSlot slot(pool);
         entry->second = measure_machine(target, pool);
     }
     return entry->second;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/step_work.h"
 
-#include "kernels/cpu/path_kernels.h"
+#include "kernels/cpu/sgm/path_kernels.h"
 
 namespace disparityd::bench {
 namespace {
@@ -24,7 +24,7 @@ constexpr double median3_exchanges = 19, median5_exchanges = 99;
 
 /// Bytes of a sum of path costs of one of two sweeps.
 double sum_bytes(const MatchOptions& options) {
-    return cpu::sums_need_words(options.sgm) ? 2 : 1;
+    return cpu::sums_need_u16(options.sgm) ? 2 : 1;
 }
 
 double aggregate_operations(const MatchOptions& options, double bytes_of_sum) {

@@ -6,10 +6,10 @@
 #include <optional>
 #include <stdexcept>
 
-#include "capture/rectification.h"
-#include "capture/scene_camera.h"
-#include "capture/scene_render.h"
-#include "capture/words.h"
+#include "base/words.h"
+#include "calibration/rectification.h"
+#include "capture/scene/scene_camera.h"
+#include "capture/scene/scene_render.h"
 #include "kernels/reference/steps.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"
@@ -18,12 +18,12 @@
 namespace disparityd::bench {
 namespace {
 
-constexpr int least_width = 16, least_height = 8, most = 4096;
+constexpr int min_width = 16, min_height = 8, most = 4096;
 
 std::vector<PairRequest> paper_pairs() {
     std::vector<PairRequest> pairs;
     for (const eval::PaperScene& scene : eval::paper_scenes()) {
-        pairs.push_back({capture::lower_case(scene.name), 0, 0, scene.disparities});
+        pairs.push_back({base::lower_case(scene.name), 0, 0, scene.disparities});
     }
     return pairs;
 }
@@ -55,7 +55,7 @@ std::optional<PairRequest> parse_size(const std::string& text) {
         at = next + (last ? 0 : 1);
     }
     const auto [width, height, disparities] = numbers;
-    if (width < least_width || width > most || height < least_height || height > most || disparities < 16 ||
+    if (width < min_width || width > most || height < min_height || height > most || disparities < 16 ||
         disparities > 256 || disparities % 16 != 0) {
         return std::nullopt;
     }
@@ -109,18 +109,18 @@ StereoPair render(int width, int height, int disparities) {
     std::vector<std::uint8_t> yuyv(renderer.frame_bytes());
     renderer.render(0, yuyv.data(), [] {});
     const RawImage raw{yuyv.data(), PixelFormat::yuyv, options.width, height, 4 * std::ptrdiff_t{options.width}};
-    const capture::Rectification maps =
-        capture::make_rectification(capture::scene_calibration(options.width, height), options.width, height, {});
+    const calibration::Rectification maps =
+        calibration::make_rectification(capture::scene_calibration(options.width, height), options.width, height, {});
     const Rectifier rectifier = maps.rectifier();
     return {"rendered", rectified(raw, Eye::left, rectifier).colRange(0, width).clone(),
             rectified(raw, Eye::right, rectifier).colRange(0, width).clone(), disparities};
 }
 
-StereoPair load(const PairRequest& request, const std::vector<capture::DatasetScene>& found) {
+StereoPair load(const PairRequest& request, const std::vector<datasets::DatasetScene>& found) {
     if (request.rendered()) {
         return render(request.width, request.height, request.disparities);
     }
-    const capture::DatasetScene* files = eval::files_of(*eval::paper_scene(request.scene), found);
+    const datasets::DatasetScene* files = eval::files_of(*eval::paper_scene(request.scene), found);
     const eval::Scene scene = eval::read_scene(*files, 0);
     return {request.scene, eval::grey(scene.left), eval::grey(scene.right), request.disparities};
 }

@@ -6,7 +6,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "capture/dataset.h"
+#include "tools/datasets/dataset.h"
 
 namespace disparityd::bench {
 
@@ -36,7 +36,7 @@ struct StereoPair {
 
 /// Renders the scene, or reads the files of the paper's scene among `found`. Throws std::invalid_argument with one line
 /// when that does not work; `found` has the scene.
-StereoPair load(const PairRequest& request, const std::vector<capture::DatasetScene>& found);
+StereoPair load(const PairRequest& request, const std::vector<datasets::DatasetScene>& found);
 
 /// The rendered scene, rectified, seen by a camera with eyes of this size.
 StereoPair render(int width, int height, int disparities);

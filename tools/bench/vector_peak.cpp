@@ -4,7 +4,7 @@
 #define HWY_TARGET_INCLUDE "tools/bench/vector_peak.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
-#include "kernels/cpu/instruction_sets.h"
+#include "kernels/cpu/simd/instruction_sets.h"
 
 #define DISPARITYD_BENCH_VECTORS (HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128)
 #if DISPARITYD_BENCH_VECTORS

@@ -3,12 +3,12 @@
 
 #include <CLI/CLI.hpp>
 
-#include "capture/camera_controls.h"
+#include "capture/camera/camera_controls.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/status_message.h"
-#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 namespace {
@@ -58,10 +58,9 @@ void add_camera(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "a list of objects");
     arguments->daemon.add_to(command);
     command.footer(
-        "What is set holds until the daemon ends, also when the camera is plugged in anew, or until a reload has "
-        "another\n"
-        "value for that control; [source] controls in the configuration is for good. Nothing is set when one name or\n"
-        "value is wrong.\n"
+        "A value holds until the daemon ends, also when the camera is plugged in again, or until a reload has another\n"
+        "value for that control. [source] controls in the configuration makes it permanent. Nothing is set when one\n"
+        "name or value is wrong.\n"
         "Exposure and gain of a ZED can be set for each eye once auto-exposure is 0.\n"
         "Examples: disparityctl camera\n"
         "          disparityctl camera auto-exposure=0 exposure-left=400 exposure-right=400");

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "tools/ctl/program.h"
+#include "tools/command_line/program.h"
 
 namespace CLI {
 class App;
 }  // namespace CLI
 
-/// The sub-commands of disparityctl. Each adds itself and its options to the program, and sets `action` when it is the
-/// one that the user has chosen.
+/// Adds the sub-commands of disparityctl. Each adds itself and its options to the program, and sets `action` when the
+/// user has chosen it.
 namespace disparityd::tools {
 
 void add_status(CLI::App& program, Action& action);

@@ -3,7 +3,7 @@
 
 #include <cstdio>
 
-#include "capture/camera_trouble.h"
+#include "capture/camera/camera_problem.h"
 #include "capture/pixel_format.h"
 
 namespace disparityd::tools {
@@ -34,10 +34,13 @@ Json to_json(const v1::ClientStatus& client) {
             {"address", client.address()},
             {"frames_sent", client.frames_sent()},
             {"frames_skipped", client.frames_skipped()},
-            {"bytes_sent", client.bytes_sent()}};
+            {"bytes_sent", client.bytes_sent()},
+            {"compressed_bytes", client.compressed_bytes()},
+            {"compressor_us", client.compressor_us()},
+            {"compressor_share", client.compressor_share()}};
 }
 
-Json to_json(const capture::CameraModel& camera) {
+Json to_json(const calibration::CameraModel& camera) {
     return {
         {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
 }
@@ -58,6 +61,7 @@ Json to_json(const v1::Status& status) {
               {"state", status.state()},
               {"detail", status.detail()},
               {"source", status.source()},
+              {"synthetic", status.synthetic()},
               {"method", status.method()},
               {"backend", status.backend()},
               {"workers", status.workers()},
@@ -105,10 +109,11 @@ Json to_json(const v1::SelfCalibration& status) {
 }
 
 Json to_json(const v1::RecordStatus& status) {
-    return {{"active", status.active()}, {"path", status.path()},
-            {"frames", status.frames()}, {"lost", status.lost()},
-            {"bytes", status.bytes()},   {"seconds", status.seconds()},
-            {"error", status.error()},   {"source_lost", status.source_lost()}};
+    return {{"active", status.active()},  {"path", status.path()},
+            {"frames", status.frames()},  {"lost", status.lost()},
+            {"bytes", status.bytes()},    {"seconds", status.seconds()},
+            {"error", status.error()},    {"source_lost", status.source_lost()},
+            {"removed", status.removed()}};
 }
 
 Json to_json(const v1::CameraStatus& camera) {
@@ -178,12 +183,14 @@ Json to_json(const capture::CameraSurvey& survey) {
 Json to_json(const capture::SourceInfo& source) {
     Json json{{"name", source.name},
               {"description", source.description},
-              {"format", capture::name(source.format)},
+              {"format", capture::to_string(source.format)},
               {"eye_width", source.eye_width},
               {"height", source.height},
               {"frames_per_second", nullptr},
               {"live", source.live},
+              {"synthetic", source.synthetic},
               {"frames", nullptr},
+              {"rectified", source.calibration && source.calibration->rectified},
               {"calibration", nullptr}};
     if (source.rate > 0) {
         json["frames_per_second"] = source.rate;
@@ -191,20 +198,20 @@ Json to_json(const capture::SourceInfo& source) {
     if (source.frame_count) {
         json["frames"] = *source.frame_count;
     }
-    if (source.calibration) {
+    if (source.calibration && source.calibration->left.fx != 0) {
         json["calibration"] = to_json(*source.calibration);
     }
     return json;
 }
 
-Json to_json(const capture::StereoCalibration& calibration) {
+Json to_json(const calibration::StereoCalibration& calibration) {
     return {{"origin", calibration.origin},      {"width", calibration.width},
             {"height", calibration.height},      {"rectified", calibration.rectified},
             {"left", to_json(calibration.left)}, {"right", to_json(calibration.right)},
             {"rotation", calibration.rotation},  {"translation_mm", calibration.translation}};
 }
 
-Json to_json(const capture::Rectification& rectification) {
+Json to_json(const calibration::Rectification& rectification) {
     return {{"width", rectification.width},
             {"height", rectification.height},
             {"f", rectification.f},
@@ -217,7 +224,7 @@ Json to_json(const capture::Rectification& rectification) {
 }
 
 Json to_json(const MatchOptions& options) {
-    Json json{{"method", disparityd::name(options.method)},
+    Json json{{"method", disparityd::to_string(options.method)},
               {"d_min", options.range.first},
               {"disparities", options.range.count}};
     if (options.method == Method::sgm) {

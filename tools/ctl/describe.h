@@ -5,13 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/camera_survey.h"
+#include "calibration/rectification.h"
+#include "capture/camera/camera_survey.h"
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
 #include "kernels/options.h"
 #include "proto/disparity.pb.h"
 
-/// The project's types as JSON, keys in the order in which people read them.
+/// Converts the project's types to JSON, with the keys in the order in which people read them.
 namespace disparityd::tools {
 
 using Json = nlohmann::ordered_json;
@@ -24,14 +24,14 @@ Json to_json(const v1::SensorStatus& sensors);
 Json to_json(const v1::CameraControls& controls);
 Json to_json(const capture::CameraSurvey& camera);
 Json to_json(const capture::SourceInfo& source);
-Json to_json(const capture::StereoCalibration& calibration);
-Json to_json(const capture::Rectification& rectification);
+Json to_json(const calibration::StereoCalibration& calibration);
+Json to_json(const calibration::Rectification& rectification);
 Json to_json(const MatchOptions& options);
 
-/// 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.
+/// Returns 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.
 std::string hexadecimal(std::uint64_t id);
 
-/// Strings of unknown origin may not be UTF-8; those bytes are replaced.
+/// Returns the JSON as text. Bytes that are not UTF-8 are replaced.
 std::string to_text(const Json& json, int indent);
 
 }  // namespace disparityd::tools

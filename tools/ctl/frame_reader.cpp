@@ -32,7 +32,7 @@ private:
 class SocketFrames final : public FrameReader {
 public:
     SocketFrames(const DaemonAddress& daemon, const std::vector<Product>& products)
-        : client_(connect(daemon)), local_(daemon.socket.empty() || is_local(daemon.sockets().front())) {
+        : client_(connect(daemon)), local_(daemon.socket.empty() || is_local(daemon.sockets().usable.front().address)) {
         disparity::Subscription subscription;
         subscription.products = products;
         client_.subscribe(subscription);
@@ -68,13 +68,13 @@ std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std:
     try {
         return std::make_unique<SocketFrames>(daemon, products);
     } catch (const std::runtime_error& error) {
-        throw std::runtime_error(std::string(error.what()) + " (shared memory: " + why + ")");
+        throw std::runtime_error(std::string(error.what()) + " (" + why + ")");
     }
 }
 
 std::int64_t age_ns(const Frame& frame, bool local) {
-    // A replayed frame carries the time of its recording, and a port of this machine may lead to another one: our clock
-    // counts only where it agrees with the daemon's own word.
+    // A replayed frame has the time of its recording, and a port of this machine may lead to another machine: this
+    // clock counts only where it agrees with the age that the daemon sent.
     constexpr std::int64_t plausible_ns = 5'000'000'000;
     const std::int64_t by_our_clock = monotonic_now_ns() - frame.monotonic_ns;
     const std::int64_t on_the_way = by_our_clock - frame.age_ns;

@@ -9,21 +9,21 @@
 
 namespace disparityd::tools {
 
-/// Frames of a running daemon, whichever way they come.
+/// Reads frames of a running daemon, over shared memory or a socket.
 class FrameReader {
 public:
     virtual ~FrameReader() = default;
-    /// As the client library's read(); throws its std::runtime_error.
+    /// Behaves as the client library's read(), and throws its std::runtime_error.
     virtual disparity::ReadResult read(disparity::Frame& frame, std::chrono::milliseconds timeout) = 0;
-    virtual bool local() const = 0;         ///< the daemon's clocks are ours
+    virtual bool local() const = 0;         ///< the daemon runs on this machine, with the same clocks
     virtual std::string where() const = 0;  ///< for people
 };
 
-/// Over the socket when the user gave one; else over shared memory, and over the default socket where there is none.
-/// Throws std::runtime_error with one line when no daemon is there.
+/// Opens the socket when the user gave one; else shared memory, and the default socket where there is none. Throws
+/// std::runtime_error with one line when there is no daemon.
 std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<disparity::Product>& products);
 
-/// How old a frame is now, in ns: by our own clock where the daemon's clock is ours and the frame is a live one, else
+/// Returns the age of a frame now, in ns: by this machine's clock where the daemon is local and the frame is live, else
 /// the age that the daemon sent with it.
 std::int64_t age_ns(const disparity::Frame& frame, bool local);
 

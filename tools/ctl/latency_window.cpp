@@ -6,7 +6,7 @@
 namespace disparityd::tools {
 namespace {
 
-/// The smallest value that at least `percent` of all do not exceed.
+/// Returns the smallest value that at least `percent` of all values do not exceed.
 double percentile_ms(const std::vector<std::int64_t>& sorted_ns, std::size_t percent) {
     if (sorted_ns.empty()) {
         return 0;

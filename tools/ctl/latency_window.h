@@ -8,7 +8,7 @@
 
 namespace disparityd::tools {
 
-/// What a client saw of the frames of one interval.
+/// Collects the latencies and losses of the frames of one interval.
 class LatencyWindow {
 public:
     void add(const disparity::Frame& frame, std::int64_t age_ns);
@@ -18,9 +18,9 @@ public:
         double p50_ms = 0;  ///< 0 when there were no frames
         double p99_ms = 0;
         std::uint64_t dropped = 0;  ///< lost before the daemon published
-        std::uint64_t missed = 0;   ///< published, but not seen here
+        std::uint64_t missed = 0;   ///< published, but not read here
     };
-    /// Of everything added since the call before.
+    /// Returns the summary of all frames added since the call before.
     Summary take();
 
 private:

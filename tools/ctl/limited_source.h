@@ -8,7 +8,7 @@
 
 namespace disparityd::tools {
 
-/// A source that ends after a number of frames. Threads as FrameSource.
+/// Ends a source after a number of frames. Threads as FrameSource.
 class LimitedSource final : public capture::FrameSource {
 public:
     LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames);

@@ -7,14 +7,15 @@
 
 int main(int argc, char** argv) {
     using namespace disparityd::tools;
-    CLI::App program("Looks at and commands disparityd, and matches recorded frames without it.", "disparityctl");
+    CLI::App program("Shows and controls a running disparityd; records, calibrates and matches frames without one.",
+                     "disparityctl");
     program.require_subcommand(0, 1);
     program.footer(
         "Examples: disparityctl status\n"
         "          disparityctl snapshot -o now.png --disparity now.pfm\n"
         "          disparityctl process walk.mkv -o out\n"
         "Exit status: 0 done; 1 the system, the daemon or damaged input stopped it; 2 arguments, input or calibration\n"
-        "must be changed; 130 stopped by Ctrl-C before the work was done. Every sub-command has its own --help.");
+        "must be changed; 130 Ctrl-C stopped it before the work was done. Every sub-command has its own --help.");
     Action action;
     add_status(program, action);
     add_watch(program, action);

@@ -5,7 +5,7 @@
 
 namespace disparityd::tools {
 
-/// Throws std::invalid_argument with one line when a file stands there that the user has not said to replace.
+/// Throws std::invalid_argument with one line when there is a file already and `force` is false.
 void check_output(const std::string& path, bool force);
 
 }  // namespace disparityd::tools

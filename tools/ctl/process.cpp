@@ -7,19 +7,23 @@
 
 #include <CLI/CLI.hpp>
 
-#include "calibration/calibrating_schedule.h"
-#include "capture/rectification_schedule.h"
+#include "base/failure_text.h"
+#include "base/words.h"
+#include "capture/images/image_sequence.h"
+#include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/rectification_schedule.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/match_arguments.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/progress.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/interrupt.h"
 #include "tools/ctl/limited_source.h"
-#include "tools/ctl/match_arguments.h"
-#include "tools/ctl/number_argument.h"
 #include "tools/ctl/process_output.h"
-#include "tools/ctl/progress.h"
 #include "tools/ctl/source_arguments.h"
-#include "tools/ctl/table.h"
 #include "tools/images/disparity_file.h"
 
 namespace disparityd::tools {
@@ -29,12 +33,14 @@ constexpr int default_disparities = 64;
 
 struct ProcessArguments {
     std::string source;
+    std::string right;  ///< of a pair given as two names; `source` is the left one
     std::string folder;
     std::string method = "sgm";
     std::string backend = "auto";
     std::string calibration;
     std::string size;
     std::string region;
+    std::string colours;
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
@@ -43,11 +49,17 @@ struct ProcessArguments {
     bool pfm = false;
     bool colour = false;
     bool force = false;
+    bool keep_going = false;
     bool json = false;
 };
 
-/// Whole numbers between separators, the last two a width and a height; throws std::invalid_argument unless there are
-/// as many as wanted.
+/// Collects what the source reports besides its frames.
+struct SourceNews {
+    std::vector<std::string> left_out;  ///< damaged images, one line each
+};
+
+/// Parses whole numbers between separators, of which the last two are a width and a height. Throws
+/// std::invalid_argument unless there are as many as wanted.
 void parse_numbers(const std::string& option, const std::string& text, char separator, const char* form,
                    std::span<int* const> numbers) {
     const char* at = text.data();
@@ -64,8 +76,8 @@ void parse_numbers(const std::string& option, const std::string& text, char sepa
     }
 }
 
-capture::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
-    capture::RectifiedGeometry geometry;
+calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
+    calibration::RectifiedGeometry geometry;
     if (!arguments.size.empty()) {
         int* const numbers[] = {&geometry.width, &geometry.height};
         parse_numbers("--size", arguments.size, 'x', "WIDTHxHEIGHT such as 640x360", numbers);
@@ -78,9 +90,21 @@ capture::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
     return geometry;
 }
 
-std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, int loans) {
+std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, int loans, SourceNews& news) {
     capture::SourceOptions options;
     options.uri = arguments.source;
+    options.skip_damaged = arguments.keep_going;
+    options.report = [&news](const std::string& line, bool trouble) {
+        if (trouble) {
+            news.left_out.push_back(line);
+            print_note("left out: " + line);
+        } else {
+            print_note(line);
+        }
+    };
+    if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
+        print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
+    }
     options.loans = loans;
     options.pace = capture::Pace::fastest;
     options.calibration_path = arguments.calibration;
@@ -95,7 +119,7 @@ std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, in
 }
 
 OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range) {
-    OutputFormats formats{true, arguments.pfm, arguments.colour};
+    OutputFormats formats{true, arguments.pfm, arguments.colour, colour_range(arguments.colours)};
     if (!images::fits_png(range)) {
         formats.png = false;
         formats.pfm = true;
@@ -118,29 +142,30 @@ void run(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total
     pipeline.stop();
 }
 
-/// What each frame is rectified with: what --self-calibrate finds, what the recording says, or the calibration alone.
+/// Says what rectifies each frame: the corrections that --self-calibrate estimates, those of the recording, or the
+/// calibration alone.
 struct Schedule {
-    std::unique_ptr<capture::RectificationSchedule> frames;
-    const calibration::CalibratingSchedule* calibrating = nullptr;  ///< the same where it estimates
+    std::unique_ptr<pipeline::RectificationSchedule> frames;
+    const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< the same where it estimates
 };
 
 Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInfo& info, DisparityRange range) {
-    const capture::RectifiedGeometry geometry = geometry_of(arguments);
+    const calibration::RectifiedGeometry geometry = geometry_of(arguments);
     if (arguments.self_calibrate) {
-        auto estimating = std::make_unique<calibration::CalibratingSchedule>(info, geometry, range,
-                                                                             calibration::CalibratingSchedule::Plan{});
-        const calibration::CalibratingSchedule* calibrating = estimating.get();
+        auto estimating = std::make_unique<pipeline::CalibratingSchedule>(info, geometry, range,
+                                                                          pipeline::CalibratingSchedule::Plan{});
+        const pipeline::CalibratingSchedule* calibrating = estimating.get();
         return {std::move(estimating), calibrating};
     }
-    const auto follow = arguments.no_self_calibration ? capture::RectificationBook::Follow::applied
-                                                      : capture::RectificationBook::Follow::recorded;
-    return {std::make_unique<capture::RectificationBook>(info, geometry, follow), nullptr};
+    const auto follow = arguments.no_self_calibration ? pipeline::CorrectedRectification::Follow::applied
+                                                      : pipeline::CorrectedRectification::Follow::recorded;
+    return {std::make_unique<pipeline::CorrectedRectification>(info, geometry, follow), nullptr};
 }
 
-Json schedule_json(const calibration::CalibratingSchedule& calibrating) {
+Json schedule_json(const pipeline::CalibratingSchedule& calibrating) {
     Json estimates = Json::array();
     for (const auto& [sequence, result] : calibrating.estimates()) {
-        const capture::CalibrationCorrection& correction = result.correction;
+        const calibration::CalibrationCorrection& correction = result.correction;
         estimates.push_back({{"sequence", sequence},
                              {"accepted", result.accepted},
                              {"reason", result.reason},
@@ -156,7 +181,7 @@ Json schedule_json(const calibration::CalibratingSchedule& calibrating) {
     return estimates;
 }
 
-void report_estimates(const calibration::CalibratingSchedule& calibrating) {
+void report_estimates(const pipeline::CalibratingSchedule& calibrating) {
     for (const auto& [sequence, result] : calibrating.estimates()) {
         std::cout << "self-calibration, frame " << sequence << ": "
                   << (result.accepted ? "corrected" : "nothing changed") << ": " << result.reason << '\n';
@@ -164,7 +189,8 @@ void report_estimates(const calibration::CalibratingSchedule& calibrating) {
 }
 
 int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& status,
-           const calibration::CalibratingSchedule* calibrating, std::uint64_t frames, double seconds) {
+           const pipeline::CalibratingSchedule* calibrating, const SourceNews& news, std::uint64_t frames,
+           double seconds) {
     const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
     if (arguments.json) {
         Json json{{"folder", arguments.folder},
@@ -172,7 +198,8 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
                   {"damaged_frames_skipped", status.skipped_corrupt},
                   {"seconds", seconds},
                   {"frames_per_second", rate},
-                  {"complete", status.error.empty() && !interrupted()},
+                  {"complete", status.error.empty() && news.left_out.empty() && !interrupted()},
+                  {"left_out", news.left_out},
                   {"error", status.error}};
         if (calibrating != nullptr) {
             json["self_calibration"] = schedule_json(*calibrating);
@@ -182,21 +209,26 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
         if (calibrating != nullptr) {
             report_estimates(*calibrating);
         }
-        std::cout << arguments.folder << ": " << frames << " frames in " << fixed(seconds, 1) << " s, "
+        std::cout << arguments.folder << ": " << base::counted(frames, "frame") << " in " << fixed(seconds, 1) << " s, "
                   << fixed(rate, 1) << " frames/s\n";
     }
     if (status.skipped_corrupt > 0) {
-        print_note(std::to_string(status.skipped_corrupt) + " frames are marked as damaged and were left out");
+        print_note("left out because they are marked as damaged: " + base::counted(status.skipped_corrupt, "frame"));
     }
     if (!status.error.empty()) {
-        print_error(status.error + "; the " + std::to_string(frames) + " frames before that are in " +
-                    arguments.folder);
+        print_error(status.error + "; what came before that is in " + arguments.folder + ": " +
+                    base::counted(frames, "frame"));
         return exit_failed;
     }
     if (interrupted()) {
-        print_error("stopped by Ctrl-C; the " + std::to_string(frames) + " frames before that are in " +
-                    arguments.folder);
+        print_note("stopped by Ctrl-C; what came before that is in " + arguments.folder + ": " +
+                   base::counted(frames, "frame"));
         return exit_interrupted;
+    }
+    if (!news.left_out.empty()) {
+        print_error(std::to_string(news.left_out.size()) + (news.left_out.size() == 1 ? " frame was" : " frames were") +
+                    " left out, as noted above; the other " + std::to_string(frames) + " are in " + arguments.folder);
+        return exit_failed;
     }
     if (frames == 0) {
         print_error(arguments.source + ": there is no frame in it");
@@ -205,19 +237,34 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
     return exit_done;
 }
 
-int process(const ProcessArguments& arguments) {
+/// Writes a frame's files. A lack of memory gets a message of its own.
+void write(ProcessOutput& output, const pipeline::FrameSlot& slot) {
+    try {
+        output.write(slot);
+    } catch (const std::exception& error) {
+        throw std::runtime_error(base::failure_text(error));
+    }
+}
+
+int process(ProcessArguments arguments) {
+    if (!arguments.right.empty()) {
+        arguments.source += ',' + arguments.right;
+    }
     ProcessOutput::check(arguments.folder, arguments.force);
-    const MatchOptions options = arguments.match.options(parse_method(arguments.method), default_disparities);
+    const Method method = parse_method(arguments.method);
+    arguments.match.check_used({method});
+    const MatchOptions options = arguments.match.options(method, default_disparities);
     const Backend& chosen = backend(arguments.backend);
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
 
-    const auto source = open(arguments, config.slots + 2);
+    SourceNews news;
+    const auto source = open(arguments, config.slots + 2, news);
     const capture::SourceInfo& info = source->info();
     config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
     const Schedule schedule = schedule_of(arguments, info, options.range);
-    const capture::Rectification& rectification = schedule.frames->factory();
+    const calibration::Rectification& rectification = schedule.frames->factory();
     if (rectification.unrectified) {
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
@@ -227,8 +274,8 @@ int process(const ProcessArguments& arguments) {
 
     std::optional<ProcessOutput> output;
     pipeline::Pipeline pipeline(config, *source, *matcher, workers, *schedule.frames,
-                                [&output](const pipeline::FrameSlot& slot) { output->write(slot); });
-    output.emplace(arguments.folder, formats_of(arguments, options.range), info, options,
+                                [&output](const pipeline::FrameSlot& slot) { write(*output, slot); });
+    output.emplace(arguments.folder, arguments.force, formats_of(arguments, options.range), info, options,
                    substitute.empty() ? std::string(chosen.name) : substitute, rectification, pipeline.steps());
     const auto start = std::chrono::steady_clock::now();
     run(pipeline, info.frame_count);
@@ -237,7 +284,7 @@ int process(const ProcessArguments& arguments) {
     if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
         print_note(trouble);
     }
-    return report(arguments, pipeline.status(), schedule.calibrating, output->frames(), elapsed.count());
+    return report(arguments, pipeline.status(), schedule.calibrating, news, output->frames(), elapsed.count());
 }
 
 }  // namespace
@@ -247,40 +294,51 @@ void add_process(CLI::App& program, Action& action) {
         *program.add_subcommand("process", "Match every frame of a source into a folder of files, offline.");
     const auto arguments = std::make_shared<ProcessArguments>();
     command
-        .add_option("SOURCE", arguments->source,
-                    "a recording, a folder, a pattern with %d, scene:...; see disparityctl sources")
+        .add_option(
+            "SOURCE", arguments->source,
+            "a recording, a folder, a pattern with %d, scene:..., or the left image of a pair; see disparityctl "
+            "sources")
         ->required();
+    command.add_option("RIGHT", arguments->right, "the right image, where SOURCE is the left one");
     command.add_option("-o,--output", arguments->folder, "folder to fill; made when missing")
         ->type_name("DIR")
         ->required();
-    command.add_option("--method", arguments->method, "sgm (best), census, sad; default sgm")->type_name("METHOD");
+    command.add_option("--method", arguments->method, method_help() + "; default sgm")->type_name("METHOD");
     command.add_option("--backend", arguments->backend, backend_help())->type_name("NAME");
     command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
         ->type_name("FILE");
     command.add_option("--size", arguments->size, "size of the rectified image; default: that of the capture")
         ->type_name("WxH");
-    command.add_option("--region", arguments->region, "the part of it to match; default: all")->type_name("X,Y,W,H");
+    command.add_option("--region", arguments->region, "part of the rectified image to match; default: all of it")
+        ->type_name("X,Y,W,H");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
     CLI::Option& self_calibrate =
         *command.add_flag("--self-calibrate", arguments->self_calibrate,
-                          "estimate from the frames how the cameras have turned, four times in every 80 frames");
+                          "estimate corrections of the calibration from the frames, four times in every 80 frames");
     command
         .add_flag("--no-self-calibration", arguments->no_self_calibration,
-                  "leave out the corrections that a recording has")
+                  "do not apply the corrections that a recording holds")
         ->excludes(&self_calibrate);
-    command.add_flag("--pfm", arguments->pfm, "write PFM too (for ranges that a PNG cannot hold: instead)");
-    command.add_flag("--colour", arguments->colour, "write the left image beside coloured disparity too");
+    command.add_flag("--pfm", arguments->pfm, "also write PFM (instead of PNG for ranges that a PNG cannot hold)");
+    CLI::Option* const colour =
+        command.add_flag("--colour", arguments->colour, "also write pictures: left image, coloured disparity, scale");
+    add_colour_range(command, arguments->colours)->needs(colour);
     command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR");
+    command.add_flag("--keep-going", arguments->keep_going,
+                     "leave damaged images out and go on; they are listed, exit status 1");
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
     arguments->match.add_to(command, "default " + std::to_string(default_disparities));
     command.footer(
-        "DIR gets 000000.png, ... (16-bit, disparity x 256, 0 = rejected), times.csv (time of each step per frame),\n"
-        "geometry.json (calibration and options) and, where self-calibration changes it, corrections.csv. The same\n"
-        "input gives the same pictures, whatever --workers is. Corrections of a recording are applied, not estimated.\n"
-        "Damaged input: what comes before is processed, exit status 1. Ctrl-C: the frames in flight are finished,\n"
-        "exit status 130.\n"
-        "Example: disparityctl process walk.mkv --method sgm --disparities 128 -o out");
+        "DIR gets a 16-bit PNG per frame (disparity x 256, 0 = rejected) with the name of the left image, or, of\n"
+        "videos, 000000.png ...; times.csv (output, input and times of each frame); geometry.json (calibration and\n"
+        "options); and corrections.csv where self-calibration changes something. The same input gives the same\n"
+        "pictures for any number of --workers. Corrections of a recording are applied, not estimated. Of images with\n"
+        "16 bits per channel the upper 8 are used (of 12, with ?bits=12 after SOURCE). Where the input is damaged,\n"
+        "the frames before it are processed, exit status 1. After Ctrl-C the frames in flight are finished, exit\n"
+        "status 130. One process at a time may fill DIR.\n"
+        "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
+        "          disparityctl process left.png right.png -o out");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
 }
 

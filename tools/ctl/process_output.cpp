@@ -4,13 +4,20 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
+#include <set>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/error_text.h"
+#include "base/file_lock.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/csv.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/table.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -24,37 +31,59 @@ constexpr const char* times_name = "times.csv";
 constexpr const char* geometry_name = "geometry.json";
 constexpr const char* corrections_name = "corrections.csv";
 
-/// Whether a file name is one that this class gives.
-bool is_ours(const std::string& name) {
+/// Returns the names that an earlier run gave its frames, from its times.csv.
+std::set<std::string> names_of_earlier_run(const fs::path& folder) {
+    std::set<std::string> names;
+    std::ifstream times(folder / times_name);
+    std::string line;
+    std::getline(times, line);
+    const std::vector<std::string> head = csv_fields(line);
+    const auto column = static_cast<std::size_t>(std::find(head.begin(), head.end(), "output") - head.begin());
+    while (column < head.size() && std::getline(times, line)) {
+        const std::vector<std::string> fields = csv_fields(line);
+        if (column < fields.size()) {
+            names.insert(fields[column]);
+        }
+    }
+    return names;
+}
+
+/// Whether this class gives such a file name: a frame's number or one of `names` with an ending.
+bool is_ours(const std::string& name, const std::set<std::string>& names) {
     if (name == times_name || name == geometry_name || name == corrections_name) {
         return true;
     }
-    const auto digits_end =
-        std::find_if(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) == 0; });
-    const std::string rest(digits_end, name.end());
-    return digits_end - name.begin() >= 6 && (rest == ".png" || rest == ".pfm" || rest == "_colour.png");
+    for (const std::string_view ending : {"_colour.png", ".png", ".pfm"}) {
+        if (!std::string_view(name).ends_with(ending)) {
+            continue;
+        }
+        const std::string base = name.substr(0, name.size() - ending.size());
+        const bool number = base.size() >= 6 &&
+                            std::all_of(base.begin(), base.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+        if (number || names.contains(base)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 [[noreturn]] void refuse(const std::string& folder, const std::error_code& error) {
-    throw std::runtime_error(folder + ": " + error.message());
+    throw std::runtime_error(folder + ": " + base::error_text(error.value()));
 }
 
-// A stream that has failed: streams tell no reason, but leave the system's.
+// A stream that has failed has no reason of its own; errno has the system's.
 [[noreturn]] void refuse_file(const std::string& folder, const char* name) {
     const int reason = errno;
     throw std::runtime_error(folder + '/' + name + ": cannot be written" +
-                             (reason == 0 ? "" : ": " + std::generic_category().message(reason)));
+                             (reason == 0 ? "" : ": " + base::error_text(reason)));
 }
 
-void make_room(const std::string& folder) {
+void remove_earlier_run(const std::string& folder) {
+    const std::set<std::string> names = names_of_earlier_run(folder);
     std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-        refuse(folder, error);
-    }
     std::vector<fs::path> earlier;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-        if (is_ours(entry.path().filename().string())) {
+        if (is_ours(entry.path().filename().string(), names)) {
             earlier.push_back(entry.path());
         }
     }
@@ -68,39 +97,13 @@ void make_room(const std::string& folder) {
     }
 }
 
-Json files_of(const OutputFormats& formats) {
-    Json files = Json::array();
-    if (formats.png) {
-        files.push_back({{"name", "%06d.png"},
-                         {"content", "16-bit PNG, disparity x 256 in px, valid values 1 .. 65535"},
-                         {"scale", 256},
-                         {"rejected", 0}});
-    }
-    if (formats.pfm) {
-        files.push_back({{"name", "%06d.pfm"},
-                         {"content", "PFM, disparity in px, bottom row first, little endian"},
-                         {"scale", 1},
-                         {"rejected", "inf"}});
-    }
-    if (formats.colour) {
-        files.push_back({{"name", "%06d_colour.png"}, {"content", "left image, coloured disparity, scale"}});
-    }
-    files.push_back({{"name", times_name}, {"content", "time of each step per frame, microseconds"}});
-    return files;
-}
-
-}  // namespace
-
-void ProcessOutput::check(const std::string& folder, bool force) {
+void check_content(const std::string& folder, bool force) {
     std::error_code error;
-    if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
-        throw std::invalid_argument(folder + ": is a file, allowed: a new or empty folder");
-    }
     const fs::directory_iterator first(folder, error);
     if (error || first == fs::directory_iterator()) {
         return;
     }
-    // Other people's pictures have such names too, the input's for one.
+    // Other pictures may have such names, too, for example the input.
     const bool earlier_run = fs::exists(fs::path(folder) / geometry_name, error);
     if (!force || !earlier_run) {
         throw std::invalid_argument(folder + ": is not empty (found " + first->path().filename().string() +
@@ -109,11 +112,82 @@ void ProcessOutput::check(const std::string& folder, bool force) {
     }
 }
 
-ProcessOutput::ProcessOutput(std::string folder, OutputFormats formats, const capture::SourceInfo& source,
+/// Returns the input of frames that have no name of their own.
+std::string name_of_source(const std::string& uri) {
+    return uri.substr(uri.rfind('/') + 1);
+}
+
+Json files_of(const OutputFormats& formats) {
+    Json files = Json::array();
+    if (formats.png) {
+        files.push_back({{"name", "OUTPUT.png"},
+                         {"content", "16-bit PNG, disparity x 256 in px, valid values 1 .. 65535"},
+                         {"scale", 256},
+                         {"rejected", 0}});
+    }
+    if (formats.pfm) {
+        files.push_back({{"name", "OUTPUT.pfm"},
+                         {"content", "PFM, disparity in px, bottom row first, little endian"},
+                         {"scale", 1},
+                         {"rejected", "inf"}});
+    }
+    if (formats.colour) {
+        files.push_back({{"name", "OUTPUT_colour.png"}, {"content", "left image, coloured disparity, scale"}});
+    }
+    files.push_back(
+        {{"name", times_name},
+         {"content", "a line per frame: OUTPUT, the name of its input, time of each step in microseconds"}});
+    return files;
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const std::string& folder, Missing missing) {
+    if (missing == Missing::make) {
+        std::error_code error;
+        fs::create_directories(folder, error);
+        if (error) {
+            refuse(folder, error);
+        }
+    }
+    descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ < 0) {
+        return;  // the next call that reads or writes in it reports why
+    }
+    try {
+        base::lock_for_writing(descriptor_, folder);
+    } catch (...) {
+        ::close(descriptor_);
+        throw;
+    }
+}
+
+FolderLock::~FolderLock() {
+    if (descriptor_ >= 0) {
+        ::close(descriptor_);
+    }
+}
+
+void ProcessOutput::check(const std::string& folder, bool force) {
+    std::error_code error;
+    if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+        throw std::invalid_argument(folder + ": is a file, allowed: a new or empty folder");
+    }
+    const FolderLock lock(folder, FolderLock::Missing::leave);
+    check_content(folder, force);
+}
+
+ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
                              const MatchOptions& options, const std::string& backend,
-                             const capture::Rectification& rectification, const std::vector<std::string>& steps)
-    : folder_(std::move(folder)), formats_(formats), options_(options) {
-    make_room(folder_);
+                             const calibration::Rectification& rectification, const std::vector<std::string>& steps)
+    : folder_(std::move(folder)),
+      source_name_(name_of_source(source.name)),
+      synthetic_(source.synthetic),
+      lock_(folder_, FolderLock::Missing::make),
+      formats_(formats),
+      options_(options) {
+    check_content(folder_, force);  // again: another run may have filled it meanwhile
+    remove_earlier_run(folder_);
     Json match = to_json(options);
     match["backend"] = backend;
     Json rectified = to_json(rectification);
@@ -125,7 +199,7 @@ ProcessOutput::ProcessOutput(std::string folder, OutputFormats formats, const ca
                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 
     times_.open(folder_ + '/' + times_name, std::ios::binary);
-    times_ << "frame,sequence,monotonic_ns,flags,dropped_before";
+    times_ << "frame,output,input,sequence,monotonic_ns,flags,dropped_before";
     for (const std::string& step : steps) {
         times_ << ',' << step << "_us";
     }
@@ -133,9 +207,8 @@ ProcessOutput::ProcessOutput(std::string folder, OutputFormats formats, const ca
 }
 
 void ProcessOutput::write(const pipeline::FrameSlot& slot) {
-    char number[32];
-    std::snprintf(number, sizeof number, "/%06llu", static_cast<unsigned long long>(frames_));
-    const std::string path = folder_ + number;
+    const std::string name = names_.next(slot.raw.name);
+    const std::string path = folder_ + '/' + name;
     const images::DisparityMap map{slot.view.disparity, options_.range};
     if (formats_.png) {
         images::write_disparity_png(path + ".png", map);
@@ -144,20 +217,23 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot) {
         images::write_disparity_pfm(path + ".pfm", map);
     }
     if (formats_.colour) {
-        const capture::Rectification& used = *slot.rectification;
+        const calibration::Rectification& used = *slot.rectification;
         const images::Metric metric{used.f, used.baseline_mm, used.disparity_offset};
         const cv::Mat left =
             slot.view.left_colour ? images::colour_view(slot.view.left_colour) : images::grey_view(slot.view.left);
-        images::write_png(path + "_colour.png",
-                          images::picture(left, map, images::whole_range(options_.range), metric));
+        cv::Mat picture = images::picture(left, map, images::colour_scale(map, formats_.colours), metric);
+        if (synthetic_) {
+            images::mark_synthetic(picture);
+        }
+        images::write_png(path + "_colour.png", picture);
     }
-    write_times(slot);
+    write_times(slot, name);
     note_correction(slot);
     ++frames_;
 }
 
 void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
-    const capture::CalibrationCorrection& correction = slot.raw.correction;
+    const calibration::CalibrationCorrection& correction = slot.raw.correction;
     if (correction == correction_) {
         return;
     }
@@ -168,7 +244,7 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
         corrections_ << "from_frame,from_sequence,pitch_nrad,yaw_nrad,roll_nrad,focal_ppb,f,cx,cy,baseline_mm,"
                         "calibration_id\n";
     }
-    const capture::Rectification& used = *slot.rectification;
+    const calibration::Rectification& used = *slot.rectification;
     corrections_ << frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad
                  << ',' << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ','
                  << used.cy << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
@@ -177,16 +253,18 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
     }
 }
 
-void ProcessOutput::write_times(const pipeline::FrameSlot& slot) {
-    times_ << frames_ << ',' << slot.raw.sequence << ',' << slot.raw.monotonic_ns << ',' << slot.raw.flags << ','
-           << slot.dropped_before;
+void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const std::string& name) {
+    const std::string_view input = slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name;
+    times_ << frames_ << ',' << csv_field(name) << ',' << csv_field(input) << ',' << slot.raw.sequence << ','
+           << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before;
     std::chrono::nanoseconds total{0};
     for (const std::chrono::nanoseconds time : slot.step_times) {
         total += time;
         times_ << ',' << fixed(static_cast<double>(time.count()) / 1e3, 1);
     }
     times_ << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
-    if (!times_) {
+    // After a killed run this file lacks at most the last frame that has files.
+    if (!times_.flush()) {
         refuse_file(folder_, times_name);
     }
 }

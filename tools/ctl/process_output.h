@@ -6,33 +6,51 @@
 #include <string>
 #include <vector>
 
+#include "calibration/rectification.h"
 #include "capture/frame_source.h"
-#include "capture/rectification.h"
 #include "kernels/options.h"
 #include "pipeline/frame_slot.h"
+#include "tools/ctl/frame_names.h"
+#include "tools/images/picture.h"
 
 namespace disparityd::tools {
 
-/// Which files `process` makes of a frame. At least one of png and pfm.
+/// Says which files `process` writes for a frame: at least one of png and pfm.
 struct OutputFormats {
     bool png = true;
     bool pfm = false;
     bool colour = false;
+    images::ColourRange colours = images::ColourRange::searched;
 };
 
-/// The folder that `process` fills: NNNNNN.png, NNNNNN.pfm and NNNNNN_colour.png per frame, times.csv with a line per
-/// frame, geometry.json, and corrections.csv where self-calibration changed something. One thread uses it at a time.
-/// Everything but times.csv depends on input and options alone.
+/// Locks a folder: only this process fills it while the object exists (base/file_lock.h). One thread uses it.
+class FolderLock {
+public:
+    enum class Missing { make, leave };
+    /// Throws std::runtime_error when another process fills it, or when it cannot be made.
+    FolderLock(const std::string& folder, Missing missing);
+    ~FolderLock();
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+
+private:
+    int descriptor_ = -1;
+};
+
+/// The folder that `process` fills: NAME.png, NAME.pfm and NAME_colour.png per frame (frame_names.h), times.csv with a
+/// line per frame, geometry.json, and corrections.csv where self-calibration changed something. One thread uses it at a
+/// time. Everything but times.csv depends on input and options alone.
 class ProcessOutput {
 public:
-    /// Throws std::invalid_argument when the folder holds anything, but for an earlier run with `force`; changes
-    /// nothing yet.
+    /// Throws std::invalid_argument when the folder holds anything, but for an earlier run with `force`, and
+    /// std::runtime_error when another process fills it; changes nothing yet.
     static void check(const std::string& folder, bool force);
 
-    /// Makes the folder; files of an earlier run in it are removed. Throws std::runtime_error when the system refuses.
-    ProcessOutput(std::string folder, OutputFormats formats, const capture::SourceInfo& source,
-                  const MatchOptions& options, const std::string& backend, const capture::Rectification& rectification,
-                  const std::vector<std::string>& steps);
+    /// Makes the folder; files of an earlier run in it are removed. Throws as check() does, and std::runtime_error when
+    /// the system refuses.
+    ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
+                  const MatchOptions& options, const std::string& backend,
+                  const calibration::Rectification& rectification, const std::vector<std::string>& steps);
 
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
     void write(const pipeline::FrameSlot& slot);
@@ -43,15 +61,19 @@ public:
     std::uint64_t frames() const { return frames_; }
 
 private:
-    void write_times(const pipeline::FrameSlot& slot);
+    void write_times(const pipeline::FrameSlot& slot, const std::string& name);
     void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;
+    std::string source_name_;
+    bool synthetic_;  ///< SourceInfo::synthetic
+    FolderLock lock_;
+    FrameNames names_;
     OutputFormats formats_;
     MatchOptions options_;
     std::ofstream times_;
     std::ofstream corrections_;  // opened with the first of them
-    capture::CalibrationCorrection correction_;
+    calibration::CalibrationCorrection correction_;
     std::uint64_t frames_ = 0;
 };
 

@@ -2,25 +2,31 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
-#include "capture/recorder.h"
-#include "capture/recording_writer.h"
+#include "base/failure_text.h"
+#include "base/words.h"
+#include "capture/recording/recorder.h"
+#include "capture/recording/recording_writer.h"
 #include "proto/record_message.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/progress.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/number_argument.h"
+#include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
-#include "tools/ctl/progress.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/ctl/status_message.h"
-#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 namespace {
@@ -39,7 +45,7 @@ struct RecordArguments {
     bool json = false;
 };
 
-/// The end of a recording as the user asked for it.
+/// Tells when a recording must end: after the frames or seconds that the user asked for, or at Ctrl-C.
 class Limit {
 public:
     explicit Limit(const RecordArguments& arguments) : arguments_(arguments) {}
@@ -71,25 +77,31 @@ std::string lost_and_size(std::uint64_t lost, std::uint64_t bytes) {
     return std::to_string(lost) + " lost, " + fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
 }
 
-/// The last word: what was recorded, and the exit code that follows from it.
-int report(const v1::RecordStatus& done, bool json) {
+/// Prints what was recorded and returns the exit code.
+int report(const v1::RecordStatus& done, bool json, const std::string& why_none = {}) {
     if (json) {
         std::cout << to_text(to_json(done), 2) << '\n';
-    } else {
-        std::cout << done.path() << ": " << done.frames() << " frames in " << fixed(done.seconds(), 1) << " s, "
-                  << lost_and_size(done.lost(), done.bytes());
+    } else if (done.frames() > 0) {
+        std::cout << done.path() << ": " << base::counted(done.frames(), "frame") << " in " << fixed(done.seconds(), 1)
+                  << " s, " << lost_and_size(done.lost(), done.bytes());
         if (done.source_lost() > 0) {
             std::cout << "; " << done.source_lost() << " more never came from the source";
         }
         std::cout << '\n';
     }
     if (!done.error().empty()) {
-        print_error(done.error() + "; " + std::to_string(done.frames()) + " frames were recorded in " + done.path());
+        print_error(done.error() + (done.frames() == 0 ? "; nothing was recorded"
+                                                       : "; what came before that is in " + done.path() + ": " +
+                                                             base::counted(done.frames(), "frame")));
         return exit_failed;
     }
+    if (done.frames() == 0 && interrupted()) {
+        print_note("stopped by Ctrl-C before the first frame; nothing was recorded");
+        return exit_interrupted;
+    }
     if (done.frames() == 0) {
-        print_error(done.path() + ": no frame was recorded");
-        return interrupted() ? exit_interrupted : exit_failed;
+        print_error("no frame came" + (why_none.empty() ? "" : " (" + why_none + ")") + "; nothing was recorded");
+        return exit_failed;
     }
     return exit_done;
 }
@@ -111,7 +123,12 @@ int record_with_daemon(const RecordArguments& arguments) {
     }
     disparity::SocketClient client = connect(arguments.daemon);
     catch_interrupts();
-    const double rate = daemon_status(client).rate();
+    const v1::Status status = daemon_status(client);
+    if (status.record().active()) {
+        throw std::runtime_error("the daemon records " + status.record().path() +
+                                 " already; to end that: " + arguments.daemon.command("record --stop"));
+    }
+    const double rate = status.rate();
     v1::RecordStatus now = start_daemon_recording(client, arguments.file);
     {
         Progress bar("frames", expected_frames(arguments, rate, {}));
@@ -122,11 +139,12 @@ int record_with_daemon(const RecordArguments& arguments) {
             bar.show(now.frames(), lost_and_size(now.lost(), now.bytes()));
         }
     }
-    // A recording that has ended by itself (disk full, source gone) has its reason in the status already.
-    return report(now.active() ? stop_daemon_recording(client) : now, arguments.json);
+    // Where the daemon ended the recording (disk full, source gone), the status has the reason already.
+    const v1::RecordStatus done = now.active() ? stop_daemon_recording(client) : now;
+    return report(done, arguments.json, done.frames() == 0 ? why_no_frame(arguments.daemon) : "");
 }
 
-/// The interface of capture::Recorder for sources that wait: writes in the caller's thread and loses nothing.
+/// Has the interface of capture::Recorder for sources that wait. It writes in the caller's thread and loses no frame.
 class PatientRecorder {
 public:
     PatientRecorder(const std::string& path, const capture::SourceInfo& info, bool overwrite)
@@ -150,9 +168,34 @@ private:
     steady_clock::time_point start_ = steady_clock::now();
 };
 
+/// Gives a frame back to its source at the end of the scope.
+class Loan {
+public:
+    Loan(capture::FrameSource& source, const capture::RawFrame& frame) : source_(source), frame_(frame) {}
+    ~Loan() { source_.give_back(frame_); }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+
+private:
+    capture::FrameSource& source_;
+    const capture::RawFrame& frame_;
+};
+
+/// Removes a file that this program made. A pipe or a device stays.
+void remove_file(const std::string& path) {
+    std::error_code error;
+    if (std::filesystem::is_regular_file(path, error)) {
+        std::filesystem::remove(path, error);
+    }
+}
+
+/// Records until the limit. `create` makes the recorder, and with it the file, when the first frame has come: a source
+/// without frames neither creates nor replaces a file.
 template <typename AnyRecorder>
-int record_frames(const RecordArguments& arguments, capture::FrameSource& source, AnyRecorder& recorder) {
+int record_frames(const RecordArguments& arguments, capture::FrameSource& source,
+                  const std::function<std::unique_ptr<AnyRecorder>()>& create) {
     catch_interrupts();
+    std::unique_ptr<AnyRecorder> recorder;
     std::string fault;
     {
         Progress bar("frames", expected_frames(arguments, source.info().rate, source.info().frame_count));
@@ -163,13 +206,14 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
             for (std::uint64_t taken = 0; !limit.reached(taken);) {
                 const auto got = source.next(frame, steady_clock::now() + std::chrono::milliseconds(100));
                 if (got == capture::FrameSource::Next::frame) {
-                    recorder.offer(frame);
-                    source.give_back(frame);
+                    const Loan loan(source, frame);
+                    recorder = recorder ? std::move(recorder) : create();
+                    recorder->offer(frame);
                     ++taken;
                 } else if (got != capture::FrameSource::Next::timeout) {
                     break;
                 }
-                const capture::Recorder::Status now = recorder.status();
+                const auto now = recorder ? recorder->status() : capture::Recorder::Status{};
                 if (!now.error.empty()) {
                     break;
                 }
@@ -180,12 +224,18 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
                 bar.show(now.frames, lost_and_size(now.lost, now.bytes));
             }
         } catch (const std::exception& error) {
-            fault = error.what();
+            if (!recorder && dynamic_cast<const std::invalid_argument*>(&error) != nullptr) {
+                throw;  // the recorder refuses what the user must change
+            }
+            fault = base::failure_text(error);
         }
     }
-    capture::Recorder::Status done = recorder.finish();
+    capture::Recorder::Status done = recorder ? recorder->finish() : capture::Recorder::Status{};
     if (done.error.empty()) {
         done.error = fault;
+    }
+    if (recorder && done.frames == 0) {
+        remove_file(arguments.file);
     }
     return report(proto::record_message(done, arguments.file, false), arguments.json);
 }
@@ -201,11 +251,13 @@ int record_source(const RecordArguments& arguments) {
     options.calibration_path = arguments.calibration;
     const auto source = open_with_progress(options);
     if (source->info().live) {
-        capture::Recorder recorder(arguments.file, source->info(), 16, arguments.force);
-        return record_frames(arguments, *source, recorder);
+        return record_frames<capture::Recorder>(arguments, *source, [&] {
+            return std::make_unique<capture::Recorder>(arguments.file, source->info(), 16, arguments.force);
+        });
     }
-    PatientRecorder recorder(arguments.file, source->info(), arguments.force);
-    return record_frames(arguments, *source, recorder);
+    return record_frames<PatientRecorder>(arguments, *source, [&] {
+        return std::make_unique<PatientRecorder>(arguments.file, source->info(), arguments.force);
+    });
 }
 
 }  // namespace
@@ -224,17 +276,15 @@ void add_record(CLI::App& program, Action& action) {
     command.add_option("--calibration", arguments->calibration, "with --source: calibration instead of its own")
         ->type_name("FILE");
     command.add_flag("--force", arguments->force, "with --source: replace OUT when it exists");
-    command.add_flag("--stop", arguments->stop, "end what the daemon is recording, whoever asked for it");
+    command.add_flag("--stop", arguments->stop, "end the recording of the daemon, whoever started it");
     command.add_flag("--json", arguments->json, "one JSON object at the end");
     arguments->daemon.add_to(command);
     command.footer(
-        "A running daemon is asked to record the frames that it captures; OUT is then on the daemon's machine, seen "
-        "from\n"
-        "its folder for recordings. Without a limit, Ctrl-C stops it; the file is valid. When disparityctl is killed, "
-        "the\n"
-        "daemon records on, until record --stop. Exit status 0 when at least one frame was recorded and nothing "
-        "failed;\n"
-        "130 when Ctrl-C came before the first frame.\n"
+        "Without --source a running daemon records the frames that it captures. OUT is then a new name that ends in\n"
+        ".mkv, on the daemon's machine, relative to its folder for recordings. Over TCP a daemon refuses to record\n"
+        "unless it is configured to. Ctrl-C ends the recording; the file is valid. When disparityctl is killed, the\n"
+        "daemon continues to record until record --stop, unless it is configured otherwise. Exit status 0 when at\n"
+        "least one frame was recorded and nothing failed; 130 when Ctrl-C came before the first frame.\n"
         "Examples: disparityctl record walk.mkv --seconds 60\n"
         "          disparityctl record scene.mkv --source scene:vga@15 --frames 30");
     command.callback([arguments, &action] {

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <iostream>
 #include <stdexcept>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/number_argument.h"
 #include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
@@ -24,23 +26,23 @@ struct SensorArguments {
     bool json = false;
 };
 
-Json to_json(const disparity::SensorVector& vector) {
+Json vector_json(const disparity::SensorVector& vector) {
     return {vector.x, vector.y, vector.z};
 }
 
-Json to_json(const disparity::SensorSample& sample, std::uint64_t missed) {
+Json sample_json(const disparity::SensorSample& sample, std::uint64_t missed) {
     Json json{{"monotonic_ns", sample.monotonic_ns},
               {"realtime_ns", sample.realtime_ns},
               {"camera_ns", sample.camera_ns},
               {"missed", missed + sample.lost_before},
               {"frame_sync", sample.frame_sync}};
     if (sample.inertial) {
-        json["angular_velocity"] = to_json(sample.inertial->angular_velocity);
-        json["acceleration"] = to_json(sample.inertial->acceleration);
+        json["angular_velocity"] = vector_json(sample.inertial->angular_velocity);
+        json["acceleration"] = vector_json(sample.inertial->acceleration);
         json["imu_celsius"] = sample.inertial->celsius;
     }
     if (sample.magnetic_field) {
-        json["magnetic_field"] = to_json(*sample.magnetic_field);
+        json["magnetic_field"] = vector_json(*sample.magnetic_field);
     }
     if (sample.environment) {
         json["celsius"] = sample.environment->celsius;
@@ -54,7 +56,7 @@ Json to_json(const disparity::SensorSample& sample, std::uint64_t missed) {
     return json;
 }
 
-/// What has come in a second, and the newest value of each kind.
+/// Counts the samples of a second and keeps the newest value of each kind.
 struct Second {
     std::uint64_t samples = 0;
     std::uint64_t missed = 0;
@@ -81,67 +83,147 @@ std::string vector_text(const disparity::SensorVector& vector) {
     return text;
 }
 
-void print_second(const Second& second, double seconds, double since_start) {
+/// Prints the line of a second. Text of the daemon goes through std::cout, which makes it printable.
+void print_second(const Second& second, double seconds, double since_start, const std::string& why) {
+    std::array<char, 256> text{};
+    const auto print = [&text](const char* format, auto... values) {
+        std::snprintf(text.data(), text.size(), format, values...);
+        std::cout << text.data();
+    };
     if (second.samples == 0) {
-        std::printf("%5.0f s          -  no sample: see disparityctl status\n", since_start);
+        print("%5.0f s          -  no sample: ", since_start);
+        std::cout << why << '\n';
         return;
     }
     const disparity::Inertial inertial = second.newest.inertial.value_or(disparity::Inertial{});
-    std::printf("%5.0f s %10.1f  %s  %s %7.1f %7llu", since_start, static_cast<double>(second.samples) / seconds,
-                vector_text(inertial.angular_velocity).c_str(), vector_text(inertial.acceleration).c_str(),
-                static_cast<double>(inertial.celsius), static_cast<unsigned long long>(second.missed));
+    print("%5.0f s %10.1f  %s  %s %7.1f %7llu", since_start, static_cast<double>(second.samples) / seconds,
+          vector_text(inertial.angular_velocity).c_str(), vector_text(inertial.acceleration).c_str(),
+          static_cast<double>(inertial.celsius), static_cast<unsigned long long>(second.missed));
     if (const auto& field = second.newest.magnetic_field) {
-        std::printf("  field %s uT", vector_text(*field).c_str());
+        print("  field %s uT", vector_text(*field).c_str());
     }
     if (const auto& air = second.newest.environment) {
-        std::printf("  %.1f C, %.2f hPa, %.0f %%", static_cast<double>(air->celsius),
-                    static_cast<double>(air->hectopascal), static_cast<double>(air->humidity_percent));
+        print("  %.1f C, %.2f hPa, %.0f %%", static_cast<double>(air->celsius), static_cast<double>(air->hectopascal),
+              static_cast<double>(air->humidity_percent));
     }
     if (const auto& eyes = second.newest.eye_temperatures) {
-        std::printf("  eyes %.1f, %.1f C", static_cast<double>(eyes->left_celsius),
-                    static_cast<double>(eyes->right_celsius));
+        print("  eyes %.1f, %.1f C", static_cast<double>(eyes->left_celsius), static_cast<double>(eyes->right_celsius));
     }
-    std::printf("\n");
+    std::cout << '\n';
 }
 
-/// A batch if one comes soon enough for Ctrl-C to be felt as immediate.
-disparity::SensorBatch next_batch(disparity::SocketClient& client, steady_clock::time_point deadline) {
-    constexpr std::chrono::milliseconds patience{100};
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now());
-    disparity::SensorBatch batch;
-    switch (client.read_sensors(batch, std::clamp(left, std::chrono::milliseconds(0), patience))) {
-        case disparity::ReadResult::frame: break;
-        case disparity::ReadResult::timeout: batch = {}; break;
-        case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+/// Reads samples of a source that has sensors.
+class SampleReader {
+public:
+    /// Subscribes. Throws std::runtime_error with one line where the source has no sensors: at once for a live camera,
+    /// after frames without samples for a replay.
+    explicit SampleReader(disparity::SocketClient& client) : client_(client) {
+        const v1::Status before = daemon_status(client_);
+        if (before.has_camera() && !before.has_sensors() && !before.camera().model().empty()) {
+            throw std::runtime_error(
+                "the camera " + before.camera().model() +
+                " has no sensors, or [source] sensors is false; a ZED Mini, ZED 2 and ZED 2i have");
+        }
+        subscribe();
+        while (!before.has_camera() && !interrupted() && first_.samples.empty()) {
+            first_ = read(patience);
+            if (first_.samples.empty()) {
+                check_replay(before, daemon_status(client_));
+            }
+        }
     }
-    return batch;
-}
 
-void show_samples(disparity::SocketClient& client, std::optional<int> most) {
+    /// Returns the next batch; an empty one after a tenth of a second, so that Ctrl-C takes effect.
+    disparity::SensorBatch next(steady_clock::time_point deadline) {
+        if (!first_.samples.empty()) {
+            return std::exchange(first_, {});
+        }
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - steady_clock::now());
+        return read(std::clamp(left, std::chrono::milliseconds(0), patience));
+    }
+
+    /// Returns why no sample comes, from the daemon's status.
+    std::string why_none() {
+        const v1::Status now = daemon_status(client_);
+        if (now.has_sensors() && now.sensors().state() != "streaming") {
+            return "the sensors are " + now.sensors().state() +
+                   (now.sensors().detail().empty() ? "" : ": " + now.sensors().detail());
+        }
+        return now.detail().empty() ? "the daemon is " + now.state() : now.detail();
+    }
+
+private:
+    static constexpr std::chrono::milliseconds patience{100};
+
+    void subscribe() {
+        disparity::Subscription subscription;
+        subscription.products.clear();
+        subscription.sensors = true;
+        client_.subscribe(subscription);
+    }
+
+    disparity::SensorBatch read(std::chrono::milliseconds timeout) {
+        disparity::SensorBatch batch;
+        switch (client_.read_sensors(batch, timeout)) {
+            case disparity::ReadResult::frame: break;
+            case disparity::ReadResult::timeout: batch = {}; break;
+            case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+        }
+        return batch;
+    }
+
+    /// A recording of a camera with sensors has samples in nearly every frame.
+    static void check_replay(const v1::Status& before, const v1::Status& now) {
+        constexpr std::uint64_t enough = 10;
+        if (now.published() >= before.published() + enough) {
+            throw std::runtime_error(now.source() + " has no sensors: " + std::to_string(enough) +
+                                     " frames came without a sample");
+        }
+        if (now.state() == "ended") {
+            throw std::runtime_error("no sample comes: " + now.detail());
+        }
+    }
+
+    disparity::SocketClient& client_;
+    disparity::SensorBatch first_;
+};
+
+void show_samples(SampleReader& samples, std::optional<int> most) {
+    std::string told;
+    auto last = steady_clock::now();
     for (int lines = 0; !interrupted();) {
-        const disparity::SensorBatch batch = next_batch(client, steady_clock::now() + std::chrono::seconds(1));
+        const disparity::SensorBatch batch = samples.next(steady_clock::now() + std::chrono::seconds(1));
+        if (!batch.samples.empty()) {
+            last = steady_clock::now();
+        } else if (steady_clock::now() >= last + std::chrono::seconds(1)) {
+            last = steady_clock::now();
+            if (const std::string why = samples.why_none(); why != std::exchange(told, why)) {
+                print_note("no sample: " + why);
+            }
+        }
         for (std::size_t i = 0; i < batch.samples.size(); ++i, ++lines) {
             if (most && lines >= *most) {
                 return;
             }
-            std::cout << to_text(to_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
+            std::cout << to_text(sample_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
         }
         std::cout.flush();
     }
 }
 
-void show_seconds(disparity::SocketClient& client, std::optional<int> most) {
-    std::printf("   time  samples/s     turning, rad/s: x y z            acceleration, m/s2: x y z  IMU, C  missed\n");
+void show_seconds(SampleReader& samples, std::optional<int> most) {
+    std::cout << "   time  samples/s     turning, rad/s: x y z            acceleration, m/s2: x y z  IMU, C  missed\n";
     Second second;
     const auto start = steady_clock::now();
     auto last = start;
     for (int lines = 0; (!most || lines < *most) && !interrupted();) {
-        second.add(next_batch(client, last + std::chrono::seconds(1)));
+        second.add(samples.next(last + std::chrono::seconds(1)));
         const auto now = steady_clock::now();
         if (now >= last + std::chrono::seconds(1)) {
             print_second(second, std::chrono::duration<double>(now - last).count(),
-                         std::chrono::duration<double>(now - start).count());
-            std::fflush(stdout);
+                         std::chrono::duration<double>(now - start).count(),
+                         second.samples == 0 ? samples.why_none() : "");
+            std::cout.flush();
             second = {};
             last = now;
             ++lines;
@@ -151,15 +233,12 @@ void show_seconds(disparity::SocketClient& client, std::optional<int> most) {
 
 int sensors(const SensorArguments& arguments) {
     disparity::SocketClient client = connect(arguments.daemon);
-    disparity::Subscription subscription;
-    subscription.products.clear();
-    subscription.sensors = true;
-    client.subscribe(subscription);
     catch_interrupts();
+    SampleReader samples(client);
     if (arguments.json) {
-        show_samples(client, arguments.lines);
+        show_samples(samples, arguments.lines);
     } else {
-        show_seconds(client, arguments.lines);
+        show_seconds(samples, arguments.lines);
     }
     return exit_done;
 }
@@ -175,10 +254,10 @@ void add_sensors(CLI::App& program, Action& action) {
                 "stop after this many lines; default: Ctrl-C stops");
     command.add_flag("--json", arguments->json, "every sample, one JSON object per line");
     command.footer(
-        "Without --json: one line per second with the newest values. Live cameras that have sensors (ZED Mini, ZED 2,\n"
-        "ZED 2i) and recordings of them; the values are those of the sensors, along their axes, nothing is "
-        "calibrated.\n"
-        "missed: samples lost by the daemon or here. Ctrl-C ends it, exit status 0.\n"
+        "Without --json: one line per second with the newest values. The source is a live camera that has sensors\n"
+        "(ZED Mini, ZED 2, ZED 2i) or a recording of one. The values are those of the sensors, along their axes, not\n"
+        "calibrated. missed: samples lost by the daemon or here. Ctrl-C ends it, exit status 0; 1 when the source has\n"
+        "no sensors.\n"
         "Examples: disparityctl sensors --count 10\n"
         "          disparityctl sensors --json | jq -c '[.monotonic_ns, .acceleration]'");
     command.callback([arguments, &action] { action = [arguments] { return sensors(*arguments); }; });

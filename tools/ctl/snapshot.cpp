@@ -6,9 +6,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "proto/products.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
-#include "tools/ctl/number_argument.h"
+#include "tools/ctl/no_frame.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -25,14 +28,19 @@ struct SnapshotArguments {
     std::string picture;
     std::string disparity;
     std::string depth;
+    std::string colours;
     std::optional<int> timeout_s;
 };
 
-const disparity::PlaneData& plane_of(const disparity::Frame& frame, Product product, const char* name) {
+const disparity::PlaneData& plane_of(const disparity::Frame& frame, Product product) {
     const disparity::PlaneData* plane = frame.plane(product);
     if (plane == nullptr) {
-        throw std::runtime_error(std::string("the daemon does not serve ") + name +
-                                 "; its configuration decides: see disparityd.example.toml");
+        const proto::ProductInfo& wanted = proto::product_info(static_cast<v1::Product>(product));
+        std::string why = "the daemon does not serve the product " + std::string(wanted.name);
+        if (!wanted.config_key.empty()) {
+            why += ": set " + std::string(wanted.config_key) + " = true in its configuration";
+        }
+        throw std::runtime_error(why);
     }
     return *plane;
 }
@@ -56,17 +64,13 @@ cv::Mat left_picture(const disparity::Frame& frame) {
         const int row = static_cast<int>(colour->width) * 3;
         return images::colour_view({colour->bytes.data(), row, static_cast<int>(colour->height), row});
     }
-    const disparity::PlaneData& left = plane_of(frame, Product::left, "the left image");
+    const disparity::PlaneData& left = plane_of(frame, Product::left);
     const int row = static_cast<int>(left.width);
     return images::grey_view({left.bytes.data(), row, static_cast<int>(left.height), row});
 }
 
-bool is_pfm(const std::string& path) {
-    return path.size() > 4 && path.compare(path.size() - 4, 4, ".pfm") == 0;
-}
-
 void write_disparity(const std::string& path, const images::DisparityMap& map) {
-    if (is_pfm(path)) {
+    if (images::has_ending(path, ".pfm")) {
         images::write_disparity_pfm(path, map);
         return;
     }
@@ -91,7 +95,7 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
         case disparity::ReadResult::frame: break;
         case disparity::ReadResult::timeout:
             throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
-                                     " s; disparityctl status says why");
+                                     " s: " + why_no_frame(arguments.daemon));
         case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
     }
     // The last frame of a daemon that hangs is still there to be read.
@@ -102,17 +106,36 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
     return frame;
 }
 
-int snapshot(const SnapshotArguments& arguments) {
+/// Refuses what could not be written before a frame is waited for.
+void check_names(const SnapshotArguments& arguments) {
     if (arguments.picture.empty() && arguments.disparity.empty() && arguments.depth.empty()) {
         throw std::invalid_argument("snapshot: nothing to write; give at least one of -o, --disparity, --depth");
     }
+    if (!arguments.picture.empty()) {
+        images::check_picture_name(arguments.picture);
+    }
+    if (!arguments.disparity.empty()) {
+        images::check_ending(arguments.disparity, {".png", ".pfm"});
+    }
+    if (!arguments.depth.empty()) {
+        images::check_ending(arguments.depth, {".png"});
+    }
+}
+
+int snapshot(const SnapshotArguments& arguments) {
+    check_names(arguments);
     const disparity::Frame frame = next_frame(arguments);
-    const disparity::PlaneData& plane = plane_of(frame, Product::disparity, "disparity");
+    const disparity::PlaneData& plane = plane_of(frame, Product::disparity);
     const auto d16 = numbers<std::int16_t>(plane);
     const images::DisparityMap map{view(d16, plane), {frame.d_min, static_cast<int>(frame.disparities)}};
     if (!arguments.picture.empty()) {
         const images::Metric metric{frame.f, frame.baseline_mm, frame.disparity_offset};
-        images::write_png(arguments.picture, images::picture(left_picture(frame), map, images::fitted(map), metric));
+        const images::ColourScale scale = images::colour_scale(map, colour_range(arguments.colours));
+        cv::Mat picture = images::picture(left_picture(frame), map, scale, metric);
+        if ((frame.flags & disparity::synthetic) != 0) {
+            images::mark_synthetic(picture);
+        }
+        images::write_picture(arguments.picture, picture);
         std::cout << arguments.picture << '\n';
     }
     if (!arguments.disparity.empty()) {
@@ -120,7 +143,7 @@ int snapshot(const SnapshotArguments& arguments) {
         std::cout << arguments.disparity << '\n';
     }
     if (!arguments.depth.empty()) {
-        const disparity::PlaneData& depth = plane_of(frame, Product::depth, "depth");
+        const disparity::PlaneData& depth = plane_of(frame, Product::depth);
         const auto mm = numbers<std::uint16_t>(depth);
         images::write_depth_png(arguments.depth, view(mm, depth));
         std::cout << arguments.depth << '\n';
@@ -133,9 +156,10 @@ int snapshot(const SnapshotArguments& arguments) {
 void add_snapshot(CLI::App& program, Action& action) {
     CLI::App& command = *program.add_subcommand("snapshot", "Write the newest frame of a daemon as pictures.");
     const auto arguments = std::make_shared<SnapshotArguments>();
-    command
-        .add_option("-o,--output", arguments->picture, "left image beside coloured disparity beside its scale (PNG)")
-        ->type_name("FILE");
+    CLI::Option* const picture =
+        command
+            .add_option("-o,--output", arguments->picture, "left image, coloured disparity and its scale (.png, .jpg)")
+            ->type_name("FILE");
     command
         .add_option("--disparity", arguments->disparity,
                     "disparity as a 16-bit PNG (disparity x 256, 0 = rejected), or as PFM when FILE ends in .pfm")
@@ -143,6 +167,7 @@ void add_snapshot(CLI::App& program, Action& action) {
     command.add_option("--depth", arguments->depth, "depth in mm as a 16-bit PNG (0 = unknown, 65535 = farther)")
         ->type_name("FILE");
     add_integer(command, "--timeout", arguments->timeout_s, 1, 3600, "seconds to wait for a frame; default 10");
+    add_colour_range(command, arguments->colours)->needs(picture);
     arguments->daemon.add_to(command);
     command.footer("Example: disparityctl snapshot -o now.png --disparity now.pfm");
     command.callback([arguments, &action] { action = [arguments] { return snapshot(*arguments); }; });

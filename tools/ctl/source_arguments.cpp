@@ -4,12 +4,15 @@
 #include <chrono>
 #include <utility>
 
-#include "capture/camera_calibration.h"
+#include "base/words.h"
+#include "calibration/calibration_lookup.h"
+#include "capture/images/image_sequence.h"
 #include "capture/pixel_format.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/progress.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/progress.h"
-#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 
@@ -23,7 +26,10 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
         }
         bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
     };
-    options.calibration_folders = capture::folder_list(capture::standard_calibration_folders);
+    if (!options.report && capture::is_image_sequence(options.uri)) {
+        options.report = [](const std::string& line, bool) { print_note(line); };
+    }
+    options.calibration_folders = calibration::folder_list(calibration::standard_calibration_folders);
     return capture::open_source(options);
 }
 
@@ -43,16 +49,19 @@ std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {
 
 std::string summary(const capture::SourceInfo& source) {
     std::string text = std::to_string(source.eye_width) + " x " + std::to_string(source.height) + " per eye, " +
-                       std::string(capture::name(source.format));
+                       std::string(capture::to_string(source.format));
     if (source.rate > 0) {
         text += ", " + fixed(source.rate, source.rate == static_cast<int>(source.rate) ? 0 : 2) + " frames/s";
     }
     if (source.frame_count) {
-        text += ", " + std::to_string(*source.frame_count) + " frames";
+        text += ", " + base::counted(*source.frame_count, "frame");
     }
     text += source.live ? ", live" : "";
     if (!source.calibration) {
         return text + ", no calibration";
+    }
+    if (source.calibration->left.fx == 0) {
+        return text + ", rectified already, no calibration: distances are not known";
     }
     return text + ", calibration from " + source.calibration->origin +
            (source.calibration->rectified ? " (rectified already)" : "");

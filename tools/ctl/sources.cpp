@@ -3,12 +3,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "capture/camera_survey.h"
-#include "capture/camera_trouble.h"
+#include "base/message_text.h"
+#include "capture/camera/camera_problem.h"
+#include "capture/camera/camera_survey.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/source_arguments.h"
-#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 namespace {
@@ -19,7 +20,7 @@ struct SourcesArguments {
     bool json = false;
 };
 
-/// "2560x720 at 60, 30, 15 frames/s"; only formats that can be used.
+/// Returns lines such as "2560x720 at 60, 30, 15 frames/s", of the formats that can be used.
 std::vector<std::string> mode_lines(const capture::CameraSurvey& survey) {
     std::vector<std::string> lines;
     for (const capture::VideoMode& mode : survey.modes) {
@@ -39,7 +40,8 @@ void print_cameras(const std::vector<capture::CameraSurvey>& cameras) {
     std::cout << '\n' << (cameras.empty() ? "no cameras" : "cameras") << '\n';
     for (const capture::CameraSurvey& survey : cameras) {
         const capture::UsbCamera& camera = survey.camera;
-        std::cout << "  " << camera.label();
+        const std::string label = camera.label();
+        std::cout << "  " << base::printable(label, label.size());
         if (camera.speed_mbit > 0) {
             std::cout << ", USB " << fixed(camera.speed_mbit, 0) << " Mbit/s, firmware "
                       << capture::firmware_text(camera.firmware);
@@ -94,7 +96,7 @@ int sources(const SourcesArguments& arguments) {
     if (arguments.json) {
         std::cout << to_text(to_json(info), 2) << '\n';
     } else {
-        std::cout << info.description << '\n' << summary(info) << '\n';
+        std::cout << base::printable(info.description, info.description.size()) << '\n' << summary(info) << '\n';
     }
     return exit_done;
 }
@@ -102,10 +104,8 @@ int sources(const SourcesArguments& arguments) {
 }  // namespace
 
 void add_sources(CLI::App& program, Action& action) {
-    CLI::App& command =
-        *program.add_subcommand("sources",
-                                "List where frames can come from and which cameras there are, or open one source and "
-                                "describe it.");
+    CLI::App& command = *program.add_subcommand(
+        "sources", "List the kinds of sources and the cameras, or open one source and describe it.");
     const auto arguments = std::make_shared<SourcesArguments>();
     command.add_option("URI", arguments->uri, "a source to open and describe");
     command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")

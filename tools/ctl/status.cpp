@@ -4,11 +4,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/message_text.h"
+#include "base/words.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/status_message.h"
-#include "tools/ctl/table.h"
 
 namespace disparityd::tools {
 namespace {
@@ -20,7 +22,8 @@ struct StatusArguments {
 
 void print_row(const char* what, const std::string& value) {
     if (!value.empty()) {
-        std::cout << what << std::string(12 - std::string(what).size(), ' ') << value << '\n';
+        std::cout << what << std::string(12 - std::string(what).size(), ' ') << base::printable(value, value.size())
+                  << '\n';
     }
 }
 
@@ -40,10 +43,11 @@ std::string record_text(const v1::RecordStatus& record) {
     if (record.path().empty()) {
         return {};
     }
-    return record.path() + ": " + (record.active() ? "running, " : "finished, ") + std::to_string(record.frames()) +
-           " frames, " + std::to_string(record.lost()) + " lost, " +
+    return record.path() + ": " + (record.active() ? "running, " : "finished, ") +
+           base::counted(record.frames(), "frame") + ", " + std::to_string(record.lost()) + " lost, " +
            (record.source_lost() > 0 ? std::to_string(record.source_lost()) + " lost by the source, " : "") +
            fixed(static_cast<double>(record.bytes()) / 1e6, 1) + " MB" +
+           (record.removed() ? ", removed, as it had no frame" : "") +
            (record.error().empty() ? "" : ", error: " + record.error());
 }
 
@@ -69,14 +73,14 @@ std::string camera_text(const v1::CameraStatus& camera) {
     if (camera.speed_mbit() > 0) {
         text += ", USB " + fixed(camera.speed_mbit(), 0) + " Mbit/s";
     }
-    return text + "; came " + std::to_string(camera.arrivals()) + " times, " + std::to_string(camera.restarts()) +
-           " restarts, " + std::to_string(camera.reopens()) + " reopened, " + std::to_string(camera.resets()) +
-           " USB resets";
+    return text + "; came " + base::counted(camera.arrivals(), "time") + ", " +
+           base::counted(camera.restarts(), "restart") + ", " + std::to_string(camera.reopens()) + " reopened, " +
+           base::counted(camera.resets(), "USB reset");
 }
 
 std::string sensors_text(const v1::SensorStatus& sensors) {
     std::string text = sensors.state() + (sensors.node().empty() ? "" : ", " + sensors.node()) + ", " +
-                       std::to_string(sensors.samples()) + " samples, " + std::to_string(sensors.lost()) + " lost";
+                       base::counted(sensors.samples(), "sample") + ", " + std::to_string(sensors.lost()) + " lost";
     return text + (sensors.detail().empty() ? "" : ": " + sensors.detail());
 }
 
@@ -87,14 +91,16 @@ void print(const v1::Status& status) {
     print_row("source", status.source());
     print_row("camera", status.has_camera() ? camera_text(status.camera()) : "");
     print_row("sensors", status.has_sensors() ? sensors_text(status.sensors()) : "");
-    print_row("matching",
-              status.method() + " on " + status.backend() + ", " + std::to_string(status.workers()) + " workers");
-    print_row("geometry", geometry_text(status.geometry()));
-    print_row("rate", fixed(status.rate(), 1) + " frames/s");
-    print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
-                            " published, " + std::to_string(status.dropped()) + " dropped, " +
-                            std::to_string(status.lost_before()) + " lost by the source, " +
-                            std::to_string(status.corrupt()) + " damaged");
+    if (status.geometry().width() > 0) {  // else the first source is being prepared
+        print_row("matching",
+                  status.method() + " on " + status.backend() + ", " + base::counted(status.workers(), "worker"));
+        print_row("geometry", geometry_text(status.geometry()));
+        print_row("rate", fixed(status.rate(), 1) + " frames/s");
+        print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
+                                " published, " + std::to_string(status.dropped()) + " dropped, " +
+                                std::to_string(status.lost_before()) + " lost by the source, " +
+                                std::to_string(status.corrupt()) + " damaged");
+    }
     print_row("recording", record_text(status.record()));
     if (status.has_self_calibration()) {
         print_row("self-calib.", self_calibration_text(status.self_calibration()));
@@ -113,11 +119,12 @@ void print(const v1::Status& status) {
         steps.print(std::cout);
     }
     if (status.clients_size() > 0) {
-        Table clients({"client", "address", "sent", "skipped", "MB"});
+        Table clients({"client", "address", "sent", "skipped", "MB", "compressor"});
         for (const v1::ClientStatus& client : status.clients()) {
             clients.add({client.name(), client.address(), std::to_string(client.frames_sent()),
                          std::to_string(client.frames_skipped()),
-                         fixed(static_cast<double>(client.bytes_sent()) / 1e6, 1)});
+                         fixed(static_cast<double>(client.bytes_sent()) / 1e6, 1),
+                         client.compressed_bytes() > 0 ? fixed(client.compressor_share() * 100, 0) + " %" : "-"});
         }
         std::cout << '\n';
         clients.print(std::cout);

@@ -7,7 +7,7 @@ namespace disparityd::tools {
 namespace {
 
 constexpr std::chrono::seconds patience{5};
-/// Closing a recording writes what is waiting first.
+/// Before a recording is closed, the frames that wait are written.
 constexpr std::chrono::seconds patience_for_files{60};
 
 template <typename Message>

@@ -6,8 +6,8 @@
 
 namespace disparityd::tools {
 
-/// Requests to the daemon, their answers as messages. Throw std::runtime_error with one line: what the client library
-/// or the daemon says, or that the answer makes no sense.
+/// Sends requests to the daemon and returns its answers as messages. Each throws std::runtime_error with one line: the
+/// error of the client library or the daemon, or that the answer cannot be read.
 v1::Status daemon_status(disparity::SocketClient& client);
 v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path);
 v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client);

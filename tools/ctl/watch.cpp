@@ -7,11 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
-#include "tools/ctl/interrupt.h"
 #include "tools/ctl/latency_window.h"
-#include "tools/ctl/number_argument.h"
+#include "tools/ctl/no_frame.h"
 
 namespace disparityd::tools {
 namespace {
@@ -24,7 +25,9 @@ struct WatchArguments {
     bool json = false;
 };
 
-void print_line(const LatencyWindow::Summary& seen, double seconds, double since_start, bool json) {
+/// `why`: the reason when there was no frame.
+void print_line(const LatencyWindow::Summary& seen, double seconds, double since_start, const std::string& why,
+                bool json) {
     const double rate = static_cast<double>(seen.frames) / seconds;
     if (json) {
         nlohmann::ordered_json line{{"seconds", since_start},    {"frames", seen.frames},
@@ -34,6 +37,8 @@ void print_line(const LatencyWindow::Summary& seen, double seconds, double since
         if (seen.frames > 0) {
             line["latency_p50_ms"] = seen.p50_ms;
             line["latency_p99_ms"] = seen.p99_ms;
+        } else {
+            line["why"] = why;
         }
         std::cout << line.dump() << std::endl;
         return;
@@ -44,10 +49,10 @@ void print_line(const LatencyWindow::Summary& seen, double seconds, double since
                       seen.p99_ms, static_cast<unsigned long long>(seen.dropped),
                       static_cast<unsigned long long>(seen.missed));
     } else {
-        std::snprintf(text, sizeof text, "%6.0f s %9.1f %13s %10s %9s %8s  no frame: see disparityctl status",
-                      since_start, 0.0, "-", "-", "-", "-");
+        std::snprintf(text, sizeof text, "%6.0f s %9.1f %13s %10s %9s %8s  no frame: ", since_start, 0.0, "-", "-", "-",
+                      "-");
     }
-    std::cout << text << std::endl;
+    std::cout << text << why << std::endl;
 }
 
 int watch(const WatchArguments& arguments) {
@@ -58,11 +63,13 @@ int watch(const WatchArguments& arguments) {
                   << std::endl;
     }
     disparity::Frame frame;
+    // Shared memory still holds the last frame from before; it may be hours old.
+    (void)frames->read(frame, std::chrono::milliseconds(0));
     LatencyWindow window;
     const auto start = steady_clock::now();
     auto last = start;
     for (int lines = 0; (!arguments.lines || lines < *arguments.lines) && !interrupted();) {
-        // Short enough for Ctrl-C to be felt as immediate.
+        // Ctrl-C ends the wait after this time at most.
         constexpr std::chrono::milliseconds patience{100};
         const auto next = last + std::chrono::seconds(1);
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - steady_clock::now());
@@ -73,8 +80,10 @@ int watch(const WatchArguments& arguments) {
         }
         const auto now = steady_clock::now();
         if (now >= next) {
-            print_line(window.take(), std::chrono::duration<double>(now - last).count(),
-                       std::chrono::duration<double>(now - start).count(), arguments.json);
+            const LatencyWindow::Summary seen = window.take();
+            print_line(seen, std::chrono::duration<double>(now - last).count(),
+                       std::chrono::duration<double>(now - start).count(),
+                       seen.frames > 0 ? "" : why_no_frame(arguments.daemon), arguments.json);
             if (!std::cout) {
                 throw std::runtime_error("standard output cannot be written");
             }
@@ -95,10 +104,9 @@ void add_watch(CLI::App& program, Action& action) {
                 "stop after this many lines; default: Ctrl-C stops");
     command.add_flag("--json", arguments->json, "one JSON object per line");
     command.footer(
-        "Frames come over shared memory, or over the socket when --socket is given. Latency is the age of a frame "
-        "when\n"
-        "it arrives here, capture to copy; for a daemon elsewhere its age when sent. dropped: lost before the daemon\n"
-        "published; missed: published, but not seen here. Ctrl-C ends it, exit status 0.\n"
+        "Frames come over shared memory, or over the socket when --socket is given. Latency is the age of a frame\n"
+        "when it arrives here, capture to copy; for a daemon on another machine, its age when sent. dropped: lost\n"
+        "before the daemon published; missed: published, but not read here. Ctrl-C ends it, exit status 0.\n"
         "Example: disparityctl watch --count 10");
     command.callback([arguments, &action] { action = [arguments] { return watch(*arguments); }; });
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "tools/images/legend.h"
 #include "tools/images/picture.h"
 
 namespace disparityd::eval {
@@ -12,11 +13,16 @@ namespace {
 const cv::Vec3b wrong(40, 40, 230);
 const cv::Vec3b wrong_and_occluded(30, 150, 240);
 const cv::Vec3b rejected(200, 110, 30);
-const cv::Vec3b unknown(24, 40, 16);
+const cv::Vec3b no_truth(24, 70, 16);
+constexpr double level_of_one_px = 160;
+
+cv::Vec3b grey_of(double error) {
+    return cv::Vec3b::all(static_cast<std::uint8_t>(std::lround(error * level_of_one_px)));
+}
 
 cv::Vec3b judge(float disparity, float truth, bool occluded) {
     if (!std::isfinite(truth)) {
-        return unknown;
+        return no_truth;
     }
     if (!std::isfinite(disparity)) {
         return rejected;
@@ -25,8 +31,18 @@ cv::Vec3b judge(float disparity, float truth, bool occluded) {
     if (error > 1.0F) {
         return occluded ? wrong_and_occluded : wrong;
     }
-    const auto level = static_cast<std::uint8_t>(std::lround(error * 160));
-    return {level, level, level};
+    return grey_of(error);
+}
+
+cv::Mat error_legend(int height) {
+    return images::colour_legend(height, "error",
+                                 {{grey_of(0), "0 px"},
+                                  {grey_of(0.5), "0.5 px"},
+                                  {grey_of(1), "1 px"},
+                                  {wrong, "over 1 px"},
+                                  {wrong_and_occluded, "over 1 px, occluded"},
+                                  {rejected, "rejected"},
+                                  {no_truth, "no ground truth"}});
 }
 
 }  // namespace
@@ -42,14 +58,12 @@ cv::Mat error_picture(const Scene& scene, const MatcherResult& result) {
             errors.at<cv::Vec3b>(y, x) = judge(disparity.at(x, y), scene.truth.at(x, y), occluded);
         }
     }
-    const images::ColourScale scale = images::fitted(result.map());
-    cv::Mat left_and_disparity = images::picture(scene.left, result.map(), scale, {});
-    const int images_width = 2 * result.width;
-    std::vector<cv::Mat> parts{left_and_disparity.colRange(0, images_width), errors,
-                               left_and_disparity.colRange(images_width, left_and_disparity.cols)};
-    cv::Mat all;
-    cv::hconcat(parts, all);
-    return all;
+    // The range that covers the truth: the same colours for every method, so that their pictures can be compared.
+    const images::ColourScale scale = images::whole_range(result.range);
+    const cv::Mat bar = images::scale_bar(result.height, scale, {});
+    const cv::Mat all = images::picture(scene.left, result.map(), scale, {});
+    const cv::Mat left_and_disparity = all(cv::Rect(0, 0, 2 * result.width, result.height));
+    return images::side_by_side({left_and_disparity, errors, bar, error_legend(result.height)});
 }
 
 }  // namespace disparityd::eval

@@ -5,7 +5,7 @@
 #include <limits>
 #include <ostream>
 
-#include "tools/ctl/table.h"
+#include "tools/command_line/table.h"
 
 namespace disparityd::eval {
 namespace {

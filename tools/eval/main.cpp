@@ -8,11 +8,11 @@
 #include <CLI/CLI.hpp>
 
 #include "pipeline/worker_pool.h"
-#include "tools/ctl/interrupt.h"
-#include "tools/ctl/match_arguments.h"
-#include "tools/ctl/number_argument.h"
-#include "tools/ctl/program.h"
-#include "tools/ctl/progress.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/match_arguments.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
+#include "tools/command_line/progress.h"
 #include "tools/eval/error_picture.h"
 #include "tools/eval/fair_opencv.h"
 #include "tools/eval/fair_table.h"
@@ -73,17 +73,17 @@ std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
 }
 
 /// The scenes to judge and the number of candidates for each; 0 = as the scene needs.
-std::vector<std::pair<capture::DatasetScene, int>> scenes_of(const EvalArguments& arguments) {
-    std::vector<std::pair<capture::DatasetScene, int>> chosen;
-    const std::vector<capture::DatasetScene> found = find_scenes(arguments.data);
+std::vector<std::pair<datasets::DatasetScene, int>> scenes_of(const EvalArguments& arguments) {
+    std::vector<std::pair<datasets::DatasetScene, int>> chosen;
+    const std::vector<datasets::DatasetScene> found = find_scenes(arguments.data);
     if (!arguments.paper) {
-        for (const capture::DatasetScene& files : found) {
+        for (const datasets::DatasetScene& files : found) {
             chosen.emplace_back(files, 0);
         }
         return chosen;
     }
     for (const PaperScene& wanted : paper_scenes()) {
-        const capture::DatasetScene* files = files_of(wanted, found);
+        const datasets::DatasetScene* files = files_of(wanted, found);
         if (files == nullptr) {
             throw std::invalid_argument("--paper: there is no folder for the scene " + wanted.name +
                                         " in DATA, allowed: folders that hold cones, tsukuba, teddy and sawtooth");
@@ -110,7 +110,9 @@ public:
           methods_(methods_of(arguments)),
           backends_(backends_of(arguments)),
           workers_(arguments.workers.value_or(0)),
-          repeat_(arguments.repeat.value_or(1)) {}
+          repeat_(arguments.repeat.value_or(1)) {
+        arguments.match.check_used(methods_);
+    }
 
     void run() {
         const auto scenes = scenes_of(arguments_);
@@ -139,8 +141,8 @@ private:
     }
 
     void judge_ours(const Scene& scene, const Backend& backend, MatchOptions options) {
-        const pipeline::WorkerPool::Seat seat(workers_);
-        const std::string method(name(options.method));
+        const pipeline::WorkerPool::ComputeSlot slot(workers_);
+        const std::string method(to_string(options.method));
         add(scene, method, std::string(backend.name),
             run_ours(backend, options, scene.left, scene.right, workers_, repeat_));
         if (arguments_.fair) {
@@ -226,17 +228,19 @@ int evaluate(EvalArguments arguments) {
 void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program.add_option("DATA", arguments.data, "scene folders with ground truth, or folders of such folders")
         ->required();
-    program.add_option("--method", arguments.methods, "sgm, census, sad or all; may be repeated; default sgm")
+    program
+        .add_option("--method", arguments.methods,
+                    tools::method_help() + "; all: each of them; may be repeated; default sgm")
         ->allow_extra_args(false)
         ->type_name("METHOD");
     program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
         ->allow_extra_args(false)
         ->type_name("NAME");
-    program.add_flag("--opencv", arguments.opencv, "OpenCV's StereoBM and StereoSGBM (HH and 3WAY) beside them");
+    program.add_flag("--opencv", arguments.opencv, "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY)");
     auto* fair = program.add_flag(
         "--fair", arguments.fair,
-        "everything twice: as it is, and so that every pixel is judged: OpenCV on padded images, all results "
-        "with rejected pixels filled; bad-1.0, non-occluded");
+        "each result twice: as it is, and with every pixel judged (OpenCV on padded images, rejected pixels "
+        "filled); bad-1.0, non-occluded");
     auto* paper = program.add_flag(
         "--paper", arguments.paper,
         "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
@@ -244,8 +248,7 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     fair->excludes(paper);
     program
         .add_flag("--fractions", arguments.fractions,
-                  "how good the fractions of the disparities are, instead: bad-0.5, and the share of pixels that lie "
-                  "at most 1/16 px from a whole number")
+                  "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number")
         ->excludes(paper);
     program
         .add_option(
@@ -254,7 +257,7 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->check(CLI::Range(0.001, 65535.0))
         ->type_name("X");
     tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
-                       "runs per scene, their median time counts; default 1");
+                       "runs per scene; the median of their times counts; default 1");
     tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
     program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
     program.add_flag("--json", arguments.json, "a list of objects");

@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <ostream>
 
-#include "capture/words.h"
-#include "tools/ctl/table.h"
+#include "base/words.h"
+#include "tools/command_line/table.h"
 
 namespace disparityd::eval {
 
-using capture::lower_case;
+using base::lower_case;
 
 double PaperScene::bad(Method method) const {
     switch (method) {
@@ -37,8 +37,8 @@ const PaperScene* paper_scene(const std::string& name) {
     return found == scenes.end() ? nullptr : &*found;
 }
 
-const capture::DatasetScene* files_of(const PaperScene& scene, const std::vector<capture::DatasetScene>& found) {
-    const auto files = std::find_if(found.begin(), found.end(), [&](const capture::DatasetScene& candidate) {
+const datasets::DatasetScene* files_of(const PaperScene& scene, const std::vector<datasets::DatasetScene>& found) {
+    const auto files = std::find_if(found.begin(), found.end(), [&](const datasets::DatasetScene& candidate) {
         const PaperScene* paper = paper_scene(candidate.name);
         return paper != nullptr && paper->name == scene.name;
     });

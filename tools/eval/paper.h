@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/dataset.h"
 #include "kernels/options.h"
+#include "tools/datasets/dataset.h"
 #include "tools/eval/report.h"
 
 namespace disparityd::eval {
@@ -26,7 +26,7 @@ const std::vector<PaperScene>& paper_scenes();
 const PaperScene* paper_scene(const std::string& name);
 
 /// The files of a scene of the paper among those that were found, or nullptr.
-const capture::DatasetScene* files_of(const PaperScene& scene, const std::vector<capture::DatasetScene>& found);
+const datasets::DatasetScene* files_of(const PaperScene& scene, const std::vector<datasets::DatasetScene>& found);
 
 /// Table 6: bad-1.0 over non-occluded pixels beside the paper's figures, for the rows of paper scenes.
 void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);

@@ -7,7 +7,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "capture/dataset.h"
+#include "tools/datasets/dataset.h"
 #include "tools/images/disparity_map.h"
 
 namespace disparityd::eval {
@@ -23,11 +23,11 @@ struct Scene {
 };
 
 /// The scenes with ground truth in each folder and below. Throws std::invalid_argument for a folder without one.
-std::vector<capture::DatasetScene> find_scenes(const std::vector<std::string>& folders);
+std::vector<datasets::DatasetScene> find_scenes(const std::vector<std::string>& folders);
 
 /// Reads pictures and truth; `scale` other than 0 is the stored value per pixel of disparity. Throws
 /// std::invalid_argument with one line when the scene does not hold together.
-Scene read_scene(const capture::DatasetScene& files, double scale);
+Scene read_scene(const datasets::DatasetScene& files, double scale);
 
 /// The smallest multiple of 16, 16 .. 256, of candidates 0, 1, ... that reach every known disparity and the bound
 /// `ndisp` (0 = none is given).

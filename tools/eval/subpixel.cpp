@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/ctl/table.h"
+#include "tools/command_line/table.h"
 #include "tools/eval/rounded_number.h"
 
 namespace disparityd::eval {

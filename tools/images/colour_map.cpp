@@ -70,4 +70,9 @@ const std::array<cv::Vec3b, 256>& colour_map() {
     return map;
 }
 
+cv::Vec3b colour_of(double disparity, const ColourScale& scale) {
+    const double t = (disparity - scale.low) / (scale.high - scale.low);
+    return colour_map()[static_cast<std::size_t>(std::lround(std::clamp(t, 0.0, 1.0) * 255))];
+}
+
 }  // namespace disparityd::images

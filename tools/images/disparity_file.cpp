@@ -6,12 +6,14 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
 #include <locale>
 #include <stdexcept>
 
+#include "base/error_text.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::images {
@@ -96,20 +98,25 @@ FloatMap read_disparity_png(const std::string& path) {
 FloatMap read_disparity_pfm(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) {
-        refuse_pfm(path, std::string("nothing to read: ") + std::strerror(errno));
+        refuse_pfm(path, std::string("nothing to read: ") + base::error_text(errno));
     }
     std::string kind;
     FloatMap map;
     double scale = 0;
     file.imbue(std::locale::classic());
     file >> kind >> map.width >> map.height >> scale;
-    constexpr int largest = 1 << 15;
+    constexpr int largest = 8192;
     if (!file || kind != "Pf" || map.width < 1 || map.height < 1 || map.width > largest || map.height > largest ||
         scale == 0 || !std::isfinite(scale)) {
         refuse_pfm(path, "another header");
     }
     file.get();
     const std::size_t count = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
+    std::error_code error;
+    if (const auto length = std::filesystem::file_size(path, error); !error && length < 4 * count) {
+        refuse_pfm(path, std::to_string(length) + " bytes in all where the pixels alone should be " +
+                             std::to_string(4 * count));  // before memory is taken for them
+    }
     std::vector<std::uint32_t> words(count);
     file.read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(count * 4));
     if (static_cast<std::size_t>(file.gcount()) != count * 4) {

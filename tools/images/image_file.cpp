@@ -1,67 +1,166 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/images/image_file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
 
+#include <fcntl.h>
 #include <opencv2/imgcodecs.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/error_text.h"
+#include "capture/images/image_files.h"
 
 namespace disparityd::images {
 namespace {
 
 [[noreturn]] void refuse(const std::string& path, int error) {
-    throw std::runtime_error(path + ": cannot be written: " + std::strerror(error));
+    throw std::runtime_error(path + ": cannot be written: " + base::error_text(error));
 }
 
-}  // namespace
+/// The name of the unfinished file; of this process alone.
+std::string unfinished_name(const std::string& target) {
+    const std::filesystem::path path(target);
+    // The name itself may be as long as names can be.
+    return (path.parent_path() / ("." + path.filename().string().substr(0, 200) + '.' + std::to_string(getpid())))
+        .string();
+}
 
-void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
-    std::FILE* file = std::fopen(path.c_str(), "wb");
-    if (file == nullptr) {
-        refuse(path, errno);
-    }
-    const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    const int reason = errno;
-    if (std::fclose(file) != 0 || !written) {
-        const int error = written ? errno : reason;
-        std::error_code ignored;
-        if (std::filesystem::is_regular_file(path, ignored)) {
-            std::filesystem::remove(path, ignored);  // half a picture is none
+/// A new file beside the target; -1 where there can be none.
+int open_beside(const std::string& target) {
+    const std::string name = unfinished_name(target);
+    unlink(name.c_str());  // of an earlier process with this number that was killed
+    return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+}
+
+/// 0 or errno.
+int write_all(int descriptor, std::span<const std::uint8_t> bytes) {
+    while (!bytes.empty()) {
+        const ssize_t written = write(descriptor, bytes.data(), bytes.size());
+        if (written < 0 && errno != EINTR) {
+            return errno;
         }
-        refuse(path, error);
+        bytes = bytes.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
+    }
+    return 0;
+}
+
+/// Puts the new file in place of the target, whole or not at all; `path` is for messages.
+void replace(const std::string& path, const std::string& target, int beside, std::span<const std::uint8_t> bytes) {
+    const std::string unfinished = unfinished_name(target);
+    int failure = write_all(beside, bytes);
+    struct stat before {};
+    if (stat(target.c_str(), &before) == 0) {
+        fchmod(beside, before.st_mode & 07777);
+    }
+    if (close(beside) != 0 && failure == 0) {
+        failure = errno;
+    }
+    if (failure == 0 && rename(unfinished.c_str(), target.c_str()) != 0) {
+        failure = errno;
+    }
+    if (failure != 0) {
+        unlink(unfinished.c_str());
+        refuse(path, failure);
     }
 }
 
-void write_png(const std::string& path, const cv::Mat& picture) {
+void write_encoded(const std::string& path, const cv::Mat& picture, const char* format,
+                   const std::vector<int>& parameters) {
     std::vector<std::uint8_t> bytes;
     bool encoded = false;
     try {
-        encoded = cv::imencode(".png", picture, bytes);
+        encoded = cv::imencode(format, picture, bytes, parameters);
     } catch (const cv::Exception&) {
         encoded = false;
     }
     if (!encoded) {
         throw std::runtime_error(path + ": a picture of " + std::to_string(picture.cols) + " x " +
-                                 std::to_string(picture.rows) + " pixels cannot be stored as PNG");
+                                 std::to_string(picture.rows) + " pixels cannot be stored as " + (format + 1));
     }
     write_file(path, bytes);
 }
 
+}  // namespace
+
+void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    const bool special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
+    // A pipe or a device is written to; a link stays one, and what it leads to is replaced, or made.
+    const bool dangling = !std::filesystem::exists(status) && std::filesystem::is_symlink(path, error);
+    const std::filesystem::path wanted =
+        dangling ? std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, error)
+                 : std::filesystem::path(path);
+    const std::filesystem::path real = special ? wanted : std::filesystem::weakly_canonical(wanted, error);
+    const std::string target = error ? path : real.string();
+    if (std::filesystem::exists(status) && access(target.c_str(), W_OK) != 0) {
+        refuse(path, errno);  // a file that is protected stays
+    }
+    const int beside = special ? -1 : open_beside(target);
+    if (!special && beside < 0 && errno != EACCES && errno != EPERM && errno != EROFS) {
+        refuse(path, errno);
+    }
+    if (beside >= 0) {
+        replace(path, target, beside, bytes);
+        return;
+    }
+    // Where no file may be made beside it, writing into the one that is there may be allowed all the same.
+    const int itself = open(target.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (itself < 0) {
+        refuse(path, errno);
+    }
+    const int failure = write_all(itself, bytes);
+    if (const int closing = close(itself) == 0 ? 0 : errno; failure != 0 || closing != 0) {
+        refuse(path, failure != 0 ? failure : closing);
+    }
+}
+
+void write_png(const std::string& path, const cv::Mat& picture) {
+    write_encoded(path, picture, ".png", {});
+}
+
+void check_ending(const std::string& path, std::initializer_list<const char*> allowed) {
+    std::string list;
+    for (const char* ending : allowed) {
+        if (has_ending(path, ending)) {
+            return;
+        }
+        list += (list.empty() ? "" : ", ") + std::string(ending);
+    }
+    const std::string found = std::filesystem::path(path).extension().string();
+    throw std::invalid_argument(path + ": the ending says which format is written: found " +
+                                (found.empty() ? "none" : found) + ", allowed: " + list);
+}
+
+bool has_ending(const std::string& path, const char* ending) {
+    std::string found = std::filesystem::path(path).extension().string();
+    std::transform(found.begin(), found.end(), found.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return found == ending;
+}
+
+void check_picture_name(const std::string& path) {
+    check_ending(path, {".png", ".jpg", ".jpeg"});
+}
+
+void write_picture(const std::string& path, const cv::Mat& picture) {
+    check_picture_name(path);
+    if (has_ending(path, ".png")) {
+        write_png(path, picture);
+    } else {
+        constexpr int quality = 95;  // text and thin lines stay sharp
+        write_encoded(path, picture, ".jpg", {cv::IMWRITE_JPEG_QUALITY, quality});
+    }
+}
+
 cv::Mat read_image(const std::string& path) {
-    cv::Mat picture;
-    try {
-        picture = cv::imread(path, cv::IMREAD_UNCHANGED);
-    } catch (const cv::Exception&) {
-        picture.release();
-    }
-    if (picture.empty()) {
-        throw std::invalid_argument(path + ": is not there or not a picture; allowed: PNG, PGM, PPM, PFM, JPEG");
-    }
-    return picture;
+    return capture::decode_image(path);
 }
 
 }  // namespace disparityd::images

@@ -8,9 +8,9 @@
 
 #include "kernels/cpu/backend.h"
 #include "pipeline/worker_pool.h"
-#include "tools/ctl/number_argument.h"
-#include "tools/ctl/program.h"
-#include "tools/ctl/table.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
+#include "tools/command_line/table.h"
 #include "tools/schedule/task_times.h"
 
 namespace disparityd::schedule {
@@ -55,10 +55,10 @@ int print_schedule(const Arguments& arguments) {
     const double handing_over = cores > 1 ? measure_handing_over(frame) : 1;
     const TaskTimes alone = measure_alone(frame, 1);
     std::cout << frame.width << " x " << frame.height << ", " << frame.disparities << " disparities; of "
-              << division_of(frame, 1).rows_at_once << " row(s) on one core: costs " << tools::fixed(alone.costs, 1)
-              << " us, paths " << tools::fixed(alone.aggregate[0], 1) << " and " << tools::fixed(alone.aggregate[1], 1)
-              << " us, winners " << tools::fixed(alone.winners, 1) << " us; paths after a row of another core: x "
-              << tools::fixed(handing_over, 2) << "\n\n";
+              << division_of(frame, 1).rows_at_once << " rows at once on one core: costs "
+              << tools::fixed(alone.costs, 1) << " us, paths " << tools::fixed(alone.aggregate[0], 1) << " and "
+              << tools::fixed(alone.aggregate[1], 1) << " us, winners " << tools::fixed(alone.winners, 1)
+              << " us; paths after a row of another core: x " << tools::fixed(handing_over, 2) << "\n\n";
     tools::Table table({"workers", "measured ms", "simulated ms", "speed-up", "efficiency %", "volumes GB/s"});
     double one = 0;
     for (const int workers : arguments.workers) {
@@ -73,7 +73,7 @@ int print_schedule(const Arguments& arguments) {
         std::string measured = "-";
         if (workers <= cores) {
             pipeline::WorkerPool pool(workers);
-            const pipeline::WorkerPool::Seat seat(pool);
+            const pipeline::WorkerPool::ComputeSlot slot(pool);
             measured = tools::fixed(measure_frame(frame, pool) / 1000, 2);
         }
         table.add({std::to_string(workers), measured, tools::fixed(simulated / 1000, 2),

@@ -6,7 +6,7 @@
 #include <queue>
 #include <vector>
 
-#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/cpu/sgm/sgm_kernels.h"
 
 namespace disparityd::schedule {
 
@@ -21,7 +21,7 @@ public:
         : division_(division),
           times_(times),
           groups_(division.plan.groups()),
-          turns_(groups_),
+          scheduler_(groups_),
           groups_without_sums_(groups_[0][0] + groups_[1][0]),
           workers_(static_cast<std::size_t>(workers)) {
         for (std::size_t sweep = 0; sweep < 2; ++sweep) {
@@ -31,7 +31,7 @@ public:
 
     double run() {
         for (std::size_t i = 0; i < workers_.size(); ++i) {
-            workers_[i].turn = turns_.join();
+            workers_[i].turn = scheduler_.join();
             schedule(i, 0);
         }
         while (!events_.empty()) {
@@ -53,7 +53,7 @@ private:
     };
 
     struct Worker {
-        cpu::SweepTurns::Worker turn;
+        cpu::SweepScheduler::Worker turn;
         RowGroup group;
         int groups_of_task = 0;
         int untold = 0;  // groups of the first part that nobody has been told of
@@ -67,13 +67,13 @@ private:
         Worker& worker = workers_[i];
         if (worker.groups_of_task == division_.plan.groups_of_task()) {
             tell(worker);
-            turns_.leave(worker.turn);
-            worker.turn = turns_.join();
+            scheduler_.leave(worker.turn);
+            worker.turn = scheduler_.join();
             worker.groups_of_task = 0;
         }
-        if (!turns_.take(worker.turn, worker.group)) {
+        if (!scheduler_.claim(worker.turn, worker.group)) {
             tell(worker);
-            turns_.leave(worker.turn);
+            scheduler_.leave(worker.turn);
             return;
         }
         ++worker.groups_of_task;
@@ -144,8 +144,8 @@ private:
 
     const Division& division_;
     const TaskTimes& times_;
-    cpu::SweepTurns::Groups groups_;
-    cpu::SweepTurns turns_;
+    cpu::SweepScheduler::Groups groups_;
+    cpu::SweepScheduler scheduler_;
     int groups_without_sums_;
     std::vector<Worker> workers_;
     std::array<std::vector<int>, 2> done_;  // positions of each group

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernels/cpu/sweep_plan.h"
+#include "kernels/cpu/sgm/sweep_plan.h"
 
 namespace disparityd::schedule {
 
@@ -20,8 +20,8 @@ struct Division {
 };
 
 /// How long SgmSweeps::match() takes with this many workers, each with a core of its own and all as fast as the one
-/// that the times come from: groups are taken as SweepTurns gives them, rows wait for each other as SgmSweeps has it,
-/// everything else takes no time. In microseconds.
+/// that the times come from: groups are taken as SweepScheduler gives them, rows wait for each other as SgmSweeps has
+/// it, everything else takes no time. In microseconds.
 double simulate(const Division& division, const TaskTimes& times, int workers);
 
 }  // namespace disparityd::schedule

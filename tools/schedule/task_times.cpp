@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "kernels/cpu/sgm_sweeps.h"
+#include "kernels/cpu/sgm/sgm_sweeps.h"
 #include "kernels/large_buffer.h"
 #include "tools/eval/median.h"
 
@@ -16,7 +16,7 @@ namespace disparityd::schedule {
 
 namespace {
 
-using cpu::SgmGeometry;
+using cpu::MatchGeometry;
 using cpu::SgmKernels;
 using eval::median;
 using Clock = std::chrono::steady_clock;
@@ -37,14 +37,14 @@ struct TimedKernels {
 
 TimedKernels timed;
 
-void timed_matching_cost(const SgmGeometry& geometry, const cpu::CensusRow& census, const cpu::CensusRow& next,
+void timed_matching_cost(const MatchGeometry& geometry, const cpu::CensusRow& census, const cpu::CensusRow& next,
                          std::uint8_t* costs, std::uint8_t* streamed) {
     const auto start = Clock::now();
     timed.real.matching_cost(geometry, census, next, costs, streamed);
     timed.costs.push_back(microseconds_since(start));
 }
 
-void timed_aggregate(const SgmGeometry& geometry, const cpu::SweepPass& pass, const cpu::PathRow& before,
+void timed_aggregate(const MatchGeometry& geometry, const cpu::SweepPass& pass, const cpu::PathRow& before,
                      const cpu::SweepRow* rows, int count, cpu::SweepSteps steps, std::uint8_t* state) {
     if (steps.first == 0) {
         timed.group_started = Clock::now();
@@ -56,7 +56,7 @@ void timed_aggregate(const SgmGeometry& geometry, const cpu::SweepPass& pass, co
     }
 }
 
-void timed_winner(const SgmGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
+void timed_winner(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                   const std::uint8_t* up, const std::uint8_t* costs, const cpu::WinnerRow& out) {
     const auto start = Clock::now();
     timed.real.winner(geometry, options, down, up, costs, out);
@@ -178,7 +178,7 @@ TaskTimes measure_alone(const Frame& frame, int workers) {
 
 double measure_handing_over(const Frame& frame) {
     // So many that a task is one group.
-    constexpr int workers = cpu::SweepTurns::most_workers;
+    constexpr int workers = cpu::SweepScheduler::max_workers;
     const TaskTimes alone = measure(frame, workers, 1);
     const TaskTimes in_turn = measure(frame, workers, 2);
     return (in_turn.aggregate[0] + in_turn.aggregate[1]) / (alone.aggregate[0] + alone.aggregate[1]);
@@ -198,7 +198,7 @@ double measure_frame(const Frame& frame, Parallel& workers) {
 Division division_of(const Frame& frame, int workers) {
     const int rows_at_once = cpu::sgm_kernels(frame.target, frame.disparities).rows_at_once;
     return {frame.width, rows_at_once,
-            cpu::SweepPlan(frame.width, frame.height, rows_at_once, workers, cpu::SweepTurns::most_workers)};
+            cpu::SweepPlan(frame.width, frame.height, rows_at_once, workers, cpu::SweepScheduler::max_workers)};
 }
 
 }  // namespace disparityd::schedule

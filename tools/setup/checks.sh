@@ -11,6 +11,12 @@ note() {
     [[ $1 != failed ]] || echo "FAILED: $2" >&2
 }
 
+# skip WHAT: says that a step is left out, and why, at once and at the end.
+skip() {
+    echo "skipped: $1"
+    note skipped "$1"
+}
+
 # check WHAT COMMAND...: a step that passes when the command does.
 check() {
     local what=$1
@@ -19,8 +25,15 @@ check() {
     if "$@"; then note passed "$what"; else note failed "$what"; fi
 }
 
-# project_sources PATTERN...: files of the project that match, without build outputs.
+# project_sources PATTERN...: files of the project that match and are there, without build outputs.
 project_sources() {
+    local name
+    while read -r name; do
+        if [[ -e $name ]]; then echo "$name"; fi
+    done < <(known_sources "$@")
+}
+
+known_sources() {
     git ls-files --cached --others --exclude-standard -- "$@" 2>/dev/null || {
         local names=() pattern
         for pattern in "$@"; do names+=(-o -name "${pattern##*/}"); done
@@ -115,16 +128,29 @@ wait_for() {
     return "${outcome:-1}"
 }
 
+# check_format: names each file that is not formatted, and the command that mends it.
 check_format() {
-    project_sources '*.h' '*.hpp' '*.c' '*.cpp' '*.cu' | xargs clang-format --dry-run --Werror
+    local what="formatting (clang-format)" said files
+    step "$what"
+    if ! command -v clang-format >/dev/null; then
+        skip "formatting: clang-format 14 is not installed (sudo apt-get install clang-format)"
+    elif ! clang-format --version | grep -q 'version 14\.'; then
+        skip "formatting: clang-format 14 is the one that counts, here is $(clang-format --version)"
+    elif said=$(project_sources '*.h' '*.hpp' '*.c' '*.cpp' '*.cu' | xargs clang-format --dry-run --Werror 2>&1); then
+        note passed "$what"
+    else
+        mapfile -t files < <(sed -n 's/:[0-9]*:[0-9]*: error: code should be clang-formatted.*//p' <<<"$said" | sort -u)
+        if ((${#files[@]})); then
+            printf 'not formatted: %s\n' "${files[@]}"
+            note failed "formatting; to mend it: clang-format -i ${files[*]}"
+        else
+            echo "$said"
+            note failed "$what"
+        fi
+    fi
 }
 
-check_style() {
-    if clang-format --version | grep -q 'version 14\.'; then
-        check "formatting (clang-format)" check_format
-    else
-        note skipped "formatting: clang-format 14 is the one that counts, here is $(clang-format --version)"
-    fi
+check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
 }
 

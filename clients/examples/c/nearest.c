@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Prints the nearest measured depth of each frame, over a socket.
+ * Prints the nearest measured depth of each frame, over a socket. Goes on when the daemon has been started again.
  *   nearest-c [tcp:HOST:PORT | unix:PATH]
  */
 #include <disparity_client.h>
@@ -33,26 +33,24 @@ int main(int argc, char** argv) {
     subscription.products = products;
     subscription.product_count = 2;
     if (client != NULL && frame != NULL && disparity_socket_subscribe(client, &subscription) == 0) {
-        while ((result = disparity_socket_read(client, frame, 1000)) >= 0) {
+        while ((result = disparity_socket_read(client, frame, 1000)) != DISPARITY_ERROR) {
             if (result == DISPARITY_TIMEOUT) {
                 puts("no frame for a second");
-                continue;
+            } else if (result == DISPARITY_GONE) { /* the next read connects again and subscribes as before */
+                printf("waiting for the daemon: %s\n", disparity_last_error());
+            } else {
+                disparity_frame_get_info(frame, &info, sizeof info);
+                if (disparity_frame_get_plane(frame, DISPARITY_PRODUCT_DEPTH, &depth) &&
+                    disparity_frame_get_plane(frame, DISPARITY_PRODUCT_CONFIDENCE, &confidence)) {
+                    printf("frame %llu  %.1f ms old  nearest %u mm\n", (unsigned long long)info.sequence,
+                           (double)info.age_ns / 1e6, nearest(&depth, &confidence));
+                }
             }
-            disparity_frame_get_info(frame, &info, sizeof info);
-            if (disparity_frame_get_plane(frame, DISPARITY_PRODUCT_DEPTH, &depth) &&
-                disparity_frame_get_plane(frame, DISPARITY_PRODUCT_CONFIDENCE, &confidence)) {
-                printf("frame %llu  %.1f ms old  nearest %u mm\n", (unsigned long long)info.sequence,
-                       (double)info.age_ns / 1e6, nearest(&depth, &confidence));
-                fflush(stdout);
-            }
+            fflush(stdout);
         }
     }
-    if (result == DISPARITY_GONE) {
-        puts("the daemon has stopped");
-    } else {
-        fprintf(stderr, "nearest-c: error: %s\n", disparity_last_error());
-    }
+    fprintf(stderr, "nearest-c: error: %s\n", disparity_last_error());
     disparity_frame_free(frame);
     disparity_socket_close(client);
-    return result == DISPARITY_GONE ? 0 : 1;
+    return 1;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Prints the nearest measured depth of each frame, over shared memory.
+// Prints the nearest measured depth of each frame, over shared memory. Waits for the daemon when it is not there.
 //   nearest-cpp [NAME]
 #include <cstdint>
 #include <cstdio>
@@ -30,14 +30,15 @@ int main(int argc, char** argv) {
     using disparity::Product;
     using disparity::ReadResult;
     try {
-        disparity::SharedMemoryReader reader(argc > 1 ? argv[1] : "default");
+        disparity::SharedMemoryReader reader(argc > 1 ? argv[1] : "default", {.may_be_absent = true});
         disparity::Frame frame;  // used again for every frame: its buffers stay
         while (true) {
             const ReadResult result =
                 reader.read(frame, std::chrono::seconds(1), {Product::depth, Product::confidence});
             if (result == ReadResult::gone) {
-                std::puts("the daemon has stopped");
-                return 0;
+                std::printf("waiting for the daemon: %s\n", reader.why_gone().c_str());
+                std::fflush(stdout);
+                continue;  // the next read looks for it again
             }
             if (result == ReadResult::timeout) {
                 std::puts("no frame for a second");

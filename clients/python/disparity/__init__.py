@@ -5,13 +5,13 @@
 
     with disparity.SocketClient("tcp:127.0.0.1:9876") as client:
         client.subscribe([disparity.DISPARITY, disparity.DEPTH])
-        for frame in client:
+        for frame in client:  # goes on when the daemon has been started again
             print(frame.sequence, frame.age_ns / 1e6, "ms", frame.depth.shape)
 
     with disparity.SharedMemoryReader("default") as reader:
         frame = reader.read(timeout=1.0)
 """
-from .errors import DisparityError, Gone
+from .errors import DisparityError, Gone, Refused
 from .frame import (
     CONFIDENCE,
     DEPTH,
@@ -21,6 +21,7 @@ from .frame import (
     INTERPOLATED,
     LEFT,
     LEFT_COLOUR,
+    SYNTHETIC,
     UNRECTIFIED,
     Frame,
 )
@@ -39,7 +40,9 @@ __all__ = [
     "INTERPOLATED",
     "LEFT",
     "LEFT_COLOUR",
+    "Refused",
     "SharedMemoryReader",
     "SocketClient",
+    "SYNTHETIC",
     "UNRECTIFIED",
 ]

@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the clients raise, beside ValueError for arguments that cannot be right."""
+"""The clients raise these, and ValueError for arguments that are not allowed."""
 
 
 class DisparityError(RuntimeError):
-    """One line: what, where, what to do."""
+    """Has one line as its text: what, where, what to do."""
 
 
 class Gone(DisparityError):
-    """The daemon has stopped or died, or the connection has ended: connect again."""
+    """There is no daemon: it has stopped or died, or the connection has ended. Later reads look for it again."""
+
+
+class Refused(DisparityError):
+    """The daemon refuses a request, or answers in another version of the protocol. `closing`: it has closed the
+    connection after this message."""
+
+    def __init__(self, text, closing=False):
+        super().__init__(text)
+        self.closing = closing

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A frame: image planes as numpy arrays, and everything that comes with them."""
+"""Defines a frame: image planes as numpy arrays, and the numbers that come with them."""
+import ctypes
 import dataclasses
+import typing
 
 import numpy as np
 
@@ -16,60 +18,93 @@ UNRECTIFIED = 1
 INTERPOLATED = 2
 DROPPED_BEFORE = 4
 DISCONTINUITY = 8
+SYNTHETIC = 16
 
-# The rejected pixels of a depth image, and those that are valid but farther away than the type can say.
+# The value of rejected pixels of a depth image, and of valid ones that are farther away than the type can hold.
 DEPTH_UNKNOWN = 0
 DEPTH_BEYOND = 65535
 
-_TYPES = {DISPARITY: "<i2", CONFIDENCE: "u1", DEPTH: "<u2", LEFT: "u1", LEFT_COLOUR: "u1"}
+class Product(typing.NamedTuple):
+    """Describes a product. name: the property of Frame. kind: the numpy type of one channel."""
+
+    name: str
+    kind: str
+    channels: int
+
+
+# The products that this program knows. A test compares them with proto/products.h.
+PRODUCTS = {
+    DISPARITY: Product("disparity", "<i2", 1),
+    CONFIDENCE: Product("confidence", "u1", 1),
+    DEPTH: Product("depth", "<u2", 1),
+    LEFT: Product("left", "u1", 1),
+    LEFT_COLOUR: Product("left_colour", "u1", 3),
+}
+# Planes of products that this program does not know are bytes.
+_UNKNOWN = Product("", "u1", 1)
+
+
+def product_name(number):
+    """Returns the name of a product for messages, or its number where it has none here."""
+    return PRODUCTS[number].name if number in PRODUCTS else f"product {number}"
 
 
 def plane_array(product, width, height, bytes_per_pixel, data):
-    """The bytes of a plane as an array of height x width (x channels); no copy."""
-    kind = np.dtype(_TYPES.get(product, "u1"))
+    """Returns the bytes of a plane as an array of height x width (x channels), without a copy."""
+    kind = np.dtype(PRODUCTS.get(product, _UNKNOWN).kind)
     channels = bytes_per_pixel // kind.itemsize
     if channels == 0 or channels * kind.itemsize != bytes_per_pixel:
-        raise ValueError(f"product {product} with {bytes_per_pixel} bytes per pixel")
+        raise ValueError(f"plane of {product_name(product)} with {bytes_per_pixel} bytes per pixel")
     shape = (height, width) if channels == 1 else (height, width, channels)
     return np.frombuffer(data, kind).reshape(shape)
 
 
+# A message of a socket has a number in disparityd.v1.Frame, or in its Geometry.
+_FRAME, _GEOMETRY = "frame", "geometry"
+
+
+def _number(c_type, message=None):
+    """Makes a field of Frame. c_type: its type in disparity_frame_info of disparity_client.h, which has the same order.
+    message: the message of a socket that has it under the same name; None: the client fills it in."""
+    return dataclasses.field(default=c_type().value, metadata={"c_type": c_type, "message": message})
+
+
 @dataclasses.dataclass
 class Frame:
-    """Times in ns, lengths in pixels unless the name says otherwise; docs/protocol.md explains each field."""
+    """Has times in ns and lengths in pixels unless the name says otherwise; docs/protocol.md explains each field."""
 
-    publish_index: int = 0
-    sequence: int = 0
-    monotonic_ns: int = 0
-    realtime_ns: int = 0
-    age_ns: int = 0
-    dropped_before: int = 0
-    missed: int = 0
-    calibration_id: int = 0
-    f: float = 0.0
-    cx: float = 0.0
-    cy: float = 0.0
-    baseline_mm: float = 0.0
-    disparity_offset: float = 0.0
-    d_min: int = 0
-    disparities: int = 0
-    invalid: int = 0
-    flags: int = 0
-    width: int = 0
-    height: int = 0
-    region_x: int = 0
-    region_y: int = 0
+    publish_index: int = _number(ctypes.c_uint64, _FRAME)
+    sequence: int = _number(ctypes.c_uint64, _FRAME)
+    monotonic_ns: int = _number(ctypes.c_int64, _FRAME)
+    realtime_ns: int = _number(ctypes.c_int64, _FRAME)
+    age_ns: int = _number(ctypes.c_int64, _FRAME)
+    dropped_before: int = _number(ctypes.c_uint64, _FRAME)
+    missed: int = _number(ctypes.c_uint64)
+    calibration_id: int = _number(ctypes.c_uint64, _GEOMETRY)
+    f: float = _number(ctypes.c_double, _GEOMETRY)
+    cx: float = _number(ctypes.c_double, _GEOMETRY)
+    cy: float = _number(ctypes.c_double, _GEOMETRY)
+    baseline_mm: float = _number(ctypes.c_double, _GEOMETRY)
+    disparity_offset: float = _number(ctypes.c_double, _GEOMETRY)
+    d_min: int = _number(ctypes.c_int32, _GEOMETRY)
+    disparities: int = _number(ctypes.c_uint32, _GEOMETRY)
+    invalid: int = _number(ctypes.c_int32, _GEOMETRY)
+    flags: int = _number(ctypes.c_uint32, _FRAME)
+    width: int = _number(ctypes.c_uint32, _GEOMETRY)
+    height: int = _number(ctypes.c_uint32, _GEOMETRY)
+    region_x: int = _number(ctypes.c_uint32)
+    region_y: int = _number(ctypes.c_uint32)
     planes: dict = dataclasses.field(default_factory=dict, repr=False)
 
-    def _plane(self, product, name):
+    def _plane(self, product):
         if product not in self.planes:
-            raise KeyError(f"this frame has no {name}: subscribe to it, or have the daemon make it")
+            raise KeyError(f"this frame has no {PRODUCTS[product].name}: subscribe to it, or have the daemon make it")
         return self.planes[product]
 
     @property
     def disparity(self):
         """int16, 1/16 px; self.invalid where rejected."""
-        return self._plane(DISPARITY, "disparity")
+        return self._plane(DISPARITY)
 
     @property
     def disparity_px(self):
@@ -80,12 +115,12 @@ class Frame:
     @property
     def confidence(self):
         """uint8, 0 = rejected or interpolated."""
-        return self._plane(CONFIDENCE, "confidence")
+        return self._plane(CONFIDENCE)
 
     @property
     def depth(self):
         """uint16, mm; 0 = unknown, 65535 = valid but beyond 65.534 m."""
-        return self._plane(DEPTH, "depth")
+        return self._plane(DEPTH)
 
     @property
     def depth_m(self):
@@ -99,17 +134,18 @@ class Frame:
     @property
     def left(self):
         """uint8, rectified left image."""
-        return self._plane(LEFT, "left image")
+        return self._plane(LEFT)
 
     @property
     def left_colour(self):
         """uint8, height x width x 3, BGR."""
-        return self._plane(LEFT_COLOUR, "left colour image")
+        return self._plane(LEFT_COLOUR)
 
     def points(self):
-        """float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no depth.
+        """Returns a float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no
+        depth.
 
-        Made from disparity; needs a calibration (f and baseline known).
+        It is computed from disparity and needs a calibration: ValueError when f or baseline is unknown.
         """
         if self.f <= 0 or self.baseline_mm <= 0:
             raise ValueError("no points without a calibration: f or baseline are unknown")
@@ -120,3 +156,19 @@ class Frame:
         x = np.arange(width, dtype=np.float32) + np.float32(self.region_x - self.cx)
         y = np.arange(height, dtype=np.float32)[:, None] + np.float32(self.region_y - self.cy)
         return np.stack([x * z / np.float32(self.f), y * z / np.float32(self.f), z], axis=-1)
+
+
+# The name and C type of each number, in the order of disparity_frame_info.
+C_FIELDS = [(field.name, field.metadata["c_type"]) for field in dataclasses.fields(Frame) if field.metadata]
+# The names of the numbers that each message has.
+MESSAGE_FIELDS = {
+    message: [field.name for field in dataclasses.fields(Frame) if field.metadata.get("message") == message]
+    for message in (_FRAME, _GEOMETRY)
+}
+
+
+def frame_of_message(message):
+    """Returns the Frame of a disparityd.v1.Frame, without planes."""
+    numbers = {name: getattr(message, name) for name in MESSAGE_FIELDS[_FRAME]}
+    numbers.update((name, getattr(message.geometry, name)) for name in MESSAGE_FIELDS[_GEOMETRY])
+    return Frame(**numbers, region_x=message.region.x, region_y=message.region.y)

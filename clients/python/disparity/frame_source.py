@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What every source of frames can do, however they come."""
+"""Both readers of frames share this behaviour."""
 from .errors import Gone
 
 
 class FrameSource:
-    """Of something with read() and close(): closed at the end of a "with" block, and frames in a "for" loop."""
+    """Adds "with" blocks, which close the source at their end, and "for" loops to a class with read() and close()."""
 
     def __enter__(self):
         return self
@@ -13,11 +13,11 @@ class FrameSource:
         self.close()
 
     def __iter__(self):
-        """Frames until the daemon is gone."""
+        """Yields frames without end and waits while there is no daemon. read() raises Gone instead."""
         while True:
             try:
                 frame = self.read()
             except Gone:
-                return
+                continue
             if frame is not None:
                 yield frame

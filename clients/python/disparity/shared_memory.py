@@ -1,30 +1,30 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames over shared memory, through the C library libdisparity-client."""
+"""Reads frames over shared memory, through the C library libdisparity-client."""
 import ctypes
 import os
 import pathlib
+import time
+
+import numpy as np
 
 from .errors import DisparityError, Gone
-from .frame import Frame, plane_array
+from .frame import C_FIELDS, Frame, plane_array
 from .frame_source import FrameSource
 
 LIBRARY = "libdisparity-client.so.0"
 
 _FRAME, _TIMEOUT, _GONE = 1, 0, -1
 
+# The library waits this long at a time, in ms: Python handles Ctrl-C only between its calls.
+_PATIENCE = 200
+
 
 class _Info(ctypes.Structure):
     """disparity_frame_info of disparity_client.h."""
 
-    _fields_ = (
-        [(name, ctypes.c_uint64) for name in ("publish_index", "sequence")]
-        + [(name, ctypes.c_int64) for name in ("monotonic_ns", "realtime_ns", "age_ns")]
-        + [(name, ctypes.c_uint64) for name in ("dropped_before", "missed", "calibration_id")]
-        + [(name, ctypes.c_double) for name in ("f", "cx", "cy", "baseline_mm", "disparity_offset")]
-        + [("d_min", ctypes.c_int32), ("disparities", ctypes.c_uint32)]
-        + [("invalid", ctypes.c_int32), ("flags", ctypes.c_uint32)]
-        + [(name, ctypes.c_uint32) for name in ("width", "height", "region_x", "region_y", "plane_count", "reserved")]
-    )
+    # Fields are only added at the end: those after region_y come behind plane_count and reserved.
+    _first = [name for name, _ in C_FIELDS].index("region_y") + 1
+    _fields_ = C_FIELDS[:_first] + [("plane_count", ctypes.c_uint32), ("reserved", ctypes.c_uint32)] + C_FIELDS[_first:]
 
 
 class _Plane(ctypes.Structure):
@@ -41,7 +41,7 @@ class _Plane(ctypes.Structure):
 
 
 def _open_library():
-    """$DISPARITY_CLIENT_LIBRARY, beside the package, in the build tree it lies in, or where the loader looks."""
+    """Loads $DISPARITY_CLIENT_LIBRARY, else the library beside the package, in its build tree, or of the system."""
     named = os.environ.get("DISPARITY_CLIENT_LIBRARY")
     if named:
         candidates = [named]
@@ -68,7 +68,7 @@ def _declare(library):
         ("disparity_frame_free", None, [pointer]),
         ("disparity_frame_get_info", None, [pointer, ctypes.POINTER(_Info), size]),
         ("disparity_frame_plane_at", integer, [pointer, ctypes.c_uint32, ctypes.POINTER(_Plane)]),
-        ("disparity_shared_memory_open", pointer, [ctypes.c_char_p]),
+        ("disparity_shared_memory_open_with", pointer, [ctypes.c_char_p, ctypes.c_char_p, integer]),
         ("disparity_shared_memory_close", None, [pointer]),
         (
             "disparity_shared_memory_read",
@@ -83,17 +83,22 @@ def _declare(library):
 
 
 class SharedMemoryReader(FrameSource):
-    """Reads /disparityd.<name>. Not for several threads at once. Times are in seconds.
+    """Reads /disparityd.<name>. One thread at a time may use it. Times are in seconds.
 
-    Raises DisparityError when the library or the object is missing or access is denied, Gone when the daemon has
-    stopped; a read() after that looks for a new daemon of the same name.
+    Raises DisparityError when the library or the object is missing, access is denied, or the owner of the object is not
+    trusted. owner: the user who is trusted, beside root and this program's own, a name or a number; None: the user that
+    DISPARITYD_SHARED_MEMORY_OWNER names, else "disparityd". may_be_absent: no error without a daemon, read() waits for
+    one.
     """
 
-    def __init__(self, name="default"):
+    def __init__(self, name="default", owner=None, may_be_absent=False):
         self._reader = self._frame = None
+        self._gone_told = may_be_absent
         self._library = _declare(_open_library())
         self.name = name
-        self._reader = self._library.disparity_shared_memory_open(name.encode())
+        self._reader = self._library.disparity_shared_memory_open_with(
+            name.encode(), None if owner is None else str(owner).encode(), int(may_be_absent)
+        )
         self._frame = self._library.disparity_frame_new()
         if not self._reader or not self._frame:
             message = self._error()
@@ -111,42 +116,52 @@ class SharedMemoryReader(FrameSource):
         self._reader = self._frame = None
 
     def read(self, timeout=None, products=()):
-        """The newest frame not read before, or None when none came in time (None = wait for ever).
+        """Returns the newest frame not read before, or None when none came in time (timeout None = wait for ever).
 
-        Only the given products are copied; none given = all there are.
+        Raises Gone at once when the daemon has stopped, and within 3 s when it has died. The calls after that wait for
+        a new daemon under the name, and raise Gone again when none has come in time. Only the given products are
+        copied; without any, all are.
         """
         if not self._reader:
             raise ValueError("this reader is closed")
         wanted = (ctypes.c_uint32 * len(products))(*products)
-        milliseconds = 2**31 - 1 if timeout is None else int(min(max(0, timeout) * 1000, 2**31 - 1))
-        result = self._library.disparity_shared_memory_read(
-            self._reader, self._frame, milliseconds, wanted, len(products)
-        )
-        if result == _TIMEOUT:
-            return None
-        if result == _GONE:
-            raise Gone(f"shared memory {self.name}: the daemon has stopped or died")
-        if result != _FRAME:
-            raise DisparityError(self._error())
-        return self._copy()
+        deadline = None if timeout is None else time.monotonic() + timeout
+        while True:
+            left = _PATIENCE if deadline is None else (deadline - time.monotonic()) * 1000
+            result = self._library.disparity_shared_memory_read(
+                self._reader, self._frame, int(min(max(0, left), _PATIENCE)), wanted, len(products)
+            )
+            last = left <= _PATIENCE and deadline is not None
+            if result == _FRAME:
+                self._gone_told = False
+                return self._copy()
+            if result == _GONE and (last or not self._gone_told):
+                self._gone_told = True
+                raise Gone(self._error())
+            if result == _TIMEOUT:
+                self._gone_told = False
+                if last:
+                    return None
+            elif result != _GONE:
+                raise DisparityError(self._error())
 
     def heartbeat_age(self):
-        """Seconds since the daemon's last sign of life; a huge number when it is gone."""
+        """Returns the seconds since the daemon's last heartbeat; a huge number when it is gone."""
         return self._library.disparity_shared_memory_heartbeat_age_ns(self._reader) / 1e9
 
     def _error(self):
         return self._library.disparity_last_error().decode(errors="replace")
 
     def _copy(self):
-        """The library's frame as one of ours: its memory is used again by the next read."""
+        """Returns a copy of the library's frame: the next read overwrites the library's memory."""
         info = _Info()
         self._library.disparity_frame_get_info(self._frame, ctypes.byref(info), ctypes.sizeof(info))
-        names = [name for name, _ in _Info._fields_ if name not in ("plane_count", "reserved")]
-        frame = Frame(**{name: getattr(info, name) for name in names})
+        frame = Frame(**{name: getattr(info, name) for name, _ in C_FIELDS})
         for index in range(info.plane_count):
             plane = _Plane()
             if self._library.disparity_frame_plane_at(self._frame, index, ctypes.byref(plane)):
-                data = bytearray(ctypes.string_at(plane.data, plane.bytes))
+                data = np.empty(plane.bytes, np.uint8)
+                ctypes.memmove(data.ctypes.data, plane.data, plane.bytes)
                 frame.planes[plane.product] = plane_array(
                     plane.product, plane.width, plane.height, plane.bytes_per_pixel, data
                 )

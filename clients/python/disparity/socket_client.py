@@ -1,28 +1,38 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Frames and status over a socket, in pure Python (numpy and protobuf; zstandard for compressed frames)."""
+"""Reads frames and status over a socket, in pure Python (numpy and protobuf; zstandard for compressed frames)."""
 import collections
 import time
 
 from . import disparity_pb2 as pb
-from .errors import DisparityError
-from .frame import DISPARITY, Frame, plane_array
+from .errors import DisparityError, Gone, Refused
+from .frame import DISPARITY, frame_of_message, plane_array, product_name
 from .frame_source import FrameSource
 from .stream import MessageStream, deadline_after, raw_bytes
 
 PROTOCOL_VERSION = 1
 
-# Frames kept while a question waits for its answer.
+# So many frames are kept while a request waits for its answer.
 _MOST_PENDING = 8
 
-# Messages with samples of the sensors kept while frames are read.
+# The daemon must answer the Hello of a new connection in the first time. The second passes between two attempts. An
+# attempt may take the third at least, whatever the caller's timeout.
+_HELLO_TIMEOUT = 5.0
+_RECONNECT_INTERVAL = 0.1
+_LEAST_PATIENCE = 0.05
+
+# So many messages with samples of the sensors are kept while frames are read.
 _MOST_SENSORS = 256
 
 
 class SocketClient(FrameSource):
-    """One connection to "tcp:HOST:PORT" or "unix:PATH". Not for several threads at once.
+    """Connects to "tcp:HOST:PORT" or "unix:PATH". One thread at a time may use it.
 
-    Times are in seconds. Raises ValueError for an address that is none, DisparityError when the daemon cannot be
-    reached or refuses, Gone when the connection has ended.
+    Times are in seconds. Raises ValueError for an address of another form, DisparityError when the daemon cannot be
+    reached or refuses.
+
+    When the connection ends, the first read() or read_sensors() after it raises Gone. The calls after that connect
+    again, send Hello and subscribe as before. They raise Gone again when no daemon answers in time, Refused when it
+    refuses until then. Requests connect again, too.
     """
 
     def __init__(self, address, client_name="disparity-python", timeout=5.0):
@@ -31,30 +41,32 @@ class SocketClient(FrameSource):
         self._decompress = None
         self._sensors = collections.deque()
         self._sensors_dropped = 0
-        self.last_status = None  # newest status message that came by itself
-        self._stream = MessageStream(address, timeout)
+        self.last_status = None  # the newest status message that came unasked
+        self.welcome = None
+        self._address, self._name = address, client_name
+        self._subscription = None
+        self._stream = None
+        self._closed = False
+        self._lost = False  # the connection has ended; a new _stream has no answer to Hello yet
         try:
             deadline = deadline_after(timeout)
-            hello = pb.Envelope(hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=client_name))
-            self._stream.send(hello, timeout)
-            self.welcome = self._wait_for("welcome", "hello", deadline)
-            if self.welcome.protocol_version != PROTOCOL_VERSION:
-                raise DisparityError(
-                    f"disparityd at {address}: it speaks version {self.welcome.protocol_version} of the protocol, this "
-                    f"program version {PROTOCOL_VERSION}: use the client that came with the daemon"
-                )
+            self._connect(timeout, deadline)
+            if not self._greeted(deadline):
+                raise DisparityError(f"disparityd at {address}: no answer to hello in time")
         except BaseException:
             self.close()
             raise
 
     def close(self):
-        self._stream.close()
+        self._closed = True
+        self._drop()
 
     def subscribe(
         self, products=(DISPARITY,), max_rate=0.0, region=None, compressed=False, status_interval=0.0, sensors=False
     ):
-        """Replaces the subscription. region = (x, y, width, height); sensors: for read_sensors(). A refusal comes out
-        of the next read()."""
+        """Replaces the subscription. region = (x, y, width, height); sensors: for read_sensors(). The next read()
+        raises Refused when the daemon refuses. When the connection has ended, the subscription holds from the next one
+        on."""
         if compressed and self._decompress is None:
             import zstandard  # only needed for this
 
@@ -68,15 +80,17 @@ class SocketClient(FrameSource):
         )
         if region is not None:
             message.region.x, message.region.y, message.region.width, message.region.height = region
-        self._stream.send(pb.Envelope(subscribe=message), 5.0)
+        self._subscription = pb.Envelope(subscribe=message)
+        if not self._lost:
+            self._send_subscription()
 
     def read(self, timeout=None):
-        """The next frame, or None when none came in time (None = wait for ever)."""
+        """Returns the next frame, or None when none came in time (timeout None = wait for ever)."""
         if self._pending:
             return self._count_missed(self._pending.popleft())
         deadline = deadline_after(timeout)
         while True:
-            message = self._stream.receive(deadline)
+            message = self._receive(deadline)
             if message is None:
                 return None
             if message[0].HasField("frame"):
@@ -84,11 +98,11 @@ class SocketClient(FrameSource):
             self._keep(*message)
 
     def read_sensors(self, timeout=None):
-        """Samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (None = wait for
-        ever). Frames that come meanwhile are kept for read(), 8 of them."""
+        """Returns samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (timeout
+        None = wait for ever). The newest 8 frames that come meanwhile are kept for read()."""
         deadline = deadline_after(timeout)
         while not self._sensors:
-            message = self._stream.receive(deadline)
+            message = self._receive(deadline)
             if message is None:
                 return None
             self._keep(*message)
@@ -98,39 +112,133 @@ class SocketClient(FrameSource):
         return sensors
 
     def status(self, timeout=5.0):
-        """Asks for the daemon's status: a disparity_pb2.Status."""
+        """Returns the daemon's status: a disparity_pb2.Status."""
         return self._ask(pb.Envelope(status_request=pb.StatusRequest()), "status", "a status request", timeout)
 
     def start_recording(self, path, timeout=5.0):
-        """Starts a recording on the daemon's machine: a disparity_pb2.RecordStatus."""
+        """Starts a recording on the daemon's machine and returns a disparity_pb2.RecordStatus."""
         request = pb.Envelope(record_start=pb.RecordStart(path=str(path)))
         return self._ask(request, "record_status", "a recording request", timeout)
 
     def stop_recording(self, timeout=5.0):
+        """Stops the recording that runs and returns a disparity_pb2.RecordStatus."""
         request = pb.Envelope(record_stop=pb.RecordStop())
         return self._ask(request, "record_status", "a recording request", timeout)
 
     def control_camera(self, settings=None, timeout=5.0):
-        """Sets controls of the daemon's live camera, {name: value} (none: only asks): a disparity_pb2.CameraControls."""
+        """Sets controls of the daemon's live camera, {name: value} (none: only asks). Returns a
+        disparity_pb2.CameraControls."""
         wanted = [pb.CameraSetting(name=name, value=value) for name, value in (settings or {}).items()]
         request = pb.Envelope(camera_request=pb.CameraRequest(settings=wanted))
         return self._ask(request, "camera_controls", "a camera request", timeout)
 
+    def _drop(self):
+        if self._stream is not None:
+            self._stream.close()
+        self._stream = None
+        self._lost = True
+
+    def _connect(self, timeout, greeting):
+        """Opens another connection and sends Hello. The daemon must answer until `greeting`."""
+        self._stream = MessageStream(self._address, timeout)
+        self._greeting = greeting
+        hello = pb.Envelope(hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=self._name))
+        self._stream.send(hello, timeout)
+
+    def _greeted(self, deadline):
+        """Waits for the answer to Hello. Returns False when it has not come in time and may still come."""
+        while True:
+            message = self._stream.receive(min(deadline, self._greeting))
+            if message is None:
+                if time.monotonic() >= self._greeting:
+                    raise DisparityError(f"disparityd at {self._address}: no answer to hello in time")
+                return False
+            if message[0].HasField("welcome"):
+                break
+            self._keep(*message)
+        version = message[0].welcome.protocol_version
+        if version != PROTOCOL_VERSION:
+            raise Refused(
+                f"disparityd at {self._address}: it speaks version {version} of the protocol, this program version "
+                f"{PROTOCOL_VERSION}: use the client that came with the daemon"
+            )
+        self.welcome = message[0].welcome
+        return True
+
+    def _come_back(self, deadline):
+        """Connects again and subscribes as before. Raises Gone when no daemon has answered by the deadline; the next
+        call continues. Raises Refused when the daemon refuses until then."""
+        if self._closed:
+            raise ValueError("this client is closed")
+        reason = None
+        while True:
+            try:
+                if self._stream is None:
+                    patience = min(max(_LEAST_PATIENCE, deadline - time.monotonic()), _HELLO_TIMEOUT)
+                    self._connect(patience, deadline_after(_HELLO_TIMEOUT))
+                if self._greeted(deadline):
+                    self._lost = False
+                    self._send_subscription()
+                    return
+                break
+            except DisparityError as error:
+                self._drop()
+                reason = error
+            left = deadline - time.monotonic()
+            time.sleep(min(max(0.0, left), _RECONNECT_INTERVAL))
+            if left <= _RECONNECT_INTERVAL:
+                break
+        if isinstance(reason, Refused):
+            raise reason
+        raise Gone(str(reason or f"disparityd at {self._address}: no answer to hello yet"))
+
+    def _send_subscription(self):
+        """Sends the subscription. Where that fails, the next read reports why, or sends it over another connection."""
+        if self._subscription is not None:
+            try:
+                self._stream.send(self._subscription, 5.0)
+            except Gone:
+                self._drop()
+
+    def _receive(self, deadline):
+        """Returns the next message, over another connection when the one before has ended; None when the time is up."""
+        if self._lost:
+            self._come_back(deadline)
+        try:
+            return self._stream.receive(deadline)
+        except Gone:
+            self._drop()
+            raise
+
     def _ask(self, request, answer, question, timeout):
         deadline = deadline_after(timeout)
-        # What has arrived before the question cannot be its answer.
-        message = self._stream.receive(time.monotonic())
-        while message is not None and time.monotonic() < deadline:
-            self._keep(*message)
-            message = self._stream.receive(time.monotonic())
-        self._stream.send(request, timeout)
+        # Messages that arrived before the request cannot be its answer.
+        try:
+            message = None if self._lost else self._receive(time.monotonic())
+            while message is not None and time.monotonic() < deadline:
+                self._keep(*message)
+                message = self._receive(time.monotonic())
+        except Gone:
+            pass
+        except Refused as error:
+            # The daemon closes a connection after a long time without requests: its Error is no answer.
+            if not error.closing:
+                raise
+            self._drop()
+        if self._lost:
+            self._come_back(deadline)
+        try:
+            self._stream.send(request, timeout)
+        except Gone:
+            self._drop()
+            raise
         return self._wait_for(answer, question, deadline)
 
     def _wait_for(self, answer, question, deadline):
         while True:
-            message = self._stream.receive(deadline)
+            message = self._receive(deadline)
             if message is None:
-                raise DisparityError(f"disparityd at {self._stream.address}: no answer to {question} in time")
+                raise DisparityError(f"disparityd at {self._address}: no answer to {question} in time")
             if message[0].HasField(answer):
                 return getattr(message[0], answer)
             self._keep(*message)
@@ -154,13 +262,7 @@ class SocketClient(FrameSource):
 
     def _frame(self, envelope, payload):
         message = envelope.frame
-        geometry = message.geometry
-        frame = Frame(region_x=message.region.x, region_y=message.region.y)
-        for name in ("publish_index", "sequence", "monotonic_ns", "realtime_ns", "age_ns", "dropped_before", "flags"):
-            setattr(frame, name, getattr(message, name))
-        for name in ("calibration_id", "f", "cx", "cy", "baseline_mm", "disparity_offset", "d_min", "disparities"):
-            setattr(frame, name, getattr(geometry, name))
-        frame.invalid, frame.width, frame.height = geometry.invalid, geometry.width, geometry.height
+        frame = frame_of_message(message)
         offset = 0
         for plane in message.planes:
             data = memoryview(payload)[offset : offset + plane.payload_bytes]
@@ -173,7 +275,7 @@ class SocketClient(FrameSource):
         return frame
 
     def _unpack(self, plane, data):
-        """Decompresses one plane, never more than it has bytes."""
+        """Returns one plane decompressed. It never writes more bytes than the plane has."""
         if self._decompress is None:
             raise DisparityError("the daemon sent a compressed frame that nobody asked for")
         wanted = raw_bytes(plane)
@@ -187,7 +289,9 @@ class SocketClient(FrameSource):
                     break
                 filled += got
         except Exception as error:  # zstandard's own class, which this module does not import
-            raise DisparityError(f"compressed plane of product {plane.product} is damaged: {error}") from None
+            raise DisparityError(f"compressed plane of {product_name(plane.product)} is damaged: {error}") from None
         if filled != wanted:
-            raise DisparityError(f"compressed plane of product {plane.product} is damaged: {filled} of {wanted} bytes")
+            raise DisparityError(
+                f"compressed plane of {product_name(plane.product)} is damaged: {filled} of {wanted} bytes"
+            )
         return memoryview(out)[:wanted]

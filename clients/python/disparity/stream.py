@@ -1,30 +1,37 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Whole messages over a socket: u32 length (little endian) | Envelope | payload."""
+"""Sends and receives whole messages over a socket: u32 length (little endian) | Envelope | payload."""
+import errno
 import socket
 import struct
 import time
+import unicodedata
 
 from google.protobuf.message import DecodeError
 
 from . import disparity_pb2 as pb
-from .errors import DisparityError, Gone
+from .errors import DisparityError, Gone, Refused
 
-# The limits of docs/protocol.md.
+# docs/protocol.md has these limits.
 MAX_ENVELOPE_BYTES = 1 << 20
 MAX_PAYLOAD_BYTES = 512 << 20
 MAX_IMAGE_SIDE = 16384
 MAX_BYTES_PER_PIXEL = 8
 
-# Room made at a time for bytes that a message claims and that have not arrived.
+# The buffer grows by this much at a time, beyond the bytes that have arrived.
 _GROWTH = 1 << 20
 
 
-# Longer than anybody waits, and what clocks and sockets can still hold.
+# This is longer than any use, and clocks and sockets can still hold it.
 LONGEST_WAIT = 1e9
 
 
+def printable(text):
+    """Returns a text of the daemon as one line. Control characters become "?": they could move a terminal's cursor."""
+    return "".join("?" if unicodedata.category(c) == "Cc" else c for c in text)
+
+
 def connect(address, timeout):
-    """A connected socket. ValueError for an address that is none, DisparityError when nobody answers."""
+    """Returns a connected socket. ValueError for an address of another form, DisparityError when no process accepts."""
     kind, _, rest = address.partition(":")
     host, _, port = rest.rpartition(":")
     if not (kind == "unix" and rest) and not (kind == "tcp" and host and port.isdigit()):
@@ -45,16 +52,19 @@ def connect(address, timeout):
             raise
         return connection
     except (OSError, OverflowError) as error:
+        if getattr(error, "errno", None) in (errno.EMFILE, errno.ENFILE):
+            raise DisparityError(f"{address}: cannot connect: too many files are open: raise the limit (ulimit -n, or "
+                                 "LimitNOFILE= of a service)") from None
         raise DisparityError(f"{address}: cannot connect: {error}: is disparityd running, with this address?") from None
 
 
 def deadline_after(timeout):
-    """In terms of time.monotonic(); None and what no clock can hold: never."""
+    """Returns now plus the timeout, by time.monotonic(). None, or more than a clock can hold, is LONGEST_WAIT."""
     return time.monotonic() + min(max(0, LONGEST_WAIT if timeout is None else timeout), LONGEST_WAIT)
 
 
 def raw_bytes(plane):
-    """Bytes of a plane before compression; ValueError when a size is outside the limits."""
+    """Returns the bytes of a plane before compression; ValueError when a size is outside the limits."""
     for name, value, most in (
         ("width", plane.width, MAX_IMAGE_SIDE),
         ("height", plane.height, MAX_IMAGE_SIDE),
@@ -66,7 +76,7 @@ def raw_bytes(plane):
 
 
 def check_payload(envelope):
-    """ValueError when the payload cannot be what the Envelope says."""
+    """Raises ValueError when the payload cannot be what the Envelope says."""
     if envelope.payload_bytes > MAX_PAYLOAD_BYTES:
         raise ValueError(f"payload of {envelope.payload_bytes} bytes announced, allowed {MAX_PAYLOAD_BYTES}")
     if not envelope.HasField("frame"):
@@ -87,7 +97,7 @@ def check_payload(envelope):
 
 
 class MessageStream:
-    """Messages over one connection. What has arrived of a message survives a timeout."""
+    """Sends and receives messages over one connection. It keeps a part of a message over a timeout."""
 
     def __init__(self, address, timeout):
         self.address = address
@@ -107,14 +117,14 @@ class MessageStream:
             self._socket.settimeout(min(timeout, LONGEST_WAIT))
             self._socket.sendall(struct.pack("<I", len(body)) + body)
         except OSError as error:
-            # Part of a message may have left: nothing sensible can follow it.
+            # A part of the message may have been sent: nothing can follow it.
             self._report_last_words()
             self.close()
             raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
 
     def receive(self, deadline):
-        """(Envelope, payload as bytearray), or None when the time (of time.monotonic) is up. Raises Gone when the
-        connection has ended, DisparityError with the daemon's words or when the protocol is broken."""
+        """Returns (Envelope, payload as bytearray), or None when the time (of time.monotonic) is up. Raises Gone when
+        the connection has ended, Refused with the daemon's message, DisparityError when it breaks the protocol."""
         while True:
             if not self._fill(deadline):
                 return None
@@ -126,11 +136,12 @@ class MessageStream:
                 raise DisparityError(f"disparityd at {self.address}: broke the protocol: {error}") from None
             if message is not None:
                 if message[0].HasField("error"):
-                    raise DisparityError(f"disparityd at {self.address}: {message[0].error.message}")
+                    error = message[0].error
+                    raise Refused(f"disparityd at {self.address}: {printable(error.message)}", error.closing)
                 return message
 
     def _take(self, data):
-        """One part has arrived; the message if it was the last."""
+        """Takes a part that has arrived. Returns the message if it was the last part."""
         if self._part == "length":
             (self._wanted,) = struct.unpack("<I", data)
             if self._wanted > MAX_ENVELOPE_BYTES:
@@ -163,7 +174,7 @@ class MessageStream:
         return True
 
     def _receive_into(self, view, deadline):
-        """How many bytes came, or None at the deadline; what is there already is read even then."""
+        """Returns how many bytes came, or None at the deadline. Bytes that are there are read even after it."""
         try:
             self._socket.settimeout(max(0.0, deadline - time.monotonic()))
             received = self._socket.recv_into(view)
@@ -178,7 +189,7 @@ class MessageStream:
         return received
 
     def _report_last_words(self):
-        """A daemon that refused something says why before it closes."""
+        """Raises Refused if the daemon's Error arrived before the connection ended."""
         try:
             while self.receive(time.monotonic()) is not None:
                 pass

@@ -88,7 +88,7 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
             data);
     }
     const auto layout = std::make_shared<SgmLayout>(input, target);
-    layout->geometry.raised_cost = 0;  // only paths want them so
+    layout->geometry.cost_bias = 0;  // only paths want one
     const auto planes = std::make_shared<SgmPlanes>(*layout, data->buffers);
     planes->census(data->pair, input);
     const cpu::BlockKernels kernels = cpu::block_kernels(target, input.options.range.count);

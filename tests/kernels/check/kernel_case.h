@@ -91,7 +91,7 @@ struct KernelCase {
     std::string name;  ///< "steps/median3", "sgm/aggregate" ..
     /// Binds the variant for an instruction set of Highway to an input; target 0: the reference.
     std::function<KernelRun(const KernelInput& input, std::int64_t target)> bind;
-    int most_p2 = 193;       ///< the largest P2 that it takes
+    int max_p2 = 193;        ///< the largest P2 that it takes
     bool per_pixel = false;  ///< its time does not depend on the number of candidates
 };
 

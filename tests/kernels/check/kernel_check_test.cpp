@@ -12,7 +12,7 @@ MatchOptions any_options(Random& random, const KernelCase& kernel) {
     MatchOptions options;
     options.range = {pick(random, 0, 3) == 0 ? pick(random, -256, 256) : pick(random, -20, 20),
                      16 * pick(random, 1, 16)};
-    options.sgm.p2 = pick(random, 0, 3) == 0 ? kernel.most_p2 : pick(random, 2, kernel.most_p2);
+    options.sgm.p2 = pick(random, 0, 3) == 0 ? kernel.max_p2 : pick(random, 2, kernel.max_p2);
     options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
     options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
     options.post.subpixel = pick(random, 0, 3) > 0;

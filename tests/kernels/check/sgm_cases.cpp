@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels of SgmKernels one by one, and the sweeps made of them, beside the steps of the reference.
-#include "kernels/cpu/sgm_sweeps.h"
+#include "kernels/cpu/sgm/sgm_sweeps.h"
 #include "tests/kernels/check/sgm_layout.h"
 
 namespace disparityd::test {
@@ -141,8 +141,8 @@ KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target, cpu:
 KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     const auto plain = std::make_shared<PlainSgm>(input);
     const std::size_t candidates = plain->costs.size();
-    constexpr int most_sum = 4 * cpu::max_byte_p2, most_cost = 62;
-    constexpr int spreads[] = {1, 101, most_sum};
+    constexpr int max_sum = 4 * cpu::max_byte_p2, max_cost = 62;
+    constexpr int spreads[] = {1, 101, max_sum};
     const int spread = input.hostile ? spreads[pick(plain->random, 0, 2)] : 200;
     const bool large = input.hostile && pick(plain->random, 0, 1) == 1;  // all of them together
     const auto draw = [&](int most, bool from_above) {
@@ -151,9 +151,9 @@ KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     };
     std::vector<std::uint8_t> down(candidates), up(candidates);
     for (std::size_t i = 0; i < candidates; ++i) {
-        down[i] = draw(most_sum, true);
-        up[i] = draw(most_sum, large);
-        plain->costs[i] = draw(most_cost, large);
+        down[i] = draw(max_sum, true);
+        up[i] = draw(max_sum, large);
+        plain->costs[i] = draw(max_cost, large);
         plain->sums[i] = static_cast<std::uint16_t>(down[i] + up[i] + 8 * plain->costs[i]);
     }
     const auto buffers = std::make_shared<RunBuffers>();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernels/cpu/sgm_kernels.h"
+#include "kernels/cpu/sgm/sgm_kernels.h"
 #include "tests/kernels/check/kernel_case.h"
 
 namespace disparityd::test {
@@ -28,31 +28,31 @@ struct SgmLayout {
                static_cast<std::size_t>(k % layout.registers * layout.lanes + k / layout.registers);
     }
 
-    /// A row in the reference's order, each entry less `raised`.
-    std::vector<std::uint8_t> row(const std::uint8_t* laid_out, int raised = 0) const {
+    /// A row in the reference's order, each entry less `bias`.
+    std::vector<std::uint8_t> row(const std::uint8_t* laid_out, int bias = 0) const {
         std::vector<std::uint8_t> candidates;
         for (int x = 0; x < geometry.width; ++x) {
             for (int k = 0; k < geometry.range.count; ++k) {
-                candidates.push_back(static_cast<std::uint8_t>(laid_out[at(x, k)] - raised));
+                candidates.push_back(static_cast<std::uint8_t>(laid_out[at(x, k)] - bias));
             }
         }
         return candidates;
     }
     std::vector<std::uint8_t> costs_row(const std::uint8_t* laid_out) const {
-        return row(laid_out, geometry.raised_cost);
+        return row(laid_out, geometry.cost_bias);
     }
 
     /// The reverse; `padding` for what is no candidate.
-    void lay_out(const std::uint8_t* candidates, std::uint8_t padding, std::uint8_t* laid_out, int raised = 0) const {
-        std::fill_n(laid_out, geometry.row_bytes(), static_cast<std::uint8_t>(padding + raised));
+    void lay_out(const std::uint8_t* candidates, std::uint8_t padding, std::uint8_t* laid_out, int bias = 0) const {
+        std::fill_n(laid_out, geometry.row_bytes(), static_cast<std::uint8_t>(padding + bias));
         for (int x = 0; x < geometry.width; ++x) {
             for (int k = 0; k < geometry.range.count; ++k) {
-                laid_out[at(x, k)] = static_cast<std::uint8_t>(*candidates++ + raised);
+                laid_out[at(x, k)] = static_cast<std::uint8_t>(*candidates++ + bias);
             }
         }
     }
     void lay_out_costs(const std::uint8_t* candidates, std::uint8_t* laid_out) const {
-        lay_out(candidates, cpu::padding_cost, laid_out, geometry.raised_cost);
+        lay_out(candidates, cpu::padding_cost, laid_out, geometry.cost_bias);
     }
 
     std::size_t rows_bytes() const { return geometry.row_bytes() * static_cast<std::size_t>(geometry.height); }
@@ -60,7 +60,7 @@ struct SgmLayout {
     std::size_t right_planes() const { return geometry.census.right_row() * static_cast<std::size_t>(geometry.height); }
 
     cpu::SgmKernels kernels;
-    cpu::SgmGeometry geometry;
+    cpu::MatchGeometry geometry;
 };
 
 /// Census planes of a pair in guarded memory, and matching costs from them.

@@ -20,9 +20,9 @@ struct TwoSweeps {
         }
         path_pixels = static_cast<std::size_t>(input.width + 2 * cpu::path_guard);
         path_costs = buffers.memory<std::uint8_t>(3 * path_pixels * layout.geometry.layout.bytes());
-        path_least = buffers.memory<std::uint8_t>(3 * path_pixels);
-        jump_bytes = (path_pixels + 63) / 64 * 64;
-        jumps = buffers.memory<std::uint8_t>(4 * jump_bytes * static_cast<std::size_t>(input.height));
+        path_min = buffers.memory<std::uint8_t>(3 * path_pixels);
+        p2_row_bytes = (path_pixels + 63) / 64 * 64;
+        p2_rows = buffers.memory<std::uint8_t>(4 * p2_row_bytes * static_cast<std::size_t>(input.height));
     }
 
     std::uint8_t* row(std::span<std::uint8_t> volume, int y) const {
@@ -32,12 +32,12 @@ struct TwoSweeps {
     /// Outside the image a path adds nothing.
     cpu::PathRow path_row() const {
         std::fill(path_costs.begin(), path_costs.end(), std::uint8_t{0});
-        std::fill(path_least.begin(), path_least.end(), std::uint8_t{0});
+        std::fill(path_min.begin(), path_min.end(), std::uint8_t{0});
         cpu::PathRow before;
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t first = i * path_pixels + cpu::path_guard;
             before.costs[i] = path_costs.data() + first * layout.geometry.layout.bytes();
-            before.least[i] = path_least.data() + first;
+            before.least[i] = path_min.data() + first;
         }
         return before;
     }
@@ -49,17 +49,17 @@ struct TwoSweeps {
         cpu::SweepRow sweep_row;
         sweep_row.costs = row(costs, y);
         sweep_row.sums = row(sums[sweep], y);
-        std::uint8_t* own = jumps.data() + 4 * jump_bytes * static_cast<std::size_t>(y);
+        std::uint8_t* own = p2_rows.data() + 4 * p2_row_bytes * static_cast<std::size_t>(y);
         std::uint8_t* of_paths[4];
         for (std::size_t path = 0; path < 4; ++path) {
-            of_paths[path] = own + path * jump_bytes;
-            sweep_row.jumps[path] = of_paths[path];
-            std::memset(of_paths[path], input.options.sgm.p2, jump_bytes);
+            of_paths[path] = own + path * p2_row_bytes;
+            sweep_row.p2_rows[path] = of_paths[path];
+            std::memset(of_paths[path], input.options.sgm.p2, p2_row_bytes);
         }
         if (input.options.sgm.adaptive_p2) {
             const int before = std::clamp(y - of.direction, 0, input.height - 1);
-            layout.kernels.jumps(layout.geometry, of, pair.left.plane().row(y), pair.left.plane().row(before),
-                                 of_paths);
+            layout.kernels.adaptive_p2(layout.geometry, of, pair.left.plane().row(y), pair.left.plane().row(before),
+                                       of_paths);
         }
         return sweep_row;
     }
@@ -68,7 +68,7 @@ struct TwoSweeps {
         // In two calls, as workers do that wait for each other in between.
         alignas(64) std::uint8_t state[cpu::max_sweep_state];
         const int steps = cpu::steps_of(input.width, count);
-        const int first = steps / 2 / cpu::least_block * cpu::least_block;
+        const int first = steps / 2 / cpu::min_block * cpu::min_block;
         for (const cpu::SweepSteps part : {cpu::SweepSteps{0, first}, cpu::SweepSteps{first, steps}}) {
             if (part.end > part.first) {
                 layout.kernels.aggregate(layout.geometry, of, before, rows, count, part, state);
@@ -114,9 +114,9 @@ struct TwoSweeps {
     ImagePair pair;
     SgmLayout layout;
     RunBuffers buffers;
-    std::span<std::uint8_t> costs, sums[2], streamed_costs, path_costs, path_least, jumps;
+    std::span<std::uint8_t> costs, sums[2], streamed_costs, path_costs, path_min, p2_rows;
     std::size_t path_pixels = 0;
-    std::size_t jump_bytes = 0;
+    std::size_t p2_row_bytes = 0;
 };
 
 struct PlainPaths {
@@ -175,15 +175,15 @@ KernelRun bind_aggregate(const KernelInput& input, std::int64_t target, cpu::Sto
 
 /// P2' of docs/algorithm.md for the paths into position p of a sweep, where the pixel before is inside the image; what
 /// other positions hold does not matter.
-class PlainJumps {
+class PlainAdaptiveP2 {
 public:
-    explicit PlainJumps(const KernelInput& from) : input(from), random(from.seed), pair(random, from) {}
+    explicit PlainAdaptiveP2(const KernelInput& from) : input(from), random(from.seed), pair(random, from) {}
 
     bool inside(int p, int y, int path) const {
         const int before = p + (path == 3 ? -1 : path - 1);
         return before >= 0 && before < input.width && (path == 3 || y > 0);
     }
-    std::uint8_t jump(int p, int y, int path) const {
+    std::uint8_t p2(int p, int y, int path) const {
         const int before = p + (path == 3 ? -1 : path - 1);
         const int difference = std::abs(pair.left.at(p, y) - pair.left.at(before, path == 3 ? y : y - 1));
         const SgmOptions& sgm = input.options.sgm;
@@ -196,14 +196,14 @@ public:
 };
 
 // Downwards: position and column are the same. The way back is a matter of mirroring, which sgm/aggregate compares.
-KernelRun bind_jumps(const KernelInput& input, std::int64_t target) {
-    const auto plain = std::make_shared<PlainJumps>(input);
+KernelRun bind_adaptive_p2(const KernelInput& input, std::int64_t target) {
+    const auto plain = std::make_shared<PlainAdaptiveP2>(input);
     const auto pitch = static_cast<std::size_t>((input.width + 63) / 64 * 64);
     const auto buffers = std::make_shared<RunBuffers>();
-    const auto jumps = buffers->memory<std::uint8_t>(4 * pitch * static_cast<std::size_t>(input.height));
+    const auto p2_rows = buffers->memory<std::uint8_t>(4 * pitch * static_cast<std::size_t>(input.height));
     const auto at = [=](int p, int y, int path) -> std::uint8_t& {
-        return jumps[(static_cast<std::size_t>(y) * 4 + static_cast<std::size_t>(path)) * pitch +
-                     static_cast<std::size_t>(p)];
+        return p2_rows[(static_cast<std::size_t>(y) * 4 + static_cast<std::size_t>(path)) * pitch +
+                       static_cast<std::size_t>(p)];
     };
     const auto results = [=] {
         std::vector<std::uint8_t> all;
@@ -222,7 +222,7 @@ KernelRun bind_jumps(const KernelInput& input, std::int64_t target) {
                     for (int y = 0; y < input.height; ++y) {
                         for (int path = 0; path < 4; ++path) {
                             for (int p = 0; p < input.width; ++p) {
-                                at(p, y, path) = plain->inside(p, y, path) ? plain->jump(p, y, path) : 0;
+                                at(p, y, path) = plain->inside(p, y, path) ? plain->p2(p, y, path) : 0;
                             }
                         }
                     }
@@ -235,9 +235,9 @@ KernelRun bind_jumps(const KernelInput& input, std::int64_t target) {
     return {[=] {
                 for (int y = 0; y < input.height; ++y) {
                     std::uint8_t* rows[4] = {&at(0, y, 0), &at(0, y, 1), &at(0, y, 2), &at(0, y, 3)};
-                    layout->kernels.jumps(layout->geometry, {1, input.options.sgm.p1, input.options.sgm.p2},
-                                          plain->pair.left.plane().row(y),
-                                          plain->pair.left.plane().row(std::max(0, y - 1)), rows);
+                    layout->kernels.adaptive_p2(layout->geometry, {1, input.options.sgm.p1, input.options.sgm.p2},
+                                                plain->pair.left.plane().row(y),
+                                                plain->pair.left.plane().row(std::max(0, y - 1)), rows);
                 }
             },
             {},
@@ -257,7 +257,7 @@ std::vector<KernelCase> sweep_cases() {
              return bind_aggregate(input, target, cpu::Store::stream);
          },
          cpu::max_byte_p2},
-        {"sgm/jumps", bind_jumps, 193, true}};
+        {"sgm/adaptive_p2", bind_adaptive_p2, 193, true}};
 }
 
 }  // namespace disparityd::test

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <ostream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,15 @@
 #include "tests/vm/camera/test_pattern.h"
 
 namespace simulated_camera {
+
+// What ctest lists; found by GoogleTest in the namespace of the types.
+static void PrintTo(Link link, std::ostream* out) {
+    *out << (link == Link::usb2 ? "usb2" : "usb3");
+}
+static void PrintTo(Transfer transfer, std::ostream* out) {
+    *out << (transfer == Transfer::bulk ? "bulk" : "isochronous");
+}
+
 namespace {
 
 using Kind = std::pair<Link, Transfer>;

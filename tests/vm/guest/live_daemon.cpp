@@ -18,8 +18,9 @@ namespace {
 std::vector<std::string> arguments(const std::string& uri, const std::string& name,
                                    const std::vector<std::string>& more) {
     std::vector<std::string> all{"--source", uri, "--name", name, "--print-address"};
-    std::vector<std::string> settings{"socket.tcp=127.0.0.1:0", "socket.unix=",         "source.allow_unrectified=true",
-                                      "match.method=sad",       "match.disparities=16", "match.depth=false"};
+    std::vector<std::string> settings{
+        "socket.tcp=127.0.0.1:0", "socket.unix=",         "socket.tcp_control=true", "source.allow_unrectified=true",
+        "match.method=sad",       "match.disparities=16", "match.depth=false"};
     settings.insert(settings.end(), more.begin(), more.end());
     for (const std::string& each : settings) {
         all.insert(all.end(), {"--set", each});

@@ -9,7 +9,7 @@
 #include <sys/mount.h>
 #include <sys/stat.h>
 
-#include "capture/recording_reader.h"
+#include "capture/recording/recording_reader.h"
 #include "tests/daemon/daemon_process.h"
 #include "tests/daemon/wire_client.h"
 #include "tests/vm/camera/sensor_report.h"
@@ -32,15 +32,15 @@ struct Played {
 
 /// Every frame is whole to the byte, later than the one before it, and says how many are missing in between.
 Played play(const std::string& file, std::size_t frame_bytes) {
-    disparityd::capture::RecordingReader reader(file);
-    std::vector<std::uint8_t> frame(reader.frame_bytes());
+    const auto reader = disparityd::capture::open_recording_reader(file);
+    std::vector<std::uint8_t> frame(reader->frame_bytes());
     EXPECT_EQ(frame.size(), frame_bytes);
     disparityd::capture::recording::FrameFacts facts;
     Played played;
     std::uint32_t last_number = 0;
     std::uint64_t first_sequence = 0;
     std::uint64_t last_sequence = 0;
-    for (; reader.read(facts, frame.data()); ++played.frames) {
+    for (; reader->read(facts, frame.data()); ++played.frames) {
         EXPECT_EQ(simulated_camera::first_difference_from_pattern(frame), -1) << "frame " << played.frames;
         const std::uint32_t number = simulated_camera::pattern_number(frame);
         if (played.frames > 0) {
@@ -74,11 +74,11 @@ TEST(Record, WhatTheSensorsMeasuredStandsBesideTheFrames) {
     DaemonProcess recording(folder, {"record", file, "--source", "v4l2:vga@15", "--frames", "20"}, {},
                             "/vm/disparityctl");
     ASSERT_EQ(recording.wait_for_exit(3 * patience), 0) << recording.log();
-    disparityd::capture::RecordingReader reader(file);
-    std::vector<std::uint8_t> frame(reader.frame_bytes());
+    const auto reader = disparityd::capture::open_recording_reader(file);
+    std::vector<std::uint8_t> frame(reader->frame_bytes());
     disparityd::capture::recording::FrameFacts facts;
     std::vector<disparityd::capture::SensorSample> samples;
-    while (reader.read(facts, frame.data())) {
+    while (reader->read(facts, frame.data())) {
         samples.insert(samples.end(), facts.sensors.begin(), facts.sensors.end());
     }
     const auto number = [](const disparityd::capture::SensorSample& sample) {
@@ -131,7 +131,8 @@ private:
 TEST(Record, AFullDiskEndsTheDaemonsRecordingAndNothingElse) {
     const CameraProcess camera;
     const SmallDisk disk("/tmp/small");
-    LiveDaemon daemon("v4l2:vga@15", "/vm/disparityd", {"record.directory=/tmp/small", "source.stall_ms=15000"});
+    LiveDaemon daemon("v4l2:vga@15", "/vm/disparityd",
+                      {"record.directory=/tmp/small", "record.keep_free_mb=0", "source.stall_ms=15000"});
     ASSERT_TRUE(daemon.wait_for_new_frame());
     disparityd::test::WireClient client(daemon.address());
     client.hello();

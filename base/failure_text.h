@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace disparityd::base {
+
+/// Returns one line for people: the exception's own text, or one of ours where the system gives no more memory. For
+/// that libraries have several texts ("std::bad_alloc", "vector::_M_default_append", OpenCV's "Insufficient memory").
+std::string failure_text(const std::exception& error);
+
+/// Returns the same for `failure`, which is not null. Where there is no memory even for the text, it is a short one.
+std::string failure_text(const std::exception_ptr& failure) noexcept;
+
+}  // namespace disparityd::base

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "base/message_text.h"
+
+#include <algorithm>
+
+namespace disparityd::base {
+namespace {
+
+/// Returns whether a byte belongs to a character of UTF-8 and is not its first.
+bool continues_character(unsigned byte) {
+    return (byte & 0xc0U) == 0x80U;
+}
+
+constexpr std::size_t most_that_continue = 3;
+
+}  // namespace
+
+std::string printable(std::string_view text, std::size_t longest) {
+    const auto byte = [text](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+    std::size_t size = std::min(longest, text.size());
+    while (size > 0 && longest - size < most_that_continue && continues_character(byte(size))) {
+        --size;
+    }
+    std::string line(text.substr(0, size));
+    for (std::size_t i = 0; i < size; ++i) {
+        if (byte(i) < 0x20 || byte(i) == 0x7f) {
+            line[i] = '?';
+        } else if (byte(i) == 0xc2 && continues_character(byte(i + 1)) && byte(i + 1) < 0xa0) {
+            line.replace(i, 2, "??");  // U+0080 to U+009F are control characters, too
+        }
+    }
+    return size < text.size() ? line + "..." : line;
+}
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace disparityd::base

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+namespace disparityd::base {
+
+/// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`.
+[[noreturn]] inline void refuse_thread(const std::string& reason) {
+    throw std::runtime_error("the system starts no more threads: " + reason +
+                             ": allow more (ulimit -u, TasksMax= of a service, the pids limit of a container) or "
+                             "choose fewer workers");
+}
+
+/// Starts a thread. Throws as refuse_thread() when the system starts no more; the caller then ends the threads that it
+/// has started before.
+template <typename Function>
+std::thread start_thread(Function function) {
+    try {
+        return std::thread(std::move(function));
+    } catch (const std::system_error& error) {
+        refuse_thread(error.code().message());
+    }
+}
+
+}  // namespace disparityd::base

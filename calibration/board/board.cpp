@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "calibration/board/board.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numeric>
+#include <set>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/words.h"
+#include "calibration/board/charuco.h"
+
+namespace disparityd::calibration {
+
+namespace {
+
+// A good set of views has these, and corners in every part of the image.
+constexpr std::size_t enough_tilted = 3;
+constexpr double tilted = 1.12;  // opposite sides of the board differ by so much
+constexpr double near = 0.35;    // of the image's width
+
+cv::Mat view_of(Plane<const std::uint8_t> image) {
+    return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
+            static_cast<std::size_t>(image.stride)};
+}
+
+bool find_in(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>& corners) {
+    const cv::Size size(board.columns, board.rows);
+    // CALIB_CB_FAST_CHECK is left out: it misses boards with squares of less than about 20 pixels.
+    constexpr int flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
+    if (!cv::findChessboardCorners(image, size, corners, flags)) {
+        return false;
+    }
+    // The window must not reach the next corner.
+    double nearest = image.cols;
+    for (std::size_t i = 1; i < corners.size(); ++i) {
+        if (i % static_cast<std::size_t>(board.columns) != 0) {
+            nearest = std::min(nearest, cv::norm(corners[i] - corners[i - 1]));
+        }
+    }
+    const int half = std::clamp(static_cast<int>(nearest / 3), 2, 11);
+    cv::cornerSubPix(image, corners, {half, half}, {-1, -1},
+                     {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 40, 0.001});
+    return true;
+}
+
+const char* cell_name(int column, int row) {
+    static constexpr const char* names[coverage_side][coverage_side] = {{"upper left", "upper middle", "upper right"},
+                                                                        {"left", "middle", "right"},
+                                                                        {"lower left", "lower middle", "lower right"}};
+    return names[row][column];
+}
+
+std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>& numbers) {
+    std::vector<cv::Point3f> points;
+    points.reserve(numbers.size());
+    for (const int number : numbers) {
+        const int column = number % board.columns;
+        const int row = number / board.columns;
+        points.emplace_back(static_cast<float>(column * board.square_mm), static_cast<float>(row * board.square_mm),
+                            0.0F);
+    }
+    return points;
+}
+
+/// Returns the largest ratio of two opposite sides of the board in the left eye, at least 1.
+double tilt(const BoardView& view, const Board& board) {
+    std::vector<cv::Point2f> flat;
+    for (const cv::Point3f& point : board_points(board, view.numbers)) {
+        flat.emplace_back(point.x, point.y);
+    }
+    const cv::Mat to_image = cv::findHomography(flat, view.left);
+    if (to_image.empty()) {
+        return 1;
+    }
+    const auto right = static_cast<float>((board.columns - 1) * board.square_mm);
+    const auto bottom = static_cast<float>((board.rows - 1) * board.square_mm);
+    std::vector<cv::Point2f> outer;
+    cv::perspectiveTransform(std::vector<cv::Point2f>{{0, 0}, {right, 0}, {0, bottom}, {right, bottom}}, outer,
+                             to_image);
+    const auto [a, b, c, d] = std::array{outer[0], outer[1], outer[2], outer[3]};
+    const auto ratio = [](double first, double second) { return std::max(first, second) / std::min(first, second); };
+    return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
+}
+
+CameraModel camera_of(const cv::Mat& matrix, const cv::Mat& distortion) {
+    CameraModel camera{
+        matrix.at<double>(0, 0), matrix.at<double>(1, 1), matrix.at<double>(0, 2), matrix.at<double>(1, 2), {}};
+    const cv::Mat flat = distortion.reshape(1, 1);
+    std::copy_n(flat.ptr<double>(), std::min<int>(5, flat.cols), camera.distortion.begin());
+    return camera;
+}
+
+/// Input and output of stereoCalibrate().
+struct Cameras {
+    cv::Mat left, left_distortion, right, right_distortion, rotation, translation;
+};
+
+/// Measures the mean difference of the rows of the corners after rectification, for each view.
+void measure_rows(const Cameras& cameras, const std::vector<BoardView>& views, cv::Size size,
+                  std::vector<BoardCalibration::View>& results) {
+    cv::Mat left_turn, right_turn, left_projection, right_projection, to_depth;
+    cv::stereoRectify(cameras.left, cameras.left_distortion, cameras.right, cameras.right_distortion, size,
+                      cameras.rotation, cameras.translation, left_turn, right_turn, left_projection, right_projection,
+                      to_depth, cv::CALIB_ZERO_DISPARITY, 0);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        std::vector<cv::Point2f> left;
+        std::vector<cv::Point2f> right;
+        cv::undistortPoints(views[i].left, left, cameras.left, cameras.left_distortion, left_turn, left_projection);
+        cv::undistortPoints(views[i].right, right, cameras.right, cameras.right_distortion, right_turn,
+                            right_projection);
+        double sum = 0;
+        for (std::size_t k = 0; k < left.size(); ++k) {
+            sum += std::abs(left[k].y - right[k].y);
+        }
+        results[i].rows = sum / static_cast<double>(left.size());
+    }
+}
+
+/// Finds the corners that both eyes see. Markers give their numbers, so the eyes may see different parts of the board.
+std::optional<BoardView> find_charuco(const cv::Mat& left, const cv::Mat& right, const Board& board) {
+    constexpr std::size_t least = 8;
+    const auto seen_left = find_charuco_corners(left, board);
+    const auto seen_right = find_charuco_corners(right, board);
+    BoardView view;
+    std::set<int> rows;
+    std::set<int> columns;
+    auto other = seen_right.begin();
+    for (const NumberedCorner& corner : seen_left) {
+        while (other != seen_right.end() && other->number < corner.number) {
+            ++other;
+        }
+        if (other != seen_right.end() && other->number == corner.number) {
+            view.left.push_back(corner.at);
+            view.right.push_back(other->at);
+            view.numbers.push_back(corner.number);
+            rows.insert(corner.number / board.columns);
+            columns.insert(corner.number % board.columns);
+        }
+    }
+    if (view.numbers.size() < least || rows.size() < 2 || columns.size() < 2) {
+        return std::nullopt;
+    }
+    return view;
+}
+
+}  // namespace
+
+std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+                                    const Board& board) {
+    if (board.markers) {
+        return find_charuco(view_of(left), view_of(right), board);
+    }
+    BoardView view;
+    if (!find_in(view_of(left), board, view.left) || !find_in(view_of(right), board, view.right)) {
+        return std::nullopt;
+    }
+    // Both eyes see the same side up, but a board that looks the same upside down may have been read either way.
+    if ((view.left.back() - view.left.front()).dot(view.right.back() - view.right.front()) < 0) {
+        std::reverse(view.right.begin(), view.right.end());
+    }
+    view.numbers.resize(view.left.size());
+    std::iota(view.numbers.begin(), view.numbers.end(), 0);
+    return view;
+}
+
+double moved(const BoardView& before, const BoardView& after) {
+    double sum = 0;
+    int common = 0;
+    for (std::size_t i = 0; i < before.numbers.size(); ++i) {
+        const auto same = std::lower_bound(after.numbers.begin(), after.numbers.end(), before.numbers[i]);
+        if (same != after.numbers.end() && *same == before.numbers[i]) {
+            const auto k = static_cast<std::size_t>(same - after.numbers.begin());
+            sum += cv::norm(after.left[k] - before.left[i]);
+            ++common;
+        }
+    }
+    return common == 0 ? std::numeric_limits<double>::infinity() : sum / common;
+}
+
+Coverage covered_parts(const std::vector<BoardView>& views, int width, int height) {
+    Coverage covered{};
+    for (const BoardView& view : views) {
+        for (const cv::Point2f& corner : view.left) {
+            const int column = std::clamp(static_cast<int>(corner.x) * coverage_side / width, 0, coverage_side - 1);
+            const int row = std::clamp(static_cast<int>(corner.y) * coverage_side / height, 0, coverage_side - 1);
+            covered[static_cast<std::size_t>(row * coverage_side + column)] = true;
+        }
+    }
+    return covered;
+}
+
+std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height) {
+    std::size_t tilted_views = 0;
+    double widest = 0;
+    for (const BoardView& view : views) {
+        const cv::Rect2f box = cv::boundingRect(view.left);
+        widest = std::max(widest, static_cast<double>(box.width) / width);
+        tilted_views += tilt(view, board) > tilted ? 1 : 0;
+    }
+    const Coverage covered = covered_parts(views, width, height);
+    std::vector<std::string> missing;
+    for (int part = 0; part < coverage_side * coverage_side; ++part) {
+        if (!covered[static_cast<std::size_t>(part)]) {
+            missing.push_back("hold the board into the " +
+                              std::string(cell_name(part % coverage_side, part / coverage_side)) +
+                              " part of the image");
+        }
+    }
+    if (widest < near) {
+        missing.emplace_back("hold the board nearer, until it fills two fifths of the width");
+    }
+    if (tilted_views < enough_tilted) {
+        missing.push_back("tilt the board by about 30 degrees: " + std::to_string(tilted_views) + " of " +
+                          std::to_string(enough_tilted) + " views show it tilted");
+    }
+    return missing;
+}
+
+BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height) {
+    if (views.size() < 3) {
+        throw std::invalid_argument("calibrate: the board is seen by both eyes in " +
+                                    base::counted(views.size(), "view") + ", at least 3 are needed, 15 are better");
+    }
+    std::vector<std::vector<cv::Point3f>> points;
+    std::vector<std::vector<cv::Point2f>> left;
+    std::vector<std::vector<cv::Point2f>> right;
+    for (const BoardView& view : views) {
+        points.push_back(board_points(board, view.numbers));
+        left.push_back(view.left);
+        right.push_back(view.right);
+    }
+    const cv::Size size(width, height);
+    Cameras cameras;
+    BoardCalibration result;
+    try {
+        std::vector<cv::Mat> turns;
+        std::vector<cv::Mat> shifts;
+        cv::calibrateCamera(points, left, size, cameras.left, cameras.left_distortion, turns, shifts);
+        cv::calibrateCamera(points, right, size, cameras.right, cameras.right_distortion, turns, shifts);
+        cv::Mat essential, fundamental, errors;
+        const cv::TermCriteria precise(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-6);
+        result.rms = cv::stereoCalibrate(points, left, right, cameras.left, cameras.left_distortion, cameras.right,
+                                         cameras.right_distortion, size, cameras.rotation, cameras.translation,
+                                         essential, fundamental, errors, cv::CALIB_USE_INTRINSIC_GUESS, precise);
+        for (int i = 0; i < errors.rows; ++i) {
+            result.views.push_back({errors.at<double>(i, 0), errors.at<double>(i, 1), 0});
+        }
+        measure_rows(cameras, views, size, result.views);
+    } catch (const cv::Exception&) {
+        throw std::invalid_argument(
+            "calibrate: the views do not determine the cameras: show the board from more sides, tilted, near and far");
+    }
+    result.calibration.width = width;
+    result.calibration.height = height;
+    result.calibration.left = camera_of(cameras.left, cameras.left_distortion);
+    result.calibration.right = camera_of(cameras.right, cameras.right_distortion);
+    std::copy_n(cameras.rotation.ptr<double>(), 9, result.calibration.rotation.begin());
+    std::copy_n(cameras.translation.ptr<double>(), 3, result.calibration.translation.begin());
+    result.calibration.origin = "calibrate";
+    return result;
+}
+
+}  // namespace disparityd::calibration

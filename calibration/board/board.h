@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "calibration/board/marker_codes.h"
+#include "calibration/calibration.h"
+#include "kernels/image.h"
+
+namespace disparityd::calibration {
+
+/// The markers in the white squares of a ChArUco board.
+struct BoardMarkers {
+    const MarkerFamily* family = nullptr;  ///< see marker_family()
+    double part = 0.7;                     ///< side of a marker divided by that of a square
+};
+
+/// A chessboard by its inner corners: a board of 10 x 7 squares has 9 x 6 of them.
+struct Board {
+    int columns = 9;
+    int rows = 6;
+    double square_mm = 25;
+    std::optional<BoardMarkers> markers{};  ///< none: a plain chessboard
+};
+
+/// The corners that both eyes see, in the same order; px.
+struct BoardView {
+    std::vector<cv::Point2f> left;
+    std::vector<cv::Point2f> right;
+    std::vector<int> numbers;  ///< which of the board's corners, row by row, ascending
+};
+
+/// Finds a board in both eyes, with subpixel corners. Both eyes must see a whole chessboard; of a board with markers,
+/// eight common corners in two rows and columns suffice. Returns nothing when an eye sees less.
+std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+                                    const Board& board);
+
+/// Returns how far the corners have moved between two views: the mean distance of the common corners in the left eye,
+/// px; infinite when there are none.
+double moved(const BoardView& before, const BoardView& after);
+
+/// Says which of the 3 x 3 parts of the left image hold a corner of a view, row by row.
+constexpr int coverage_side = 3;
+using Coverage = std::array<bool, coverage_side * coverage_side>;
+Coverage covered_parts(const std::vector<BoardView>& views, int width, int height);
+
+/// Returns what a set of views lacks, as lines for the user: parts of the left image without a corner, no near board,
+/// too few tilted ones. Returns nothing when the views suffice.
+std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height);
+
+/// The result of calibrate().
+struct BoardCalibration {
+    StereoCalibration calibration;
+    double rms = 0;  ///< of the reprojection errors of both eyes, px
+    struct View {
+        double left_rms = 0;  ///< px
+        double right_rms = 0;
+        double rows = 0;  ///< mean |left y - right y| of the corners, rectified px
+    };
+    std::vector<View> views;  ///< as given
+};
+
+/// Calibrates both cameras by OpenCV: each eye by itself, then both together, with five coefficients of distortion.
+/// Throws std::invalid_argument with one line when there are fewer than 3 views or they do not determine the cameras.
+BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height);
+
+}  // namespace disparityd::calibration

@@ -1,0 +1,500 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera/camera_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include "base/error_text.h"
+#include "capture/camera/camera_controls.h"
+#include "capture/camera/camera_identity.h"
+#include "capture/camera/camera_problem.h"
+#include "capture/camera/camera_recovery.h"
+#include "capture/camera/control_overrides.h"
+#include "capture/camera/eye_joiner.h"
+#include "capture/camera/frame_counter.h"
+#include "capture/camera/video_stream.h"
+#include "capture/sensors/sensor_reader.h"
+#include "capture/source_condition.h"
+#include "capture/usb/plugged_cameras.h"
+
+namespace disparityd::capture {
+namespace {
+
+using std::chrono::steady_clock;
+
+/// udev gets so long after a camera is plugged in to let this user open it.
+constexpr std::chrono::milliseconds permission_time{1000};
+
+CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) {
+    CameraRecovery::Times times;
+    // A camera with a low rate has not stalled.
+    const auto frames = std::chrono::duration_cast<steady_clock::duration>(std::chrono::duration<double>(8 / rate));
+    times.silence = std::max<steady_clock::duration>(options.stall_time, frames);
+    times.first_frame = std::max(times.first_frame, 2 * times.silence);
+    times.steady = std::max(times.steady, 2 * times.silence);
+    times.longest = std::max(times.longest, 2 * times.first_frame);
+    return times;
+}
+
+class CameraSource final : public FrameSource {
+public:
+    CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors);
+
+    const SourceInfo& info() const override { return info_; }
+    Next next(RawFrame& frame, steady_clock::time_point deadline) override;
+    void give_back(const RawFrame& frame) noexcept override;
+    void interrupt() noexcept override;
+    SourceCondition condition() const override;
+    std::vector<CameraControl> set_camera_controls(const std::vector<CameraSetting>& settings) override;
+
+private:
+    using Step = CameraRecovery::Step;
+
+    void take_step(Step step);
+    void open_any();
+    void note_plugged(const std::vector<UsbCamera>& cameras);
+    std::optional<CameraProblem> open_one(const UsbCamera& camera);
+    void opened(const UsbCamera& camera);
+    void apply_controls(const UsbCamera& camera);
+    bool try_controls(const UsbCamera& camera, const std::vector<CameraSetting>& settings) const;
+    void restart();
+    void reset();
+    void stream_failed();
+    bool still_there();
+    VideoStream::Got take(RawFrame& frame, steady_clock::time_point deadline);
+    void follow_sensors_of(const std::optional<UsbCamera>& camera);
+    void fill(RawFrame& frame, const VideoFrame& captured);
+    void set_state(CameraState state, const std::string& detail);
+    void stalled(const std::string& what_is_done);
+    void count(std::uint64_t CameraFacts::*attempts);
+    void report(const std::string& line, bool trouble) const;
+
+    VideoSystem& system_;
+    const SourceOptions options_;
+    const CameraRequest request_;
+    const std::vector<CameraSetting> configured_controls_;
+    const std::shared_ptr<ControlOverrides> control_overrides_;
+    CameraIdentity identity_;
+    SourceInfo info_;
+    base::Waker waker_;
+    VideoStream stream_;
+    CameraRecovery recovery_;
+    std::optional<EyeJoiner> joiner_;
+    FrameCounter counter_;
+    bool after_reset_ = false;           ///< the next plugging comes from our reset
+    bool broken_ = false;                ///< the stream has failed and waits for the next step
+    std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
+    std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
+    PluggedCameras plugged_;             ///< those that are there and may be meant
+    std::atomic<bool> interrupted_{false};
+    std::vector<SensorSample> samples_;  ///< of the frame that was handed out last
+    std::optional<SensorReader> sensors_;
+
+    mutable std::mutex mutex_;  ///< what follows
+    CameraFacts facts_;
+    std::string detail_;
+    std::vector<std::string> notices_;
+    std::optional<UsbCamera> controlled_;  ///< the camera whose controls can be set now
+};
+
+CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors)
+    : system_(system),
+      options_(options),
+      request_(parse_camera_uri(options.uri)),
+      configured_controls_(parse_camera_settings(options.controls, "source " + options.uri + ": controls")),
+      control_overrides_(options.control_overrides ? options.control_overrides : std::make_shared<ControlOverrides>()),
+      identity_(system, request_, options_),
+      stream_(system, waker_),
+      recovery_(recovery_times(options, request_.rate), system.now()) {
+    info_.name = options.uri;
+    info_.eye_width = request_.eye_width();
+    info_.height = request_.eye_height();
+    info_.format = request_.format;
+    info_.rate = request_.rate;
+    info_.live = true;
+    info_.description =
+        request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
+    identity_.expect_likely(info_, options.likely_port);
+    if (request_.top_bottom) {
+        const int bytes = bytes_per_pixel(request_.format);
+        joiner_.emplace(static_cast<std::size_t>(info_.eye_width * bytes), info_.height, std::max(1, options.loans));
+    }
+    if (options.sensors && sensors != nullptr) {
+        samples_.resize(RawFrame::most_samples);
+        sensors_.emplace(*sensors, [this](const std::string& line, bool trouble) { report(line, trouble); });
+    }
+    if (!options.wait_for_camera) {
+        take_step(recovery_.due(system.now()));
+        if (!stream_.is_open() && facts_.state == CameraState::changed) {
+            // Another camera than the likeliest can be used, and nobody has seen info() yet.
+            identity_.expect_likely(info_, facts_.port);
+            open_any();
+        }
+        if (!stream_.is_open()) {
+            throw std::runtime_error("source " + options.uri + ": " + detail_);
+        }
+    }
+}
+
+FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point deadline) {
+    while (!interrupted_.load()) {
+        // Frames that wait in the driver come first: a caller that was away for long must not see a stall.
+        if (take(frame, std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
+            return Next::frame;
+        }
+        const Step step = recovery_.due(system_.now());
+        if (step != Step::wait && !interrupted_.load()) {
+            // A step may take the kernel seconds: one for each call, so that the caller gets control in between.
+            take_step(step);
+            return Next::timeout;
+        }
+        if (system_.now() >= deadline && !interrupted_.load()) {
+            return Next::timeout;
+        }
+    }
+    stream_.close();
+    follow_sensors_of(std::nullopt);
+    return Next::interrupted;
+}
+
+/// Waits for a frame, an error, a wake-up or the deadline.
+VideoStream::Got CameraSource::take(RawFrame& frame, steady_clock::time_point deadline) {
+    const bool no_room = joiner_ && !joiner_->has_room();
+    if (!stream_.is_open() || broken_ || no_room) {
+        stream_.collect();
+        system_.wait(-1, waker_, deadline);
+        return VideoStream::Got::nothing;
+    }
+    VideoFrame captured;
+    const VideoStream::Got got = stream_.take(captured, deadline);
+    if (got == VideoStream::Got::frame) {
+        fill(frame, captured);
+        recovery_.frame(system_.now());
+        streamed_ = camera_;
+        set_state(CameraState::streaming, "");
+    } else if (got == VideoStream::Got::failed) {
+        stream_failed();
+    }
+    return got;
+}
+
+void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
+    const FrameCounter::Place place = counter_.place(captured.sequence);
+    frame = {};
+    frame.image = {captured.data, request_.format, info_.eye_width, info_.height, captured.stride};
+    frame.loan = captured.loan;
+    if (joiner_) {
+        frame.loan = joiner_->join(captured.data, captured.stride);
+        frame.image.data = joiner_->data(frame.loan);
+        frame.image.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
+        stream_.give_back(captured.loan);
+    }
+    frame.sequence = place.sequence;
+    frame.dropped_before = place.lost;
+    frame.flags = place.discontinuity ? frame_flag_discontinuity : frame_flag_none;
+    frame.monotonic_ns = captured.monotonic_ns;
+    const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - captured.monotonic_ns;
+    frame.realtime_ns = system_.realtime_ns() - age;
+    if (sensors_) {
+        frame.sensors = std::span(samples_).first(sensors_->take(samples_));
+    }
+}
+
+void CameraSource::give_back(const RawFrame& frame) noexcept {
+    if (joiner_) {
+        joiner_->give_back(frame.loan);
+        waker_.wake();
+    } else {
+        stream_.give_back(frame.loan);
+    }
+}
+
+void CameraSource::interrupt() noexcept {
+    interrupted_.store(true);
+    waker_.wake();
+}
+
+void CameraSource::take_step(Step step) {
+    switch (step) {
+        case Step::wait: break;
+        case Step::open: open_any(); break;
+        case Step::restart: restart(); break;
+        case Step::reopen:
+            stalled("the device is opened anew");
+            count(&CameraFacts::reopens);
+            stream_.close();
+            recovery_.reopen_at_once(system_.now());
+            break;
+        case Step::reset: reset(); break;
+    }
+}
+
+/// Opens the first camera that is meant and can be used. Where none can, the problem of the likeliest is reported.
+void CameraSource::open_any() {
+    const std::vector<UsbCamera> present = system_.cameras();
+    std::vector<UsbCamera> meant = candidates(present, request_);
+    note_plugged(meant);
+    std::optional<CameraProblem> problem;
+    std::string port;
+    bool zeds = false;
+    for (UsbCamera& camera : meant) {
+        auto found = identity_.identify(camera);
+        if (!found && !request_.serial.empty() && camera.serial != request_.serial) {
+            continue;
+        }
+        if (!found) {
+            found = open_one(camera);
+        }
+        if (!found) {
+            return;
+        }
+        if (found->state == CameraState::no_permission && options_.wait_for_camera &&
+            system_.now() < plugged_.since(camera) + permission_time) {
+            found = {CameraState::starting, camera.label() + " has come and is being prepared by udev"};
+        }
+        // A camera that could be used at once comes first; then a ZED's problem before another camera's.
+        const bool usable = found->state == CameraState::changed;
+        if (!problem || (problem->state != CameraState::changed && (usable || (!zeds && camera.zed() != nullptr)))) {
+            problem = found;
+            port = camera.port;
+            zeds = camera.zed() != nullptr;
+        }
+    }
+    recovery_.absent(system_.now());
+    if (!problem) {
+        camera_.reset();
+        problem = absent_problem(request_, present);
+    }
+    if (problem->state == CameraState::changed) {
+        const std::lock_guard lock(mutex_);
+        facts_.port = port;
+    }
+    // Why the camera went was reported then.
+    if (problem->state != CameraState::absent || facts_.state != CameraState::absent || detail_.empty()) {
+        set_state(problem->state, problem->detail);
+    }
+}
+
+void CameraSource::note_plugged(const std::vector<UsbCamera>& cameras) {
+    const bool came = plugged_.note(cameras, system_.now());
+    if (came && !after_reset_) {
+        recovery_.forget_attempts();
+    }
+    after_reset_ = after_reset_ && !came;
+}
+
+std::optional<CameraProblem> CameraSource::open_one(const UsbCamera& camera) {
+    camera_ = camera;
+    if (auto problem = diagnose(camera, request_)) {
+        return problem;
+    }
+    if (auto problem = identity_.check_calibration(camera, info_)) {
+        return problem;
+    }
+    try {
+        stream_.open(camera.node,
+                     {request_.frame_width, request_.frame_height, request_.rate, request_.format, options_.loans});
+        stream_.start();
+    } catch (const VideoError& error) {
+        stream_.close();
+        return diagnose(error, camera, camera.label());
+    }
+    after_reset_ = false;
+    apply_controls(camera);
+    opened(camera);
+    return std::nullopt;
+}
+
+/// Sets what was configured and what was set since: an unplugged camera forgets it. The camera streams even where that
+/// fails.
+void CameraSource::apply_controls(const UsbCamera& camera) {
+    std::vector<CameraSetting> settings = configured_controls_;
+    const std::vector<CameraSetting> later = control_overrides_->in_force(configured_controls_);
+    settings.insert(settings.end(), later.begin(), later.end());
+    if (settings.empty() || try_controls(camera, settings)) {
+        return;
+    }
+    // A setting that this mode or camera does not take must not keep the others away.
+    for (const CameraSetting& setting : settings) {
+        try_controls(camera, {setting});
+    }
+}
+
+bool CameraSource::try_controls(const UsbCamera& camera, const std::vector<CameraSetting>& settings) const {
+    try {
+        control_camera(system_, camera, request_.rate, settings);
+    } catch (const std::invalid_argument& error) {
+        if (settings.size() == 1) {
+            report(error.what(), true);
+        }
+        return settings.size() == 1;
+    } catch (const std::exception& error) {
+        report(error.what(), true);
+    }
+    return true;
+}
+
+std::vector<CameraControl> CameraSource::set_camera_controls(const std::vector<CameraSetting>& settings) {
+    std::optional<UsbCamera> camera;
+    std::string detail;
+    {
+        const std::lock_guard lock(mutex_);
+        camera = controlled_;
+        detail = detail_;
+    }
+    if (!camera) {
+        throw std::runtime_error("camera: there is none at the moment" + (detail.empty() ? "" : ": " + detail));
+    }
+    std::vector<CameraControl> controls = control_camera(system_, *camera, request_.rate, settings);
+    control_overrides_->note(settings, configured_controls_);
+    return controls;
+}
+
+void CameraSource::opened(const UsbCamera& camera) {
+    follow_sensors_of(camera);
+    broken_ = false;
+    counter_.restarted();
+    recovery_.started(system_.now());
+    const bool stalled_before = facts_.state == CameraState::stalled;
+    {
+        const std::lock_guard lock(mutex_);
+        facts_.model = camera.model();
+        facts_.serial = camera.serial;
+        facts_.node = camera.node;
+        facts_.port = camera.port;
+        facts_.firmware = firmware_text(camera.firmware);
+        facts_.speed_mbit = camera.speed_mbit;
+        facts_.rate = stream_.rate();
+        controlled_ = camera;
+        notices_ = camera_notices(camera);
+        if (!info_.calibration) {
+            notices_.push_back("there is no calibration for " + camera.label() + ": frames are unrectified");
+        }
+        facts_.arrivals += streamed_ && same_plugging(*streamed_, camera) ? 0 : 1;
+    }
+    if (!stalled_before) {
+        set_state(CameraState::starting, "waiting for the first frame of " + camera.label());
+    }
+}
+
+void CameraSource::follow_sensors_of(const std::optional<UsbCamera>& camera) {
+    if (sensors_) {
+        sensors_->follow(camera);
+    }
+}
+
+void CameraSource::restart() {
+    stalled("the stream is restarted");
+    count(&CameraFacts::restarts);
+    stream_.stop();
+    try {
+        stream_.start();
+    } catch (const VideoError&) {
+        stream_failed();
+        return;
+    }
+    broken_ = false;
+    counter_.restarted();
+    recovery_.started(system_.now());
+}
+
+void CameraSource::reset() {
+    const UsbCamera camera = *camera_;
+    stream_.close();
+    recovery_.absent(system_.now());
+    if (camera.bus == 0) {
+        return;
+    }
+    stalled("the device is reset on the USB");
+    count(&CameraFacts::resets);
+    after_reset_ = true;
+    if (const int code = system_.reset_usb(camera.bus, camera.address); code != 0) {
+        report("the USB reset of " + camera.label() + " failed: " + base::error_text(code) +
+                   (code == EACCES ? "; install disparityd's udev rule" : "; plug it in again"),
+               true);
+    }
+    recovery_.absent(system_.now());
+}
+
+/// Handles an error of the device: it is gone, or must be recovered.
+void CameraSource::stream_failed() {
+    if (still_there()) {
+        broken_ = true;
+        recovery_.failed();
+        return;
+    }
+    stream_.close();
+    recovery_.absent(system_.now());
+    recovery_.forget_attempts();
+    {
+        const std::lock_guard lock(mutex_);
+        controlled_.reset();
+    }
+    follow_sensors_of(std::nullopt);
+    set_state(CameraState::absent, camera_->label() + " was unplugged: plug it in again");
+}
+
+bool CameraSource::still_there() {
+    const std::vector<UsbCamera> present = system_.cameras();
+    return std::any_of(present.begin(), present.end(),
+                       [this](const UsbCamera& camera) { return same_plugging(camera, *camera_); });
+}
+
+void CameraSource::stalled(const std::string& what_is_done) {
+    set_state(CameraState::stalled, camera_->label() + " has stopped sending frames; " + what_is_done);
+}
+
+void CameraSource::set_state(CameraState state, const std::string& detail) {
+    {
+        const std::lock_guard lock(mutex_);
+        if (facts_.state == state && detail_ == detail) {
+            return;
+        }
+        facts_.state = state;
+        detail_ = detail;
+    }
+    const bool well = state == CameraState::streaming || state == CameraState::starting;
+    report(state == CameraState::streaming ? "frames come from " + camera_->label() : detail, !well);
+}
+
+void CameraSource::count(std::uint64_t CameraFacts::*attempts) {
+    const std::lock_guard lock(mutex_);
+    ++(facts_.*attempts);
+}
+
+void CameraSource::report(const std::string& line, bool trouble) const {
+    if (options_.report) {
+        options_.report(line, trouble);
+    }
+}
+
+SourceCondition CameraSource::condition() const {
+    SourceCondition condition;
+    const std::lock_guard lock(mutex_);
+    condition.delivering = facts_.state == CameraState::streaming;
+    condition.reopen = facts_.state == CameraState::changed;
+    condition.detail = detail_;
+    condition.notices = notices_;
+    condition.camera = facts_;
+    condition.camera->damaged = stream_.damaged();
+    condition.camera->too_short = stream_.too_short();
+    condition.sensors = sensors_ ? sensors_->facts() : std::nullopt;
+    return condition;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors) {
+    return std::make_unique<CameraSource>(system, options, sensors);
+}
+
+std::unique_ptr<FrameSource> open_camera(const SourceOptions& options) {
+    return open_camera_on(linux_video_system(), options, &linux_sensor_system());
+}
+
+}  // namespace disparityd::capture

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera/camera_uri.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "base/number_text.h"
+#include "base/words.h"
+#include "calibration/zed_modes.h"
+#include "capture/source_uri.h"
+
+namespace disparityd::capture {
+
+namespace {
+
+constexpr std::string_view scheme = "v4l2:";
+constexpr const char* one_camera =
+    "one: a single device delivers the frames of both eyes; a pair of separate cameras is not supported";
+
+int size_number(const SourceUri& uri, std::string_view text) {
+    const auto number = base::parse_number(text);
+    if (!number || *number < 16 || *number > 16384 || *number != static_cast<int>(*number)) {
+        uri.fail("size of the whole frame", text, "WIDTHxHEIGHT, each 16 to 16384");
+    }
+    return static_cast<int>(*number);
+}
+
+void read_mode(const SourceUri& uri, CameraRequest& request) {
+    std::string name = base::lower_case(uri.name());
+    if (name.empty() || name == "auto") {
+        name = "hd720";
+    }
+    const calibration::ZedMode* mode = calibration::zed_mode_of_name(name);
+    if (mode != nullptr) {
+        request.mode = name;
+        request.frame_width = 2 * mode->width;
+        request.frame_height = mode->height;
+        request.rate = std::min(30, mode->highest_rate);
+        return;
+    }
+    const auto cross = name.find('x');
+    if (cross == std::string::npos) {
+        uri.fail("mode", uri.name(), "auto, hd2k, hd1080, hd720, vga, or the size of the whole frame such as 2560x720");
+    }
+    request.frame_width = size_number(uri, std::string_view(name).substr(0, cross));
+    request.frame_height = size_number(uri, std::string_view(name).substr(cross + 1));
+}
+
+void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter, CameraRequest& request) {
+    const std::string value(parameter.value);
+    if (value.empty()) {
+        uri.fail("parameter", parameter.text, "serial=, device=, port=, format= or layout= with a value");
+    }
+    const bool names_a_camera = parameter.key == "serial" || parameter.key == "device" || parameter.key == "port";
+    if (names_a_camera && value.find(',') != std::string::npos) {
+        uri.fail(std::string(parameter.key), value, one_camera);
+    }
+    if (parameter.key == "serial") {
+        request.serial = value;
+    } else if (parameter.key == "device") {
+        request.device = value;
+    } else if (parameter.key == "port") {
+        request.port = value;
+    } else if (parameter.key == "format") {
+        if (value != "yuyv" && value != "grey") {
+            uri.fail("format", value, "yuyv or grey");
+        }
+        request.format = value == "grey" ? PixelFormat::grey8 : PixelFormat::yuyv;
+    } else if (parameter.key == "layout") {
+        if (value != "side-by-side" && value != "top-bottom") {
+            uri.fail("layout", value, "side-by-side or top-bottom");
+        }
+        request.top_bottom = value == "top-bottom";
+    } else {
+        uri.fail("parameter", parameter.key, "serial, device, port, format or layout");
+    }
+}
+
+void check_size(const SourceUri& uri, const CameraRequest& request) {
+    const std::string size = std::to_string(request.frame_width) + "x" + std::to_string(request.frame_height);
+    const int pixels = request.format == PixelFormat::yuyv ? 2 : 1;
+    if (request.top_bottom && (request.frame_height % 2 != 0 || request.frame_width % pixels != 0)) {
+        uri.fail("size", size, "an even height with layout=top-bottom, and an even width for YUYV");
+    }
+    if (!request.top_bottom && request.frame_width % (2 * pixels) != 0) {
+        uri.fail("size", size,
+                 "a width that two eyes can share: a multiple of " + std::to_string(2 * pixels) + " for this format");
+    }
+}
+
+bool same_node(const std::string& node, const std::string& device) {
+    std::error_code error;
+    return !node.empty() && (node == device || std::filesystem::canonical(device, error).string() == node);
+}
+
+}  // namespace
+
+std::string CameraRequest::wanted() const {
+    std::string text = zed_only() ? "ZED camera" : "camera";
+    text += serial.empty() ? "" : " with serial " + serial;
+    text += device.empty() ? "" : " " + device;
+    text += port.empty() ? "" : " at USB port " + port;
+    return text;
+}
+
+bool is_camera(const std::string& uri) {
+    return uri.starts_with(scheme);
+}
+
+CameraRequest parse_camera_uri(const std::string& text) {
+    const SourceUri uri(text);
+    CameraRequest request;
+    read_mode(uri, request);
+    if (uri.has_rate()) {
+        const auto number = base::parse_number(uri.rate());
+        if (!number || *number < 1 || *number > 1000) {
+            uri.fail("rate", uri.rate(), "1 to 1000 frames per second");
+        }
+        request.rate = *number;
+    }
+    for (const SourceUri::Parameter& parameter : uri.parameters()) {
+        read_parameter(uri, parameter, request);
+    }
+    check_size(uri, request);
+    return request;
+}
+
+std::vector<UsbCamera> candidates(const std::vector<UsbCamera>& cameras, const CameraRequest& request) {
+    std::vector<UsbCamera> list;
+    std::copy_if(cameras.begin(), cameras.end(), std::back_inserter(list), [&](const UsbCamera& camera) {
+        return (request.device.empty() || same_node(camera.node, request.device)) &&
+               (request.port.empty() || camera.port == request.port) &&
+               (!request.zed_only() || camera.zed() != nullptr);
+    });
+    // ZED cameras that can work come first.
+    std::stable_partition(list.begin(), list.end(), [](const UsbCamera& camera) {
+        return camera.zed() != nullptr && !camera.zed()->old_firmware && !camera.node.empty();
+    });
+    return list;
+}
+
+}  // namespace disparityd::capture

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/usb/usb_camera.h"
+#include "kernels/raw_image.h"
+
+namespace disparityd::capture {
+
+/// What a URI such as "v4l2:hd720@30?serial=12345" asks for. "v4l2:auto" is the first ZED camera that is there, with
+/// hd720 at 30 frames per second.
+struct CameraRequest {
+    std::string mode;     ///< name of a ZED mode; empty: a size was given
+    int frame_width = 0;  ///< the whole frame with both eyes, pixels
+    int frame_height = 0;
+    double rate = 30;
+    PixelFormat format = PixelFormat::yuyv;  ///< or grey8
+    bool top_bottom = false;                 ///< the left eye above the right one instead of beside it
+
+    // Which camera; empty = any. All that are given must hold.
+    std::string serial;
+    std::string device;  ///< node, or a link to one such as those in /dev/v4l/by-id
+    std::string port;    ///< place on the USB, such as "2-1.4"
+
+    int eye_width() const { return top_bottom ? frame_width : frame_width / 2; }
+    int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
+
+    /// A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
+    bool zed_only() const { return !mode.empty() && device.empty() && port.empty(); }
+
+    /// "camera with serial 12345", "camera /dev/video0", "ZED camera"
+    std::string wanted() const;
+};
+
+bool is_camera(const std::string& uri);
+
+/// Throws std::invalid_argument with one line that says what was found and what is allowed.
+CameraRequest parse_camera_uri(const std::string& uri);
+
+/// Returns those of the cameras that may be meant, ZED cameras first; with a ZED mode's name and neither node nor port,
+/// ZED cameras only. Serial numbers are not compared: some cameras tell theirs only when they are asked.
+std::vector<UsbCamera> candidates(const std::vector<UsbCamera>& cameras, const CameraRequest& request);
+
+}  // namespace disparityd::capture

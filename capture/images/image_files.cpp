@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/images/image_files.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "base/error_text.h"
+#include "base/file_kind.h"
+#include "base/message_text.h"
+
+namespace disparityd::capture {
+
+namespace {
+
+constexpr int largest_side = 8192;
+constexpr const char* kinds = "PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF, WebP";
+
+[[noreturn]] void refuse(const std::string& path, const std::string& why) {
+    throw std::invalid_argument(path + ": " + why);
+}
+
+/// Reads the header of a file that must be an image.
+ImageSize checked_size(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (status.type() == std::filesystem::file_type::not_found) {
+        refuse(path, "no such file");
+    }
+    // Opening a pipe or a device may never end.
+    if (!error && !std::filesystem::is_regular_file(status)) {
+        refuse(path, "is not a file");
+    }
+    errno = error.value();
+    std::ifstream file;
+    if (!error) {
+        file.open(path, std::ios::binary);
+    }
+    if (!file.is_open()) {
+        refuse(path, "cannot be read: " + base::error_text(errno));
+    }
+    const std::optional<ImageSize> size = read_image_header(file);
+    if (!size) {
+        refuse(path, std::string("is not an image that can be read (") + kinds + "), or is damaged");
+    }
+    if (size->width > largest_side || size->height > largest_side) {
+        refuse(path,
+               "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
+    }
+    return *size;
+}
+
+}  // namespace
+
+std::optional<ImageSize> peek_image_size(const std::string& path) {
+    if (!base::is_file(path)) {
+        return std::nullopt;
+    }
+    std::ifstream file(path, std::ios::binary);
+    return file ? read_image_header(file) : std::nullopt;
+}
+
+cv::Mat decode_image(const std::string& path) {
+    const ImageSize size = checked_size(path);
+    cv::Mat image;
+    try {
+        image = cv::imread(path, cv::IMREAD_UNCHANGED);
+    } catch (const cv::Exception& error) {
+        if (error.code == cv::Error::StsNoMem) {
+            throw std::runtime_error(path + ": there is not enough memory for an image of " +
+                                     base::size_text(size.width, size.height) + " pixels");
+        }
+        image.release();
+    }
+    if (image.empty()) {
+        refuse(path, std::string("is damaged, or no image of a kind that can be read (") + kinds + ")");
+    }
+    return image;
+}
+
+cv::Mat as_8_bits(const cv::Mat& image, const std::string& path, DeepPixels deep) {
+    if (image.depth() != CV_8U && image.depth() != CV_16U) {
+        refuse(path, "found pixels of " + std::to_string(8 * image.elemSize1()) +
+                         " bits that are no whole numbers from 0, allowed are 8 and 16 bits per channel: convert it");
+    }
+    if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4) {
+        refuse(path, "found " + std::to_string(image.channels()) + " channels, allowed are grey and colour");
+    }
+    cv::Mat result = image;
+    if (image.depth() == CV_16U) {
+        const int shift = deep.bits - 8;
+        result.create(image.rows, image.cols, CV_8UC(image.channels()));
+        for (int y = 0; y < image.rows; ++y) {
+            const auto* from = image.ptr<std::uint16_t>(y);
+            std::transform(from, from + image.cols * image.channels(), result.ptr<std::uint8_t>(y),
+                           [shift](int value) { return static_cast<std::uint8_t>(std::min(value >> shift, 255)); });
+        }
+    }
+    if (result.channels() == 4) {
+        cv::cvtColor(result, result, cv::COLOR_BGRA2BGR);
+    }
+    return result;
+}
+
+cv::Mat read_image(const std::string& path, DeepPixels deep) {
+    return as_8_bits(decode_image(path), path, deep);
+}
+
+std::string unequal_sizes(const std::string& first, ImageSize first_size, const std::string& second,
+                          ImageSize second_size) {
+    return "images of unequal sizes: " + first + " is " + base::size_text(first_size.width, first_size.height) + ", " +
+           second + " is " + base::size_text(second_size.width, second_size.height) + "; all must be alike";
+}
+
+}  // namespace disparityd::capture

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace disparityd::capture {
+
+/// The files of an image folder or of a pattern, in order.
+struct ImageSequence {
+    struct Frame {
+        std::string left;
+        std::string right;         ///< empty: `left` holds both eyes side by side
+        std::int64_t time_ns = 0;  ///< as the folder says; meaningless unless `timed`
+        std::string calibration;   ///< of this frame alone, as KITTI 2012 and 2015 have it; empty = there is none
+    };
+    std::vector<Frame> frames;  ///< at least one
+    bool timed = false;
+    bool rectified = false;   ///< by the layout's own rules
+    std::string description;  ///< "Middlebury scene", "KITTI image_2/image_3", "pattern"
+    std::string calibration;  ///< calib.txt and the like, of all frames; empty = there is none
+    int kitti_camera = -1;    ///< number of the left camera in a KITTI calibration; -1 = not KITTI
+};
+
+/// The URI of images: a folder, a pattern, two files as left.png,right.png, each with "?bits=12" behind it where
+/// images of 16 bits per channel hold fewer.
+struct ImageUri {
+    std::string path;  ///< without "?bits="
+    int bits = 16;
+};
+
+/// Throws std::invalid_argument with one line when the bits are none of 9 to 16.
+ImageUri parse_image_uri(const std::string& uri);
+
+/// True for an existing folder, for names with %d, for one or two names of image files.
+bool is_image_sequence(const std::string& uri);
+
+/// Lists the frames; `uri` is without "?bits=". Throws std::invalid_argument with one line when nothing fits or an
+/// eye's image is missing.
+ImageSequence find_images(const std::string& uri);
+
+/// Finds an existing file `stem` with an ending of an image file; empty = none.
+std::string find_image(const std::string& folder, const std::string& stem);
+
+/// The folder pair of a KITTI layout within `folder`.
+struct KittiFolders {
+    std::string left;  ///< with the images themselves; empty = no such layout
+    std::string right;
+    std::string name;  ///< "image_2/image_3"
+    int left_camera = 0;
+};
+KittiFolders find_kitti_folders(const std::string& folder);
+
+/// Names of the image files in a folder, sorted.
+std::vector<std::string> image_names(const std::string& folder);
+
+}  // namespace disparityd::capture

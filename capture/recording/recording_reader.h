@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "capture/recording/recording_format.h"
+#include "kernels/raw_image.h"
+
+namespace disparityd::capture {
+
+/// Reads a recording, or any side-by-side video that FFmpeg can read, from its first frame to its last. One thread
+/// uses an object at a time.
+class RecordingReader {
+public:
+    RecordingReader() = default;
+    virtual ~RecordingReader() = default;
+    RecordingReader(const RecordingReader&) = delete;
+    RecordingReader& operator=(const RecordingReader&) = delete;
+
+    struct Info {
+        PixelFormat format = PixelFormat::grey8;
+        int eye_width = 0;  ///< pixels
+        int height = 0;
+        double rate = 0;  ///< frames per second; 0 = unknown
+        std::optional<std::uint64_t> frame_count;
+        bool is_native = false;  ///< a recording of this project, with exact times, sequence and flags
+        std::string source;      ///< what was recorded; empty for other videos
+        bool synthetic = false;  ///< drawn frames were recorded
+        std::string codec;
+        std::optional<std::string> calibration_text;
+    };
+
+    /// Constant from open to close.
+    virtual const Info& info() const = 0;
+
+    virtual std::size_t frame_bytes() const = 0;
+
+    /// Reads one frame into frame_bytes() at `pixels`, rows without gaps; false after the last one. Throws
+    /// std::runtime_error when the file is damaged or cut, after everything whole was read.
+    virtual bool read(recording::FrameFacts& facts, std::uint8_t* pixels) = 0;
+};
+
+/// Opens a file with the reader that its tags ask for. Throws std::invalid_argument with one line when this is no video
+/// that can be taken, std::runtime_error when the system refuses to read it.
+std::unique_ptr<RecordingReader> open_recording_reader(const std::string& path);
+
+}  // namespace disparityd::capture

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/config/config.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+#include "base/message_text.h"
+#include "base/text_file.h"
+#include "daemon/config/checked_toml.h"
+#include "daemon/config/config_keys.h"
+#include "daemon/config/socket_address.h"
+#include "daemon/config/toml_depth.h"
+
+namespace disparityd::daemon {
+namespace {
+
+/// One value for one key, and where the user wrote it.
+struct Assignment {
+    const ConfigKey* key;
+    ConfigValue value;
+    std::string where;
+};
+
+/// Throws the line. Keys and values come from outside, so it is made printable.
+[[noreturn]] void refuse(const std::string& line) {
+    constexpr std::size_t longest = 800;
+    throw std::invalid_argument(base::printable(line, longest));
+}
+
+std::string key_name(std::string_view section, std::string_view name) {
+    return '[' + std::string(section) + "] " + std::string(name);
+}
+
+int edit_distance(std::string_view a, std::string_view b) {
+    std::vector<int> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), 0);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        int diagonal = row[0];
+        row[0] = static_cast<int>(i) + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const int replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+/// Returns "did you mean ...?" if one of the names is close, else the list of all names.
+std::string suggestion(std::string_view found, const std::set<std::string_view>& names) {
+    const auto nearest = std::min_element(names.begin(), names.end(), [found](auto a, auto b) {
+        return edit_distance(found, a) < edit_distance(found, b);
+    });
+    if (nearest != names.end() &&
+        edit_distance(found, *nearest) <= std::max<int>(1, static_cast<int>(found.size()) / 3)) {
+        return "did you mean \"" + std::string(*nearest) + "\"?";
+    }
+    std::string list;
+    for (const auto name : names) {
+        list += (list.empty() ? "" : ", ") + std::string(name);
+    }
+    return "allowed: " + list;
+}
+
+void check_section(std::string_view section, const std::string& where) {
+    std::set<std::string_view> sections;
+    for (const ConfigKey& key : config_keys()) {
+        sections.insert(key.section);
+    }
+    if (!sections.contains(section)) {
+        refuse(where + ": unknown section [" + base::printable(section) + "]; " + suggestion(section, sections));
+    }
+}
+
+const ConfigKey& find_key(std::string_view section, std::string_view name, const std::string& where) {
+    check_section(section, where);
+    std::set<std::string_view> names;
+    for (const ConfigKey& key : config_keys()) {
+        if (key.section == section && key.name == name) {
+            return key;
+        }
+        if (key.section == section) {
+            names.insert(key.name);
+        }
+    }
+    refuse(where + ": unknown key " + key_name(section, base::printable(name)) + "; " + suggestion(name, names));
+}
+
+std::optional<ConfigValue> to_value(const toml::node& node) {
+    if (const auto* text = node.as_string()) {
+        return text->get();
+    }
+    if (const auto* number = node.as_integer()) {
+        return number->get();
+    }
+    if (const auto* flag = node.as_boolean()) {
+        return flag->get();
+    }
+    const auto* array = node.as_array();
+    if (array == nullptr) {
+        return std::nullopt;
+    }
+    std::vector<std::int64_t> numbers;
+    for (const auto& element : *array) {
+        const auto* number = element.as_integer();
+        if (number == nullptr) {
+            return std::nullopt;
+        }
+        numbers.push_back(number->get());
+    }
+    return numbers;
+}
+
+std::string found_text(const toml::node& node) {
+    if (const auto value = to_value(node)) {
+        return to_text(*value);
+    }
+    std::ostringstream text;
+    if (const auto* number = node.as_floating_point()) {
+        text << *number << ", which is no whole number";
+    } else {
+        text << "a value of type " << node.type();
+    }
+    return text.str();
+}
+
+[[noreturn]] void refuse_value(const std::string& where, const ConfigKey& key, const std::string& found) {
+    refuse(where + ": " + key_name(key.section, key.name) + ": found " + base::printable(found) +
+           ", allowed: " + key.allowed);
+}
+
+Assignment to_assignment(const ConfigKey& key, const toml::node& node, const std::string& where) {
+    const auto value = to_value(node);
+    if (!value) {
+        refuse_value(where, key, found_text(node));
+    }
+    return {&key, *value, where};
+}
+
+std::string position(const std::string& name, const toml::source_region& source) {
+    return name + ':' + std::to_string(source.begin.line) + ':' + std::to_string(source.begin.column);
+}
+
+toml::table parse_toml(const std::string& text, const std::string& name) {
+    const std::string allowed = "; allowed: [section] lines and key = value lines";
+    if (const std::string problem = toml_depth_problem(text, name); !problem.empty()) {
+        refuse(problem);
+    }
+    try {
+        return toml::parse(text, name);
+    } catch (const toml::parse_error& error) {
+        refuse(position(name, error.source()) + ": this is not TOML: " + std::string(error.description()) + allowed);
+    } catch (const TomlAssertion&) {
+        refuse(name + ": this is not TOML" + allowed);
+    }
+}
+
+std::vector<Assignment> read_assignments(const toml::table& file, const std::string& name) {
+    std::vector<Assignment> assignments;
+    for (const auto& [section, content] : file) {
+        const std::string where = position(name, section.source());
+        const auto* table = content.as_table();
+        if (table == nullptr) {
+            refuse(where + ": key " + base::printable(section.str()) +
+                   " stands outside of a section; allowed: [section] first");
+        }
+        check_section(section.str(), where);
+        for (const auto& [key, value] : *table) {
+            const std::string key_where = position(name, key.source());
+            assignments.push_back(to_assignment(find_key(section.str(), key.str(), key_where), value, key_where));
+        }
+    }
+    return assignments;
+}
+
+/// Returns the value that the user typed for a key: text as it is, other types as TOML.
+Assignment to_assignment(const Override& given) {
+    const ConfigKey& key = find_key(given.section, given.key, given.origin);
+    const bool quoted = given.text.size() >= 2 && given.text.front() == '"' && given.text.back() == '"';
+    if (std::holds_alternative<std::string>(key.example) && !quoted) {
+        return {&key, given.text, given.origin};
+    }
+    if (const std::string problem = toml_depth_problem(given.text, given.origin); !problem.empty()) {
+        refuse_value(given.origin, key, '"' + given.text + '"');
+    }
+    try {
+        const toml::table parsed = toml::parse("value = " + given.text);
+        if (parsed.size() == 1 && parsed.contains("value")) {
+            return to_assignment(key, *parsed.get("value"), given.origin);
+        }
+    } catch (const toml::parse_error&) {
+    } catch (const TomlAssertion&) {
+        // Both fall through to the refusal below, which names the key and what is allowed.
+    }
+    refuse_value(given.origin, key, '"' + given.text + '"');
+}
+
+void apply(Config& config, const Assignment& assignment) {
+    if (!assignment.key->set(config, assignment.value)) {
+        refuse_value(assignment.where, *assignment.key, to_text(assignment.value));
+    }
+}
+
+/// Returns whether the defaults of other match keys depend on this key.
+bool decides_defaults(const ConfigKey& key) {
+    return key.section == "match" && (key.name == "method" || key.name == "d_min" || key.name == "disparities");
+}
+
+/// Returns where a key was set last, for messages about keys that contradict each other.
+std::string where_set(const std::vector<Assignment>& assignments, std::string_view section, std::string_view name,
+                      const std::string& otherwise) {
+    std::string where = otherwise;
+    for (const Assignment& assignment : assignments) {
+        if (assignment.key->section == section && assignment.key->name == name) {
+            where = assignment.where;
+        }
+    }
+    return where;
+}
+
+void check_together(const Config& config, const std::vector<Assignment>& assignments, const std::string& file) {
+    const SgmOptions& sgm = config.match.options.sgm;
+    if (sgm.p1 >= sgm.p2) {
+        refuse(where_set(assignments, "match", "p1", where_set(assignments, "match", "p2", file)) +
+               ": [match] p1: found " + std::to_string(sgm.p1) + ", allowed: less than p2, which is " +
+               std::to_string(sgm.p2));
+    }
+    const std::string match_problem = validate(config.match.options);
+    if (!match_problem.empty()) {
+        refuse(file + ": [match]: " + match_problem);
+    }
+    const auto& geometry = config.rectify.geometry;
+    if ((geometry.width == 0) != (geometry.height == 0)) {
+        refuse(where_set(assignments, "rectify", "width", where_set(assignments, "rectify", "height", file)) +
+               ": [rectify] width and height: found " + std::to_string(geometry.width) + " and " +
+               std::to_string(geometry.height) + ", allowed: both 0 (the camera's size) or both set");
+    }
+    const std::string address_problem = tcp_address_problem(config.socket.tcp, config.socket.insecure);
+    if (!address_problem.empty()) {
+        refuse(where_set(assignments, "socket", "tcp", file) + ": [socket] tcp: " + address_problem);
+    }
+}
+
+/// Returns notes on keys that the chosen method does not use. A file may keep keys of the other methods, so they are
+/// allowed; the note says that they change nothing.
+std::vector<std::string> notes_on(const Config& config, const std::vector<Assignment>& assignments) {
+    if (config.match.options.method == Method::sgm) {
+        return {};
+    }
+    std::string keys;
+    std::string where;
+    for (const char* const key : {"paths", "p1", "p2", "adaptive_p2"}) {
+        const std::string found = where_set(assignments, "match", key, "");
+        if (!found.empty()) {
+            keys += (keys.empty() ? "" : ", ") + std::string(key);
+            where = where.empty() ? found : where;
+        }
+    }
+    if (keys.empty()) {
+        return {};
+    }
+    return {where + ": [match] " + keys + ": only sgm uses this, the method is " +
+            std::string(to_string(config.match.options.method))};
+}
+
+std::string read_text(const std::string& path) {
+    try {
+        return base::read_text_file(path, "configuration");
+    } catch (const std::invalid_argument& error) {
+        std::error_code ignored;
+        const bool found = std::filesystem::is_regular_file(path, ignored);
+        refuse(std::string(error.what()) +
+               (found ? "" : "; check the path given with --config, or start without it for the defaults"));
+    }
+}
+
+Config build(std::vector<Assignment> assignments, const std::string& file, const std::vector<Override>& overrides) {
+    for (const Override& given : overrides) {
+        assignments.push_back(to_assignment(given));
+    }
+    Config config;
+    for (const Assignment& assignment : assignments) {
+        if (decides_defaults(*assignment.key)) {
+            apply(config, assignment);
+        }
+    }
+    config.match.options = default_options(config.match.options.method, config.match.options.range);
+    for (const Assignment& assignment : assignments) {
+        apply(config, assignment);
+    }
+    check_together(config, assignments, file);
+    config.notes = notes_on(config, assignments);
+    return config;
+}
+
+}  // namespace
+
+Override parse_override(const std::string& text) {
+    const auto equals = text.find('=');
+    const auto dot = text.find('.');
+    constexpr std::size_t longest = 200;  // the line also says what was found and what is allowed
+    const std::string origin = "--set " + base::printable(text, longest);
+    if (equals == std::string::npos || dot == std::string::npos || dot > equals) {
+        refuse(origin + ": found no section.key=value, allowed: such as match.disparities=128");
+    }
+    return {text.substr(0, dot), text.substr(dot + 1, equals - dot - 1), text.substr(equals + 1), origin};
+}
+
+Config parse_config(const std::string& text, const std::string& name, const std::vector<Override>& overrides) {
+    return build(read_assignments(parse_toml(text, name), name), name, overrides);
+}
+
+Config load_config(const std::string& path, const std::vector<Override>& overrides) {
+    if (path.empty()) {
+        return build({}, "defaults", overrides);
+    }
+    return parse_config(read_text(path), path, overrides);
+}
+
+}  // namespace disparityd::daemon

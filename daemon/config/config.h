@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "calibration/calibration_lookup.h"
+#include "calibration/rectification.h"
+#include "capture/frame_source.h"
+#include "kernels/options.h"
+
+namespace disparityd::daemon {
+
+enum class PolicyChoice : unsigned char { automatic, live, replay };
+enum class LogLevel : unsigned char { debug, info, warning, error };
+enum class WhenClientIsGone : unsigned char { go_on, stop };
+enum class LogTarget : unsigned char { automatic, terminal, journal };
+
+/// The checked configuration. disparityd.example.toml documents each key; the sections have the same names.
+struct Config {
+    struct Source {
+        std::string uri = "v4l2:auto";
+        capture::Pace pace = capture::Pace::source;
+        bool loop = false;
+        std::string calibration;  ///< empty = what the source brings
+        /// Folders with calibrations by serial number of the camera, separated by colons.
+        std::string calibration_folders = calibration::standard_calibration_folders;
+        bool allow_unrectified = false;  ///< cameras only
+        bool sensors = true;             ///< cameras only
+        std::string controls;            ///< cameras only; see capture::parse_camera_settings()
+        int stall_ms = 1000;             ///< cameras only
+        PolicyChoice policy = PolicyChoice::automatic;
+    } source;
+
+    struct Rectify {
+        calibration::RectifiedGeometry geometry;
+        bool colour = false;
+    } rectify;
+
+    struct Match {
+        std::string backend = "auto";
+        MatchOptions options = default_options(Method::sgm);
+        bool depth = true;
+    } match;
+
+    struct Pipeline {
+        int slots = 4;
+        int workers = 0;  ///< 0 = one per core
+        bool pin_workers = true;
+    } pipeline;
+
+    struct SharedMemory {
+        bool enabled = true;
+        std::string name = "default";
+        int slots = 4;
+    } shared_memory;
+
+    struct Socket {
+        std::string tcp = "127.0.0.1:9876";  ///< empty = off
+        std::string unix_path = "auto";      ///< empty = off; see resolved_unix_path()
+        int max_clients = 64;
+        int client_queue = 4;
+        bool insecure = false;
+        bool tcp_control = false;
+        int idle_timeout_s = 60;  ///< 0 = never
+    } socket;
+
+    struct Log {
+        LogLevel level = LogLevel::info;
+        LogTarget target = LogTarget::automatic;
+    } log;
+
+    struct Record {
+        bool enabled = true;
+        std::string directory;  ///< empty = see resolved_record_directory()
+        int keep_free_mb = 500;
+        int max_mb = 0;  ///< 0 = no limit
+        int max_s = 0;   ///< 0 = no limit
+        WhenClientIsGone when_client_is_gone = WhenClientIsGone::go_on;
+    } record;
+
+    struct SelfCalibration {
+        bool enabled = true;
+        bool replays = false;
+        int interval_s = 10;
+        std::string directory;  ///< empty = see resolved_correction_directory()
+    } self_calibration;
+
+    /// One line for each setting that is allowed and has no effect: keys of [match] that the method does not use.
+    std::vector<std::string> notes;
+};
+
+/// A value from the command line. `origin` is the text that the user typed, for messages.
+struct Override {
+    std::string section;
+    std::string key;
+    std::string text;
+    std::string origin;
+};
+
+/// Parses "section.key=value", the form of --set. Throws std::invalid_argument for any other form.
+Override parse_override(const std::string& text);
+
+/// Reads the file (an empty path: the defaults), applies the overrides and checks all values. Match keys that are not
+/// set get default_options(method). Throws std::invalid_argument with one line: where, key, what was found, what is
+/// allowed.
+Config load_config(const std::string& path, const std::vector<Override>& overrides);
+
+/// Does the same for a text. `name` is the name of the file in messages.
+Config parse_config(const std::string& text, const std::string& name, const std::vector<Override>& overrides = {});
+
+/// Returns the path of the Unix socket, empty if the socket is off. "auto" takes the first of these folders that exists
+/// and is writable: $RUNTIME_DIRECTORY, /run/disparityd, $XDG_RUNTIME_DIR, /tmp. The file is disparityd.sock. "-<name>"
+/// stands before the dot unless the shared memory is named "default"; in /tmp the user's number follows.
+std::string resolved_unix_path(const Config& config);
+
+/// The folder for recordings of clients: the configured one, else $STATE_DIRECTORY, else the working directory.
+struct RecordDirectory {
+    std::string path;
+    bool chosen = true;  ///< false: the working directory, which nobody has chosen for recordings
+};
+RecordDirectory resolved_record_directory(const Config& config);
+
+/// Returns the folder for corrections of calibrations: the configured one, else $STATE_DIRECTORY; empty: none is kept.
+std::string resolved_correction_directory(const Config& config);
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/config/config_keys.h"
+
+#include <algorithm>
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+
+#include "capture/camera/camera_controls.h"
+
+namespace disparityd::daemon {
+namespace {
+
+std::string in_quotes(std::string_view text) {
+    return '"' + std::string(text) + '"';
+}
+
+/// Makes a key for the field of the configuration that `field` returns.
+template <typename Field>
+ConfigKey text_key(std::string_view section, std::string_view name, std::string allowed, Field field,
+                   bool (*valid)(const std::string&) = nullptr) {
+    return {section,
+            name,
+            std::move(allowed),
+            std::string(),
+            [field, valid](Config& config, const ConfigValue& value) {
+                const auto* text = std::get_if<std::string>(&value);
+                if (text == nullptr || (valid != nullptr && !valid(*text))) {
+                    return false;
+                }
+                field(config) = *text;
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
+}
+
+template <typename Field>
+ConfigKey bool_key(std::string_view section, std::string_view name, Field field) {
+    return {section,
+            name,
+            "true or false",
+            false,
+            [field](Config& config, const ConfigValue& value) {
+                const auto* flag = std::get_if<bool>(&value);
+                if (flag == nullptr) {
+                    return false;
+                }
+                field(config) = *flag;
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
+}
+
+template <typename Field>
+ConfigKey int_key(std::string_view section, std::string_view name, std::string allowed, Field field,
+                  std::function<bool(std::int64_t)> valid) {
+    return {section,
+            name,
+            std::move(allowed),
+            std::int64_t{0},
+            [field, valid = std::move(valid)](Config& config, const ConfigValue& value) {
+                const auto* number = std::get_if<std::int64_t>(&value);
+                if (number == nullptr || !valid(*number)) {
+                    return false;
+                }
+                field(config) = static_cast<int>(*number);
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue { return std::int64_t{field(const_cast<Config&>(config))}; }};
+}
+
+template <typename Field>
+ConfigKey range_key(std::string_view section, std::string_view name, int least, int most, Field field) {
+    return int_key(section, name, std::to_string(least) + " .. " + std::to_string(most), field,
+                   [least, most](std::int64_t number) { return number >= least && number <= most; });
+}
+
+template <typename Field>
+ConfigKey one_of_key(std::string_view section, std::string_view name, std::initializer_list<int> numbers, Field field) {
+    const std::vector<int> list(numbers);
+    std::string allowed;
+    for (const int number : list) {
+        allowed += (allowed.empty() ? "" : " or ") + std::to_string(number);
+    }
+    return int_key(section, name, allowed, field,
+                   [list](std::int64_t number) { return std::find(list.begin(), list.end(), number) != list.end(); });
+}
+
+template <typename Enum, typename Field>
+ConfigKey name_key(std::string_view section, std::string_view name,
+                   std::initializer_list<std::pair<std::string_view, Enum>> names, Field field) {
+    const std::vector<std::pair<std::string_view, Enum>> list(names);
+    std::string allowed;
+    for (const auto& [word, _] : list) {
+        allowed += (allowed.empty() ? "" : " or ") + in_quotes(word);
+    }
+    return {section,
+            name,
+            allowed,
+            std::string(),
+            [field, list](Config& config, const ConfigValue& value) {
+                const auto* text = std::get_if<std::string>(&value);
+                const auto match = std::find_if(list.begin(), list.end(), [text](const auto& entry) {
+                    return text != nullptr && entry.first == *text;
+                });
+                if (match == list.end()) {
+                    return false;
+                }
+                field(config) = match->second;
+                return true;
+            },
+            [field, list](const Config& config) -> ConfigValue {
+                const auto match = std::find_if(list.begin(), list.end(), [&](const auto& entry) {
+                    return entry.second == field(const_cast<Config&>(config));
+                });
+                return std::string(match->first);
+            }};
+}
+
+bool set_region(Config& config, const ConfigValue& value) {
+    const auto* numbers = std::get_if<std::vector<std::int64_t>>(&value);
+    if (numbers == nullptr || (numbers->size() != 4 && !numbers->empty())) {
+        return false;
+    }
+    const bool in_range = std::all_of(numbers->begin(), numbers->end(), [](auto n) { return n >= 0 && n <= 8192; });
+    if (!in_range || (!numbers->empty() && ((*numbers)[2] == 0 || (*numbers)[3] == 0))) {
+        return false;
+    }
+    const auto at = [numbers](std::size_t i) { return numbers->empty() ? 0 : static_cast<int>((*numbers)[i]); };
+    config.rectify.geometry.region = {at(0), at(1), at(2), at(3)};
+    return true;
+}
+
+ConfigValue get_region(const Config& config) {
+    const auto& region = config.rectify.geometry.region;
+    if (region.width == 0) {
+        return std::vector<std::int64_t>{};
+    }
+    return std::vector<std::int64_t>{region.x, region.y, region.width, region.height};
+}
+
+bool is_object_name(const std::string& text) {
+    return !text.empty() && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
+    });
+}
+
+bool is_not_empty(const std::string& text) {
+    return !text.empty();
+}
+
+bool is_camera_settings(const std::string& text) {
+    try {
+        capture::parse_camera_settings(text, "");
+        return true;
+    } catch (const std::invalid_argument&) {
+        return false;
+    }
+}
+
+bool is_socket_path(const std::string& text) {
+    return text.size() < 108;
+}
+
+// Shorthand for the way from the configuration to a field.
+#define FIELD(member)         \
+    [](Config & c) -> auto& { \
+        return c.member;      \
+    }
+
+void add_input_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(text_key("source", "uri", "the name of a source (disparityctl sources lists them)",
+                            FIELD(source.uri), is_not_empty));
+    keys.push_back(name_key<capture::Pace>("source", "pace",
+                                           {{"source", capture::Pace::source}, {"fastest", capture::Pace::fastest}},
+                                           FIELD(source.pace)));
+    keys.push_back(bool_key("source", "loop", FIELD(source.loop)));
+    keys.push_back(text_key("source", "calibration", "a file name, or \"\"", FIELD(source.calibration)));
+    keys.push_back(text_key("source", "calibration_folders", "folders with ':' between them, or \"\"",
+                            FIELD(source.calibration_folders)));
+    keys.push_back(bool_key("source", "allow_unrectified", FIELD(source.allow_unrectified)));
+    keys.push_back(bool_key("source", "sensors", FIELD(source.sensors)));
+    keys.push_back(text_key("source", "controls", "NAME=NUMBER with spaces between, or \"\"", FIELD(source.controls),
+                            is_camera_settings));
+    keys.push_back(range_key("source", "stall_ms", 200, 60000, FIELD(source.stall_ms)));
+    keys.push_back(name_key<PolicyChoice>(
+        "source", "policy",
+        {{"auto", PolicyChoice::automatic}, {"live", PolicyChoice::live}, {"replay", PolicyChoice::replay}},
+        FIELD(source.policy)));
+    keys.push_back(range_key("rectify", "width", 0, 8192, FIELD(rectify.geometry.width)));
+    keys.push_back(range_key("rectify", "height", 0, 8192, FIELD(rectify.geometry.height)));
+    keys.push_back({"rectify", "region",
+                    "[] or [x, y, width, height] in pixels, each 0 .. 8192, width and height at least 1",
+                    std::vector<std::int64_t>{}, set_region, get_region});
+    keys.push_back(bool_key("rectify", "colour", FIELD(rectify.colour)));
+}
+
+void add_match_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(name_key<Method>("match", "method",
+                                    {{"sgm", Method::sgm}, {"census", Method::census}, {"sad", Method::sad}},
+                                    FIELD(match.options.method)));
+    keys.push_back(
+        text_key("match", "backend", "\"auto\" or the name of a back end", FIELD(match.backend), is_not_empty));
+    keys.push_back(range_key("match", "d_min", -256, 256, FIELD(match.options.range.first)));
+    keys.push_back(int_key("match", "disparities", "a multiple of 16, 16 .. 256", FIELD(match.options.range.count),
+                           [](std::int64_t n) { return n >= 16 && n <= 256 && n % 16 == 0; }));
+    keys.push_back(one_of_key("match", "paths", {8, 4}, FIELD(match.options.sgm.paths)));
+    keys.push_back(range_key("match", "p1", 1, 192, FIELD(match.options.sgm.p1)));
+    keys.push_back(range_key("match", "p2", 2, 193, FIELD(match.options.sgm.p2)));
+    keys.push_back(bool_key("match", "adaptive_p2", FIELD(match.options.sgm.adaptive_p2)));
+    keys.push_back(bool_key("match", "subpixel", FIELD(match.options.post.subpixel)));
+    keys.push_back(range_key("match", "uniqueness", 0, 99, FIELD(match.options.post.uniqueness)));
+    keys.push_back(bool_key("match", "local_extrema", FIELD(match.options.post.local_extrema)));
+    keys.push_back(bool_key("match", "left_right_check", FIELD(match.options.post.left_right_check)));
+    keys.push_back(one_of_key("match", "median", {0, 3, 5}, FIELD(match.options.post.median)));
+    keys.push_back(range_key("match", "speckle_size", 0, 1000000, FIELD(match.options.post.speckle_size)));
+    keys.push_back(range_key("match", "speckle_step", 0, 256, FIELD(match.options.post.speckle_step)));
+    keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
+    keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
+}
+
+void add_output_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(range_key("pipeline", "slots", 2, 32, FIELD(pipeline.slots)));
+    keys.push_back(range_key("pipeline", "workers", 0, 256, FIELD(pipeline.workers)));
+    keys.push_back(bool_key("pipeline", "pin_workers", FIELD(pipeline.pin_workers)));
+    keys.push_back(bool_key("shared_memory", "enabled", FIELD(shared_memory.enabled)));
+    keys.push_back(text_key("shared_memory", "name", "1 .. 64 letters, digits, '-', '_' or '.'",
+                            FIELD(shared_memory.name), is_object_name));
+    keys.push_back(range_key("shared_memory", "slots", 2, 64, FIELD(shared_memory.slots)));
+    keys.push_back(text_key("socket", "tcp", "\"ADDRESS:PORT\", or \"\" for none", FIELD(socket.tcp)));
+    keys.push_back(text_key("socket", "unix", "\"auto\", a path of less than 108 bytes, or \"\" for none",
+                            FIELD(socket.unix_path), is_socket_path));
+    keys.push_back(range_key("socket", "max_clients", 1, 1024, FIELD(socket.max_clients)));
+    keys.push_back(range_key("socket", "client_queue", 1, 64, FIELD(socket.client_queue)));
+    keys.push_back(bool_key("socket", "insecure", FIELD(socket.insecure)));
+    keys.push_back(bool_key("socket", "tcp_control", FIELD(socket.tcp_control)));
+    keys.push_back(range_key("socket", "idle_timeout_s", 0, 86400, FIELD(socket.idle_timeout_s)));
+    keys.push_back(name_key<LogLevel>("log", "level",
+                                      {{"debug", LogLevel::debug},
+                                       {"info", LogLevel::info},
+                                       {"warning", LogLevel::warning},
+                                       {"error", LogLevel::error}},
+                                      FIELD(log.level)));
+    keys.push_back(name_key<LogTarget>(
+        "log", "target",
+        {{"auto", LogTarget::automatic}, {"terminal", LogTarget::terminal}, {"journal", LogTarget::journal}},
+        FIELD(log.target)));
+    keys.push_back(bool_key("record", "enabled", FIELD(record.enabled)));
+    keys.push_back(text_key("record", "directory", "a folder, or \"\"", FIELD(record.directory)));
+    keys.push_back(range_key("record", "keep_free_mb", 0, 100000000, FIELD(record.keep_free_mb)));
+    keys.push_back(range_key("record", "max_mb", 0, 100000000, FIELD(record.max_mb)));
+    keys.push_back(range_key("record", "max_s", 0, 100000000, FIELD(record.max_s)));
+    keys.push_back(name_key<WhenClientIsGone>("record", "when_client_is_gone",
+                                              {{"go-on", WhenClientIsGone::go_on}, {"stop", WhenClientIsGone::stop}},
+                                              FIELD(record.when_client_is_gone)));
+    keys.push_back(bool_key("self_calibration", "enabled", FIELD(self_calibration.enabled)));
+    keys.push_back(bool_key("self_calibration", "replays", FIELD(self_calibration.replays)));
+    keys.push_back(range_key("self_calibration", "interval_s", 0, 86400, FIELD(self_calibration.interval_s)));
+    keys.push_back(text_key("self_calibration", "directory", "a folder, or \"\"", FIELD(self_calibration.directory)));
+}
+
+#undef FIELD
+
+}  // namespace
+
+const std::vector<ConfigKey>& config_keys() {
+    static const std::vector<ConfigKey> keys = [] {
+        std::vector<ConfigKey> list;
+        add_input_keys(list);
+        add_match_keys(list);
+        add_output_keys(list);
+        return list;
+    }();
+    return keys;
+}
+
+std::string to_text(const ConfigValue& value) {
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        return in_quotes(*text);
+    }
+    if (const auto* number = std::get_if<std::int64_t>(&value)) {
+        return std::to_string(*number);
+    }
+    if (const auto* flag = std::get_if<bool>(&value)) {
+        return *flag ? "true" : "false";
+    }
+    std::string list;
+    for (const auto number : std::get<std::vector<std::int64_t>>(value)) {
+        list += (list.empty() ? "" : ", ") + std::to_string(number);
+    }
+    return '[' + list + ']';
+}
+
+std::string full_name(const ConfigKey& key) {
+    return std::string(key.section) + '.' + std::string(key.name);
+}
+
+}  // namespace disparityd::daemon

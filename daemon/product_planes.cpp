@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/product_planes.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <variant>
+
+#include "daemon/config/config_keys.h"
+#include "proto/products.h"
+
+namespace disparityd::daemon {
+namespace {
+
+template <auto member>
+Plane<const std::uint8_t> bytes_of(const FrameView& view) {
+    const auto& plane = view.*member;
+    constexpr int size = sizeof(*plane.data);
+    return {reinterpret_cast<const std::uint8_t*>(plane.data), plane.width * size, plane.height, plane.stride * size};
+}
+
+/// In the order of proto::products.
+constexpr std::array planes{&bytes_of<&FrameView::disparity>, &bytes_of<&FrameView::confidence>,
+                            &bytes_of<&FrameView::depth>, &bytes_of<&FrameView::left>,
+                            &bytes_of<&FrameView::left_colour>};
+static_assert(planes.size() == proto::products.size(), "a product has no plane");
+
+bool is_on(const Config& config, std::string_view key_name) {
+    const auto& keys = config_keys();
+    const auto key =
+        std::find_if(keys.begin(), keys.end(), [key_name](const ConfigKey& one) { return full_name(one) == key_name; });
+    if (key == keys.end()) {
+        throw std::logic_error("the table of products names a key that there is not: " + std::string(key_name));
+    }
+    return std::get<bool>(key->get(config));
+}
+
+}  // namespace
+
+std::vector<v1::Product> configured_products(const Config& config) {
+    std::vector<v1::Product> made;
+    for (const proto::ProductInfo& product : proto::products) {
+        if (product.config_key.empty() || is_on(config, product.config_key)) {
+            made.push_back(product.number);
+        }
+    }
+    return made;
+}
+
+Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product) {
+    return planes.at(static_cast<std::size_t>(product) - 1)(view);
+}
+
+}  // namespace disparityd::daemon

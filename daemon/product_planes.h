@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "kernels/image.h"
+#include "kernels/matcher.h"
+#include "proto/disparity.pb.h"
+
+/// Connects the table of proto/products.h with the configuration and with the matcher's results.
+namespace disparityd::daemon {
+
+/// The products that a configuration makes, in the order of their numbers.
+std::vector<v1::Product> configured_products(const Config& config);
+
+/// The plane of a product as bytes: width and stride are counted in bytes. A view of what `view` shows. An empty plane
+/// where the frame does not have it. Throws std::out_of_range for a number that is no product's.
+Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product);
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/socket/client_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/read.hpp>
+#include <fmt/format.h>
+
+#include "base/failure_text.h"
+#include "base/message_text.h"
+#include "proto/framing.h"
+
+namespace disparityd::daemon {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+constexpr std::chrono::seconds hello_timeout{5};
+/// Answers that may wait for a client before nothing more is read from it.
+constexpr std::size_t max_answers = 8;
+constexpr std::size_t max_name = 64;  ///< bytes shown
+constexpr std::string_view messages_of_clients =
+    "hello, subscribe, status_request, record_start, record_stop, camera_request";
+
+}  // namespace
+
+ClientSession::ClientSession(Socket socket, ClientPeer peer, std::uint64_t id, SessionHost& host)
+    : socket_(std::move(socket)),
+      peer_(std::move(peer)),
+      id_(id),
+      host_(host),
+      deadline_(socket_.get_executor()),
+      status_timer_(socket_.get_executor()),
+      pace_timer_(socket_.get_executor()),
+      requests_(ClientRules::most_at_once, host.rules().request_interval) {
+    socket_.non_blocking(true);  // for write_some()
+}
+
+void ClientSession::start() {
+    deadline_.expires_after(hello_timeout);
+    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (!error && !self.greeted_) {
+            self.send_error(fmt::format("no Hello within {} s: the first message must be Hello", hello_timeout.count()),
+                            true);
+        }
+    }));
+    read_length();
+}
+
+void ClientSession::refuse(const std::string& why) {
+    send_error(why, true);
+}
+
+void ClientSession::stop() noexcept {
+    closed_ = true;
+    error_code ignored;
+    socket_.close(ignored);
+    deadline_.cancel(ignored);
+    status_timer_.cancel(ignored);
+    pace_timer_.cancel(ignored);
+    // An answer that is still to come keeps this object alive. It must not keep frames.
+    message_.finish();
+    compressed_.reset();
+}
+
+/// Returns whether a client that sends nothing stays connected.
+bool ClientSession::waits_for_something() const {
+    return wanted() != 0 || early_ || wants_sensors() || wants_status_ || answer_pending_ ||
+           host_.is_recording_for(id_);
+}
+
+void ClientSession::watch() {
+    if (closed_ || closing_) {
+        return;
+    }
+    const ClientRules& rules = host_.rules();
+    if (!peer_.local && has_vanished(socket_.native_handle(), rules.liveness)) {
+        close(fmt::format("connection lost: its machine has not answered for {} s",
+                          rules.liveness.longest_silence().count()));
+        return;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (!greeted_ || waits_for_something()) {
+        last_request_ = now;
+    } else if (rules.idle_timeout.count() > 0 && now - last_request_ >= rules.idle_timeout) {
+        send_error(
+            fmt::format(
+                "nothing was asked for {:g} s and nothing is subscribed to: connect again when there is something "
+                "to ask, or raise [socket] idle_timeout_s",
+                std::chrono::duration<double>(rules.idle_timeout).count()),
+            true);
+    }
+}
+
+void ClientSession::failed() noexcept {
+    try {
+        close("closed: " + base::failure_text(std::current_exception()));
+    } catch (...) {
+        close("closed: out of memory");
+    }
+}
+
+/// Marks a question as open. Whoever can answer it holds the result; it expires when the answer is lost.
+std::shared_ptr<void> ClientSession::ask() {
+    const std::shared_ptr<void> question = std::make_shared<char>();
+    question_ = question;
+    answer_pending_ = true;
+    return question;
+}
+
+void ClientSession::look_for_answer() noexcept {
+    if (answer_pending_ && question_.expired()) {
+        close("closed: there was no memory for the answer to its question");
+    }
+}
+
+v1::ClientStatus ClientSession::status() {
+    v1::ClientStatus status;
+    status.set_name(name_);
+    status.set_address(peer_.address);
+    status.set_frames_sent(feed_.frames_sent());
+    status.set_frames_skipped(feed_.frames_skipped());
+    status.set_bytes_sent(bytes_sent_);
+    status.set_compressed_bytes(account().bytes());
+    status.set_compressor_us(std::chrono::duration_cast<std::chrono::microseconds>(account().time()).count());
+    status.set_compressor_share(account().share(std::chrono::steady_clock::now()));
+    return status;
+}
+
+std::string ClientSession::label() const {
+    return fmt::format("client {} ({}{}{})", id_, name_, name_.empty() ? "" : ", ", peer_.address);
+}
+
+void ClientSession::read_length() {
+    if (closed_ || closing_ || reading_ || answer_pending_ || answers_.size() >= max_answers) {
+        return;
+    }
+    reading_ = true;
+    const auto wait = requests_.wait();
+    requests_.take();
+    if (wait.count() == 0) {
+        await_length();
+        return;
+    }
+    pace_timer_.expires_after(wait);
+    pace_timer_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (!error && !self.closed_ && !self.closing_) {
+            self.await_length();
+        }
+    }));
+}
+
+void ClientSession::await_length() {
+    asio::async_read(socket_, asio::buffer(length_),
+                     handler([](ClientSession& self, error_code error, std::size_t) { self.length_arrived(error); }));
+}
+
+void ClientSession::length_arrived(const error_code& error) {
+    reading_ = false;
+    if (closed_ || closing_) {
+        return;
+    }
+    if (error) {
+        close(error == asio::error::eof ? "left" : "connection lost: " + error.message());
+        return;
+    }
+    std::uint32_t length = 0;
+    try {
+        length = proto::decode_length(length_);
+    } catch (const std::invalid_argument& refused) {
+        send_error(refused.what(), true);
+        return;
+    }
+    read_message(length);
+}
+
+void ClientSession::read_message(std::uint32_t length) {
+    reading_ = true;
+    incoming_.clear();
+    // The buffer grows with the bytes that arrive: a client may announce more than it sends.
+    asio::async_read(socket_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
+                     handler([](ClientSession& self, error_code error, std::size_t) {
+                         self.reading_ = false;
+                         if (self.closed_ || self.closing_) {
+                             return;
+                         }
+                         if (error) {
+                             self.close("left in the middle of a message: " + error.message());
+                             return;
+                         }
+                         self.message_arrived();
+                     }));
+}
+
+void ClientSession::message_arrived() {
+    last_request_ = std::chrono::steady_clock::now();
+    requests_.take(static_cast<std::int64_t>(incoming_.size() / ClientRules::bytes_of_one));
+    v1::Envelope message;
+    try {
+        proto::decode(incoming_, message);
+        incoming_.clear();
+        incoming_.shrink_to_fit();
+        if (message.payload_bytes() != 0) {
+            send_error(fmt::format("a message announces a payload of {} bytes, allowed: 0", message.payload_bytes()),
+                       true);
+        } else {
+            handle(message);
+        }
+    } catch (const std::invalid_argument& refused) {
+        send_error(refused.what(), true);
+    }
+    read_length();
+}
+
+void ClientSession::handle(const v1::Envelope& message) {
+    if (!greeted_ && !message.has_hello()) {
+        send_error("the first message must be Hello", true);
+        return;
+    }
+    switch (message.body_case()) {
+        case v1::Envelope::kHello: hello(message.hello()); break;
+        case v1::Envelope::kSubscribe: subscribe(message.subscribe()); break;
+        case v1::Envelope::kStatusRequest: {
+            v1::Envelope answer;
+            *answer.mutable_status() = host_.status();
+            send(std::move(answer));
+            break;
+        }
+        case v1::Envelope::kRecordStart: start_recording(message.record_start()); break;
+        case v1::Envelope::kRecordStop: stop_recording(); break;
+        case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
+        case v1::Envelope::BODY_NOT_SET:  // a newer client, which works without the answer
+            send_error(fmt::format("Envelope: no message that disparityd {} knows, allowed: {}", DISPARITYD_VERSION,
+                                   messages_of_clients),
+                       false);
+            break;
+        default:
+            send_error(fmt::format("message {} of Envelope is not for clients to send, allowed: {}",
+                                   static_cast<int>(message.body_case()), messages_of_clients),
+                       true);
+    }
+}
+
+void ClientSession::hello(const v1::Hello& hello) {
+    if (greeted_) {
+        send_error("Hello came twice", true);
+        return;
+    }
+    if (hello.protocol_version() != proto::protocol_version) {
+        send_error(fmt::format(
+                       "the client speaks protocol version {}, this daemon speaks {}: use a client of the same release",
+                       hello.protocol_version(), proto::protocol_version),
+                   true);
+        return;
+    }
+    greeted_ = true;
+    name_ = base::printable(hello.client_name(), max_name);
+    deadline_.cancel();
+    v1::Envelope answer;
+    v1::Welcome& welcome = *answer.mutable_welcome();
+    const StreamLayout& layout = host_.layout();
+    welcome.set_protocol_version(proto::protocol_version);
+    welcome.set_server_version(DISPARITYD_VERSION);
+    *welcome.mutable_geometry() = to_message(layout.geometry);
+    for (const v1::Product product : layout.products) {
+        welcome.add_products(product);
+    }
+    welcome.set_shared_memory(layout.shared_memory);
+    send(std::move(answer));
+    host_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
+}
+
+void ClientSession::subscribe(const v1::Subscribe& subscribe) {
+    Selection selection;
+    const StreamLayout& layout = host_.layout();
+    early_.reset();
+    if (layout.products.empty()) {  // the first source is being prepared: its products are not known
+        early_ = subscribe;
+        send_status_every(std::isfinite(subscribe.status_interval_s()) ? subscribe.status_interval_s() : 0);
+        return;
+    }
+    for (const int number : subscribe.products()) {
+        const auto product = static_cast<v1::Product>(number);
+        if (std::find(layout.products.begin(), layout.products.end(), product) == layout.products.end()) {
+            std::string allowed;
+            for (const v1::Product offered : layout.products) {
+                allowed += (allowed.empty() ? "" : ", ") + v1::Product_Name(offered);
+            }
+            send_error(
+                fmt::format("Subscribe: products: found {}, allowed: {} (more by configuration)", number, allowed),
+                false);
+            return;
+        }
+        if (std::find(selection.products.begin(), selection.products.end(), product) == selection.products.end()) {
+            selection.products.push_back(product);
+        }
+    }
+    selection.region = {subscribe.region().x(), subscribe.region().y(), subscribe.region().width(),
+                        subscribe.region().height()};
+    selection.encoding = subscribe.encoding();
+    std::string wrong = region_problem(selection.region, layout.geometry.width, layout.geometry.height);
+    if (!wrong.empty()) {
+        wrong = "region: " + wrong;
+    } else if (selection.encoding != v1::RAW && selection.encoding != v1::ZSTD) {
+        wrong = fmt::format("encoding: found {}, allowed: 0 (raw) or 1 (zstd)", static_cast<int>(selection.encoding));
+    } else if (!std::isfinite(subscribe.max_rate()) || subscribe.max_rate() < 0) {
+        wrong = fmt::format("max_rate: found {}, allowed: 0 (every frame) or more", subscribe.max_rate());
+    } else if (!std::isfinite(subscribe.status_interval_s()) || subscribe.status_interval_s() < 0) {
+        wrong = fmt::format("status_interval_s: found {}, allowed: 0 (none) or more", subscribe.status_interval_s());
+    }
+    if (!wrong.empty()) {
+        send_error("Subscribe: " + wrong, false);
+        return;
+    }
+    selection_ = std::move(selection);
+    outdated_ = compressing_;
+    compressed_.reset();
+    if (subscribe.sensors() && !wants_sensors_) {
+        next_sample_ = host_.sensors().end();
+    }
+    wants_sensors_ = subscribe.sensors();
+    feed_.start(host_.frames(), subscribe.max_rate());
+    host_.subscription_changed();
+    send_status_every(subscribe.status_interval_s());
+    if (!has_subscribed_ && (wanted() != 0 || wants_sensors() || wants_status_)) {
+        has_subscribed_ = true;
+        host_.log().connections.write(LogLevel::info, label() + ": subscribed");
+    }
+}
+
+void ClientSession::send_status_every(double seconds) {
+    status_timer_.cancel();
+    wants_status_ = seconds > 0;
+    if (closed_ || seconds <= 0) {
+        return;
+    }
+    const auto interval =
+        std::chrono::milliseconds(static_cast<std::int64_t>(std::clamp(seconds, 0.1, 86400.0) * 1000));
+    status_timer_.expires_after(interval);
+    status_timer_.async_wait(handler([seconds](ClientSession& self, error_code error) {
+        if (error || self.closed_ || self.closing_) {
+            return;
+        }
+        if (self.answers_.empty()) {  // a client that does not read gets no queue of them
+            v1::Envelope message;
+            *message.mutable_status() = self.host_.status();
+            self.send(std::move(message));
+        }
+        self.send_status_every(seconds);
+    }));
+}
+
+/// Returns whether the client may do that; sends an Error if not.
+bool ClientSession::may_control(const char* what) {
+    const std::string& refusal = host_.rules().control_over_tcp;
+    if (peer_.local || refusal.empty()) {
+        return true;
+    }
+    send_error(fmt::format("{}: {}", what, refusal), false);
+    return false;
+}
+
+void ClientSession::start_recording(const v1::RecordStart& start) {
+    if (may_control("record")) {
+        host_.start_recording({start.path(), peer_.owns_daemon(), id_}, record_answer());
+    }
+}
+
+void ClientSession::stop_recording() {
+    if (may_control("record")) {
+        host_.stop_recording(record_answer());
+    }
+}
+
+SessionHost::RecordAnswer ClientSession::record_answer() {
+    return [self = shared_from_this(), question = ask()](const v1::RecordStatus& status, const std::string& refusal) {
+        self->guarded([&] {
+            v1::Envelope answer;
+            *answer.mutable_record_status() = status;
+            self->answer_later(std::move(answer), refusal);
+        });
+    };
+}
+
+void ClientSession::control_camera(const v1::CameraRequest& request) {
+    constexpr int most_settings = 64;
+    if (request.settings_size() > most_settings) {
+        send_error(
+            fmt::format("camera: found {} settings, allowed: at most {}", request.settings_size(), most_settings),
+            false);
+        return;
+    }
+    if (request.settings_size() > 0 && !may_control("camera")) {
+        return;
+    }
+    host_.control_camera(request, [self = shared_from_this(), question = ask()](const v1::CameraControls& controls,
+                                                                                const std::string& refusal) {
+        self->guarded([&] {
+            v1::Envelope answer;
+            *answer.mutable_camera_controls() = controls;
+            self->answer_later(std::move(answer), refusal);
+        });
+    });
+}
+
+void ClientSession::answer_later(v1::Envelope answer, const std::string& refusal) {
+    answer_pending_ = false;
+    if (!refusal.empty()) {
+        send_error(refusal, false);
+    } else {
+        send(std::move(answer));
+    }
+    read_length();
+}
+
+void ClientSession::layout_changed() {
+    if (early_) {
+        subscribe(v1::Subscribe(*early_));
+    }
+    const auto& offered = host_.layout().products;
+    const std::size_t before = selection_.products.size();
+    std::erase_if(selection_.products, [&offered](v1::Product product) {
+        return std::find(offered.begin(), offered.end(), product) == offered.end();
+    });
+    if (selection_.products.size() != before) {
+        host_.subscription_changed();
+        send_error("a subscribed product is no longer served since the daemon was reconfigured", false);
+    }
+}
+
+void ClientSession::close(std::string_view why) noexcept {
+    if (closed_) {
+        return;
+    }
+    stop();
+    try {
+        (has_subscribed_ ? host_.log().connections : host_.log().unsubscribed)
+            .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
+                   fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, feed_.frames_sent(),
+                               feed_.frames_skipped()));
+    } catch (...) {
+        log_caught("a client is closed");
+    }
+    host_.closed(id_);
+}
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/generic/stream_protocol.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "daemon/log.h"
+#include "daemon/published_frame.h"
+#include "daemon/record_request.h"
+#include "daemon/socket/client_handler.h"
+#include "daemon/socket/client_peer.h"
+#include "daemon/socket/frame_compressor.h"
+#include "daemon/socket/frame_feed.h"
+#include "daemon/socket/frame_ring.h"
+#include "daemon/socket/outgoing_message.h"
+#include "daemon/socket/rate_limit.h"
+#include "daemon/socket/sensor_ring.h"
+#include "daemon/socket/tcp_liveness.h"
+
+namespace disparityd::daemon {
+
+/// Rate limits of log lines about clients, one per kind of line: many lines of one kind do not suppress another kind.
+struct ClientLog {
+    LogLimiter connections;
+    LogLimiter unsubscribed;  ///< of clients that subscribe to nothing
+    LogLimiter errors;
+    LogLimiter slow_clients;
+};
+
+/// Rights and time limits of clients, as configured.
+struct ClientRules {
+    std::string control_over_tcp;  ///< why clients over TCP may not record or set the camera; empty: they may
+    std::chrono::milliseconds idle_timeout{0};  ///< for clients without subscription and request; 0 = unlimited
+    TcpLiveness liveness;
+    std::chrono::microseconds request_interval{5000};  ///< between two messages of a client, after most_at_once
+    static constexpr int most_at_once = 200;
+    static constexpr std::size_t bytes_of_one = 4096;  ///< a longer message counts as several
+};
+
+/// What a session needs of the server that owns it. All calls are made in the server's thread.
+class SessionHost {
+public:
+    /// The answer to a request about recordings: the state, or why it was refused.
+    using RecordAnswer = std::function<void(const v1::RecordStatus& status, const std::string& refusal)>;
+
+    /// The same for requests about the camera.
+    using CameraAnswer = std::function<void(const v1::CameraControls& controls, const std::string& refusal)>;
+
+    virtual ~SessionHost() = default;
+    virtual const StreamLayout& layout() const = 0;
+    virtual FrameRing& frames() = 0;
+    virtual FrameCompressor& compressor() = 0;
+    virtual const SensorRing& sensors() = 0;
+    virtual ClientLog& log() = 0;
+    virtual v1::Status status() = 0;
+    virtual const ClientRules& rules() const = 0;
+    virtual bool is_recording_for(std::uint64_t id) const = 0;
+    virtual void start_recording(const RecordRequest& request, RecordAnswer answer) = 0;
+    virtual void stop_recording(RecordAnswer answer) = 0;
+    virtual void control_camera(const v1::CameraRequest& request, CameraAnswer answer) = 0;
+    virtual void subscription_changed() = 0;
+    virtual void closed(std::uint64_t id) noexcept = 0;
+};
+
+/// One connection: reads requests, writes answers and frames, and closes when a rule is broken. Its memory is bounded:
+/// one incoming message (1 MiB at most), a few answers, one outgoing frame and one compressed frame behind it. Frames
+/// that wait belong to the server (FrameRing). A client that does not read stays connected; frames are skipped for it.
+/// Used by the server's thread only.
+class ClientSession : public std::enable_shared_from_this<ClientSession>, public FrameCompressor::Client {
+public:
+    using Socket = boost::asio::generic::stream_protocol::socket;
+
+    ClientSession(Socket socket, ClientPeer peer, std::uint64_t id, SessionHost& host);
+
+    /// Waits for the client's Hello.
+    void start();
+
+    /// Sends the reason as an Error and closes.
+    void refuse(const std::string& why);
+
+    /// The server calls this when the ring has a new frame.
+    void frame_arrived();
+
+    /// The server calls this when the ring has new samples.
+    void sensors_arrived();
+
+    /// The server calls this when frames get another layout. Subscribed products may no longer exist.
+    void layout_changed();
+
+    /// Closes the connection if the client has been idle for too long or its machine no longer answers. The server
+    /// calls this at intervals.
+    void watch();
+
+    /// Closes without an Error and releases the frames; for a server that stops.
+    void stop() noexcept;
+
+    /// Calls `action`. An exception closes this connection, with a line in the log, and affects no other client.
+    template <typename Action>
+    void guarded(Action action) noexcept {
+        try {
+            action();
+        } catch (...) {
+            failed();
+        }
+    }
+
+    /// Closes because Asio has destroyed a handler uncalled; see ClientHandler.
+    void handler_lost() noexcept { close("closed: there was no memory to go on with it"); }
+
+    /// Closes the connection if the answer that it waits for can no longer come. The server calls this at intervals.
+    void look_for_answer() noexcept;
+
+    bool greeted() const { return greeted_; }
+    bool local() const { return peer_.local; }
+    std::uint32_t wanted() const { return closing_ ? 0 : selection_.product_bits(); }
+    bool wants_sensors() const { return !closing_ && wants_sensors_; }
+    v1::ClientStatus status();
+
+private:
+    template <typename Function>
+    auto handler(Function function) {
+        return ClientHandler<ClientSession, Function>(shared_from_this(), std::move(function));
+    }
+    std::shared_ptr<void> ask();
+    void failed() noexcept;
+    void read_length();
+    void await_length();
+    bool waits_for_something() const;
+    void length_arrived(const boost::system::error_code& error);
+    void read_message(std::uint32_t length);
+    void message_arrived();
+    void handle(const v1::Envelope& message);
+    void hello(const v1::Hello& hello);
+    void subscribe(const v1::Subscribe& subscribe);
+    void send_status_every(double seconds);
+    bool may_control(const char* what);
+    void start_recording(const v1::RecordStart& start);
+    void stop_recording();
+    SessionHost::RecordAnswer record_answer();
+    void control_camera(const v1::CameraRequest& request);
+    void answer_later(v1::Envelope answer, const std::string& refusal);
+    void send(v1::Envelope message);
+    void send_error(const std::string& why, bool closing);
+    void pump();
+    bool take_sensors();
+    bool take_frame();
+    bool take_compressed();
+    void ask_for_compressed();
+    FrameCompressor::Request take_request();
+    FrameCompressor::Request next_request() noexcept override;
+    bool same_request(const FrameCompressor::Request& request) const noexcept override;
+    void compressed(const FrameCompressor::Request& request,
+                    std::shared_ptr<const EncodedPlanes> planes) noexcept override;
+    void not_compressed(const std::string& why) noexcept override;
+    bool clamp_region(const FrameCopy& frame, Selection& selection);
+    v1::Envelope make_head(const FrameCompressor::Request& request, const EncodedPlanes& planes);
+    void write();
+    void write_some();
+    void await_writable();
+    void end_output();
+    void drain();
+    void close(std::string_view why) noexcept;
+    std::string label() const;
+
+    Socket socket_;
+    const ClientPeer peer_;
+    const std::uint64_t id_;
+    SessionHost& host_;
+    boost::asio::steady_timer deadline_;  ///< for the Hello, later for the client's end of a close
+    boost::asio::steady_timer status_timer_;
+    boost::asio::steady_timer pace_timer_;  ///< until the next message may be read
+    RateLimit requests_;
+    std::chrono::steady_clock::time_point last_request_;
+
+    std::string name_;
+    bool greeted_ = false;
+    bool closing_ = false;  ///< an Error with closing = true is the last message
+    bool output_ended_ = false;
+    bool closed_ = false;
+
+    std::array<std::uint8_t, 4> length_{};
+    std::vector<std::uint8_t> incoming_;
+    std::array<std::uint8_t, 4096> discarded_{};  ///< input after the last message
+    bool reading_ = false;
+    bool answer_pending_ = false;   ///< no request is read before the answer
+    std::weak_ptr<void> question_;  ///< expires when nobody can answer any more
+
+    std::deque<std::vector<std::uint8_t>> answers_;
+    OutgoingMessage message_;       ///< being written
+    v1::Envelope compressed_head_;  ///< of compressed_, the next message
+    std::chrono::steady_clock::time_point compressed_captured_;
+    std::shared_ptr<const EncodedPlanes> compressed_;
+    bool compressing_ = false;  ///< waits for its turn, or its frame is being compressed
+    bool outdated_ = false;     ///< another subscription replaces what is being compressed
+    bool writing_ = false;      ///< message_ is not written in full yet
+    bool stall_logged_ = false;
+    std::chrono::steady_clock::time_point write_started_;
+
+    Selection selection_;
+    FrameFeed feed_;
+    std::optional<v1::Subscribe> early_;  ///< came before the first layout, which applies it
+    bool wants_sensors_ = false;
+    bool wants_status_ = false;  ///< at intervals
+    bool has_subscribed_ = false;
+    std::uint64_t next_sample_ = 0;
+    std::uint64_t bytes_sent_ = 0;
+};
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The output of a session: which message is written next, which frame, and how the connection ends.
+#include <algorithm>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <fmt/format.h>
+
+#include "base/failure_text.h"
+#include "daemon/socket/client_session.h"
+#include "proto/framing.h"
+#include "proto/text.h"
+
+namespace disparityd::daemon {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+constexpr std::chrono::seconds close_timeout{1};
+constexpr std::chrono::seconds stall_limit{2};
+constexpr std::string_view lost_frame = "closed: there was no memory to keep the rest of its frame";
+
+std::int64_t age_of(std::chrono::steady_clock::time_point captured) {
+    return std::chrono::nanoseconds(std::chrono::steady_clock::now() - captured).count();
+}
+
+/// Returns the message that precedes the bytes of a frame's planes.
+v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, const EncodedPlanes& planes,
+                        std::uint64_t skipped) {
+    v1::Envelope message;
+    v1::Frame& out = *message.mutable_frame();
+    proto::fill(out, frame.info);
+    out.set_age_ns(age_of(frame.captured));
+    if (selection.region.width != 0) {
+        out.mutable_region()->set_x(selection.region.x);
+        out.mutable_region()->set_y(selection.region.y);
+        out.mutable_region()->set_width(selection.region.width);
+        out.mutable_region()->set_height(selection.region.height);
+    }
+    out.set_skipped_for_client(skipped);
+    for (const v1::PlaneInfo& plane : planes.planes) {
+        *out.add_planes() = plane;
+    }
+    message.set_payload_bytes(planes.bytes.size());
+    return message;
+}
+
+}  // namespace
+
+void ClientSession::send(v1::Envelope message) {
+    if (closed_ || closing_) {
+        return;
+    }
+    proto::encode(message, answers_.emplace_back());
+    pump();
+}
+
+void ClientSession::send_error(const std::string& why, bool closing) {
+    if (closed_ || closing_) {
+        return;
+    }
+    v1::Envelope message;
+    message.mutable_error()->set_message(proto::to_valid_utf8(why));
+    message.mutable_error()->set_closing(closing);
+    proto::encode(message, answers_.emplace_back());
+    host_.log().errors.write(LogLevel::warning,
+                             fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
+    if (closing) {
+        closing_ = true;
+        host_.subscription_changed();
+        // The connection ends even if the message cannot be written.
+        deadline_.expires_after(close_timeout);
+        deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+            if (!error) {
+                self.close("closed after an error");
+            }
+        }));
+    }
+    pump();
+}
+
+void ClientSession::frame_arrived() {
+    if (message_.is_lost()) {
+        close(lost_frame);
+        return;
+    }
+    if (writing_ && !stall_logged_ && wanted() != 0 &&
+        std::chrono::steady_clock::now() - write_started_ > stall_limit) {
+        stall_logged_ = true;
+        host_.log().slow_clients.write(LogLevel::warning,
+                                       fmt::format("{}: a message to it takes longer than {} s: it reads too slowly; "
+                                                   "it stays connected, frames are skipped for it",
+                                                   label(), stall_limit.count()));
+    }
+    ask_for_compressed();
+    pump();
+}
+
+void ClientSession::sensors_arrived() {
+    pump();
+}
+
+void ClientSession::pump() {
+    while (!closed_ && !writing_) {
+        if (!answers_.empty()) {
+            message_.start() = std::move(answers_.front());
+            answers_.pop_front();
+        } else if (closing_) {
+            end_output();
+            return;
+        } else if (!take_sensors() && !take_frame()) {
+            break;
+        }
+        write();
+    }
+    read_length();  // there may be room for answers again
+}
+
+/// Starts a message with all new samples. They go before the next frame: a client that skips frames gets all samples.
+bool ClientSession::take_sensors() {
+    if (!wants_sensors() || next_sample_ == host_.sensors().end()) {
+        return false;
+    }
+    v1::Envelope message;
+    next_sample_ = host_.sensors().fill(next_sample_, *message.mutable_sensors());
+    proto::encode(message, message_.start());
+    return true;
+}
+
+/// Cuts the region to the image, which may be smaller after a reload. Returns false if nothing of it is left.
+bool ClientSession::clamp_region(const FrameCopy& frame, Selection& selection) {
+    auto& region = selection.region;
+    if (region_problem(region, frame.info.width, frame.info.height).empty()) {
+        return true;
+    }
+    if (region.x >= frame.info.width || region.y >= frame.info.height) {
+        return false;
+    }
+    region.width = std::min(region.width, frame.info.width - region.x);
+    region.height = std::min(region.height, frame.info.height - region.y);
+    return true;
+}
+
+/// Takes the next frame of the feed, with the selection for it. The frame is null if there is none or the region lies
+/// outside of it.
+FrameCompressor::Request ClientSession::take_request() {
+    FrameCompressor::Request request{feed_.take(host_.frames(), wanted()), selection_};
+    if (request.frame && !clamp_region(*request.frame, request.selection)) {
+        request.frame = nullptr;
+        selection_ = {};
+        host_.subscription_changed();
+        send_error("the subscribed region lies outside of the image since the daemon was reconfigured: subscribe again",
+                   false);
+    }
+    return request;
+}
+
+FrameCompressor::Request ClientSession::next_request() noexcept {
+    outdated_ = false;
+    FrameCompressor::Request next;
+    guarded([&] {
+        if (!closed_ && wanted() != 0 && selection_.encoding == v1::ZSTD) {
+            next = take_request();
+        }
+    });
+    if (!next.frame) {
+        compressing_ = false;
+    }
+    return next;
+}
+
+bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
+    return !closed_ && wanted() != 0 && selection_ == request.selection &&
+           feed_.would_take(host_.frames(), request.frame);
+}
+
+bool ClientSession::take_frame() {
+    if (wanted() == 0) {
+        return false;
+    }
+    if (selection_.encoding == v1::ZSTD) {
+        return take_compressed();
+    }
+    const FrameCompressor::Request next = take_request();
+    if (!next.frame) {
+        return false;
+    }
+    std::shared_ptr<const EncodedPlanes> planes;
+    try {
+        planes = host_.frames().encoded(next.frame, next.selection);
+    } catch (const std::exception& error) {
+        send_error(base::failure_text(error), true);
+        return false;
+    }
+    proto::encode(make_head(next, *planes), message_.start(planes));
+    return true;
+}
+
+/// Starts the message with the compressed frame, if there is one, and asks for the next one at once: a client that
+/// asked only after this one was sent would lose its turn.
+bool ClientSession::take_compressed() {
+    const bool taken = compressed_ != nullptr;
+    if (taken) {
+        v1::Envelope head = std::move(compressed_head_);
+        head.mutable_frame()->set_age_ns(age_of(compressed_captured_));  // it may have waited for the previous message
+        proto::encode(head, message_.start(std::exchange(compressed_, nullptr)));
+    }
+    ask_for_compressed();
+    return taken;
+}
+
+void ClientSession::ask_for_compressed() {
+    if (wanted() != 0 && selection_.encoding == v1::ZSTD && !compressing_ && !compressed_ &&
+        feed_.has_next(host_.frames())) {
+        compressing_ = true;
+        host_.compressor().ask(shared_from_this());
+    }
+}
+
+void ClientSession::compressed(const FrameCompressor::Request& request,
+                               std::shared_ptr<const EncodedPlanes> planes) noexcept {
+    compressing_ = false;
+    if (closed_ || closing_) {
+        return;
+    }
+    guarded([&] {
+        if (!std::exchange(outdated_, false)) {
+            compressed_head_ = make_head(request, *planes);
+            compressed_captured_ = request.frame->captured;
+            compressed_ = std::move(planes);
+        }
+        pump();
+    });
+}
+
+void ClientSession::not_compressed(const std::string& why) noexcept {
+    compressing_ = false;
+    guarded([&] { send_error(why, true); });
+}
+
+/// Returns the head of the frame's message and counts the frame as sent.
+v1::Envelope ClientSession::make_head(const FrameCompressor::Request& request, const EncodedPlanes& planes) {
+    return frame_head(*request.frame, request.selection, planes, feed_.count_sent(request.frame->info.publish_index));
+}
+
+void ClientSession::write() {
+    writing_ = true;
+    write_started_ = std::chrono::steady_clock::now();
+    write_some();
+}
+
+/// Writes as much as the socket takes at once. Asio holds no address of the message between two writes, so the planes
+/// may move (Payload::keep_copy()).
+void ClientSession::write_some() {
+    if (message_.is_lost()) {
+        close(lost_frame);
+        return;
+    }
+    error_code error;
+    message_.sent(socket_.write_some(message_.rest(), error));
+    if (error && error != asio::error::would_block && error != asio::error::interrupted) {
+        close("connection lost: " + error.message());
+    } else if (message_.is_done()) {
+        writing_ = false;
+        stall_logged_ = false;
+        bytes_sent_ += message_.size();
+        message_.finish();
+    } else {
+        await_writable();
+    }
+}
+
+void ClientSession::await_writable() {
+    socket_.async_wait(Socket::wait_write, handler([](ClientSession& self, error_code error) {
+                           if (self.closed_) {
+                               return;
+                           }
+                           if (error) {
+                               self.close("connection lost: " + error.message());
+                               return;
+                           }
+                           self.write_some();
+                           self.pump();
+                       }));
+}
+
+/// Tells the client, once, that nothing follows its last message, and lets it read that one.
+void ClientSession::end_output() {
+    if (std::exchange(output_ended_, true)) {
+        return;
+    }
+    error_code ignored;
+    socket_.shutdown(Socket::shutdown_send, ignored);
+    drain();
+}
+
+/// Reads until the client closes: the system throws the last message away if input is unread at a close.
+void ClientSession::drain() {
+    socket_.async_read_some(asio::buffer(discarded_), handler([](ClientSession& self, error_code error, std::size_t) {
+                                if (self.closed_) {
+                                    return;
+                                }
+                                if (error) {
+                                    self.close("closed after an error");
+                                } else {
+                                    self.drain();
+                                }
+                            }));
+}
+
+}  // namespace disparityd::daemon

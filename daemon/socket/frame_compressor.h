@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/io_context.hpp>
+
+#include "daemon/socket/compressor_account.h"
+#include "daemon/socket/frame_encoder.h"
+#include "daemon/socket/frame_pool.h"
+
+namespace disparityd::daemon {
+
+/// Compresses frames in a thread of its own, one after the other. Clients that want raw frames never wait for it.
+///
+/// Turns are fair by bytes: weighted fair queueing with equal weights. Each client has a clock (virtual time), which
+/// advances by the cost of what is compressed for it. The waiting client whose clock would be lowest after its turn is
+/// next. Clients that want more than the compressor can do get the same number of bytes each, as whole frames or small
+/// regions; a client that wants less than this share gets all of it. Turns cannot be saved up: a client that comes back
+/// starts at the clock of the frame in work, and a new client is queued behind those that wait. Equal requests are
+/// compressed once, and the cost is divided between their clients.
+///
+/// All calls, of both classes, are made in the server's thread.
+class FrameCompressor {
+public:
+    /// A frame, and which part of it.
+    struct Request {
+        FrameHandle frame;
+        Selection selection;
+
+        /// Returns its cost: the bytes of its planes before compression, plus a constant for each plane.
+        std::uint64_t cost() const;
+    };
+
+    class Client {
+    public:
+        virtual ~Client() = default;
+        /// Returns the request when the client's turn comes; before that, a waiting client holds no frame. A null
+        /// frame: there is nothing to compress.
+        virtual Request next_request() noexcept = 0;
+        /// Returns whether next_request() would return `request`.
+        virtual bool same_request(const Request& request) const noexcept = 0;
+        /// Takes the result of next_request().
+        virtual void compressed(const Request& request, std::shared_ptr<const EncodedPlanes> planes) noexcept = 0;
+        virtual void not_compressed(const std::string& why) noexcept = 0;
+
+        CompressorAccount& account() { return account_; }
+
+    private:
+        friend class FrameCompressor;
+        CompressorAccount account_;
+        std::uint64_t clock_ = 0;
+        std::uint64_t price_ = 0;  ///< cost of its last frame, the estimate for the next
+    };
+
+    /// `server` runs the server's thread, and has stopped when this object ends. `worker` runs the compression, one
+    /// frame at a time. Both outlive this object.
+    FrameCompressor(boost::asio::io_context& server, boost::asio::any_io_executor worker)
+        : server_(server), worker_(std::move(worker)) {}
+    FrameCompressor(const FrameCompressor&) = delete;
+    FrameCompressor& operator=(const FrameCompressor&) = delete;
+
+    /// Queues the client for one turn. Throws std::bad_alloc; the client may be queued all the same then.
+    void ask(const std::shared_ptr<Client>& client);
+
+    /// Resumes work whose notification was lost because memory was short. The server calls this at intervals.
+    void look() noexcept;
+
+private:
+    struct Waiting {
+        std::weak_ptr<Client> client;
+        std::uint64_t start = 0;  ///< its clock, at least that of the frame in work when it asked
+        std::uint64_t end = 0;    ///< its clock after the turn, if it wants as much as the last time
+    };
+
+    /// One frame on its way between the two threads. The worker owns it until `done`.
+    struct Work {
+        FrameEncoder encoder;
+        std::shared_ptr<Client> client;
+        Request request;
+        std::shared_ptr<const EncodedPlanes> planes;
+        std::string failure;
+        std::chrono::nanoseconds time{0};
+        std::atomic<bool> done{false};
+
+        void run() noexcept;
+    };
+
+    void next() noexcept;
+    std::shared_ptr<Client> take_first() noexcept;
+    bool begin() noexcept;
+    void finished() noexcept;
+    void hand_to_others(const std::shared_ptr<const EncodedPlanes>& planes, int sharers, std::size_t waiting) noexcept;
+    void charge(Client& client, int sharers) const noexcept;
+
+    boost::asio::io_context& server_;
+    boost::asio::any_io_executor worker_;
+    std::vector<Waiting> waiting_;  ///< in the order in which they asked
+    std::uint64_t now_ = 0;         ///< clock at which the frame in work began
+    bool busy_ = false;
+    /// Shared: the worker may still compress a frame when this object ends.
+    std::shared_ptr<Work> work_ = std::make_shared<Work>();
+};
+
+}  // namespace disparityd::daemon

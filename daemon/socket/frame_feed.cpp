@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/socket/frame_feed.h"
+
+#include <algorithm>
+
+namespace disparityd::daemon {
+
+void FrameFeed::start(const FrameRing& ring, double max_rate) {
+    max_rate_ = max_rate;
+    next_due_ = {};
+    next_index_ = ring.end();
+    has_sent_ = false;
+}
+
+FrameHandle FrameFeed::take(const FrameRing& ring, std::uint32_t products) {
+    while (FrameHandle frame = ring.next(next_index_)) {
+        next_index_ = frame->info.publish_index + 1;
+        if ((frame->products & products) == products && is_due(frame->published)) {
+            return frame;
+        }
+    }
+    return nullptr;
+}
+
+/// Returns whether a frame of this time is due; if so, sets the next due time.
+bool FrameFeed::is_due(Time published) {
+    if (max_rate_ == 0) {
+        return true;
+    }
+    const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(1.0 / std::max(max_rate_, 1e-6)));
+    // A frame may be a little early: a source that jitters around the rate would lose every second frame otherwise.
+    if (published + interval / 20 < next_due_) {
+        return false;
+    }
+    const bool late = published > next_due_ + interval;
+    next_due_ = (late ? published : next_due_) + interval;
+    return true;
+}
+
+std::uint64_t FrameFeed::count_sent(std::uint64_t publish_index) {
+    const std::uint64_t skipped = has_sent_ ? publish_index - last_sent_ - 1 : 0;
+    has_sent_ = true;
+    last_sent_ = publish_index;
+    frames_skipped_ += skipped;
+    ++frames_sent_;
+    return skipped;
+}
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "daemon/one_thread.h"
+#include "daemon/socket/client_places.h"
+#include "daemon/socket/client_session.h"
+#include "daemon/socket/frame_compressor.h"
+#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frame_ring.h"
+#include "daemon/socket/listener.h"
+#include "daemon/socket/sensor_ring.h"
+
+namespace disparityd::daemon {
+
+/// Where and how to serve; the addresses are resolved.
+struct SocketServerConfig {
+    std::string tcp;        ///< empty = off
+    std::string unix_path;  ///< empty = off
+    std::size_t max_clients = 64;
+    std::size_t client_queue = 4;
+    bool tcp_control = false;                        ///< clients over TCP may record and set the camera
+    std::chrono::milliseconds idle_timeout{60'000};  ///< for clients without subscription and request; 0 = unlimited
+    std::size_t descriptors = SIZE_MAX;              ///< that the process may have open
+    TcpLiveness liveness;
+    std::chrono::microseconds request_interval = ClientRules().request_interval;
+};
+
+/// What the server asks of the daemon; called in the server's thread, must not block.
+struct SocketServices {
+    std::function<v1::Status()> status;  ///< without the clients, which the server adds
+    /// The answer may come later, from any thread.
+    std::function<void(const RecordRequest& request, SessionHost::RecordAnswer answer)> start_recording;
+    std::function<void(SessionHost::RecordAnswer answer)> stop_recording;
+    std::function<bool(std::uint64_t client)> is_recording_for;  ///< RecordRequest::client; empty: never
+    std::function<void(std::uint64_t client)> client_is_gone;    ///< RecordRequest::client; empty: not reported
+    std::function<void(const v1::CameraRequest& request, SessionHost::CameraAnswer answer)> control_camera;
+};
+
+/// Serves frames and status over TCP and a Unix socket, in one thread of its own. The publisher never waits for it: it
+/// copies the planes that clients want into a bounded pool; the server's thread does the rest.
+class SocketServer final : private SessionHost {
+public:
+    /// Binds. Throws as make_tcp_listener() and make_unix_listener(). Clients are accepted from start() on.
+    SocketServer(const SocketServerConfig& config, SocketServices services);
+    ~SocketServer() override;
+    SocketServer(const SocketServer&) = delete;
+    SocketServer& operator=(const SocketServer&) = delete;
+
+    /// Starts to serve. Throws if the thread cannot be started.
+    void start();
+
+    /// Closes all connections and joins the thread. Safe to call twice.
+    void stop();
+
+    /// Changes addresses and limits; clients stay connected. Throws as the constructor, without any change. Called by
+    /// the thread that calls start() and stop(). A longer client_queue takes effect at the next set_layout().
+    void reconfigure(const SocketServerConfig& config);
+
+    /// Sets the layout of the frames from now on. Same thread as reconfigure(), while no thread publishes; also before
+    /// start().
+    void set_layout(const StreamLayout& layout);
+
+    /// Publishes a frame of that layout. One thread at a time; allocates nothing while no client wants frames.
+    void publish(const PublishedFrame& frame);
+
+    /// Publishes samples of the camera's sensors, the last one measured at `newest`. One thread at a time; never waits,
+    /// allocates nothing while no client wants them. If the server is too busy, samples are lost; `lost_before` of the
+    /// next one counts them.
+    void publish_sensors(std::span<const capture::SensorSample> samples, SensorRing::Time newest);
+
+    /// Returns the addresses that are served, with the ports as bound. Same thread as reconfigure().
+    std::vector<std::string> addresses() const;
+
+    /// Returns the address whose file was removed or replaced; empty if there is none. Same thread as reconfigure().
+    std::string lost_address() const;
+
+    /// Makes the file of lost_address() again; clients stay connected. Throws as make_unix_listener(). Same thread as
+    /// reconfigure().
+    void restore();
+
+    /// Returns how long the server's thread has not answered. Each call asks again, once the last one is answered. One
+    /// thread.
+    std::chrono::nanoseconds silence();
+
+    /// Returns how many clients have disconnected since the start. Any thread.
+    std::uint64_t gone() const { return gone_.load(std::memory_order_relaxed); }
+
+    /// Returns how many frames no client was offered because all copies were in use. Any thread.
+    std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+private:
+    using Listeners = std::vector<std::shared_ptr<Listener>>;
+
+    const StreamLayout& layout() const override { return layout_; }
+    FrameRing& frames() override { return ring_; }
+    FrameCompressor& compressor() override { return compressor_; }
+    const SensorRing& sensors() override { return sensors_; }
+    ClientLog& log() override { return log_; }
+    v1::Status status() override;
+    const ClientRules& rules() const override { return rules_; }
+    bool is_recording_for(std::uint64_t id) const override {
+        return services_.is_recording_for && services_.is_recording_for(id);
+    }
+    void start_recording(const RecordRequest& request, RecordAnswer answer) override;
+    void stop_recording(RecordAnswer answer) override;
+    void control_camera(const v1::CameraRequest& request, CameraAnswer answer) override;
+    void subscription_changed() override;
+    void closed(std::uint64_t id) noexcept override;
+
+    void serve(Listener& listener);
+    Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
+    void accepted(ClientSession::Socket socket, ClientPeer peer);
+    void frame_arrived(FrameHandle frame);
+    void sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest);
+    template <typename Action>
+    void for_each_session(Action action) noexcept;
+    RecordAnswer in_server_thread(RecordAnswer answer);
+    void tell_gone(std::uint64_t client) noexcept;
+    void watch_clients() noexcept;
+    void run() noexcept;
+    void look_around() noexcept;
+    void end_all() noexcept;
+
+    boost::asio::io_context io_{1};
+    boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+    SocketServices services_;
+    std::thread thread_;
+
+    // The configuring thread's.
+    SocketServerConfig config_;
+    Listeners listeners_;
+    std::chrono::steady_clock::time_point asked_;
+
+    // The publisher's, changed by the configuring thread while nobody publishes.
+    std::unique_ptr<FramePool> pool_;
+
+    // Of the thread that publishes sensors.
+    std::uint32_t samples_lost_ = 0;
+
+    // Between threads.
+    std::atomic<std::uint32_t> wanted_{0};
+    std::atomic<bool> sensors_wanted_{false};
+    std::atomic<std::size_t> samples_on_the_way_{0};
+    std::atomic<std::uint64_t> lost_{0};
+    std::atomic<bool> answered_{true};
+    std::atomic<std::uint64_t> gone_{0};
+
+    // The server thread's.
+    Listeners serving_;
+    StreamLayout layout_;
+    FrameRing ring_;
+    boost::asio::thread_pool compressing_ = one_thread();
+    FrameCompressor compressor_;
+    SensorRing sensors_;
+    ClientLog log_;
+    boost::asio::steady_timer watch_timer_;
+    std::chrono::steady_clock::time_point watch_due_;
+    ClientPlaces places_;
+    ClientRules rules_;
+    std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;
+    std::map<std::uint64_t, std::shared_ptr<ClientSession>> refused_;
+    std::uint64_t next_id_ = 1;
+};
+
+}  // namespace disparityd::daemon

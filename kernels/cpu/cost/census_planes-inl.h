@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 3 of docs/algorithm.md into the form in which costs are computed: planes of bytes, for the same bits of many
+// pixels one load, or one plane of whole words. The order of the bits is free, since only differing bits are counted.
+#if defined(DISPARITYD_CPU_COST_CENSUS_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_COST_CENSUS_PLANES_INL_H_
+#undef DISPARITYD_CPU_COST_CENSUS_PLANES_INL_H_
+#else
+#define DISPARITYD_CPU_COST_CENSUS_PLANES_INL_H_
+#endif
+
+#include <algorithm>
+#include <type_traits>
+
+#include "kernels/cpu/cost/census_window-inl.h"
+#include "kernels/cpu/cost/census_words-inl.h"
+#include "kernels/cpu/match_layout.h"
+#include "kernels/cpu/simd/prefetch-inl.h"
+#include "kernels/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+// Where the processor counts the bits of bytes, a plane holds 8 bits of a pixel; elsewhere bits are counted by table
+// lookup, 4 at a time: those of a left pixel choose one of 16 tables of 16 bytes, and are the upper half of their byte,
+// which is then the table's place.
+#if HWY_TARGET == HWY_AVX3_DL || HWY_ARCH_ARM
+constexpr int bits_per_plane = 8;
+constexpr int lowest_left_bit = 0;
+#else
+constexpr int bits_per_plane = 4;
+constexpr int lowest_left_bit = 4;
+#endif
+constexpr int census_bits = 62;
+constexpr int census_planes = (census_bits + bits_per_plane - 1) / bits_per_plane;
+
+/// Whether there is one plane, of words: where the processor counts their bits too and a pixel has one register. With
+/// more, neighbouring pixels share loads of planes anyway.
+constexpr bool in_words(int registers) {
+    return HWY_TARGET == HWY_AVX3_DL && registers == 1;
+}
+
+/// What a plane has of each pixel.
+template <int registers>
+using CensusUnit = std::conditional_t<in_words(registers), std::uint64_t, std::uint8_t>;
+
+inline CensusLayout census_layout(int width, DisparityLayout layout) {
+    const bool words = in_words(layout.registers);
+    const int unit = words ? sizeof(std::uint64_t) : sizeof(std::uint8_t);
+    CensusLayout census;
+    census.planes = words ? 1 : census_planes;
+    census.left_pitch = unit * (rounded_up(width, 64) + row_slack);
+    census.right_part = unit * (rounded_up((width + layout.candidates()) / layout.registers, 64) + row_slack);
+    census.right_pitch = census.right_part * layout.registers;
+    return census;
+}
+
+/// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
+/// vectors of bytes are written. Bits have the same order in both orders of columns, natural for the left image and
+/// mirrored for the right. `next` is asked for.
+template <class Unit, Order order>
+void census_row(const CensusWindow<order>& window, int y, int first, int count, Unit* planes, int pitch, Memory next) {
+    constexpr bool words = sizeof(Unit) > 1;
+    const hn::ScalableTag<std::int8_t> tag;
+    const int lanes = static_cast<int>(hn::Lanes(tag));
+    constexpr int right = order == Order::natural ? 1 : -1;
+    constexpr int lowest_bit = order == Order::natural ? lowest_left_bit : 0;
+    const std::int8_t* rows[2 * census_radius_y + 1];
+    for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
+        rows[dy + census_radius_y] = reinterpret_cast<const std::int8_t*>(window.row(y + dy) + first);
+    }
+    Prefetch soon(next, std::max((count + lanes - 1) / lanes, 1));
+    for (int x = 0; x < count; x += lanes) {
+        soon.portion();
+        const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
+        auto bits = hn::Zero(tag);
+        decltype(bits) bytes[words ? census_planes : 1];
+        std::uint8_t* out = reinterpret_cast<std::uint8_t*>(planes + x);
+        int byte = 0;
+        int bit = 0;
+        const auto take_byte = [&]() HWY_ATTR {
+            if constexpr (words) {
+                bytes[byte++] = bits;
+            } else {
+                hn::StoreU(bits, tag, reinterpret_cast<std::int8_t*>(out));
+                out += pitch;
+            }
+        };
+        DISPARITYD_UNROLL
+        for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
+            decltype(bits) beside[2 * census_radius_x + 1];
+            load_beside(tag, rows[dy] + x, beside);
+            DISPARITYD_UNROLL
+            for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
+                if (dy == census_radius_y && dx == 0) {
+                    continue;
+                }
+                const auto less = hn::Lt(beside[census_radius_x + right * dx], centre);
+                bits = add_where(less, bits, hn::Set(tag, static_cast<std::int8_t>(1 << (lowest_bit + bit))));
+                if (++bit == bits_per_plane) {
+                    take_byte();
+                    bits = hn::Zero(tag);
+                    bit = 0;
+                }
+            }
+        }
+        take_byte();
+        if constexpr (words) {
+            store_census_words(bytes, out);
+        }
+    }
+}
+
+template <class Unit>
+void census_left(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+    CensusWindow<Order::natural> window(image, rows.first);
+    const std::size_t row_bytes = geometry.census.left_row();
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
+        std::uint8_t* out = planes + static_cast<std::size_t>(y) * row_bytes;
+        census_row(window, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
+                   {out + row_bytes, row_bytes});
+    }
+}
+
+/// Entry i of a mirrored plane belongs to column width - 1 - d_min - i of the right image: candidate k of left column
+/// x is entry width - 1 - x + k. Entries of columns outside the image hold what happens to be there; costs of such
+/// candidates are replaced.
+template <int registers>
+void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+    const CensusLayout& census = geometry.census;
+    const int entries = geometry.width + geometry.layout.candidates();
+    const int first_entry = std::clamp(-geometry.range.first, 0, entries);  // of the last column inside
+    const int first_column = std::max(geometry.range.first, 0);             // mirrored
+    const int columns = std::clamp(geometry.width - first_column, 0, entries - first_entry);
+    constexpr int max_entries = max_side + max_disparities + row_slack * 4;
+    alignas(64) std::uint8_t whole[registers == 1 ? 1 : census_planes][registers == 1 ? 1 : max_entries] = {};
+    CensusWindow<Order::mirrored> window(image, rows.first);
+    for (int y = rows.first; y < rows.last; ++y) {
+        window.move_to(y);
+        std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row();
+        const Memory next{out + census.right_row(), census.right_row()};
+        if constexpr (registers == 1) {
+            census_row(window, y, first_column, columns, reinterpret_cast<CensusUnit<registers>*>(out) + first_entry,
+                       census.right_pitch, next);
+        } else {
+            census_row(window, y, first_column, columns, whole[0] + first_entry, max_entries, next);
+            for (int i = 0; i < census_planes; ++i) {
+                split<registers>(whole[i], entries, out + i * census.right_pitch, census.right_part);
+            }
+        }
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pixels that step 3 of docs/algorithm.md compares.
+#if defined(DISPARITYD_CPU_COST_CENSUS_WINDOW_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_COST_CENSUS_WINDOW_INL_H_
+#undef DISPARITYD_CPU_COST_CENSUS_WINDOW_INL_H_
+#else
+#define DISPARITYD_CPU_COST_CENSUS_WINDOW_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "kernels/cpu/simd/image_rows-inl.h"
+#include "kernels/image.h"
+#include "kernels/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+constexpr int census_radius_x = 4;
+constexpr int census_radius_y = 3;
+
+enum class Order : std::uint8_t {
+    natural,
+    mirrored,  ///< the last column of the image comes first
+};
+
+/// The seven rows around the row in work, with their borders replicated, as signed bytes (the order stays, and signed
+/// comparison is an instruction everywhere).
+template <Order order>
+class CensusWindow {
+public:
+    CensusWindow(Plane<const std::uint8_t> image, int first) : image_(image) {
+        for (int y = first - census_radius_y; y < first + census_radius_y; ++y) {
+            load(y);
+        }
+    }
+
+    /// To be called for y = first, first + 1, ..
+    void move_to(int y) { load(y + census_radius_y); }
+
+    const std::uint8_t* row(int y) const { return &rows_[(y + rows) % rows][row_slack]; }
+
+private:
+    static constexpr int rows = 8;  // a ring, a power of two
+
+    void load(int y) {
+        const hn::ScalableTag<std::uint8_t> tag;
+        const int lanes = static_cast<int>(hn::Lanes(tag));
+        const int width = image_.width;
+        const std::uint8_t* in = image_.row(std::clamp(y, 0, image_.height - 1));
+        std::uint8_t* out = &rows_[(y + rows) % rows][row_slack];
+        if constexpr (order == Order::mirrored) {
+            mirror(in, width, out);
+        } else {
+            std::copy_n(in, width, out);
+        }
+        std::fill_n(out - census_radius_x, census_radius_x, out[0]);
+        const auto last = hn::Set(tag, out[width - 1]);
+        for (int x = width; x < width + row_slack; x += lanes) {
+            hn::StoreU(last, tag, out + x);
+        }
+        const auto sign = hn::Set(tag, 0x80);
+        for (int x = -lanes; x < width + census_radius_x; x += lanes) {
+            hn::StoreU(hn::Xor(hn::LoadU(tag, out + x), sign), tag, out + x);
+        }
+    }
+
+    Plane<const std::uint8_t> image_;
+    alignas(64) std::uint8_t rows_[rows][max_side + 2 * row_slack] = {};
+};
+
+/// What is at from - census_radius_x .. from + census_radius_x. Where no more is loaded for it, some of it without
+/// loads, which would all but one cross cache lines.
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE void load_beside(Tag tag, const std::int8_t* from, V* beside) {
+    static_assert(census_radius_x == 4);
+    constexpr bool between = bytes_to_next == census_radius_x;
+    V* middle = beside + census_radius_x;
+    DISPARITYD_UNROLL
+    for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
+        if (!between || dx <= 0 || dx == census_radius_x) {
+            middle[dx] = in_register(hn::LoadU(tag, from + dx));
+        }
+    }
+    if constexpr (between) {
+        middle[1] = bytes_between<1>(middle[0], middle[4]);
+        middle[2] = bytes_between<2>(middle[0], middle[4]);
+        middle[3] = bytes_between<3>(middle[0], middle[4]);
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

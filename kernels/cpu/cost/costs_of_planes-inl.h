@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Differing bits of census planes, counted plane by plane for all candidates of a few pixels at once (neighbouring
+// pixels share most of what is loaded).
+#if defined(DISPARITYD_CPU_COST_COSTS_OF_PLANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_COST_COSTS_OF_PLANES_INL_H_
+#undef DISPARITYD_CPU_COST_COSTS_OF_PLANES_INL_H_
+#else
+#define DISPARITYD_CPU_COST_COSTS_OF_PLANES_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "kernels/cpu/cost/census_planes-inl.h"
+#include "kernels/cpu/cost/cost_row-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+#if HWY_TARGET != HWY_AVX3_DL && !HWY_ARCH_ARM
+struct DifferingBits {
+    alignas(16) std::uint8_t of[16][16] = {};
+
+    constexpr DifferingBits() {
+        for (unsigned a = 0; a < 16; ++a) {
+            for (unsigned b = 0; b < 16; ++b) {
+                for (unsigned differing = a ^ b; differing != 0; differing &= differing - 1) {
+                    ++of[a][b];
+                }
+            }
+        }
+    }
+};
+inline constexpr DifferingBits differing_bits;
+
+/// What counts the bits in which bytes of a plane differ from `left`: the table of one half byte, `left` its place.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
+    return hn::LoadDup128(tag, differing_bits.of[0] + left);
+}
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V count_differing(Tag, V counter, V right) {
+    return hn::TableLookupBytes(counter, right);
+}
+#else
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
+    return hn::Set(tag, left);
+}
+template <class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V count_differing(Tag, V counter, V right) {
+    return hn::PopulationCount(hn::Xor(counter, right));
+}
+#endif
+
+/// Costs of pixels one after the other.
+template <class Tag, int registers>
+class CostsOfPlanes {
+    using V = hn::Vec<Tag>;
+
+public:
+    /// How many pixels the loops take at once.
+    static constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
+    /// How many pixels that are streamed fill whole lines, if they begin with one.
+    static constexpr int pixels_of_lines = at_once;
+
+    CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const CostRow<Tag, registers>& out)
+        : geometry_(geometry), left_(census.left), right_(census.right), out_(out) {}
+
+    /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
+    template <bool streaming, class Next>
+    HWY_INLINE void between(int x, int end, Next next) const {
+        for (; x + at_once <= end; x += at_once) {
+            next();
+            pixels<at_once, streaming>(x);
+        }
+        for (; x < end; ++x) {
+            pixels<1, streaming>(x);
+        }
+    }
+
+private:
+    /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
+    /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
+    template <int count, bool streaming>
+    HWY_INLINE void pixels(int x) const {
+        constexpr int sources = registers + count - 1;
+        // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
+        const auto entry = static_cast<unsigned>(geometry_.width - x - count);
+        std::ptrdiff_t source[sources];
+        DISPARITYD_UNROLL
+        for (unsigned s = 0; s < sources; ++s) {
+            source[s] = part_entry(entry + s);
+        }
+        V cost[count][registers];
+        DISPARITYD_UNROLL
+        for (int i = 0; i < count; ++i) {
+            std::fill_n(cost[i], registers, hn::Set(tag_, static_cast<std::uint8_t>(geometry_.cost_bias)));
+        }
+        const std::uint8_t* left = left_ + x;
+        const std::uint8_t* right = right_;
+        DISPARITYD_UNROLL
+        for (int plane = 0; plane < census_planes; ++plane) {
+            V bits[sources];
+            if constexpr (registers == 1 && count == 4) {
+                // Four loads across cache lines would take longer than all that is done with them.
+                bits[0] = in_register(hn::LoadU(tag_, right + source[0]));
+                const V next = in_register(hn::LoadU(tag_, right + source[0] + bytes_to_next));
+                bits[1] = bytes_between<1>(bits[0], next);
+                bits[2] = bytes_between<2>(bits[0], next);
+                bits[3] = bytes_between<3>(bits[0], next);
+            } else {
+                DISPARITYD_UNROLL
+                for (int s = 0; s < sources; ++s) {
+                    bits[s] = in_register(hn::LoadU(tag_, right + source[s]));
+                }
+            }
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count; ++i) {
+                const V left_bits = counter(tag_, left[i]);
+                DISPARITYD_UNROLL
+                for (int r = 0; r < registers; ++r) {
+                    const V differing = count_differing(tag_, left_bits, bits[count - 1 - i + r]);
+                    cost[i][r] = in_register(hn::Add(cost[i][r], differing));
+                }
+            }
+            left += geometry_.census.left_pitch;
+            right += geometry_.census.right_pitch;
+        }
+        out_.template store<streaming>(*cost, count * registers, x);
+    }
+
+    std::ptrdiff_t part_entry(unsigned entry) const {
+        return static_cast<std::ptrdiff_t>(entry % registers) * geometry_.census.right_part + entry / registers;
+    }
+
+    const Tag tag_{};
+    const MatchGeometry& geometry_;
+    const std::uint8_t* left_;
+    const std::uint8_t* right_;
+    CostRow<Tag, registers> out_;
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 4 of docs/algorithm.md, one row: costs of all candidates, those outside the right image and padding put in their
+// places.
+#if defined(DISPARITYD_CPU_COST_MATCHING_COST_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_COST_MATCHING_COST_INL_H_
+#undef DISPARITYD_CPU_COST_MATCHING_COST_INL_H_
+#else
+#define DISPARITYD_CPU_COST_MATCHING_COST_INL_H_
+#endif
+
+#include <algorithm>
+#include <type_traits>
+
+#include "kernels/cpu/cost/census_planes-inl.h"
+#include "kernels/cpu/cost/costs_of_planes-inl.h"
+#include "kernels/cpu/cost/costs_of_words-inl.h"
+#include "kernels/cpu/simd/prefetch-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+constexpr std::uint8_t outside_cost = census_bits;
+
+template <class Tag, int registers>
+using CostsOfPixels = std::conditional_t<in_words(registers), CostsOfWords<Tag>, CostsOfPlanes<Tag, registers>>;
+
+template <class Tag, int registers>
+class MatchingCostRow {
+    using V = hn::Vec<Tag>;
+    using Costs = CostsOfPixels<Tag, registers>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int candidates = registers * lanes;
+    static constexpr int at_once = Costs::at_once;
+
+public:
+    MatchingCostRow(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs,
+                    std::uint8_t* streamed = nullptr)
+        : geometry_(geometry),
+          next_(next),
+          out_(costs, streamed),
+          pixels_(geometry, census, out_),
+          padded_(geometry.range.count != candidates),
+          bias_(static_cast<std::uint8_t>(geometry.cost_bias)) {}
+
+    /// Not in line: within the loops around it, its own find too few registers.
+    HWY_NOINLINE void run() const {
+        const int width = geometry_.width;
+        const DisparityRange range = geometry_.range;
+        // From `first` to `end` all candidates are inside the right image.
+        const int first = std::clamp(range.first + range.count - 1, 0, width);
+        const int end = std::clamp(width + range.first, first, width);
+        Prefetch left({next_.left, geometry_.census.left_row()}, std::max(width / at_once, 1));
+        Prefetch right({next_.right, geometry_.census.right_row()}, std::max(width / at_once, 1));
+        const auto next = [&]() HWY_ATTR {
+            left.portion();
+            right.portion();
+        };
+        if constexpr (Costs::pixels_of_lines > 0) {
+            if (out_.has_copy() && !padded_) {
+                const int first_streamed = std::min(rounded_up(first, Costs::pixels_of_lines), end);
+                pixels_.template between<false>(0, first_streamed, next);
+                pixels_.template between<true>(first_streamed, end, next);
+                pixels_.template between<false>(end, width, next);
+                set_outside<true>(0, first_streamed);
+                set_outside<true>(end, width);
+                return;
+            }
+        }
+        pixels_.template between<false>(0, width, next);
+        set_outside<false>(0, first);
+        set_outside<false>(end, width);
+        if (padded_) {
+            set_padding();
+        }
+        if (out_.has_copy()) {
+            out_.stream(width);
+        }
+    }
+
+private:
+    std::uint8_t biased(int cost) const { return static_cast<std::uint8_t>(bias_ + cost); }
+    std::uint8_t outside() const { return biased(outside_cost); }
+
+    /// Which candidate each lane of register r holds.
+    V candidate(int r) const {
+        alignas(64) std::uint8_t k[lanes];
+        for (int lane = 0; lane < lanes; ++lane) {
+            k[lane] = static_cast<std::uint8_t>(registers * lane + r);
+        }
+        return hn::Load(tag_, k);
+    }
+
+    /// Candidates outside the right image, of pixels [x, end).
+    template <bool streaming>
+    void set_outside(int x, int end) const {
+        const int width = geometry_.width;
+        const DisparityRange range = geometry_.range;
+        V k[registers];
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            k[r] = candidate(r);
+        }
+        for (; x < end; ++x) {
+            const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
+            const int last = std::clamp(x + 1 - range.first, first, range.count);
+            V cost[registers];
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                cost[r] = hn::Load(tag_, out_.at(x, r));
+                cost[r] = first == last ? hn::Set(tag_, outside()) : keep(cost[r], k[r], first, last);
+            }
+            out_.template store<streaming>(cost, registers, x);
+        }
+    }
+
+    /// The cost where candidate k is one of first .. last - 1.
+    V keep(V cost, V k, int first, int last) const {
+        const V from_first = hn::Sub(k, hn::Set(tag_, static_cast<std::uint8_t>(first)));
+        const V limit = hn::Set(tag_, static_cast<std::uint8_t>(last - 1 - first));
+        return hn::IfThenElse(hn::Eq(hn::Max(from_first, limit), limit), cost, hn::Set(tag_, outside()));
+    }
+
+    /// Lanes past the last candidate.
+    void set_padding() const {
+        const V last = hn::Set(tag_, static_cast<std::uint8_t>(geometry_.range.count - 1));
+        V least[registers];
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const V k = candidate(r);
+            const auto inside = hn::Eq(hn::Max(k, last), last);
+            least[r] = hn::IfThenElse(inside, hn::Zero(tag_), hn::Set(tag_, biased(padding_cost)));
+        }
+        for (int x = 0; x < geometry_.width; ++x) {
+            DISPARITYD_UNROLL
+            for (int r = 0; r < registers; ++r) {
+                std::uint8_t* at = out_.at(x, r);
+                hn::Store(hn::Max(least[r], hn::Load(tag_, at)), tag_, at);
+            }
+        }
+    }
+
+    const Tag tag_{};
+    const MatchGeometry& geometry_;
+    CensusRow next_;
+    CostRow<Tag, registers> out_;
+    Costs pixels_;
+    bool padded_;
+    std::uint8_t bias_;
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

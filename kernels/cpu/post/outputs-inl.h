@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 12 of docs/algorithm.md as far as it follows from the finished disparity: confidence 0 where it is rejected, and
+// depth.
+#if defined(DISPARITYD_CPU_POST_OUTPUTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_POST_OUTPUTS_INL_H_
+#undef DISPARITYD_CPU_POST_OUTPUTS_INL_H_
+#else
+#define DISPARITYD_CPU_POST_OUTPUTS_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "hwy/highway.h"
+#include "kernels/reference/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+inline void mask_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
+                            Rows rows) {
+    const hn::ScalableTag<std::int16_t> numbers;
+    const hn::Rebind<std::int8_t, decltype(numbers)> small;
+    const hn::Rebind<std::uint8_t, decltype(numbers)> bytes;
+    constexpr int lanes = static_cast<int>(hn::MaxLanes(numbers));
+    const int width = disparity.width;
+    if (width < lanes) {
+        reference::mask_confidence(disparity, invalid, confidence, rows);
+        return;
+    }
+    const auto rejected = hn::Set(numbers, invalid);
+    for (int y = rows.first; y < rows.last; ++y) {
+        for (int begin = 0; begin < width; begin += lanes) {
+            const int x = std::min(begin, width - lanes);
+            const auto is_rejected = hn::Eq(hn::LoadU(numbers, disparity.row(y) + x), rejected);
+            const auto gone = hn::BitCast(bytes, hn::DemoteTo(small, hn::VecFromMask(numbers, is_rejected)));
+            std::uint8_t* out = confidence.row(y) + x;
+            hn::StoreU(hn::AndNot(gone, hn::LoadU(bytes, out)), bytes, out);
+        }
+    }
+}
+
+/// Depth from disparity: floor((k + floor(n / 2)) / n) with n = d16 + offset16, divided in single precision.
+///
+/// `small`: numerators below 2^24 are exact in single precision, and the quotient is too far from the next integer to
+/// be rounded up to it. Larger ones give a quotient that is off by one at most where it matters, below 65536, and is
+/// put right.
+template <bool small>
+class DepthOfDisparity {
+    using Words = hn::ScalableTag<std::int16_t>;
+    using Numbers = hn::RepartitionToWide<Words>;
+    using Real = hn::RebindToFloat<Numbers>;
+    using V = hn::Vec<Numbers>;
+
+public:
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Words()));
+
+    DepthOfDisparity(std::int16_t invalid, DepthScale scale)
+        : invalid_(invalid), k_(static_cast<std::int32_t>(scale.k)), offset16_(scale.offset16) {}
+
+    static bool fits(DepthScale scale) {
+        constexpr int max_n = 1 << 16;
+        constexpr std::int64_t max_numerator = small ? 1 << 24 : 1 << 30;  // of a camera: some millions
+        return scale.k > 0 && scale.k < max_numerator - max_n && std::abs(std::int64_t{scale.offset16}) < max_n / 2;
+    }
+
+    void rows(Plane<const std::int16_t> disparity, Plane<std::uint16_t> depth, Rows rows) const {
+        for (int y = rows.first; y < rows.last; ++y) {
+            for (int begin = 0; begin < disparity.width; begin += lanes) {
+                const int x = std::min(begin, disparity.width - lanes);
+                pixels(disparity.row(y) + x, depth.row(y) + x);
+            }
+        }
+    }
+
+private:
+    static HWY_INLINE V number(int value) { return hn::Set(Numbers(), value); }
+
+    HWY_INLINE void pixels(const std::int16_t* disparity, std::uint16_t* depth) const {
+        const hn::RebindToUnsigned<Words> out;
+        const hn::Half<Words> half;
+        const hn::Rebind<std::uint16_t, Numbers> half_out;
+        const auto value = hn::LoadU(Words(), disparity);
+        const V lower = millimetres(hn::PromoteTo(Numbers(), hn::LowerHalf(half, value)));
+        const V upper = millimetres(hn::PromoteTo(Numbers(), hn::UpperHalf(half, value)));
+        // Larger values become 65535.
+        const auto all = hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
+        const auto rejected = hn::VecFromMask(Words(), hn::Eq(value, hn::Set(Words(), invalid_)));
+        hn::StoreU(hn::AndNot(hn::BitCast(out, rejected), all), out, depth);
+    }
+
+    HWY_INLINE V millimetres(V d16) const {
+        const V found = hn::Add(d16, number(offset16_));
+        const V n = hn::Max(found, number(1));
+        const V numerator = hn::Add(number(k_), hn::ShiftRight<1>(n));
+        const V quotient =
+            hn::ConvertTo(Numbers(), hn::Div(hn::ConvertTo(Real(), numerator), hn::ConvertTo(Real(), n)));
+        const V known = hn::Max(small ? quotient : put_right(quotient, numerator, n), number(1));
+        return hn::IfThenElse(hn::Gt(found, number(0)), known, number(far));
+    }
+
+    static HWY_INLINE V put_right(V near, V numerator, V n) {
+        const V quotient = hn::Min(near, number(far + 2));  // products stay below 2^31; one less is still far
+        const V rest = hn::Sub(numerator, hn::Mul(quotient, n));
+        const V one_less = hn::VecFromMask(Numbers(), hn::Lt(rest, number(0)));
+        const V one_more = hn::VecFromMask(Numbers(), hn::Gt(rest, hn::Sub(n, number(1))));
+        return hn::Sub(hn::Add(quotient, one_less), one_more);
+    }
+
+    static constexpr int far = 65535;
+
+    std::int16_t invalid_;
+    std::int32_t k_;
+    std::int32_t offset16_;
+};
+
+inline void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
+                  Plane<std::uint16_t> depth, Rows rows) {
+    using Small = DepthOfDisparity<true>;
+    using Large = DepthOfDisparity<false>;
+    if (scale.k == 0) {
+        for (int y = rows.first; y < rows.last; ++y) {
+            std::fill_n(depth.row(y), depth.width, std::uint16_t{0});
+        }
+    } else if (disparity.width >= Small::lanes && Small::fits(scale)) {
+        Small(invalid, scale).rows(disparity, depth, rows);
+    } else if (disparity.width >= Large::lanes && Large::fits(scale)) {
+        Large(invalid, scale).rows(disparity, depth, rows);
+    } else {
+        reference::depth(disparity, invalid, scale, depth, rows);
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 10 of docs/algorithm.md. A run is a part of a row that holds together; runs are joined with those of the row
+// above where they touch, so that what has to be followed is a few per cent of the pixels, and the pixels become bits.
+// Bands of rows are worked on side by side and joined at their borders.
+#if defined(DISPARITYD_CPU_POST_SPECKLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_POST_SPECKLE_INL_H_
+#undef DISPARITYD_CPU_POST_SPECKLE_INL_H_
+#else
+#define DISPARITYD_CPU_POST_SPECKLE_INL_H_
+#endif
+
+#include <algorithm>
+#include <span>
+
+#include "kernels/cpu/post/rejected_runs-inl.h"
+#include "kernels/cpu/post/row_bits-inl.h"
+#include "kernels/cpu/post/row_runs-inl.h"
+#include "kernels/cpu/post/run_regions.h"
+#include "kernels/reference/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+class SpeckleFilter {
+    /// Runs [first, last) of a row.
+    struct RunsOfRow {
+        std::int32_t first;
+        std::int32_t last;
+    };
+
+public:
+    static std::size_t bytes(int width, int height) {
+        const std::size_t rows = static_cast<std::size_t>(height);
+        return RunRegions::bytes(rows * static_cast<std::size_t>(width)) + rows * sizeof(RunsOfRow);
+    }
+
+    SpeckleFilter(Plane<std::int16_t> disparity, std::int16_t invalid, int max_step, std::span<std::byte> scratch)
+        : disparity_(disparity),
+          width_(disparity.width),
+          invalid_(invalid),
+          likeness_(invalid, max_step),
+          memory_(scratch.data()),
+          pixels_(static_cast<std::size_t>(disparity.width) * static_cast<std::size_t>(disparity.height)),
+          runs_(reinterpret_cast<RunsOfRow*>(memory_ + RunRegions::bytes(pixels_))) {}
+
+    /// Regions within the band.
+    void find(Rows band) const {
+        // Every run has a pixel: no more of them come before the band than there are pixels above it.
+        RunRegions regions(memory_, pixels_, band.first * width_);
+        LikenessBits bits;
+        PaddedRow pixels[2];
+        RowRuns runs[2];
+        pixels[(band.first + 1) % 2].clear(width_, invalid_);
+        for (int y = band.first; y < band.last; ++y) {
+            const int now = y % 2;
+            pixels[now].load(disparity_.row(y), width_, invalid_);
+            likeness_.row(pixels[now], pixels[1 - now], width_, bits);
+            runs_[y].first = regions.begun();
+            runs[now].find(bits, width_, regions.begun());
+            runs[now].add_to(regions, bits, width_);
+            runs_[y].last = regions.begun();
+            if (y > band.first) {
+                RowRuns::join(runs[1 - now], runs[now], bits.like_above, width_, regions);
+            }
+        }
+        regions.flatten();
+    }
+
+    /// Joins the regions above row y with those below, when both bands have been found.
+    void join_at(int y) const {
+        RunRegions regions(memory_, pixels_);
+        LikenessBits bits;
+        PaddedRow pixels[3];
+        RowRuns runs[2];
+        pixels[0].clear(width_, invalid_);
+        for (int i = 0; i < 2; ++i) {
+            pixels[i + 1].load(disparity_.row(y - 1 + i), width_, invalid_);
+            likeness_.row(pixels[i + 1], pixels[i], width_, bits);
+            runs[i].find(bits, width_, runs_[y - 1 + i].first);
+        }
+        RowRuns::join(runs[0], runs[1], bits.like_above, width_, regions);
+    }
+
+    /// When all is joined.
+    void reject(int min_size, Rows rows) const {
+        const RunRegions regions(memory_, pixels_);
+        RejectedRuns rejected;
+        for (int y = rows.first; y < rows.last; ++y) {
+            for (int run = runs_[y].first; run < runs_[y].last; ++run) {
+                rejected.add_if(regions.size_of_region(run) < min_size, regions.begin_of(run), regions.end_of(run));
+            }
+            rejected.write(disparity_.row(y), width_, invalid_);
+        }
+    }
+
+private:
+    Plane<std::int16_t> disparity_;
+    int width_;
+    std::int16_t invalid_;
+    Likeness likeness_;
+    std::byte* memory_;
+    std::size_t pixels_;
+    RunsOfRow* runs_;
+};
+
+inline std::size_t speckle_scratch(int width, int height) {
+    return SpeckleFilter::bytes(width, height);
+}
+
+inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
+                    std::span<std::byte> scratch, Parallel& workers) {
+    if (max_step < 0) {
+        reference::speckle(disparity, invalid, min_size, max_step, scratch);
+        return;
+    }
+    constexpr int min_rows = 16;  // a border costs as much as a few rows
+    const SpeckleFilter filter(disparity, invalid, max_step, scratch);
+    const int height = disparity.height;
+    // A few for each worker: what a band takes depends on what is in it.
+    const int wanted = workers.workers() == 1 ? 1 : 4 * workers.workers();
+    const int bands = std::clamp(height / min_rows, 1, wanted);
+    const auto begin_of = [=](int band) { return height * band / bands; };
+    workers.for_each(bands, [&](int band) { filter.find({begin_of(band), begin_of(band + 1)}); });
+    for (int band = 1; band < bands; ++band) {
+        filter.join_at(begin_of(band));
+    }
+    workers.for_each(bands, [&](int band) { filter.reject(min_size, {begin_of(band), begin_of(band + 1)}); });
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

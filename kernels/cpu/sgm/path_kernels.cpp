@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cpu/sgm/path_kernels.h"
+
+#include "hwy/targets.h"
+
+namespace disparityd::cpu {
+
+namespace {
+
+// With sums in words, memory allows for half as many candidates again as padding, no more: 80 in two registers of 64
+// have more, in three of 32 they have less.
+std::int64_t target_for_words(std::int64_t target, int disparities) {
+    const bool much_padding = 2 * sgm_kernels(target, disparities).layout.candidates() > 3 * disparities;
+    const bool other_there = sgm_kernels(HWY_AVX2, disparities).layout.lanes != 0;
+    return much_padding && other_there ? HWY_AVX2 : target;
+}
+
+SgmKernels kernels_of_variant(std::int64_t target, int disparities, bool eight_paths, bool words) {
+    if (words) {
+        return eight_paths ? u16_sum_kernels(target, disparities) : four_path_u16_sum_kernels(target, disparities);
+    }
+    return eight_paths ? sgm_kernels(target, disparities) : four_path_kernels(target, disparities);
+}
+
+}  // namespace
+
+bool sums_need_u16(const SgmOptions& options) {
+    return options.p2 > (options.paths == 8 ? max_byte_p2 : max_byte_p2_of_4_paths);
+}
+
+SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options) {
+    const bool eight_paths = options.paths == 8;
+    const bool words = sums_need_u16(options);
+    const std::int64_t fitting = words ? target_for_words(target, range.count) : target;
+    const SgmKernels kernels = kernels_of_variant(fitting, range.count, eight_paths, words);
+    return kernels.layout.lanes != 0 ? kernels : kernels_of_variant(HWY_AVX2, range.count, eight_paths, words);
+}
+
+}  // namespace disparityd::cpu

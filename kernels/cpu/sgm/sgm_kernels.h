@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "kernels/cpu/census_layout.h"
+#include "kernels/cpu/match_layout.h"
+#include "kernels/image.h"
+#include "kernels/options.h"
+#include "kernels/steps.h"
+
+namespace disparityd::cpu {
+
+/// The largest P2 of sgm_kernels(): sums of four paths fit a byte (4 * 63 = 252).
+constexpr int max_byte_p2 = 63;
+
+/// Path costs L of the previous row and the least of each pixel, of the three paths that come from it (from position p
+/// - 1, p and p + 1), indexed by position along the sweep (the column, or counted from the right end in the upward
+/// sweep), with guard pixels on both sides.
+struct PathRow {
+    std::uint8_t* costs[3] = {};
+    std::uint8_t* least[3] = {};
+};
+
+constexpr int path_guard = 64;  ///< guard pixels on either side of a PathRow
+
+/// Least costs are taken for this many pixels at a time, one block late.
+constexpr int min_block = 16;
+
+/// Rows that are worked on together run this many pixels apart, whole blocks: a row needs the least costs of its upper
+/// right neighbour.
+constexpr int row_lag = 2 * min_block;
+
+/// Steps [first, end) of aggregate(), whole blocks: step t works on position t of the first row and on position
+/// t - row_lag of the second.
+struct SweepSteps {
+    int first = 0;
+    int end = 0;
+};
+
+/// All steps of `rows` rows.
+constexpr int steps_of(int width, int rows) {
+    return (width + row_lag * (rows - 1) + min_block - 1) / min_block * min_block;
+}
+
+/// How many positions of a PathRow are done after `steps` steps: costs and least costs of the last of `rows` rows.
+constexpr int done_after(int steps, int width, int rows) {
+    return steps == steps_of(width, rows) ? width : steps - min_block - row_lag * (rows - 1);
+}
+
+/// Two paths and the least of one, of two rows.
+constexpr int max_sweep_state = 2 * (2 * max_disparities + 64);
+
+/// One row of a sweep, all arrays with the candidates of one pixel after the other.
+struct SweepRow {
+    const std::uint8_t* costs = nullptr;   ///< matching costs of the row
+    std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the paths of the sweep
+    const std::uint8_t* p2_rows[4] = {};   ///< P2 by position, of PathRow's paths and of the one along the row
+    const std::uint8_t* prefetch[2] = {};  ///< rows of sums and of costs that are needed soon; used when not null
+};
+
+enum class Store : std::uint8_t {
+    keep,    ///< plain stores
+    stream,  ///< past the caches: follow with hwy::FlushStream before another thread reads
+};
+
+struct SweepPass {
+    int direction = 1;  ///< 1: downwards and to the right, -1: upwards and to the left
+    int p1 = 0;
+    int p2 = 0;
+    Store store = Store::keep;
+};
+
+/// The SGM kernels of one instruction set, for one number of candidates. All are pure functions on rows.
+struct SgmKernels {
+    DisparityLayout layout;
+    int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
+    int cost_bias = 0;     ///< MatchGeometry::cost_bias of these kernels
+    int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
+    bool streams = false;  ///< there are stores past the caches
+
+    /// Strides and sizes of census planes.
+    CensusLayout (*census_layout)(int width, DisparityLayout layout);
+    /// Census of rows [first, last) into planes of these rows (`planes` points to row 0).
+    void (*census_left)(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes,
+                        Rows rows);
+    /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
+    void (*census_right)(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes,
+                         Rows rows);
+    /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon. Where
+    /// it is not null, `streamed` gets the costs too, past the caches as with Store::stream: here, where nothing else
+    /// goes to memory, and not in aggregate(), or memory would have too little to do in one of them and too much in the
+    /// other.
+    void (*matching_cost)(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next,
+                          std::uint8_t* costs, std::uint8_t* streamed);
+    /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
+    /// steps, in order. To reach position p, `previous_row` must be done up to p + 1. `state`, max_sweep_state bytes
+    /// aligned to 64, is carried from one call to the next.
+    void (*aggregate)(const MatchGeometry& geometry, const SweepPass& pass, const PathRow& previous_row,
+                      const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state);
+    /// Adaptive P2 of one row of the left image: SweepRow::p2_rows (to be rounded up to whole vectors).
+    void (*adaptive_p2)(const MatchGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
+                        const std::uint8_t* previous_row, std::uint8_t* const* p2_rows);
+    /// Winners of one row: S = down + up + C once for each path.
+    void (*winner)(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
+                   const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
+};
+
+/// What rows of a frame of this size are for these kernels, matching costs as their paths want them.
+inline MatchGeometry geometry_for(const SgmKernels& kernels, int width, int height, DisparityRange range) {
+    const CensusLayout census = kernels.census_layout(width, kernels.layout);
+    return {width, height, range, kernels.layout, census, kernels.cost_bias};
+}
+
+/// The kernels for an instruction set of Highway (one bit of hwy::SupportedTargets()): 8 paths, P2 up to max_byte_p2.
+/// path_kernels.h has those for other options.
+SgmKernels sgm_kernels(std::int64_t target, int disparities);
+
+}  // namespace disparityd::cpu

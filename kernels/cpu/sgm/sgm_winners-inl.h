@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// SgmKernels::winner for one layout of candidates and one variant of paths: S = down + up + C once for each path, as
+// keys of a search for winners.
+#if defined(DISPARITYD_CPU_SGM_SGM_WINNERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_SGM_SGM_WINNERS_INL_H_
+#undef DISPARITYD_CPU_SGM_SGM_WINNERS_INL_H_
+#else
+#define DISPARITYD_CPU_SGM_SGM_WINNERS_INL_H_
+#endif
+
+#include "kernels/cpu/sgm/path_offsets-inl.h"
+#include "kernels/cpu/sgm/path_variant.h"
+#include "kernels/cpu/winner/packed_argmin-inl.h"
+#include "kernels/cpu/winner/winner_row-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+template <class Tag, int registers, PathVariant variant>
+class SgmWinners {
+    using Words = hn::Repartition<std::uint16_t, Tag>;
+    using W = hn::Vec<Words>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+    static constexpr int candidates = registers * lanes;
+    static constexpr int stride = 2 * registers;
+    static constexpr int path_shift = variant.diagonals ? 3 : 2;
+    static constexpr int paths = 1 << path_shift;
+    static constexpr int bias = variant.any_p2 ? 0 : cost_bias;
+    static constexpr int max_sum = paths * (62 + (variant.any_p2 ? 193 : max_byte_p2));
+    static_assert(max_sum <= largest_sum);
+
+    // Sums of up to 1000 leave 6 bits for the index of a candidate.
+    static constexpr int packed_index_bits = 6;
+    static constexpr bool packed = !variant.any_p2 && PackedGroups<Words, stride, packed_index_bits>::possible;
+    static_assert(variant.any_p2 || max_sum < (no_key >> packed_index_bits));
+
+public:
+    static void winner(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
+                       const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
+        Minima minima;
+        if constexpr (packed) {
+            const auto keys = [=](int x, W* to) { keys_of(x, down, up, costs, to); };
+            PackedArgmin<Words, stride, packed_index_bits, paths * bias>(geometry).run(keys, minima, out.right_winner);
+        } else {
+            const auto keys = [=](int x, int count, auto take) HWY_ATTR {
+                for (int i = 0; i < count; ++i) {
+                    W key[stride];
+                    indexed_keys_of(x + i, down, up, costs, key);
+                    take(i, key);
+                }
+            };
+            WinnerSearch<Words, stride>(geometry).run(keys, minima, out.right_winner);
+        }
+        LeftResults(geometry, options).row(minima, geometry.width, out);
+    }
+
+private:
+    /// The words of the even and the odd lanes of a register.
+    struct Pair {
+        HWY_INLINE Pair(W even_lanes, W odd_lanes) : even(even_lanes), odd(odd_lanes) {}
+        W even;
+        W odd;
+    };
+
+    // Keys of PackedArgmin: 64 S of pixel x. C and so S still have their bias.
+    static HWY_INLINE void keys_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
+                                   W* out) {
+        const Words words;
+        const auto high = hn::Set(words, std::uint16_t{0xff00});
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const Pair sum = sums<packed_index_bits>(down + at, up + at, r);
+            const auto c = hn::BitCast(words, hn::Load(Tag(), costs + at + r * lanes));
+            // 512 C: the odd byte leaves the word by itself.
+            out[r] = hn::Add(sum.even, hn::ShiftLeft<packed_index_bits + path_shift>(c));
+            out[r + registers] = hn::Add(sum.odd, hn::ShiftLeft<packed_index_bits + path_shift - 8>(hn::And(c, high)));
+        }
+    }
+
+    // Keys of WinnerSearch, of C without its bias.
+    static HWY_INLINE void indexed_keys_of(int x, const std::uint8_t* down, const std::uint8_t* up,
+                                           const std::uint8_t* costs, W* out) {
+        constexpr int cost_shift = index_bits + path_shift;
+        const Words words;
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
+        const auto all_bias = hn::Set(Tag(), std::uint8_t{bias});
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const Pair sum = sums<index_bits>(down + at * variant.sum_bytes(), up + at * variant.sum_bytes(), r);
+            const auto c = hn::Sub(hn::Load(Tag(), costs + at + r * lanes), all_bias);
+            const W even = hn::Add(sum.even, shifted_bytes<false, cost_shift>(words, c));
+            const W odd = hn::Add(sum.odd, shifted_bytes<true, cost_shift>(words, c));
+            out[r] = key_of_sum<stride>(even, r);
+            out[r + registers] = key_of_sum<stride>(odd, registers + r);
+        }
+    }
+
+    /// 2^shift times what both sweeps left for register r of the pixel that begins there.
+    template <int shift>
+    static HWY_INLINE Pair sums(const std::uint8_t* down, const std::uint8_t* up, int r) {
+        const Words words;
+        if constexpr (variant.u16_sums) {
+            const auto of_residue = [&](int q) {
+                const int at = q * (lanes / 2);
+                return hn::ShiftLeft<shift>(hn::Add(hn::Load(words, reinterpret_cast<const std::uint16_t*>(down) + at),
+                                                    hn::Load(words, reinterpret_cast<const std::uint16_t*>(up) + at)));
+            };
+            return {of_residue(r), of_residue(registers + r)};
+        } else {
+            const auto a = in_register(hn::Load(Tag(), down + r * lanes));
+            const auto b = in_register(hn::Load(Tag(), up + r * lanes));
+            return {sum_of_bytes<false, shift>(words, a, b), sum_of_bytes<true, shift>(words, a, b)};
+        }
+    }
+};
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/capture_stage.h"
+
+#include <utility>
+
+#include "pipeline/frame_slot.h"
+
+namespace disparityd::pipeline {
+
+using std::chrono::steady_clock;
+
+CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
+                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap)
+    : policy_(policy),
+      source_(source),
+      free_slots_(free_slots),
+      first_stage_(first_stage),
+      rectifications_(rectifications),
+      raw_tap_(std::move(raw_tap)) {}
+
+void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping) {
+    bool ended = false;
+    while (!ended && !stopping.load(std::memory_order_relaxed)) {
+        PendingFrame pending;
+        heartbeat.beat();
+        const CaptureResult result = next_frame(pending, steady_clock::now() + heartbeat_interval);
+        if (result == CaptureResult::end) {
+            return;
+        }
+        if (result == CaptureResult::nothing) {
+            continue;
+        }
+        const auto start = steady_clock::now();
+        FrameSlot* slot = policy_ == Policy::live ? slot_for_newest(pending, heartbeat, stopping, ended)
+                                                  : slot_for_replay(heartbeat, stopping);
+        if (slot == nullptr) {
+            source_.give_back(pending.frame);
+            return;
+        }
+        const auto waited = policy_ == Policy::live ? steady_clock::duration::zero() : steady_clock::now() - start;
+        slot->captured = start;
+        slot->step_times[0] = steady_clock::now() - start - waited;
+        time.record(slot->step_times[0]);
+        enqueue(slot, std::move(pending));
+    }
+}
+
+CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, steady_clock::time_point deadline) {
+    capture::RawFrame& frame = pending.frame;
+    switch (source_.next(frame, deadline)) {
+        case capture::FrameSource::Next::timeout: return CaptureResult::nothing;
+        case capture::FrameSource::Next::end:
+        case capture::FrameSource::Next::interrupted: return CaptureResult::end;
+        case capture::FrameSource::Next::frame: break;
+    }
+    counters_.captured.fetch_add(1, std::memory_order_relaxed);
+    counters_.lost_before.fetch_add(frame.dropped_before, std::memory_order_relaxed);
+    lost_ += frame.dropped_before;
+    pending.rectification = rectifications_.for_frame(frame);
+    if (raw_tap_) {
+        raw_tap_(frame);
+    }
+    frame.sensors = {};  // their memory ends before the frame does
+    if ((frame.flags & capture::frame_flag_corrupt) != 0) {
+        counters_.corrupt.fetch_add(1, std::memory_order_relaxed);
+        ++lost_;
+        source_.give_back(frame);
+        return CaptureResult::nothing;
+    }
+    return CaptureResult::frame;
+}
+
+FrameSlot* CaptureStage::slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping) {
+    FrameSlot* slot = nullptr;
+    while (!free_slots_.take(slot, heartbeat_interval)) {
+        heartbeat.beat();
+        if (stopping.load(std::memory_order_relaxed)) {
+            return nullptr;
+        }
+    }
+    first_stage_.reserve(heartbeat);
+    return slot;
+}
+
+// Returns a slot for `pending`, which a newer frame replaces that comes while every slot is busy.
+FrameSlot* CaptureStage::slot_for_newest(PendingFrame& pending, Heartbeat& heartbeat, const std::atomic<bool>& stopping,
+                                         bool& ended) {
+    using namespace std::chrono_literals;
+    FrameSlot* slot = nullptr;
+    for (;;) {
+        if (first_stage_.take_back(slot)) {
+            // The frame that replaces it reports its losses too.
+            lost_ += slot->dropped_before;
+            drop(slot->raw);
+            return slot;
+        }
+        if (free_slots_.try_take(slot)) {
+            if (first_stage_.try_reserve()) {
+                return slot;
+            }
+            free_slots_.put_back(slot);
+        }
+        heartbeat.beat();
+        if (stopping.load(std::memory_order_relaxed)) {
+            return nullptr;
+        }
+        if (ended) {
+            // No newer frame can come: wait for a slot.
+            if (free_slots_.take(slot, 1ms)) {
+                first_stage_.reserve(heartbeat);
+                return slot;
+            }
+            continue;
+        }
+        PendingFrame newer;
+        CaptureResult result = CaptureResult::nothing;
+        try {
+            result = next_frame(newer, steady_clock::now() + 1ms);
+        } catch (...) {  // the source failed: the pending frame counts as dropped
+            drop(pending.frame);
+            throw;
+        }
+        if (result == CaptureResult::frame) {
+            drop(pending.frame);
+            pending = std::move(newer);
+        }
+        ended = result == CaptureResult::end;
+    }
+}
+
+void CaptureStage::drop(const capture::RawFrame& frame) {
+    source_.give_back(frame);
+    counters_.dropped.fetch_add(1, std::memory_order_relaxed);
+    ++lost_;
+}
+
+void CaptureStage::enqueue(FrameSlot* slot, PendingFrame&& pending) {
+    slot->raw = pending.frame;
+    slot->view.raw = pending.frame.image;
+    if (slot->rectification != pending.rectification) {
+        slot->rectification = std::move(pending.rectification);
+        slot->rectifier = slot->rectification->rectifier();
+        slot->view.depth_scale = slot->rectification->depth_scale();
+    }
+    slot->dropped_before = lost_;
+    lost_ = 0;
+    first_stage_.put(slot);
+}
+
+}  // namespace disparityd::pipeline

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "capture/frame_source.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/rectification_schedule.h"
+#include "pipeline/stage_queue.h"
+
+namespace disparityd::pipeline {
+
+/// The first stage of the pipeline: takes frames from the source, finds a slot for each, applies the policy and counts
+/// lost frames. run() is for one thread; any thread may read the counters.
+class CaptureStage {
+public:
+    struct Counters {
+        std::atomic<std::uint64_t> captured{0};
+        std::atomic<std::uint64_t> dropped{0};
+        std::atomic<std::uint64_t> lost_before{0};
+        std::atomic<std::uint64_t> corrupt{0};
+    };
+
+    CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
+                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap);
+
+    /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
+    void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
+
+    const Counters& counters() const { return counters_; }
+
+private:
+    enum class CaptureResult { frame, nothing, end };
+
+    /// A captured frame and the maps that it will be rectified with.
+    struct PendingFrame {
+        capture::RawFrame frame;
+        std::shared_ptr<const calibration::Rectification> rectification;
+    };
+
+    CaptureResult next_frame(PendingFrame& pending, std::chrono::steady_clock::time_point deadline);
+    FrameSlot* slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping);
+    FrameSlot* slot_for_newest(PendingFrame& pending, Heartbeat& heartbeat, const std::atomic<bool>& stopping,
+                               bool& ended);
+    void drop(const capture::RawFrame& frame);
+    void enqueue(FrameSlot* slot, PendingFrame&& pending);
+
+    Policy policy_;
+    capture::FrameSource& source_;
+    FreeSlots& free_slots_;
+    StageQueue& first_stage_;
+    RectificationSchedule& rectifications_;
+    Pipeline::RawTap raw_tap_;
+    Counters counters_;
+    std::uint64_t lost_ = 0;  ///< frames lost since the last one that was enqueued
+};
+
+}  // namespace disparityd::pipeline

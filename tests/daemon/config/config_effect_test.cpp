@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Keys whose fields the daemon hands on as a whole, to the matcher and to the rectification: each changes what comes
+// out. tests/house/check_config_keys.py looks for the reading of all others.
+#include <algorithm>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "calibration/rectification.h"
+#include "daemon/config/config.h"
+#include "daemon/config/config_keys.h"
+#include "kernels/pair_matcher.h"
+
+namespace disparityd::daemon {
+namespace {
+
+constexpr int width = 160;
+constexpr int height = 40;
+
+/// What a user may write for a key, without asking whether it is allowed: the words that the key names, and numbers.
+std::vector<std::string> values_to_try(const ConfigKey& key) {
+    if (std::holds_alternative<bool>(key.example)) {
+        return {"true", "false"};
+    }
+    if (std::holds_alternative<std::vector<std::int64_t>>(key.example)) {
+        return {"[]", "[1, 2, 30, 20]"};
+    }
+    if (std::holds_alternative<std::int64_t>(key.example)) {
+        return {"0", "1", "2", "3", "4", "5", "8", "30", "32", "40", "90", "99", "160"};
+    }
+    std::vector<std::string> words;
+    for (std::size_t begin = key.allowed.find('"'); begin != std::string::npos;) {
+        const std::size_t end = key.allowed.find('"', begin + 1);
+        words.push_back(key.allowed.substr(begin + 1, end - begin - 1));
+        begin = key.allowed.find('"', end + 1);
+    }
+    return words;
+}
+
+/// The configuration with one key set, or nothing where the value is not allowed. Small regions are removed, so that
+/// the step between them counts; the rectified size is set, so that each side may be changed alone; winners need not be
+/// unique, because uniqueness would reject what local_extrema rejects.
+std::optional<Config> with(const ConfigKey& key, const std::string& value) {
+    const Override set{std::string(key.section), std::string(key.name), value, "--set"};
+    try {
+        return parse_config("[match]\nspeckle_size = 30\nuniqueness = 0\n[rectify]\nwidth = 48\nheight = 36\n",
+                            "test.toml", {set});
+    } catch (const std::invalid_argument&) {
+        return std::nullopt;
+    }
+}
+
+/// A noisy pair: what the left image shows lies 5 to 19 px further left in the right one, or nowhere.
+struct NoisyPair {
+    std::vector<std::uint8_t> left = std::vector<std::uint8_t>(width * height);
+    std::vector<std::uint8_t> right = std::vector<std::uint8_t>(width * height);
+
+    NoisyPair() {
+        std::mt19937 random(7);
+        for (std::uint8_t& pixel : left) {
+            pixel = static_cast<std::uint8_t>(random() % 256);
+        }
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const int shift = 5 + x / 32 * 3 + y / 16;
+                const bool seen = x + shift < width && random() % 8 != 0;
+                const int value = seen ? left[static_cast<std::size_t>(y * width + x + shift)] : 128;
+                right[static_cast<std::size_t>(y * width + x)] =
+                    static_cast<std::uint8_t>(std::clamp(value + static_cast<int>(random() % 25) - 12, 0, 255));
+            }
+        }
+    }
+};
+
+using Planes = std::tuple<std::vector<std::int16_t>, std::vector<std::uint8_t>>;
+
+Planes matched(const std::vector<std::uint8_t>& left, const std::vector<std::uint8_t>& right,
+               const MatchOptions& options) {
+    constexpr std::size_t pixels = width * height;
+    Planes planes{std::vector<std::int16_t>(pixels), std::vector<std::uint8_t>(pixels)};
+    PairResults results;
+    results.disparity = {std::get<0>(planes).data(), width, height, width};
+    results.confidence = {std::get<1>(planes).data(), width, height, width};
+    PairMatcher matcher(width, height, options, "cpu");
+    Serial one_thread;
+    matcher.match({left.data(), width, height, width}, {right.data(), width, height, width}, results, one_thread);
+    return planes;
+}
+
+/// Of a noisy pair, and of a grey one without SGM: no candidate is better than another there, while the paths of SGM
+/// would carry what they see at the left border through the whole image.
+std::pair<Planes, Planes> matched(const MatchOptions& options) {
+    static const NoisyPair noisy;
+    static const std::vector<std::uint8_t> grey(width * height, 90);
+    MatchOptions alone = options;
+    alone.method = Method::census;
+    return {matched(noisy.left, noisy.right, options), matched(grey, grey, alone)};
+}
+
+/// What a client sees of the geometry: size, and the principal point within the region.
+std::tuple<int, int, double, double> rectified(const Config& config) {
+    const calibration::CameraModel camera{.fx = 40, .fy = 40, .cx = 32, .cy = 24, .distortion = {}};
+    calibration::StereoCalibration calibration;
+    calibration.width = 64;
+    calibration.height = 48;
+    calibration.left = calibration.right = camera;
+    calibration.translation = {-120, 0, 0};
+    const auto made = calibration::make_rectification(calibration, 64, 48, config.rectify.geometry);
+    return {made.width, made.height, made.cx, made.cy};
+}
+
+/// Whether two allowed values of a key give different results.
+template <typename Compute>
+bool has_effect(const ConfigKey& key, const Compute& compute) {
+    std::optional<decltype(compute(Config()))> first;
+    for (const std::string& value : values_to_try(key)) {
+        if (const std::optional<Config> config = with(key, value)) {
+            const auto result = compute(*config);
+            if (first && *first != result) {
+                return true;
+            }
+            first = first ? first : result;
+        }
+    }
+    return false;
+}
+
+TEST(ConfigEffect, EveryOptionOfTheMatcherChangesItsResult) {
+    int keys = 0;
+    for (const ConfigKey& key : config_keys()) {
+        if (key.section == "match" && key.name != "backend" && key.name != "depth") {
+            EXPECT_TRUE(has_effect(key, [&](const Config& config) { return matched(config.match.options); }))
+                << full_name(key) << " changes nothing";
+            ++keys;
+        }
+    }
+    EXPECT_GE(keys, 15);
+}
+
+TEST(ConfigEffect, EveryKeyOfTheGeometryChangesIt) {
+    int keys = 0;
+    for (const ConfigKey& key : config_keys()) {
+        if (key.section == "rectify" && key.name != "colour") {
+            EXPECT_TRUE(has_effect(key, rectified)) << full_name(key) << " changes nothing";
+            ++keys;
+        }
+    }
+    EXPECT_GE(keys, 3);
+}
+
+TEST(ConfigEffect, AKeyWithoutEffectIsFound) {
+    const auto census = [&](const Config& config) {
+        MatchOptions options = config.match.options;
+        options.method = Method::census;
+        return matched(options);
+    };
+    for (const ConfigKey& key : config_keys()) {
+        if (key.section == "match" && (key.name == "p1" || key.name == "adaptive_p2")) {
+            EXPECT_FALSE(has_effect(key, census)) << full_name(key);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::daemon

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/config/config.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "daemon/config/config_keys.h"
+#include "tests/capture/open_files_limit.h"
+
+namespace disparityd {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+std::string refusal(const std::string& text, const std::vector<daemon::Override>& overrides = {}) {
+    try {
+        daemon::parse_config(text, "my.toml", overrides);
+    } catch (const std::invalid_argument& error) {
+        return error.what();
+    }
+    return "(accepted)";
+}
+
+std::string read_file(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+/// The lines "key = value" of a file, by "section.key".
+std::map<std::string, std::string> lines_of(const std::string& text) {
+    std::map<std::string, std::string> found;
+    std::istringstream lines(text);
+    std::string section;
+    for (std::string line; std::getline(lines, line);) {
+        const auto equals = line.find(" = ");
+        if (line.starts_with('[')) {
+            section = line.substr(1, line.find(']') - 1);
+        } else if (!line.starts_with('#') && equals != std::string::npos) {
+            found[section + '.' + line.substr(0, equals)] = line.substr(equals + 3);
+        }
+    }
+    return found;
+}
+
+TEST(ExampleFile, HasEveryKeyWithItsDefault) {
+    const std::string text = read_file(DISPARITYD_EXAMPLE_CONFIG);
+    const daemon::Config defaults;
+    auto lines = lines_of(text);
+    for (const daemon::ConfigKey& key : daemon::config_keys()) {
+        ASSERT_TRUE(lines.contains(full_name(key))) << full_name(key) << " is not in the example file";
+        EXPECT_EQ(lines[full_name(key)], daemon::to_text(key.get(defaults))) << full_name(key);
+        lines.erase(full_name(key));
+    }
+    EXPECT_TRUE(lines.empty()) << "no key of the configuration: " << lines.begin()->first;
+}
+
+TEST(ExampleFile, LoadsAsTheDefaults) {
+    const daemon::Config example = daemon::load_config(DISPARITYD_EXAMPLE_CONFIG, {});
+    const daemon::Config defaults = daemon::parse_config("", "empty.toml");
+    for (const daemon::ConfigKey& key : daemon::config_keys()) {
+        EXPECT_EQ(key.get(example), key.get(defaults)) << full_name(key);
+    }
+}
+
+TEST(ExampleFile, EveryKeyHasAComment) {
+    std::istringstream lines(read_file(DISPARITYD_EXAMPLE_CONFIG));
+    std::string before;
+    for (std::string line; std::getline(lines, line); before = line) {
+        if (line.find(" = ") != std::string::npos && !line.starts_with('#')) {
+            EXPECT_TRUE(before.starts_with('#') || before.find(" = ") != std::string::npos) << line;
+        }
+    }
+}
+
+TEST(Config, ReadsValuesOfEveryType) {
+    const daemon::Config config = daemon::parse_config(R"(
+[source]
+uri = "recording.mkv"
+pace = "fastest"
+loop = true
+policy = "live"
+[rectify]
+width = 640
+height = 360
+region = [10, 20, 300, 200]
+[match]
+method = "census"
+d_min = -16
+disparities = 128
+median = 5
+depth = false
+[socket]
+tcp = "[::1]:0"
+unix = ""
+[log]
+level = "warning"
+target = "journal"
+)",
+                                                       "my.toml");
+    EXPECT_EQ(config.source.uri, "recording.mkv");
+    EXPECT_EQ(config.source.pace, capture::Pace::fastest);
+    EXPECT_TRUE(config.source.loop);
+    EXPECT_EQ(config.source.policy, daemon::PolicyChoice::live);
+    EXPECT_EQ(config.rectify.geometry.width, 640);
+    EXPECT_EQ(config.rectify.geometry.region.y, 20);
+    EXPECT_EQ(config.rectify.geometry.region.height, 200);
+    EXPECT_EQ(config.match.options.method, Method::census);
+    EXPECT_EQ(config.match.options.range.first, -16);
+    EXPECT_EQ(config.match.options.range.count, 128);
+    EXPECT_EQ(config.match.options.post.median, 5);
+    EXPECT_FALSE(config.match.depth);
+    EXPECT_EQ(config.socket.tcp, "[::1]:0");
+    EXPECT_EQ(config.socket.unix_path, "");
+    EXPECT_EQ(config.log.level, daemon::LogLevel::warning);
+    EXPECT_EQ(config.log.target, daemon::LogTarget::journal);
+}
+
+TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        const DisparityRange range{-32, 96};
+        const MatchOptions expected = default_options(method, range);
+        const std::string text = "[match]\nd_min = -32\nuniqueness = 7\nmethod = \"" + std::string(to_string(method)) +
+                                 "\"\ndisparities = 96\n";
+        const MatchOptions found = daemon::parse_config(text, "my.toml").match.options;
+        EXPECT_EQ(found.method, method);
+        EXPECT_EQ(found.post.uniqueness, 7);
+        EXPECT_EQ(found.sgm.p1, expected.sgm.p1);
+        EXPECT_EQ(found.sgm.p2, expected.sgm.p2);
+        EXPECT_EQ(found.sgm.adaptive_p2, expected.sgm.adaptive_p2);
+        EXPECT_EQ(found.post.speckle_size, expected.post.speckle_size);
+        EXPECT_EQ(found.post.median, expected.post.median);
+        EXPECT_EQ(found.post.local_extrema, expected.post.local_extrema);
+    }
+}
+
+TEST(Config, CommandLineWins) {
+    const daemon::Config config = daemon::parse_config(
+        "[match]\ndisparities = 64\n[source]\nuri = \"a\"\n", "my.toml",
+        {daemon::parse_override("match.disparities=128"), daemon::parse_override("source.uri=b=c.mkv"),
+         daemon::parse_override("rectify.region=[1, 2, 3, 4]"), daemon::parse_override("source.loop=true")});
+    EXPECT_EQ(config.match.options.range.count, 128);
+    EXPECT_EQ(config.source.uri, "b=c.mkv");
+    EXPECT_EQ(config.rectify.geometry.region.width, 3);
+    EXPECT_TRUE(config.source.loop);
+}
+
+struct BadCase {
+    const char* name;
+    const char* text;
+    std::vector<const char*> expected;
+};
+
+// What a failure shows; found by GoogleTest.
+void PrintTo(const BadCase& bad, std::ostream* out) {
+    *out << bad.name;
+}
+
+class BadConfig : public ::testing::TestWithParam<BadCase> {};
+
+TEST_P(BadConfig, IsRefusedInOneClearLine) {
+    const std::string line = refusal(GetParam().text);
+    EXPECT_THAT(line, StartsWith("my.toml:"));
+    EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    for (const char* part : GetParam().expected) {
+        EXPECT_THAT(line, HasSubstr(part));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, BadConfig,
+    ::testing::Values(
+        BadCase{"unknown_key",
+                "[match]\n  disparitys = 64\n",
+                {"my.toml:2:3:", "[match] disparitys", "did you mean \"disparities\""}},
+        BadCase{"far_from_any_key",
+                "[log]\nxylophone = 1\n",
+                {"my.toml:2:1:", "unknown key [log] xylophone", "allowed: level, target"}},
+        BadCase{"unknown_section", "[sockets]\ntcp = \"\"\n", {"unknown section [sockets]", "did you mean \"socket\""}},
+        BadCase{"no_section", "uri = \"scene:vga\"\n", {"my.toml:1:1:", "uri", "outside of a section"}},
+        BadCase{"wrong_type",
+                "[match]\ndisparities = \"64\"\n",
+                {"my.toml:2:1:", "[match] disparities", "found \"64\"", "multiple of 16"}},
+        BadCase{"float",
+                "[pipeline]\nslots = 4.0\n",
+                {"[pipeline] slots", "found 4.0, which is no whole number", "allowed: 2 .. 32"}},
+        BadCase{"flag", "[source]\nloop = 1\n", {"[source] loop", "found 1", "true or false"}},
+        BadCase{"negative_disparities", "[match]\ndisparities = -64\n", {"found -64", "16 .. 256"}},
+        BadCase{"huge_disparities", "[match]\ndisparities = 4096\n", {"found 4096", "16 .. 256"}},
+        BadCase{"odd_disparities", "[match]\ndisparities = 65\n", {"found 65", "multiple of 16"}},
+        BadCase{"beyond_int", "[match]\nd_min = 4294967296\n", {"[match] d_min", "found 4294967296", "-256 .. 256"}},
+        BadCase{"method",
+                "[match]\nmethod = \"sgbm\"\n",
+                {"[match] method", "found \"sgbm\"", "\"sgm\" or \"census\" or \"sad\""}},
+        BadCase{"paths", "[match]\npaths = 6\n", {"[match] paths", "found 6", "8 or 4"}},
+        BadCase{"p1_above_p2",
+                "[match]\np1 = 60\np2 = 50\n",
+                {"my.toml:2:1:", "[match] p1", "found 60", "less than p2, which is 50"}},
+        BadCase{"region_of_three",
+                "[rectify]\nregion = [1, 2, 3]\n",
+                {"[rectify] region", "found [1, 2, 3]", "[x, y, width, height]"}},
+        BadCase{"region_of_text", "[rectify]\nregion = [\"a\"]\n", {"[rectify] region", "array"}},
+        BadCase{"only_width", "[rectify]\nwidth = 640\n", {"my.toml:2:1:", "[rectify] width and height", "640 and 0"}},
+        BadCase{"not_toml", "[match\n", {"my.toml:1:", "not TOML"}},
+        BadCase{"html", "<!DOCTYPE html>\n<html></html>\n", {"my.toml:1:", "not TOML"}},
+        BadCase{"twice", "[match]\np1 = 1\np1 = 2\n", {"my.toml:3:", "not TOML"}},
+        BadCase{
+            "object_name", "[shared_memory]\nname = \"../x\"\n", {"[shared_memory] name", "found \"../x\"", "letters"}},
+        BadCase{"tcp_form",
+                "[socket]\ntcp = \"9876\"\n",
+                {"my.toml:2:1:", "[socket] tcp", "found \"9876\"", "ADDRESS:PORT"}},
+        BadCase{"tcp_port", "[socket]\ntcp = \"127.0.0.1:99999\"\n", {"[socket] tcp", "99999"}},
+        BadCase{"tcp_name", "[socket]\ntcp = \"example.com:9876\"\n", {"[socket] tcp", "example.com"}},
+        BadCase{"tcp_open", "[socket]\ntcp = \"0.0.0.0:9876\"\n", {"[socket] tcp", "0.0.0.0:9876", "insecure = true"}},
+        BadCase{"log_level", "[log]\nlevel = \"verbose\"\n", {"[log] level", "\"debug\" or"}},
+        BadCase{"empty_uri", "[source]\nuri = \"\"\n", {"[source] uri", "found \"\""}}),
+    [](const auto& parameter) { return std::string(parameter.param.name); });
+
+TEST(Config, InsecureAllowsOtherAddresses) {
+    EXPECT_EQ(daemon::parse_config("[socket]\ntcp = \"0.0.0.0:9876\"\ninsecure = true\n", "my.toml").socket.tcp,
+              "0.0.0.0:9876");
+    EXPECT_EQ(daemon::parse_config("[socket]\ntcp = \"localhost:9876\"\n", "my.toml").socket.tcp, "localhost:9876");
+}
+
+TEST(Config, KeysThatTheMethodDoesNotUseAreNoted) {
+    const std::string keys = "p1 = 10\np2 = 40\n";
+    EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sgm\"\n" + keys, "my.toml").notes, testing::IsEmpty());
+    EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sad\"\nmedian = 3\n", "my.toml").notes, testing::IsEmpty());
+    EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sad\"\n" + keys, "my.toml").notes,
+                testing::ElementsAre("my.toml:3:1: [match] p1, p2: only sgm uses this, the method is sad"));
+    EXPECT_THAT(
+        daemon::parse_config("[match]\nmethod = \"census\"\n", "my.toml", {daemon::parse_override("match.paths=4")})
+            .notes,
+        testing::ElementsAre(AllOf(StartsWith("--set match.paths=4: "), HasSubstr("the method is census"))));
+}
+
+TEST(Config, BadOverrideNamesWhatWasTyped) {
+    EXPECT_THAT(refusal("", {daemon::parse_override("match.disparities=7")}),
+                AllOf(StartsWith("--set match.disparities=7: "), HasSubstr("found 7")));
+    EXPECT_THAT(refusal("", {daemon::parse_override("match.disparities=many")}), HasSubstr("found \"many\""));
+    EXPECT_THAT(refusal("", {daemon::parse_override("match.disparites=64")}),
+                HasSubstr("did you mean \"disparities\""));
+    EXPECT_THAT(refusal("", {{"source", "uri", "", "--source "}}), HasSubstr("--source : [source] uri"));
+    EXPECT_THROW(daemon::parse_override("disparities=64"), std::invalid_argument);
+    EXPECT_THROW(daemon::parse_override("match.disparities"), std::invalid_argument);
+}
+
+std::string repeated(const std::string& text, int times) {
+    std::string all;
+    for (int i = 0; i < times; ++i) {
+        all += text;
+    }
+    return all;
+}
+
+TEST(Config, WhatIsDeepIsRefusedBeforeItIsParsed) {
+    constexpr int deep = 250'000;  // toml++ overflows its stack
+    const std::string key = "a" + repeated(".a", deep) + " = 1\n";
+    const auto long_key = AllOf(StartsWith("my.toml:3: found a key of more than 16 parts"), HasSubstr("at most 16"));
+    EXPECT_THAT(refusal("[match]\nmethod = \"sgm\"\n" + key), long_key);
+    EXPECT_THAT(refusal("\n\n[a" + repeated(" . a", deep) + "]\n"), long_key);
+    EXPECT_THAT(refusal("\n\n\"a\"" + repeated(".'a'", deep) + " = 1\n"), long_key);
+    EXPECT_THAT(refusal("a = \"\"\"\n\\\"\"\"\"\"\"\n" + key), long_key) << "behind a string that ends with quotes";
+    EXPECT_THAT(refusal("a = '''\n\\'''''\n" + key), long_key);
+    const auto brackets = AllOf(StartsWith("my.toml:2: found more than 16 brackets"), HasSubstr("at most 16"));
+    EXPECT_THAT(refusal("[rectify]\nregion = " + repeated("[", deep)), brackets);
+    EXPECT_THAT(refusal("[rectify]\nregion = " + repeated("{a.a.a = ", deep)), brackets);
+    EXPECT_THAT(refusal("", {daemon::parse_override("match.disparities=" + repeated("[", deep))}),
+                AllOf(StartsWith("--set match.disparities=["), HasSubstr("allowed: ")));
+    EXPECT_THAT(refusal("", {daemon::parse_override("match.disparities=1\n" + key)}),
+                AllOf(StartsWith("--set match.disparities=1"), HasSubstr("allowed: ")));
+}
+
+TEST(Config, DotsAndBracketsOfTextAreNoDepth) {
+    const std::string dots = repeated("..[{", 25);
+    const std::string text = "# " + dots + "\n[source]\nuri = \"" + dots + "\\\"" + dots + "\" # " + dots +
+                             "\n[record]\ndirectory = '" + dots + "'\n[socket]\nunix = '''\n" + dots + "'''\n";
+    const daemon::Config config =
+        daemon::parse_config(text, "my.toml", {daemon::parse_override("source.calibration=" + dots)});
+    EXPECT_EQ(config.source.uri, dots + '"' + dots);
+    EXPECT_EQ(config.record.directory, dots);
+    EXPECT_EQ(config.socket.unix_path, dots);
+    EXPECT_EQ(config.source.calibration, dots);
+}
+
+TEST(Config, MissingFileIsNamed) {
+    try {
+        daemon::load_config("/nowhere/disparityd.toml", {});
+        FAIL() << "accepted";
+    } catch (const std::invalid_argument& error) {
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("/nowhere/disparityd.toml"), HasSubstr("no such file")));
+    }
+    EXPECT_THROW(daemon::load_config("/tmp", {}), std::invalid_argument);
+}
+
+TEST(Config, TooManyOpenFilesAreNotToldAsAWrongPath) {
+    const capture::test::OpenFilesLimit none;
+    try {
+        daemon::load_config(DISPARITYD_EXAMPLE_CONFIG, {});
+        FAIL() << "accepted";
+    } catch (const std::invalid_argument& error) {
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("this program has too many files open"),
+                                        testing::Not(HasSubstr("check the path"))));
+    }
+}
+
+// Reading them might never end.
+TEST(Config, PipesAndDevicesAreRefused) {
+    const std::string pipe = testing::TempDir() + "config-pipe-" + std::to_string(getpid());
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    for (const std::string& path : {pipe, std::string("/dev/zero")}) {
+        try {
+            daemon::load_config(path, {});
+            FAIL() << "accepted";
+        } catch (const std::invalid_argument& error) {
+            EXPECT_THAT(error.what(), StartsWith("configuration " + path + ": not a file, but "));
+        }
+    }
+    unlink(pipe.c_str());
+}
+
+TEST(Config, UnixPathFollowsTheEnvironment) {
+    daemon::Config config;
+    config.socket.unix_path = "/x/y.sock";
+    EXPECT_EQ(daemon::resolved_unix_path(config), "/x/y.sock");
+    config.socket.unix_path = "auto";
+    setenv("RUNTIME_DIRECTORY", "/tmp:/other", 1);
+    EXPECT_EQ(daemon::resolved_unix_path(config), "/tmp/disparityd.sock");
+    config.shared_memory.name = "left";
+    EXPECT_EQ(daemon::resolved_unix_path(config), "/tmp/disparityd-left.sock");
+    unsetenv("RUNTIME_DIRECTORY");
+    setenv("STATE_DIRECTORY", "/var/lib/x", 1);
+    EXPECT_EQ(daemon::resolved_record_directory(config).path, "/var/lib/x");
+    EXPECT_TRUE(daemon::resolved_record_directory(config).chosen);
+    unsetenv("STATE_DIRECTORY");
+    config.record.directory = "/rec";
+    EXPECT_EQ(daemon::resolved_record_directory(config).path, "/rec");
+    EXPECT_TRUE(daemon::resolved_record_directory(config).chosen);
+}
+
+}  // namespace
+}  // namespace disparityd

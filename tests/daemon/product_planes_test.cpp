@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/product_planes.h"
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/published_frame.h"
+
+namespace disparityd::daemon {
+namespace {
+
+using testing::Contains;
+using testing::Not;
+
+Config with(std::string_view key, bool value) {
+    const std::size_t dot = key.find('.');
+    const Override set{std::string(key.substr(0, dot)), std::string(key.substr(dot + 1)), value ? "true" : "false",
+                       "--set"};
+    return parse_config("", "test.toml", {set});
+}
+
+TEST(ProductPlanes, KeySwitchesItsProductOn) {
+    int switched = 0;
+    for (const proto::ProductInfo& product : proto::products) {
+        if (product.config_key.empty()) {
+            EXPECT_THAT(configured_products(Config{}), Contains(product.number)) << product.name;
+            continue;
+        }
+        ++switched;
+        EXPECT_THAT(configured_products(with(product.config_key, true)), Contains(product.number)) << product.name;
+        EXPECT_THAT(configured_products(with(product.config_key, false)), Not(Contains(product.number)))
+            << product.name;
+    }
+    EXPECT_EQ(switched, 2);
+}
+
+TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
+    constexpr int width = 5;
+    constexpr int height = 3;
+    std::vector<std::int16_t> disparity(8 * height);
+    std::vector<std::uint8_t> confidence(8 * height);
+    std::vector<std::uint16_t> depth(8 * height);
+    std::vector<std::uint8_t> left(8 * height);
+    std::vector<std::uint8_t> colour(24 * height);
+    FrameView view;
+    view.disparity = {disparity.data(), width, height, 8};
+    view.confidence = {confidence.data(), width, height, 8};
+    view.depth = {depth.data(), width, height, 8};
+    view.left = {left.data(), width, height, 8};
+    view.left_colour = {colour.data(), 3 * width, height, 24};
+    const std::vector<const void*> starts{disparity.data(), confidence.data(), depth.data(), left.data(),
+                                          colour.data()};
+    for (std::size_t i = 0; i < proto::products.size(); ++i) {
+        const proto::ProductInfo& product = proto::products[i];
+        const Plane<const std::uint8_t> plane = product_plane(view, product.number);
+        EXPECT_EQ(plane.data, starts[i]) << product.name;
+        EXPECT_EQ(plane.width, width * static_cast<int>(product_bytes(product.number))) << product.name;
+        EXPECT_EQ(plane.height, height) << product.name;
+        EXPECT_EQ(plane.stride, 8 * static_cast<int>(product_bytes(product.number))) << product.name;
+    }
+}
+
+TEST(ProductPlanes, AnotherNumberIsRefused) {
+    EXPECT_THROW(product_plane({}, v1::PRODUCT_NONE), std::out_of_range);
+    EXPECT_THROW(proto::product_info(v1::PRODUCT_NONE), std::out_of_range);
+    EXPECT_EQ(proto::product_name(3), "depth");
+    EXPECT_EQ(proto::product_name(0), "product 0");
+    EXPECT_EQ(proto::product_name(99), "product 99");
+}
+
+}  // namespace
+}  // namespace disparityd::daemon

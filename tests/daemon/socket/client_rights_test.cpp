@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Who may ask for what: everybody who connects may look, but not everybody may record or set the camera.
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include "tests/daemon/socket/server_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+class ClientRightsTest : public ServerTest {
+protected:
+    /// The refusal; empty: it was granted.
+    static std::string ask(WireClient& client, const v1::Envelope& request) {
+        EXPECT_TRUE(client.send(request));
+        const auto answer = client.receive();
+        if (!answer) {
+            return "no answer";
+        }
+        EXPECT_FALSE(answer->envelope.error().closing());
+        return answer->envelope.error().message();
+    }
+
+    static std::vector<v1::Envelope> control_requests() {
+        std::vector<v1::Envelope> requests(3);
+        requests[0].mutable_record_start()->set_path("a.mkv");
+        requests[1].mutable_record_stop();
+        requests[2].mutable_camera_request()->add_settings()->set_name("gain-left");
+        return requests;
+    }
+};
+
+TEST_F(ClientRightsTest, ControlOverTcpIsRefusedUnlessConfigured) {
+    start();
+    WireClient tcp = connect(tcp_);
+    WireClient local = connect(unix_);
+    for (const v1::Envelope& request : control_requests()) {
+        EXPECT_THAT(ask(tcp, request),
+                    AllOf(HasSubstr("refused over TCP"), HasSubstr("[socket] tcp_control = true"), HasSubstr(unix_)));
+        EXPECT_EQ(ask(local, request), "");
+    }
+    v1::Envelope look;
+    look.mutable_camera_request();
+    EXPECT_EQ(ask(tcp, look), "camera: nothing asked for") << "looking is allowed; this is the camera's own answer";
+    EXPECT_NO_THROW(status(tcp));
+
+    config_.tcp_control = true;
+    server_->reconfigure(config_);
+    for (const v1::Envelope& request : control_requests()) {
+        EXPECT_EQ(ask(tcp, request), "");
+    }
+    EXPECT_FALSE(asked_by_owner_) << "nobody knows who connects over TCP";
+}
+
+TEST_F(ClientRightsTest, TheDaemonsUserIsKnownOnTheUnixSocket) {
+    start();
+    WireClient client = connect(unix_);
+    EXPECT_EQ(ask(client, control_requests()[0]), "");
+    EXPECT_TRUE(asked_by_owner_);
+}
+
+TEST_F(ClientRightsTest, AnotherUserIsKnownToo) {
+    if (geteuid() != 0) {
+        GTEST_SKIP() << "only root can be somebody else";
+    }
+    start();
+    ASSERT_EQ(chmod(config_.unix_path.c_str(), 0666), 0);
+    // Of this thread alone; the server's keeps its user.
+    const auto be = [](uid_t user) { return syscall(SYS_setresuid, -1, user, -1); };
+    ASSERT_EQ(be(65534), 0);
+    WireClient client = connect(unix_);
+    ASSERT_EQ(be(0), 0);
+    EXPECT_EQ(ask(client, control_requests()[0]), "");
+    EXPECT_FALSE(asked_by_owner_);
+}
+
+}  // namespace
+}  // namespace disparityd::test

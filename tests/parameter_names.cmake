@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake -DPROGRAMS=FILE -P parameter_names.cmake: fails where a test program named in FILE, one a line, has a parameter that
+# GoogleTest shows as bytes ("40-byte object <50-42 ...>"). Its type needs a PrintTo() in its own namespace.
+file(STRINGS "${PROGRAMS}" programs)
+if(NOT programs)
+  message(FATAL_ERROR "${PROGRAMS} names no program")
+endif()
+set(found)
+foreach(program IN LISTS programs)
+  execute_process(COMMAND "${program}" --gtest_list_tests OUTPUT_VARIABLE tests RESULT_VARIABLE failed)
+  if(failed OR NOT tests)
+    message(FATAL_ERROR "${program} does not list its tests: ${failed}")
+  endif()
+  string(REGEX MATCHALL "[^\n]*-byte object[^\n]*" lines "${tests}")
+  foreach(line IN LISTS lines)
+    string(APPEND found "\n${program}: ${line}")
+  endforeach()
+endforeach()
+if(found)
+  message(FATAL_ERROR "parameters without a printer:${found}")
+endif()

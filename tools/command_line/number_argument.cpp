@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_line/number_argument.h"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace disparityd::tools {
+
+CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,
+                         const std::string& description) {
+    const auto take = [&value, name, least, most](const std::string& text) {
+        int number = 0;
+        const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+        if (error != std::errc() || end != text.data() + text.size() || number < least || number > most) {
+            throw CLI::ValidationError(name, "found '" + text + "', allowed: a whole number from " +
+                                                 std::to_string(least) + " to " + std::to_string(most));
+        }
+        value = number;
+    };
+    return app.add_option_function<std::string>(name, take, description)->type_name("N");
+}
+
+CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
+                        std::initializer_list<const char*> allowed, const std::string& description) {
+    const std::vector<std::string> words(allowed.begin(), allowed.end());
+    std::string list;
+    for (const std::string& word : words) {
+        list += (list.empty() ? "" : ", ") + word;
+    }
+    const auto take = [&value, name, words, list](const std::string& text) {
+        if (std::find(words.begin(), words.end(), text) == words.end()) {
+            throw CLI::ValidationError(name, "found '" + text + "', allowed: " + list);
+        }
+        value = text;
+    };
+    return app.add_option_function<std::string>(name, take, description + ": " + list)->type_name("WORD");
+}
+
+CLI::Option* add_switch(CLI::App& app, const std::string& name, std::optional<bool>& value,
+                        const std::string& description) {
+    const auto take = [&value](std::int64_t count) { value = count > 0; };
+    return app.add_flag_function("--" + name + ",!--no-" + name, take, description);
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_line/program.h"
+
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "base/failure_text.h"
+#include "base/message_text.h"
+#include "tools/command_line/plain_help.h"
+#include "tools/command_line/printable_output.h"
+
+namespace disparityd::tools {
+namespace {
+
+std::string program = "disparityctl";
+
+void print(const char* kind, const std::string& text) {
+    // A progress bar leaves the cursor behind its text. Names in it may hold anything.
+    std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "") << program << ": " << kind << ": "
+              << base::printable(text, text.size()) << std::endl;
+}
+
+std::string help_of(const CLI::App& app) {
+    const auto chosen = app.get_subcommands();
+    return app.get_name() + (chosen.empty() ? "" : ' ' + chosen.front()->get_name()) + " --help";
+}
+
+}  // namespace
+
+void print_error(const std::string& text) {
+    print("error", text);
+}
+void print_note(const std::string& text) {
+    print("note", text);
+}
+
+int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
+    program = app.get_name();
+    const PrintableOutput printable(std::cout);
+    std::signal(SIGXFSZ, SIG_IGN);  // a limit for files is then told as a full disk is
+    use_plain_help(app);
+    app.set_version_flag("--version", program + ' ' + DISPARITYD_VERSION);
+    try {
+        app.parse(argc, argv);
+        const int code = action();
+        std::cout.flush();
+        if (!std::cout) {
+            throw std::runtime_error("standard output cannot be written");
+        }
+        return code;
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
+    } catch (const CLI::ParseError& error) {
+        print_error(std::string(error.what()) + "; see " + help_of(app));
+        return exit_user;
+    } catch (const std::invalid_argument& error) {
+        print_error(error.what());
+        return exit_user;
+    } catch (const std::exception& error) {
+        print_error(base::failure_text(error));
+        return exit_failed;
+    }
+}
+
+}  // namespace disparityd::tools

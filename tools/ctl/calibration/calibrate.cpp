@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+#include "base/words.h"
+#include "calibration/board/board.h"
+#include "calibration/board/luma_pair.h"
+#include "calibration/formats/calibration_formats.h"
+#include "capture/images/image_sequence.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/calibration/calibration_report.h"
+#include "tools/ctl/commands.h"
+#include "tools/ctl/describe.h"
+#include "tools/ctl/output_file.h"
+#include "tools/ctl/source_arguments.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::tools {
+namespace {
+
+constexpr int default_views = 20;
+
+// The board must move by this part of the image's width to be another view.
+constexpr double least_way = 0.02;
+
+struct CalibrateArguments {
+    std::string source;
+    std::string output;
+    std::string report;
+    std::optional<int> columns;
+    std::optional<int> rows;
+    double square_mm = 0;
+    std::string board = "chessboard";
+    std::optional<double> marker_mm;
+    std::optional<std::string> dictionary;
+    std::optional<int> views;
+    std::optional<int> every;
+    bool force = false;
+    bool json = false;
+};
+
+calibration::BoardMarkers markers_of(const CalibrateArguments& arguments, const calibration::Board& board) {
+    if (!arguments.marker_mm) {
+        throw std::invalid_argument(
+            "--marker: is missing; a board with markers needs it: the side of a marker in mm, measured on the board");
+    }
+    // The detector finds no marker without a rim, and none of a few pixels.
+    const double part = *arguments.marker_mm / board.square_mm;
+    if (!(part >= 0.3 && part <= 0.95)) {
+        throw std::invalid_argument("--marker: found " + fixed(*arguments.marker_mm, 2) +
+                                    ", allowed: " + fixed(0.3 * board.square_mm, 2) + " to " +
+                                    fixed(0.95 * board.square_mm, 2) + " mm, 0.3 to 0.95 of the square's side");
+    }
+    const std::string name = arguments.dictionary.value_or("4x4");
+    const calibration::MarkerFamily* family = calibration::marker_family(name);
+    if (family == nullptr) {
+        throw std::invalid_argument("--dictionary: found '" + name + "', allowed: 4x4, 5x5 or 6x6");
+    }
+    const int needed = (board.columns + 1) * (board.rows + 1) / 2;
+    if (needed > static_cast<int>(family->codes.size())) {
+        throw std::invalid_argument("--columns, --rows: a board of this size has " + std::to_string(needed) +
+                                    " markers, allowed: " + std::to_string(family->codes.size()));
+    }
+    return {family, part};
+}
+
+calibration::Board board_of(const CalibrateArguments& arguments) {
+    calibration::Board board{arguments.columns.value_or(9), arguments.rows.value_or(6), arguments.square_mm, {}};
+    if (!(board.square_mm >= 1 && board.square_mm <= 1000)) {
+        throw std::invalid_argument("--square: found " + fixed(board.square_mm, 2) +
+                                    ", allowed: 1 to 1000, the side of a square in mm, measured on the board");
+    }
+    if (arguments.board != "chessboard" && arguments.board != "charuco") {
+        throw std::invalid_argument("--board: found '" + arguments.board + "', allowed: chessboard or charuco");
+    }
+    if (arguments.board == "charuco") {
+        board.markers = markers_of(arguments, board);
+    } else if (arguments.marker_mm || arguments.dictionary) {
+        throw std::invalid_argument(
+            "--marker, --dictionary: a chessboard has no markers, allowed: with --board charuco");
+    }
+    return board;
+}
+
+/// Names a frame: by its files where the source consists of images, else by its number.
+class FileNames {
+public:
+    explicit FileNames(const std::string& source) {
+        if (capture::is_image_sequence(source)) {
+            images_ = capture::find_images(source).frames;
+        }
+    }
+
+    std::string of(const capture::RawFrame& frame) const {
+        if (frame.sequence >= images_.size()) {
+            return "frame " + std::to_string(frame.sequence);
+        }
+        const auto& files = images_[frame.sequence];
+        const std::string left = file_name(files.left);
+        const std::string right = file_name(files.right);
+        return right.empty() || right == left ? left : left + ", " + right;
+    }
+
+private:
+    static std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
+
+    std::vector<capture::ImageSequence::Frame> images_;
+};
+
+/// Collects views of a source and guides the person who holds the board.
+class Collector {
+public:
+    Collector(const CalibrateArguments& arguments, const capture::SourceInfo& info)
+        : arguments_(arguments), board_(board_of(arguments)), info_(info), files_(arguments.source) {}
+
+    bool enough() const { return views_.size() >= static_cast<std::size_t>(wanted()); }
+
+    void look_at(const capture::RawFrame& frame) {
+        if (frame_number_++ % static_cast<std::uint64_t>(arguments_.every.value_or(1)) != 0) {
+            return;
+        }
+        const calibration::LumaPair eyes(frame.image);
+        const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
+        if (!view) {
+            say(frame,
+                board_.markers ? "both eyes see too little of the board" : "the board is not seen whole by both eyes");
+            return;
+        }
+        if (!views_.empty() && calibration::moved(views_.back(), *view) < least_way * info_.eye_width) {
+            say(frame, "the board has not moved");
+            return;
+        }
+        views_.push_back(*view);
+        pictures_.push_back(shrink(eyes.left(), eyes.right()));
+        pictures_.back().frame = files_.of(frame);
+        const auto missing = missing_views();
+        say(frame, "view " + std::to_string(views_.size()) + " of " + std::to_string(wanted()) +
+                       (missing.empty() ? "" : "; " + missing.front()));
+    }
+
+    std::vector<std::string> missing_views() const {
+        return calibration::missing_views(views_, board_, info_.eye_width, info_.height);
+    }
+    const std::vector<calibration::BoardView>& views() const { return views_; }
+    const std::vector<ViewPicture>& pictures() const { return pictures_; }
+    const calibration::Board& board() const { return board_; }
+
+private:
+    int wanted() const { return arguments_.views.value_or(default_views); }
+
+    /// Prints a line of guidance, unless it is the same as the line before.
+    void say(const capture::RawFrame& frame, const std::string& text) {
+        if (text != said_) {
+            std::cerr << files_.of(frame) << ": " << text << '\n';
+            said_ = text;
+        }
+    }
+
+    const CalibrateArguments& arguments_;
+    const calibration::Board board_;
+    const capture::SourceInfo& info_;
+    const FileNames files_;
+    std::uint64_t frame_number_ = 0;
+    std::string said_;
+    std::vector<calibration::BoardView> views_;
+    std::vector<ViewPicture> pictures_;
+};
+
+void collect(capture::FrameSource& source, Collector& collector) {
+    catch_interrupts();
+    while (!collector.enough()) {
+        const auto frame = next_frame(source);
+        if (!frame) {
+            return;
+        }
+        try {
+            collector.look_at(*frame);
+        } catch (...) {
+            source.give_back(*frame);
+            throw;
+        }
+        source.give_back(*frame);
+    }
+}
+
+void report(const CalibrateArguments& arguments, const calibration::BoardCalibration& found,
+            const Collector& collector) {
+    const std::vector<std::string> missing = collector.missing_views();
+    const calibration::Coverage covered =
+        calibration::covered_parts(collector.views(), found.calibration.width, found.calibration.height);
+    if (arguments.json) {
+        Json views = Json::array();
+        for (std::size_t i = 0; i < found.views.size(); ++i) {
+            const auto& view = found.views[i];
+            views.push_back({{"frame", collector.pictures()[i].frame},
+                             {"left_rms_px", view.left_rms},
+                             {"right_rms_px", view.right_rms},
+                             {"rows_px", view.rows}});
+        }
+        std::cout << to_text(Json{{"file", arguments.output},
+                                  {"rms_px", found.rms},
+                                  {"views", views},
+                                  {"parts_seen", std::count(covered.begin(), covered.end(), true)},
+                                  {"parts", covered.size()},
+                                  {"missing", missing},
+                                  {"calibration", to_json(found.calibration)}},
+                             2)
+                  << '\n';
+        return;
+    }
+    Table table({"view", "frame", "left px", "right px", "rows px"});
+    for (std::size_t i = 0; i < found.views.size(); ++i) {
+        const auto& view = found.views[i];
+        table.add({std::to_string(i + 1), collector.pictures()[i].frame, fixed(view.left_rms, 3),
+                   fixed(view.right_rms, 3), fixed(view.rows, 3)});
+    }
+    table.print(std::cout);
+    std::cout << arguments.output << ": RMS " << fixed(found.rms, 3) << " px over " << found.views.size()
+              << " views, baseline " << fixed(-found.calibration.translation[0], 2) << " mm\n"
+              << coverage_verdict(covered) << '\n';
+    for (const std::string& line : missing) {
+        print_note("it would be better to " + line);
+    }
+}
+
+/// Refuses a calibration that the daemon would refuse, before a file is written.
+void check_result(const CalibrateArguments& arguments, const calibration::StereoCalibration& calibration) {
+    if (calibration.translation[0] >= 0) {
+        throw std::invalid_argument(arguments.source +
+                                    ": the right camera lies left of the left one: exchange the two eyes of the "
+                                    "source; no file was written");
+    }
+    try {
+        check_plausible(calibration, arguments.source);
+    } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(std::string(error.what()) +
+                                    "; no file was written: take sharper views, from more sides");
+    }
+}
+
+int run_calibration(const CalibrateArguments& arguments) {
+    images::check_ending(arguments.output, {".yml", ".yaml"});
+    check_output(arguments.output, arguments.force);
+    if (!arguments.report.empty()) {
+        images::check_picture_name(arguments.report);
+        check_output(arguments.report, arguments.force);
+    }
+    board_of(arguments);
+    capture::SourceOptions options;
+    options.uri = arguments.source;
+    options.loans = 2;
+    options.pace = capture::Pace::fastest;
+    const auto source = open_with_progress(options);
+    const capture::SourceInfo& info = source->info();
+    Collector collector(arguments, info);
+    collect(*source, collector);
+    constexpr std::size_t least_views = 3;
+    if (interrupted() && collector.views().size() < least_views) {
+        print_note("stopped by Ctrl-C with " + base::counted(collector.views().size(), "view") +
+                   ", at least 3 are needed; nothing was written");
+        return exit_interrupted;
+    }
+    const calibration::BoardCalibration found =
+        calibration::calibrate(collector.views(), collector.board(), info.eye_width, info.height);
+    check_result(arguments, found.calibration);
+    const std::string text = to_opencv_yaml(found.calibration);
+    images::write_file(arguments.output, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    if (!arguments.report.empty()) {
+        images::write_picture(arguments.report, report_picture(collector.pictures(), collector.views(), found,
+                                                               collector.missing_views()));
+    }
+    report(arguments, found, collector);
+    return exit_done;
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& program, Action& action) {
+    CLI::App& command = *program.add_subcommand(
+        "calibrate", "Calibrate a stereo camera with a chessboard or ChArUco board, from images or live, into a file.");
+    const auto arguments = std::make_shared<CalibrateArguments>();
+    command
+        .add_option(
+            "SOURCE", arguments->source,
+            "raw pairs that show the board: a camera, a folder, a pattern, a recording; see disparityctl sources")
+        ->required();
+    command.add_option("-o,--output", arguments->output, "calibration file to write (OpenCV YAML)")
+        ->type_name("FILE")
+        ->required();
+    command.add_option("--square", arguments->square_mm, "side of a square in mm, as measured")
+        ->type_name("MM")
+        ->required();
+    add_integer(command, "--columns", arguments->columns, 3, 64, "inner corners along a row of the board; default 9");
+    add_integer(command, "--rows", arguments->rows, 3, 64, "inner corners along a column; default 6");
+    command.add_option("--board", arguments->board, "chessboard or charuco; default chessboard")->type_name("KIND");
+    command.add_option("--marker", arguments->marker_mm, "charuco: side of a marker in mm, as measured")
+        ->type_name("MM");
+    command
+        .add_option("--dictionary", arguments->dictionary, "charuco: 4x4, 5x5 or 6x6, numbers 0 to 249; default 4x4")
+        ->type_name("NAME");
+    command.add_option("--report", arguments->report, "picture of every view with its corners and errors (.png, .jpg)")
+        ->type_name("FILE");
+    add_integer(command, "--views", arguments->views, 3, 1000,
+                "stop after this many; default " + std::to_string(default_views));
+    add_integer(command, "--every", arguments->every, 1, 1000, "look at every Nth frame; default 1");
+    command.add_flag("--force", arguments->force, "replace the files");
+    command.add_flag("--json", arguments->json, "the result as one JSON object");
+    command.footer(
+        "While it runs, standard error says what the board should do next. Ctrl-C: calibrate with the views so far.\n"
+        "A board of 10 x 7 squares has 9 x 6 inner corners. Both eyes must see a whole chessboard, or a part of\n"
+        "a ChArUco board. An RMS below 0.5 px is good; a view with far more than the others is blurred or misread.\n"
+        "Example: disparityctl calibrate 'left%02d.jpg,right%02d.jpg' --square 25 -o my.yml --report my.png");
+    command.callback([arguments, &action] { action = [arguments] { return run_calibration(*arguments); }; });
+}
+
+}  // namespace disparityd::tools

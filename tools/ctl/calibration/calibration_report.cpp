@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/calibration/calibration_report.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+#include "base/words.h"
+#include "tools/command_line/table.h"
+
+namespace disparityd::tools {
+namespace {
+
+constexpr int eye_width = 320;  // of a shrunk picture
+constexpr int line_height = 22;
+constexpr int per_row = 2;
+constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double font_scale = 0.45;
+
+cv::Point scaled(const cv::Point2f& corner, double scale, int shift) {
+    return {static_cast<int>(corner.x * scale) + shift, static_cast<int>(corner.y * scale)};
+}
+
+void write_line(cv::Mat& picture, const std::string& text, int y) {
+    cv::putText(picture, text, {6, y}, font, font_scale, {255, 255, 255}, 1, cv::LINE_AA);
+}
+
+/// Returns the end of a text that is too long for `width`: names differ at their ends.
+std::string fitted_line(const std::string& text, int width) {
+    const auto too_wide = [width](const std::string& line) {
+        return cv::getTextSize(line, font, font_scale, 1, nullptr).width > width;
+    };
+    std::string line = text;
+    for (std::size_t cut = 1; too_wide(line) && cut < text.size(); ++cut) {
+        line = "..." + text.substr(cut);
+    }
+    return line;
+}
+
+cv::Mat view_panel(const ViewPicture& picture, const calibration::BoardView& view,
+                   const calibration::BoardCalibration::View& errors, std::size_t number) {
+    cv::Mat panel(picture.image.rows + 2 * line_height, picture.image.cols, CV_8UC3, cv::Scalar::all(40));
+    cv::Mat shown = panel(cv::Rect(0, 0, picture.image.cols, picture.image.rows));
+    cv::cvtColor(picture.image, shown, cv::COLOR_GRAY2BGR);
+    for (std::size_t i = 0; i < view.left.size(); ++i) {
+        const cv::Scalar colour = i == 0 ? cv::Scalar(0, 0, 255) : cv::Scalar(0, 220, 0);
+        cv::circle(shown, scaled(view.left[i], picture.scale, 0), 2, colour, cv::FILLED);
+        cv::circle(shown, scaled(view.right[i], picture.scale, eye_width), 2, colour, cv::FILLED);
+    }
+    const std::string label = "view " + std::to_string(number + 1) + ": ";
+    write_line(panel, fitted_line(label + picture.frame, panel.cols - 12), panel.rows - line_height - 6);
+    write_line(panel,
+               "left " + fixed(errors.left_rms, 2) + " px, right " + fixed(errors.right_rms, 2) + " px, rows " +
+                   fixed(errors.rows, 2) + " px",
+               panel.rows - 6);
+    return panel;
+}
+
+/// Draws all corners of the left image in one picture; parts of the image without one are red.
+void draw_coverage(cv::Mat& eye, const std::vector<calibration::BoardView>& views,
+                   const calibration::StereoCalibration& cameras) {
+    const double scale = static_cast<double>(eye.cols) / cameras.width;
+    const calibration::Coverage covered = calibration::covered_parts(views, cameras.width, cameras.height);
+    constexpr int side = calibration::coverage_side;
+    for (int part = 0; part < side * side; ++part) {
+        const cv::Point from(part % side * eye.cols / side, part / side * eye.rows / side);
+        const cv::Point to((part % side + 1) * eye.cols / side, (part / side + 1) * eye.rows / side);
+        const bool seen = covered[static_cast<std::size_t>(part)];
+        cv::rectangle(eye, cv::Rect(from, to), seen ? cv::Scalar::all(70) : cv::Scalar(40, 40, 170), cv::FILLED);
+        cv::rectangle(eye, cv::Rect(from, to), cv::Scalar::all(120));
+    }
+    for (const calibration::BoardView& view : views) {
+        for (const cv::Point2f& corner : view.left) {
+            cv::circle(eye, scaled(corner, scale, 0), 1, {0, 220, 220}, cv::FILLED);
+        }
+    }
+}
+
+std::vector<std::string> summary_lines(const calibration::BoardCalibration& found,
+                                       const std::vector<calibration::BoardView>& views,
+                                       const std::vector<std::string>& missing) {
+    const calibration::StereoCalibration& cameras = found.calibration;
+    std::vector<std::string> lines{
+        base::counted(views.size(), "view") + ", RMS " + fixed(found.rms, 3) + " px, baseline " +
+            fixed(-cameras.translation[0], 2) + " mm",
+        "focal length: left " + fixed(cameras.left.fx, 1) + " px, right " + fixed(cameras.right.fx, 1) + " px",
+        "beside: all corners in the left image; a red part of the image has none", "",
+        coverage_verdict(calibration::covered_parts(views, cameras.width, cameras.height))};
+    for (const std::string& line : missing) {
+        lines.push_back("- " + line);
+    }
+    return lines;
+}
+
+cv::Mat summary_panel(const std::vector<calibration::BoardView>& views, const calibration::BoardCalibration& found,
+                      const std::vector<std::string>& missing, int width) {
+    const std::vector<std::string> lines = summary_lines(found, views, missing);
+    const int eye_height = eye_width * found.calibration.height / found.calibration.width;
+    const int height = std::max(eye_height, (static_cast<int>(lines.size()) + 1) * line_height);
+    cv::Mat panel(height, width, CV_8UC3, cv::Scalar::all(20));
+    cv::Mat eye = panel(cv::Rect(0, 0, eye_width, eye_height));
+    draw_coverage(eye, views, found.calibration);
+    cv::Mat text = panel(cv::Rect(eye_width, 0, width - eye_width, height));
+    int y = line_height;
+    for (const std::string& line : lines) {
+        write_line(text, line, y);
+        y += line_height;
+    }
+    return panel;
+}
+
+}  // namespace
+
+std::string coverage_verdict(const calibration::Coverage& covered) {
+    const auto seen = std::count(covered.begin(), covered.end(), true);
+    const std::string text = "coverage: corners in " + std::to_string(seen) + " of " + std::to_string(covered.size()) +
+                             " parts of the image: ";
+    return text + (seen == static_cast<std::ptrdiff_t>(covered.size())
+                       ? "good, each has one; many near the edges of the image make distortion surer"
+                       : "distortion is not measured in the other parts; show the board there");
+}
+
+ViewPicture shrink(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right) {
+    ViewPicture picture;
+    picture.scale = static_cast<double>(eye_width) / left.width;
+    const int height = std::max(1, static_cast<int>(left.height * picture.scale));
+    picture.image.create(height, 2 * eye_width, CV_8U);
+    int shift = 0;
+    for (const auto& eye : {left, right}) {
+        const cv::Mat whole(eye.height, eye.width, CV_8U, const_cast<std::uint8_t*>(eye.data),
+                            static_cast<std::size_t>(eye.stride));
+        cv::resize(whole, picture.image(cv::Rect(shift, 0, eye_width, height)), {eye_width, height}, 0, 0,
+                   cv::INTER_AREA);
+        shift += eye_width;
+    }
+    return picture;
+}
+
+cv::Mat report_picture(const std::vector<ViewPicture>& pictures, const std::vector<calibration::BoardView>& views,
+                       const calibration::BoardCalibration& found, const std::vector<std::string>& missing) {
+    const int width = per_row * 2 * eye_width;
+    const cv::Mat summary = summary_panel(views, found, missing, width);
+    std::vector<cv::Mat> panels;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        panels.push_back(view_panel(pictures[i], views[i], found.views[i], i));
+    }
+    const int row_height = panels.front().rows;
+    const int rows = (static_cast<int>(panels.size()) + per_row - 1) / per_row;
+    cv::Mat sheet(summary.rows + rows * row_height, width, CV_8UC3, cv::Scalar::all(0));
+    summary.copyTo(sheet.rowRange(0, summary.rows));
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        const int column = static_cast<int>(i) % per_row;
+        const int row = static_cast<int>(i) / per_row;
+        const cv::Point corner(column * 2 * eye_width, summary.rows + row * row_height);
+        panels[i].copyTo(sheet(cv::Rect(corner, panels[i].size())));
+    }
+    return sheet;
+}
+
+}  // namespace disparityd::tools
