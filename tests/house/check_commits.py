@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 
-BASE = "f71a2a83d5928d330747d83421f99b8c8814197c"
+BASE = "947a75a4c3cd13c6e01b8536bbb64cdc9fbf791d"
 MAX_SUBJECT = 72
 SKIPPED = 77
 # Lines for programs, which give no reason: "Signed-off-by: ...".
