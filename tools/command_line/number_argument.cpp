@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/number_text.h"
+
 namespace disparityd::tools {
 
 CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,
@@ -21,6 +23,19 @@ CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<i
         value = number;
     };
     return app.add_option_function<std::string>(name, take, description)->type_name("N");
+}
+
+CLI::Option* add_real(CLI::App& app, const std::string& name, std::optional<double>& value, double least, double most,
+                      const std::string& description) {
+    const auto take = [&value, name, least, most](const std::string& text) {
+        const std::optional<double> number = base::parse_number(text);
+        if (!number || *number < least || *number > most) {
+            throw CLI::ValidationError(name, "found '" + text + "', allowed: a number from " +
+                                                 base::number_text(least) + " to " + base::number_text(most));
+        }
+        value = number;
+    };
+    return app.add_option_function<std::string>(name, take, description)->type_name("X");
 }
 
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,

@@ -16,6 +16,10 @@ namespace disparityd::tools {
 CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,
                          const std::string& description);
 
+/// An option that takes a number from `least` to `most`, with a decimal point whatever the locale.
+CLI::Option* add_real(CLI::App& app, const std::string& name, std::optional<double>& value, double least, double most,
+                      const std::string& description);
+
 /// An option that takes one word of a list.
 CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& value,
                         std::initializer_list<const char*> allowed, const std::string& description);
