@@ -16,6 +16,7 @@
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
+#include "tools/eval/wins.h"
 
 namespace disparityd::eval {
 namespace {
@@ -32,6 +33,35 @@ TEST(AccuracyTest, HandMadeMap) {
     EXPECT_DOUBLE_EQ(accuracy.bad1_all, 100.0 * 5 / 8);
     EXPECT_DOUBLE_EQ(accuracy.bad2_all, 100.0 * 3 / 8);
     EXPECT_DOUBLE_EQ(accuracy.density, 100.0 * 7 / 8);
+}
+
+TEST(AccuracyTest, D1IsMoreThan3PxAndMoreThan5Percent) {
+    struct Case {
+        float truth, found;
+        bool bad;
+    };
+    for (const Case& one :
+         {Case{10, 13, false}, Case{10, 13.0625F, true}, Case{10, 6.9375F, true},
+          Case{60, 63, false},    // 5 % and 3 px exactly
+          Case{100, 104, false},  // 4 % only
+          Case{100, 105, false}, Case{100, 105.0625F, true}, Case{100, 95, false}, Case{100, 94.9375F, true},
+          Case{80, 84, false}, Case{80, 84.0625F, true}, Case{58, 61, false},  // more than 5 %, 3 px exactly
+          Case{0, 3, false}, Case{0, 3.0625F, true}, Case{-100, -104, false}, Case{-100, -105.0625F, true},
+          Case{100, none, true}, Case{100, 100, false}}) {
+        const Accuracy accuracy = measure({1, 1, {one.found}}, {1, 1, {one.truth}}, {1});
+        EXPECT_EQ(accuracy.d1_nonocc, one.bad ? 100 : 0) << one.found << " for " << one.truth;
+        EXPECT_EQ(accuracy.d1_all, accuracy.d1_nonocc);
+    }
+}
+
+TEST(AccuracyTest, D1OfAllPixelsAndOfThoseNotOccluded) {
+    // Errors:                3.5   4 (of 80)  rejected  0    no truth  4, occluded  5.5 (5.5 %), occluded
+    const images::FloatMap truth{7, 1, {10, 80, 10, 10, none, 10, 100}};
+    const images::FloatMap found{7, 1, {13.5F, 84, none, 10, 5, 14, 105.5F}};
+    const Accuracy accuracy = measure(found, truth, {1, 1, 1, 1, 1, 0, 0});
+    EXPECT_DOUBLE_EQ(accuracy.d1_nonocc, 100.0 * 2 / 4);
+    EXPECT_DOUBLE_EQ(accuracy.d1_all, 100.0 * 4 / 6);
+    EXPECT_TRUE(std::isnan(measure(found, truth, {}).d1_nonocc));
 }
 
 TEST(AccuracyTest, FractionsCountAsTheyAre) {
@@ -109,6 +139,7 @@ TEST(FairTableTest, OursAreComparedWithTheBestOfOpencv) {
         false, text);
     EXPECT_THAT(text.str(), testing::ContainsRegex("cones \\(64\\) .* -0.50"));
     EXPECT_THAT(text.str(), testing::ContainsRegex("teddy \\(64\\) .* \\+0.25"));
+    EXPECT_THAT(text.str(), testing::ContainsRegex("mean +6.00 +4.50 +3.38 +7.50 +3.50 +-0.12"));
     EXPECT_THAT(text.str(), testing::HasSubstr("1 of 2 results at most the best of OpenCV"));
 }
 
@@ -127,14 +158,15 @@ TEST(MedianTest, MiddleOfTheTimes) {
 
 TEST(ReportTest, JsonIsAListWithTheAgreedKeys) {
     std::ostringstream text;
-    print_json({{"cones", "sgm", "cpu", 128, {4.5, 12.25, 3, 10, 99.5}, 17.25},
-                {"other", "StereoBM", "opencv", 64, measure({1, 1, {3}}, {1, 1, {3}}, {}), 1}},
+    print_json(rows_json({{"cones", "sgm", "cpu", 128, {4.5, 12.25, 3, 10, 99.5, 2.75, 8.125}, 17.25},
+                          {"other", "StereoBM", "opencv", 64, measure({1, 1, {3}}, {1, 1, {3}}, {}), 1}}),
                text);
     const auto list = nlohmann::json::parse(text.str());
     ASSERT_EQ(list.size(), 2U);
     EXPECT_EQ(list[0],
               nlohmann::json::parse(R"({"scene": "cones", "method": "sgm", "backend": "cpu", "disparities": 128,
-        "bad1_nonocc": 4.5, "bad1_all": 12.25, "bad2_nonocc": 3.0, "bad2_all": 10.0, "density": 99.5, "ms": 17.25})"));
+        "bad1_nonocc": 4.5, "bad1_all": 12.25, "bad2_nonocc": 3.0, "bad2_all": 10.0, "d1_nonocc": 2.75,
+        "d1_all": 8.125, "density": 99.5, "ms": 17.25})"));
     EXPECT_TRUE(list[1]["bad1_nonocc"].is_null());
     EXPECT_EQ(list[1]["bad1_all"], 0);
 }
@@ -146,6 +178,7 @@ TEST(PaperTest, CellsAreCountedAgainstThePaper) {
         false, text);
     EXPECT_THAT(text.str(), testing::HasSubstr("1 of 2 cells at most the paper's figure"));
     EXPECT_THAT(text.str(), testing::HasSubstr("+0.10"));
+    EXPECT_THAT(text.str(), testing::ContainsRegex("mean +sgm +cpu +6.9 +6.90 +\\+0.00 +100.0\n"));
     EXPECT_EQ(paper_scene("middlebury2001/tsukuba")->disparities, 32);
     EXPECT_EQ(paper_scene("art"), nullptr);
 }

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <map>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -13,15 +17,17 @@
 namespace disparityd::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr int shift = 6;
 
 /// A Middlebury scene whose left half of the truth is right and whose right half is 8 px off, its outer columns
 /// unknown.
-void make_scene(const std::string& folder) {
+void make_scene(const std::string& folder, unsigned seed = 5) {
     std::filesystem::create_directories(folder);
-    const Pair pair = shifted_pair(160, 80, shift, 5);
+    const Pair pair = shifted_pair(160, 80, shift, seed);
     images::write_png(folder + "/left.png", pair.left);
     images::write_png(folder + "/right.png", pair.right);
     cv::Mat truth(80, 160, CV_8UC1, cv::Scalar(0));
@@ -120,6 +126,117 @@ TEST_F(EvalTest, Fractions) {
         EXPECT_LT(row["bad05_measured"], 10) << row;
     }
     EXPECT_THAT(run(DISPARITY_EVAL, {"--fractions", path("cones")}).out, HasSubstr("mean"));
+}
+
+/// The words of the line of a table that begins with these words; empty where there is none.
+std::vector<std::string> line_of(const std::string& text, const std::vector<std::string>& first) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::vector<std::string> found{std::istream_iterator<std::string>(words), {}};
+        if (found.size() >= first.size() && std::equal(first.begin(), first.end(), found.begin())) {
+            return found;
+        }
+    }
+    return {};
+}
+
+TEST_F(EvalTest, MeansEndTheTable) {
+    make_scene(path("data/cones"), 5);
+    make_scene(path("data/teddy"), 6);
+    const Outcome outcome = run(DISPARITY_EVAL, {"--opencv", "--noise", "9", path("data")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto cones = line_of(outcome.out, {"cones", "sgm", "cpu"});
+    const auto teddy = line_of(outcome.out, {"teddy", "sgm", "cpu"});
+    const auto mean = line_of(outcome.out, {"mean", "sgm", "cpu"});
+    ASSERT_EQ(cones.size(), 12U) << outcome.out;
+    ASSERT_EQ(mean.size(), 10U) << "neither disparities nor time";
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_NEAR(std::stod(mean[3 + i]), (std::stod(cones[4 + i]) + std::stod(teddy[4 + i])) / 2, 0.0101) << i;
+    }
+    EXPECT_FALSE(line_of(outcome.out, {"mean", "StereoSGBM", "3WAY", "opencv"}).empty());
+    EXPECT_THAT(outcome.out, HasSubstr("scenes won: bad-1.0 nonocc at most the best of OpenCV"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("sgm +cpu +[0-2] of 2"));
+    EXPECT_THAT(outcome.out, HasSubstr("noise of 9 grey levels"));
+
+    const Outcome plain = run(DISPARITY_EVAL, {path("data")});
+    EXPECT_THAT(plain.out, Not(HasSubstr("scenes won"))) << "without OpenCV there is nothing to compare with";
+    const Outcome fair = run(DISPARITY_EVAL, {"--fair", path("data")});
+    EXPECT_FALSE(line_of(fair.out, {"mean", "of", "backend"}).empty()) << fair.out;
+    EXPECT_THAT(fair.out, HasSubstr("D1 nonocc %"));
+}
+
+TEST_F(EvalTest, HalvesAreTheSameEachRunAndHaveTheirMeans) {
+    for (const char* name : {"cones", "teddy", "art"}) {
+        make_scene(path("data/") + name, static_cast<unsigned>(name[0]));
+    }
+    const std::vector<std::string> arguments{"--halves", "3", "--opencv", "--json", path("data")};
+    const Outcome outcome = run(DISPARITY_EVAL, arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto all = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(all["rows"].size(), 3U * 4);
+    EXPECT_EQ(all["means"].size(), 4U);
+    EXPECT_EQ(all["won"][0]["scenes"], 3);
+    EXPECT_EQ(all["halves"]["seed"], 3);
+    EXPECT_TRUE(all["noise"].is_null());
+    std::vector<std::string> names;
+    for (const char* half : {"a", "b"}) {
+        const auto& one = all["halves"][half];
+        EXPECT_EQ(one["won"][0]["method"], "sgm");
+        double sum = 0;
+        for (const auto& row : all["rows"]) {
+            const bool is_in = std::count(one["scenes"].begin(), one["scenes"].end(), row["scene"]) == 1;
+            sum += is_in && row["method"] == "sgm" ? row["d1_all"].get<double>() : 0;
+        }
+        EXPECT_EQ(one["means"][0]["scenes"], one["scenes"].size());
+        EXPECT_NEAR(one["means"][0]["d1_all"].get<double>(), sum / static_cast<double>(one["scenes"].size()), 2e-4);
+        names.insert(names.end(), one["scenes"].begin(), one["scenes"].end());
+    }
+    EXPECT_THAT(names, testing::UnorderedElementsAre("art", "cones", "teddy"));
+    EXPECT_EQ(nlohmann::json::parse(run(DISPARITY_EVAL, arguments).out)["halves"], all["halves"]);
+
+    const Outcome text = run(DISPARITY_EVAL, {"--halves", "3", "--fractions", "--markdown", path("data")});
+    EXPECT_THAT(text.out, HasSubstr("- A, 2 scenes: "));
+    EXPECT_THAT(text.out, HasSubstr("| A / B | sgm | cpu |"));
+    EXPECT_THAT(text.out, HasSubstr("| B / A | sgm | cpu |"));
+}
+
+TEST_F(EvalTest, NoiseMakesMatchingHarderAndIsTheSameEachRun) {
+    make_scene(path("cones"));
+    const auto accuracy = [this](const std::string& sigma) {
+        const Outcome outcome = run(DISPARITY_EVAL, {"--noise", sigma, "--opencv", "--json", path("cones")});
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        auto rows = by_method(outcome.out);
+        for (auto& [method, row] : rows) {
+            row.erase("ms");
+        }
+        return rows;
+    };
+    auto none = accuracy("0"), some = accuracy("40.5");
+    EXPECT_EQ(some, accuracy("40.5"));
+    for (const char* method : {"sgm", "StereoBM", "StereoSGBM HH"}) {
+        EXPECT_GT(some[method]["bad1_nonocc"], none[method]["bad1_nonocc"]) << method;
+    }
+    auto without = by_method(run(DISPARITY_EVAL, {"--json", path("cones")}).out);
+    EXPECT_EQ(without["sgm"]["bad1_all"], none["sgm"]["bad1_all"]) << "no noise is as if it were not given";
+}
+
+TEST_F(EvalTest, WrongSeedsAndSigmasAreRefusedInOneLine) {
+    make_scene(path("cones"));
+    const auto refused = [this](const std::string& option, const std::string& value, const std::string& says) {
+        const Outcome outcome = run(DISPARITY_EVAL, {option + "=" + value, path("cones")});
+        EXPECT_EQ(outcome.exit_code, 2) << option << ' ' << value;
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr(option), HasSubstr(says)));
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        EXPECT_EQ(outcome.out, "");
+    };
+    for (const char* seed : {"-1", "2147483648", "1.5", "first"}) {
+        refused("--halves", seed, std::string("found '") + seed + "', allowed: a whole number from 0 to 2147483647");
+    }
+    for (const char* sigma : {"-0.5", "64.01", "nan", "inf", "much", "3,5"}) {
+        refused("--noise", sigma, std::string("found '") + sigma + "', allowed: a number from 0 to 64");
+    }
+    refused("--halves", "1", "found 1 scene in DATA, allowed: at least 2");
 }
 
 TEST_F(EvalTest, DisparitiesCoverTheTruthByDefault) {

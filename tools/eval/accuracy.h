@@ -16,6 +16,9 @@ struct Accuracy {
     double bad2_nonocc = 0;
     double bad2_all = 0;
     double density = 0;  ///< pixels with truth that have a disparity
+    /// KITTI's D1: off by more than 3 px and by more than 5 % of the true disparity, or rejected.
+    double d1_nonocc = 0;
+    double d1_all = 0;
 };
 
 /// `non_occluded` has one value per pixel, 0 = occluded; empty: not known, the non-occluded figures are NaN.

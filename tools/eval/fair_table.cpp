@@ -2,38 +2,19 @@
 #include "tools/eval/fair_table.h"
 
 #include <algorithm>
-#include <limits>
 #include <ostream>
 
 #include "tools/command_line/table.h"
+#include "tools/eval/means.h"
+#include "tools/eval/wins.h"
 
 namespace disparityd::eval {
 namespace {
-
-const std::string suffix = ", fair";
-
-bool is_fair(const Row& row) {
-    return row.method.ends_with(suffix);
-}
-
-bool is_opencv(const Row& row) {
-    return row.backend == "opencv";
-}
 
 /// The rows of one scene: those as they are, then the fair ones, each in the order of measuring.
 std::vector<Row> in_columns(std::vector<Row> rows) {
     std::stable_partition(rows.begin(), rows.end(), [](const Row& row) { return !is_fair(row); });
     return rows;
-}
-
-double best_of_opencv(const std::vector<Row>& scene) {
-    double best = std::numeric_limits<double>::infinity();
-    for (const Row& row : scene) {
-        if (is_fair(row) && is_opencv(row)) {
-            best = std::min(best, row.accuracy.bad1_nonocc);
-        }
-    }
-    return best;
 }
 
 std::string column_name(const Row& row) {
@@ -42,26 +23,29 @@ std::string column_name(const Row& row) {
 }
 
 std::string with_sign(double difference) {
-    const std::string text = tools::fixed(difference, 2);
+    const std::string text = figure_text(difference, 2);
     return text[0] == '-' ? text : '+' + text;
 }
 
-/// Adds the scene's line; how many of ours are at most OpenCV's best.
-int add_line(const std::vector<Row>& scene, tools::Table& table) {
-    std::vector<std::string> line{scene.front().scene + " (" + std::to_string(scene.front().disparities) + ")"};
-    for (const Row& row : scene) {
-        line.push_back(tools::fixed(row.accuracy.bad1_nonocc, 2));
-    }
-    int reached = 0;
+/// Returns the figures of one scene: bad-1.0 of every row, then ours less the best of OpenCV.
+std::vector<double> values_of(const std::vector<Row>& scene) {
+    std::vector<double> values(scene.size());
+    std::transform(scene.begin(), scene.end(), values.begin(), [](const Row& row) { return row.accuracy.bad1_nonocc; });
     for (const Row& row : scene) {
         if (is_fair(row) && !is_opencv(row)) {
-            const double difference = row.accuracy.bad1_nonocc - best_of_opencv(scene);
-            line.push_back(with_sign(difference));
-            reached += difference <= 0 ? 1 : 0;
+            values.push_back(row.accuracy.bad1_nonocc - best_of_opencv(scene));
         }
     }
+    return values;
+}
+
+/// Adds a line; `rows` of its values are figures of a matcher, those after them are differences.
+void add_values(const std::string& name, const std::vector<double>& values, std::size_t rows, tools::Table& table) {
+    std::vector<std::string> line{name};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        line.push_back(i < rows ? figure_text(values[i], 2) : with_sign(values[i]));
+    }
     table.add(line);
-    return reached;
 }
 
 std::vector<std::string> head_for(const std::vector<Row>& scene) {
@@ -79,23 +63,28 @@ std::vector<std::string> head_for(const std::vector<Row>& scene) {
 
 }  // namespace
 
-std::string fair_name(const std::string& method) {
-    return method + suffix;
-}
-
 void print_fair_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
     tools::Table table({});
-    int reached = 0, judged = 0;
+    Measurements lines;
+    std::size_t columns = 0, reached = 0, judged = 0;
     for (auto first = rows.begin(); first != rows.end();) {
         const auto last = std::find_if(first, rows.end(), [&](const Row& row) { return row.scene != first->scene; });
         const std::vector<Row> scene = in_columns({first, last});
+        const std::vector<double> values = values_of(scene);
         if (first == rows.begin()) {
             table = tools::Table(head_for(scene));
+            columns = scene.size();
+            lines.figures.resize(values.size());
         }
-        reached += add_line(scene, table);
-        judged += static_cast<int>(
-            std::count_if(scene.begin(), scene.end(), [](const Row& row) { return is_fair(row) && !is_opencv(row); }));
+        add_values(first->scene + " (" + std::to_string(first->disparities) + ")", values, columns, table);
+        lines.rows.push_back({first->scene, "", "", values});
+        reached += static_cast<std::size_t>(std::count_if(values.begin() + static_cast<std::ptrdiff_t>(columns),
+                                                          values.end(), [](double less) { return less <= 0; }));
+        judged += values.size() - columns;
         first = last;
+    }
+    for (const Mean& mean : means(lines)) {
+        add_values("mean", mean.values, columns, table);
     }
     markdown ? table.print_markdown(to) : table.print(to);
     to << '\n' << reached << " of " << judged << " results at most the best of OpenCV, every pixel judged\n";

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
@@ -16,12 +17,16 @@
 #include "tools/eval/error_picture.h"
 #include "tools/eval/fair_opencv.h"
 #include "tools/eval/fair_table.h"
+#include "tools/eval/halves.h"
+#include "tools/eval/noise.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/our_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
+#include "tools/eval/summary.h"
+#include "tools/eval/wins.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::eval {
@@ -36,6 +41,8 @@ struct EvalArguments {
     double scale = 0;
     std::optional<int> repeat;
     std::optional<int> workers;
+    std::optional<int> halves;  ///< the seed
+    std::optional<double> noise;
     bool opencv = false;
     bool fair = false;
     bool fractions = false;
@@ -116,17 +123,44 @@ public:
 
     void run() {
         const auto scenes = scenes_of(arguments_);
+        split(scenes);
         tools::Progress progress("scenes", scenes.size());
         for (std::size_t i = 0; i < scenes.size(); ++i) {
             progress.show(i, scenes[i].first.name);
-            judge(read_scene(scenes[i].first, arguments_.scale), scenes[i].second);
+            Scene scene = read_scene(scenes[i].first, arguments_.scale);
+            if (arguments_.noise) {
+                add_noise(scene, *arguments_.noise);
+            }
+            judge(scene, scenes[i].second);
         }
     }
 
     const std::vector<Row>& rows() const { return rows_; }
     const std::vector<SubpixelRow>& subpixel_rows() const { return subpixel_rows_; }
 
+    Summary summary() const {
+        Summary summary{
+            arguments_.fractions ? measurements(subpixel_rows_) : measurements(rows_), {}, halves_, arguments_.noise};
+        if (on_even_terms()) {
+            summary.wins = wins(fair_rows_);
+        }
+        return summary;
+    }
+
 private:
+    void split(const std::vector<std::pair<datasets::DatasetScene, int>>& scenes) {
+        if (arguments_.halves) {
+            std::vector<std::string> names;
+            for (const auto& scene : scenes) {
+                names.push_back(scene.first.name);
+            }
+            halves_ = split_in_halves(std::move(names), static_cast<std::uint32_t>(*arguments_.halves));
+        }
+    }
+
+    /// Whether every matcher also runs with every pixel judged: --fair prints it, --opencv counts the scenes won.
+    bool on_even_terms() const { return arguments_.opencv || arguments_.fair; }
+
     void judge(const Scene& scene, int disparities) {
         const int needed = disparities == 0 ? scene.disparities : disparities;
         for (const Method method : methods_) {
@@ -135,7 +169,7 @@ private:
                 judge_ours(scene, *backend, options);
             }
         }
-        if (arguments_.opencv || arguments_.fair) {
+        if (on_even_terms()) {
             judge_opencv(scene, {arguments_.match.d_min(), arguments_.match.disparities().value_or(needed)});
         }
     }
@@ -143,12 +177,14 @@ private:
     void judge_ours(const Scene& scene, const Backend& backend, MatchOptions options) {
         const pipeline::WorkerPool::ComputeSlot slot(workers_);
         const std::string method(to_string(options.method));
-        add(scene, method, std::string(backend.name),
-            run_ours(backend, options, scene.left, scene.right, workers_, repeat_));
-        if (arguments_.fair) {
-            options.post.interpolate = true;
-            add(scene, fair_name(method), std::string(backend.name),
-                run_ours(backend, options, scene.left, scene.right, workers_, repeat_));
+        MatcherResult result = run_ours(backend, options, scene.left, scene.right, workers_, repeat_);
+        add(scene, method, std::string(backend.name), result);
+        if (on_even_terms()) {
+            if (!options.post.interpolate || arguments_.fair) {
+                options.post.interpolate = true;
+                result = run_ours(backend, options, scene.left, scene.right, workers_, fair_repeat());
+            }
+            add_fair(scene, method, std::string(backend.name), result);
         }
     }
 
@@ -156,10 +192,22 @@ private:
         const int threads = workers_.workers();
         for (const OpencvMethod method : opencv_methods()) {
             add(scene, name(method), "opencv", run_opencv(method, range, scene.left, scene.right, threads, repeat_));
-            if (arguments_.fair) {
-                add(scene, fair_name(name(method)), "opencv",
-                    run_opencv_fairly(method, range, scene.left, scene.right, threads, repeat_));
-            }
+            add_fair(scene, name(method), "opencv",
+                     run_opencv_fairly(method, range, scene.left, scene.right, threads, fair_repeat()));
+        }
+    }
+
+    /// Times of fair results are told with --fair alone.
+    int fair_repeat() const { return arguments_.fair ? repeat_ : 1; }
+
+    void add_fair(const Scene& scene, const std::string& method, const std::string& backend,
+                  const MatcherResult& result) {
+        if (arguments_.fair) {
+            add(scene, fair_name(method), backend, result);
+            fair_rows_.push_back(rows_.back());
+        } else {
+            const Accuracy accuracy = measure(images::to_float(result.map()), scene.truth, scene.non_occluded);
+            fair_rows_.push_back({scene.name, fair_name(method), backend, result.range.count, accuracy, result.ms});
         }
     }
 
@@ -185,24 +233,38 @@ private:
     pipeline::WorkerPool workers_;
     int repeat_;
     std::vector<Row> rows_;
+    std::vector<Row> fair_rows_;  ///< with --opencv or --fair: every pixel judged
     std::vector<SubpixelRow> subpixel_rows_;
+    std::optional<Halves> halves_;
 };
 
-void print(const Evaluation& evaluation, const EvalArguments& arguments) {
-    const std::vector<Row>& rows = evaluation.rows();
-    if (arguments.fractions && arguments.json) {
-        print_subpixel_json(evaluation.subpixel_rows(), std::cout);
-    } else if (arguments.fractions) {
-        print_subpixel_table(evaluation.subpixel_rows(), arguments.markdown, std::cout);
-    } else if (arguments.json) {
+void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments) {
+    nlohmann::ordered_json rows =
+        arguments.fractions ? subpixel_json(evaluation.subpixel_rows()) : rows_json(evaluation.rows());
+    if (!arguments.halves) {
         print_json(rows, std::cout);
+        return;
+    }
+    nlohmann::ordered_json all{{"rows", std::move(rows)}};
+    all.update(summary_json(evaluation.summary()));
+    print_json(all, std::cout);
+}
+
+void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments) {
+    const std::vector<Row>& rows = evaluation.rows();
+    const Summary summary = evaluation.summary();
+    if (arguments.fractions) {
+        print_subpixel_table(evaluation.subpixel_rows(), arguments.markdown, std::cout);
     } else if (arguments.paper) {
         print_paper_table(rows, arguments.markdown, std::cout);
     } else if (arguments.fair) {
         print_fair_table(rows, arguments.markdown, std::cout);
+        std::cout << '\n';
+        print_means(summary.measured, arguments.markdown, std::cout);
     } else {
         print_table(rows, arguments.markdown, std::cout);
     }
+    print_summary(summary, arguments.markdown, std::cout);
 }
 
 int evaluate(EvalArguments arguments) {
@@ -221,7 +283,7 @@ int evaluate(EvalArguments arguments) {
     }
     Evaluation evaluation(arguments);
     evaluation.run();
-    print(evaluation, arguments);
+    arguments.json ? print_as_json(evaluation, arguments) : print_as_text(evaluation, arguments);
     return tools::exit_done;
 }
 
@@ -236,7 +298,10 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
         ->allow_extra_args(false)
         ->type_name("NAME");
-    program.add_flag("--opencv", arguments.opencv, "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY)");
+    program.add_flag(
+        "--opencv", arguments.opencv,
+        "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY), and count the scenes won: ours at most "
+        "the best of OpenCV, both as --fair has them");
     auto* fair = program.add_flag(
         "--fair", arguments.fair,
         "each result twice: as it is, and with every pixel judged (OpenCV on padded images, rejected pixels "
@@ -259,8 +324,20 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
                        "runs per scene; the median of their times counts; default 1");
     tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
+    tools::add_integer(
+        program, "--halves", arguments.halves, 0, 2147483647,
+        "split the scenes at random into two halves, to tune on one and judge on the other: the means of "
+        "each half and the names of its scenes; SEED, 0 .. 2147483647: the same seed gives the same halves")
+        ->type_name("SEED");
+    tools::add_real(
+        program, "--noise", arguments.noise, 0, 64,
+        "add Gaussian noise to both images before any matching, OpenCV's too; SIGMA in grey levels, 0 .. 64; "
+        "each run adds the same noise")
+        ->type_name("SIGMA");
     program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
-    program.add_flag("--json", arguments.json, "a list of objects");
+    program.add_flag("--json", arguments.json,
+                     "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
+                     "means, won, halves, noise");
     program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
     arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
 }
@@ -274,8 +351,10 @@ int main(int argc, char** argv) {
     program.footer(
         "bad-x: share of the pixels with known truth whose disparity is more than x px from it, rejected pixels "
         "included;\n"
+        "D1: the same, but bad is off by more than 3 px and by more than 5 % of the truth (KITTI).\n"
         "nonocc: only those that both cameras see. density: share of the pixels with known truth that have a "
         "disparity.\n"
+        "mean: over the scenes, each counts the same; a scene where a figure is not known does not count.\n"
         "ms: matching and post-processing of a rectified pair. Scenes: Middlebury (left.png, right.png, disp_left.png "
         "or\n"
         ".pfm) and KITTI folders.\n"

@@ -7,10 +7,24 @@
 
 #include "base/words.h"
 #include "tools/command_line/table.h"
+#include "tools/eval/means.h"
 
 namespace disparityd::eval {
 
 using base::lower_case;
+
+namespace {
+
+/// Adds the line of a cell, or of a mean of cells, which begins with `names`.
+void add_cells(std::vector<std::string> names, double paper, double ours, double density, const std::string& ms,
+               tools::Table& table) {
+    const std::string difference = tools::fixed(ours - paper, 2);
+    names.insert(names.end(), {tools::fixed(paper, 1), tools::fixed(ours, 2),
+                               difference[0] == '-' ? difference : '+' + difference, tools::fixed(density, 1), ms});
+    table.add(names);
+}
+
+}  // namespace
 
 double PaperScene::bad(Method method) const {
     switch (method) {
@@ -47,6 +61,7 @@ const datasets::DatasetScene* files_of(const PaperScene& scene, const std::vecto
 
 void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
     tools::Table table({"scene (D)", "method", "backend", "paper %", "ours %", "ours - paper", "density %", "ms"});
+    Measurements measured{{{"paper %", "paper", 1}, {"ours %", "ours"}, {"density %", "density", 1}}, {}};
     int better = 0, judged = 0;
     for (const Row& row : rows) {
         const auto method = method_from_name(row.method);
@@ -58,10 +73,12 @@ void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream
         const double ours = row.accuracy.bad1_nonocc;
         ++judged;
         better += ours <= paper ? 1 : 0;
-        const std::string difference = tools::fixed(ours - paper, 2);
-        table.add({scene->name + " (" + std::to_string(row.disparities) + ")", row.method, row.backend,
-                   tools::fixed(paper, 1), tools::fixed(ours, 2), difference[0] == '-' ? difference : '+' + difference,
-                   tools::fixed(row.accuracy.density, 1), tools::fixed(row.ms, 1)});
+        add_cells({scene->name + " (" + std::to_string(row.disparities) + ")", row.method, row.backend}, paper, ours,
+                  row.accuracy.density, tools::fixed(row.ms, 1), table);
+        measured.rows.push_back({row.scene, row.method, row.backend, {paper, ours, row.accuracy.density}});
+    }
+    for (const Mean& mean : means(measured)) {
+        add_cells({"mean", mean.method, mean.backend}, mean.values[0], mean.values[1], mean.values[2], "", table);
     }
     markdown ? table.print_markdown(to) : table.print(to);
     to << '\n' << better << " of " << judged << " cells at most the paper's figure\n";

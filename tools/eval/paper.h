@@ -28,7 +28,8 @@ const PaperScene* paper_scene(const std::string& name);
 /// The files of a scene of the paper among those that were found, or nullptr.
 const datasets::DatasetScene* files_of(const PaperScene& scene, const std::vector<datasets::DatasetScene>& found);
 
-/// Table 6: bad-1.0 over non-occluded pixels beside the paper's figures, for the rows of paper scenes.
+/// Table 6: bad-1.0 over non-occluded pixels beside the paper's figures, for the rows of paper scenes, then the means
+/// of each method and back end over the scenes.
 void print_paper_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);
 
 }  // namespace disparityd::eval

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/report.h"
 
-#include <cmath>
 #include <ostream>
 
 #include <nlohmann/json.hpp>
@@ -12,42 +11,76 @@
 namespace disparityd::eval {
 namespace {
 
-using tools::fixed;
+std::vector<Figure> accuracy_figures() {
+    return {{"bad-1.0 nonocc %", "bad1_nonocc"},
+            {"bad-1.0 all %", "bad1_all"},
+            {"bad-2.0 nonocc %", "bad2_nonocc"},
+            {"bad-2.0 all %", "bad2_all"},
+            {"D1 nonocc %", "d1_nonocc"},
+            {"D1 all %", "d1_all"},
+            {"density %", "density"}};
+}
 
-std::string percent(double value) {
-    return std::isnan(value) ? "-" : fixed(value, 2);
+/// Returns the values in the order of accuracy_figures().
+std::vector<double> accuracy_values(const Accuracy& accuracy) {
+    return {accuracy.bad1_nonocc, accuracy.bad1_all, accuracy.bad2_nonocc, accuracy.bad2_all,
+            accuracy.d1_nonocc,   accuracy.d1_all,   accuracy.density};
+}
+
+std::vector<std::string> head_of_rows() {
+    std::vector<std::string> head{"scene", "method", "backend", "D"};
+    for (const Figure& figure : accuracy_figures()) {
+        head.push_back(figure.heading);
+    }
+    head.emplace_back("ms");
+    return head;
 }
 
 }  // namespace
 
-void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
-    tools::Table table({"scene", "method", "backend", "D", "bad-1.0 nonocc %", "bad-1.0 all %", "bad-2.0 nonocc %",
-                        "bad-2.0 all %", "density %", "ms"});
+Measurements measurements(const std::vector<Row>& rows) {
+    Measurements measured{accuracy_figures(), {}};
     for (const Row& row : rows) {
-        const Accuracy& accuracy = row.accuracy;
-        table.add({row.scene, row.method, row.backend, std::to_string(row.disparities), percent(accuracy.bad1_nonocc),
-                   percent(accuracy.bad1_all), percent(accuracy.bad2_nonocc), percent(accuracy.bad2_all),
-                   percent(accuracy.density), fixed(row.ms, 1)});
+        measured.rows.push_back({row.scene, row.method, row.backend, accuracy_values(row.accuracy)});
+    }
+    return measured;
+}
+
+void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
+    tools::Table table(head_of_rows());
+    const Measurements measured = measurements(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        std::vector<std::string> line{rows[i].scene, rows[i].method, rows[i].backend,
+                                      std::to_string(rows[i].disparities)};
+        append_figures(measured.rows[i].values, measured.figures, line);
+        line.push_back(tools::fixed(rows[i].ms, 1));
+        table.add(line);
+    }
+    for (const Mean& mean : means(measured)) {
+        std::vector<std::string> line{"mean", mean.method, mean.backend, ""};
+        append_figures(mean.values, measured.figures, line);
+        line.emplace_back();
+        table.add(line);
     }
     markdown ? table.print_markdown(to) : table.print(to);
 }
 
-void print_json(const std::vector<Row>& rows, std::ostream& to) {
+nlohmann::ordered_json rows_json(const std::vector<Row>& rows) {
+    const Measurements measured = measurements(rows);
     auto list = nlohmann::ordered_json::array();
-    for (const Row& row : rows) {
-        const Accuracy& accuracy = row.accuracy;
-        list.push_back({{"scene", row.scene},
-                        {"method", row.method},
-                        {"backend", row.backend},
-                        {"disparities", row.disparities},
-                        {"bad1_nonocc", rounded_number(accuracy.bad1_nonocc)},
-                        {"bad1_all", rounded_number(accuracy.bad1_all)},
-                        {"bad2_nonocc", rounded_number(accuracy.bad2_nonocc)},
-                        {"bad2_all", rounded_number(accuracy.bad2_all)},
-                        {"density", rounded_number(accuracy.density)},
-                        {"ms", rounded_number(row.ms)}});
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Row& row = rows[i];
+        nlohmann::ordered_json object{
+            {"scene", row.scene}, {"method", row.method}, {"backend", row.backend}, {"disparities", row.disparities}};
+        add_figures(measured.rows[i].values, measured.figures, object);
+        object["ms"] = rounded_number(row.ms);
+        list.push_back(object);
     }
-    to << list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+    return list;
+}
+
+void print_json(const nlohmann::ordered_json& json, std::ostream& to) {
+    to << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
 }
 
 }  // namespace disparityd::eval

@@ -5,7 +5,10 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "tools/eval/accuracy.h"
+#include "tools/eval/means.h"
 
 namespace disparityd::eval {
 
@@ -19,10 +22,16 @@ struct Row {
     double ms = 0;
 };
 
+/// Returns the figures of print_table() for each row, without disparities and times.
+Measurements measurements(const std::vector<Row>& rows);
+
+/// A line per row, then the mean over the scenes for each method and back end.
 void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);
 
-/// A list of objects: scene, method, backend, disparities, bad1_nonocc, bad1_all, bad2_nonocc, bad2_all, density (all
-/// in percent, null where no pixel is judged), ms.
-void print_json(const std::vector<Row>& rows, std::ostream& to);
+/// Returns a list of objects: scene, method, backend, disparities, bad1_nonocc, bad1_all, bad2_nonocc, bad2_all,
+/// d1_nonocc, d1_all, density (all in percent, null where no pixel is judged), ms.
+nlohmann::ordered_json rows_json(const std::vector<Row>& rows);
+
+void print_json(const nlohmann::ordered_json& json, std::ostream& to);
 
 }  // namespace disparityd::eval

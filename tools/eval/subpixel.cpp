@@ -31,7 +31,7 @@ bool is_near_whole(std::size_t sixteenths) {
     return sixteenths <= 1 || sixteenths == 15;
 }
 
-struct Tally {
+struct SubpixelTally {
     std::size_t judged = 0, measured = 0, far = 0, near_whole = 0, truth_near_whole = 0, fitted = 0;
     double squares = 0;
     std::array<std::size_t, 16> fractions = {};
@@ -54,31 +54,25 @@ struct Tally {
     }
 };
 
-/// The mean of every figure.
-SubpixelAccuracy mean(const std::vector<SubpixelAccuracy>& all) {
-    SubpixelAccuracy sum;
-    const auto count = static_cast<double>(all.size());
-    for (const SubpixelAccuracy& one : all) {
-        sum.bad05 += one.bad05 / count;
-        sum.bad05_measured += one.bad05_measured / count;
-        sum.rms += one.rms / count;
-        sum.near_whole += one.near_whole / count;
-        sum.truth_near_whole += one.truth_near_whole / count;
-        for (std::size_t i = 0; i < sum.fractions.size(); ++i) {
-            sum.fractions[i] += one.fractions[i] / count;
-        }
+std::vector<Figure> subpixel_figures() {
+    return {{"bad-0.5 nonocc %", "bad05_nonocc"},
+            {"bad-0.5 of measured %", "bad05_measured"},
+            {"RMS px", "rms_px", 3},
+            {"near whole px %", "near_whole", 1},
+            {"of the truth %", "truth_near_whole", 1}};
+}
+
+/// Returns the values in the order of subpixel_figures().
+std::vector<double> subpixel_values(const SubpixelAccuracy& accuracy) {
+    return {accuracy.bad05, accuracy.bad05_measured, accuracy.rms, accuracy.near_whole, accuracy.truth_near_whole};
+}
+
+std::vector<std::string> head_of_subpixel_rows() {
+    std::vector<std::string> head{"scene", "method", "backend", "D"};
+    for (const Figure& figure : subpixel_figures()) {
+        head.push_back(figure.heading);
     }
-    return sum;
-}
-
-std::string text(double value, int decimals) {
-    return std::isnan(value) ? "-" : tools::fixed(value, decimals);
-}
-
-void add_line(const std::string& scene, const SubpixelRow& row, const std::string& disparities,
-              const SubpixelAccuracy& accuracy, tools::Table& table) {
-    table.add({scene, row.method, row.backend, disparities, text(accuracy.bad05, 2), text(accuracy.bad05_measured, 2),
-               text(accuracy.rms, 3), text(accuracy.near_whole, 1), text(accuracy.truth_near_whole, 1)});
+    return head;
 }
 
 }  // namespace
@@ -89,7 +83,7 @@ SubpixelAccuracy measure_subpixel(const images::FloatMap& disparity, const image
         (!non_occluded.empty() && non_occluded.size() != truth.values.size())) {
         throw std::invalid_argument("disparity, ground truth and mask differ in size");
     }
-    Tally tally;
+    SubpixelTally tally;
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
         if (std::isfinite(truth.values[i]) && (non_occluded.empty() || non_occluded[i] != 0)) {
             tally.add(disparity.values[i], truth.values[i]);
@@ -106,31 +100,32 @@ SubpixelAccuracy measure_subpixel(const images::FloatMap& disparity, const image
     return accuracy;
 }
 
-void print_subpixel_table(const std::vector<SubpixelRow>& rows, bool markdown, std::ostream& to) {
-    tools::Table table({"scene", "method", "backend", "D", "bad-0.5 nonocc %", "bad-0.5 of measured %", "RMS px",
-                        "near whole px %", "of the truth %"});
+Measurements measurements(const std::vector<SubpixelRow>& rows) {
+    Measurements measured{subpixel_figures(), {}};
     for (const SubpixelRow& row : rows) {
-        add_line(row.scene, row, std::to_string(row.disparities), row.accuracy, table);
+        measured.rows.push_back({row.scene, row.method, row.backend, subpixel_values(row.accuracy)});
     }
-    for (auto row = rows.begin(); row != rows.end(); ++row) {
-        const auto same = [&](const SubpixelRow& other) {
-            return other.method == row->method && other.backend == row->backend;
-        };
-        if (std::any_of(rows.begin(), row, same)) {
-            continue;
-        }
-        std::vector<SubpixelAccuracy> all;
-        for (auto other = row; other != rows.end(); ++other) {
-            if (same(*other)) {
-                all.push_back(other->accuracy);
-            }
-        }
-        add_line("mean", *row, "", mean(all), table);
+    return measured;
+}
+
+void print_subpixel_table(const std::vector<SubpixelRow>& rows, bool markdown, std::ostream& to) {
+    tools::Table table(head_of_subpixel_rows());
+    const Measurements measured = measurements(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        std::vector<std::string> line{rows[i].scene, rows[i].method, rows[i].backend,
+                                      std::to_string(rows[i].disparities)};
+        append_figures(measured.rows[i].values, measured.figures, line);
+        table.add(line);
+    }
+    for (const Mean& mean : means(measured)) {
+        std::vector<std::string> line{"mean", mean.method, mean.backend, ""};
+        append_figures(mean.values, measured.figures, line);
+        table.add(line);
     }
     markdown ? table.print_markdown(to) : table.print(to);
 }
 
-void print_subpixel_json(const std::vector<SubpixelRow>& rows, std::ostream& to) {
+nlohmann::ordered_json subpixel_json(const std::vector<SubpixelRow>& rows) {
     auto list = nlohmann::ordered_json::array();
     for (const SubpixelRow& row : rows) {
         const SubpixelAccuracy& accuracy = row.accuracy;
@@ -138,18 +133,13 @@ void print_subpixel_json(const std::vector<SubpixelRow>& rows, std::ostream& to)
         for (const double fraction : accuracy.fractions) {
             fractions.push_back(rounded_number(fraction));
         }
-        list.push_back({{"scene", row.scene},
-                        {"method", row.method},
-                        {"backend", row.backend},
-                        {"disparities", row.disparities},
-                        {"bad05_nonocc", rounded_number(accuracy.bad05)},
-                        {"bad05_measured", rounded_number(accuracy.bad05_measured)},
-                        {"rms_px", rounded_number(accuracy.rms)},
-                        {"near_whole", rounded_number(accuracy.near_whole)},
-                        {"truth_near_whole", rounded_number(accuracy.truth_near_whole)},
-                        {"fractions", fractions}});
+        nlohmann::ordered_json object{
+            {"scene", row.scene}, {"method", row.method}, {"backend", row.backend}, {"disparities", row.disparities}};
+        add_figures(subpixel_values(accuracy), subpixel_figures(), object);
+        object["fractions"] = fractions;
+        list.push_back(object);
     }
-    to << list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+    return list;
 }
 
 }  // namespace disparityd::eval

@@ -7,6 +7,9 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/eval/means.h"
 #include "tools/images/disparity_map.h"
 
 namespace disparityd::eval {
@@ -39,8 +42,11 @@ struct SubpixelRow {
 /// A line per row, then the mean over the scenes for each method.
 void print_subpixel_table(const std::vector<SubpixelRow>& rows, bool markdown, std::ostream& to);
 
-/// A list of objects: scene, method, backend, disparities, bad05_nonocc, bad05_measured, rms_px, near_whole,
+/// Returns the figures of print_subpixel_table() for each row, without disparities.
+Measurements measurements(const std::vector<SubpixelRow>& rows);
+
+/// Returns a list of objects: scene, method, backend, disparities, bad05_nonocc, bad05_measured, rms_px, near_whole,
 /// truth_near_whole, fractions (16 numbers); null where no pixel is judged.
-void print_subpixel_json(const std::vector<SubpixelRow>& rows, std::ostream& to);
+nlohmann::ordered_json subpixel_json(const std::vector<SubpixelRow>& rows);
 
 }  // namespace disparityd::eval
