@@ -8,6 +8,7 @@ set_property(CACHE DISPARITYD_CUDA PROPERTY STRINGS AUTO ON OFF)
 set(DISPARITYD_CUDA_STEPS
   block_winners.cu
   census.cu
+  guided_median.cu
   interpolate_depth.cu
   left_right_median.cu
   paths.cu

@@ -27,12 +27,15 @@ FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config)
     : FrameScratch(steps, config, words_of_both(config)) {}
 
 FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config, std::size_t census_bytes)
-    : width_(config.width), height_(config.height), filtered_(config.options.post.median > 0) {
+    : width_(config.width),
+      height_(config.height),
+      matched_apart_((config.options.post.median > 0) != (config.options.post.guided_median > 0)),
+      filtered_apart_(config.options.post.guided_median > 0) {
     const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     const PostOptions& post = config.options.post;
     right_winner_ = round_up_to_cache_line(pixels * sizeof(std::int16_t));
-    matched_ = right_winner_ + round_up_to_cache_line(pixels * sizeof(std::int16_t));
-    shared_ = matched_ + (filtered_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
+    apart_ = right_winner_ + round_up_to_cache_line(pixels * sizeof(std::int16_t));
+    shared_ = apart_ + (matched_apart_ || filtered_apart_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
     right_census_ = shared_ + round_up_to_cache_line(pixels * sizeof(std::uint64_t));
     bytes_ = shared_ + std::max({census_bytes, post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
                                  post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
@@ -55,7 +58,11 @@ Plane<std::uint64_t> FrameScratch::right_census(std::span<std::byte> scratch) co
 }
 
 Plane<std::int16_t> FrameScratch::matched(const FrameView& frame) const {
-    return filtered_ ? plane_at<std::int16_t>(frame.scratch, matched_, width_, height_) : frame.disparity;
+    return matched_apart_ ? plane_at<std::int16_t>(frame.scratch, apart_, width_, height_) : frame.disparity;
+}
+
+Plane<std::int16_t> FrameScratch::filtered(const FrameView& frame) const {
+    return filtered_apart_ ? plane_at<std::int16_t>(frame.scratch, apart_, width_, height_) : frame.disparity;
 }
 
 }  // namespace disparityd

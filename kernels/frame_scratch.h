@@ -25,8 +25,12 @@ public:
     Plane<std::int16_t> left_winner(std::span<std::byte> scratch) const;
     Plane<std::int16_t> right_winner(std::span<std::byte> scratch) const;
 
-    /// Where matching leaves its disparities: in the frame's plane, but where a median is to read them and write there.
+    /// Where matching leaves its disparities: in the frame's plane, or in one of the scratch. Each median reads one of
+    /// the two and writes the other; the last one writes the frame's.
     Plane<std::int16_t> matched(const FrameView& frame) const;
+
+    /// Where the disparities are after the median of step 9.
+    Plane<std::int16_t> filtered(const FrameView& frame) const;
 
     /// From census to match.
     Plane<std::uint64_t> left_census(std::span<std::byte> scratch) const;
@@ -40,9 +44,10 @@ public:
 private:
     int width_;
     int height_;
-    bool filtered_;
+    bool matched_apart_;        // not in the frame's plane
+    bool filtered_apart_;       // likewise
     std::size_t right_winner_;  // offsets
-    std::size_t matched_;
+    std::size_t apart_;
     std::size_t shared_;
     std::size_t right_census_;
     std::size_t bytes_;

@@ -47,48 +47,69 @@ void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
 }
 
 void FrameStages::post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
-    const int height = config_.height;
-    const MatchOptions& options = config_.options;
-    const PostOptions& post = options.post;
-    const std::int16_t invalid = invalid_disparity(options.range);
-    const Plane<std::int16_t> matched = scratch.matched(frame);
+    const PostOptions& post = config_.options.post;
     if (post.left_right_check) {
-        parallel_rows(height, workers, [&](Rows rows) {
-            steps_.left_right(scratch.left_winner(frame.scratch), scratch.right_winner(frame.scratch), options.range,
-                              matched, rows);
+        parallel_rows(config_.height, workers, [&](Rows rows) {
+            steps_.left_right(scratch.left_winner(frame.scratch), scratch.right_winner(frame.scratch),
+                              config_.options.range, scratch.matched(frame), rows);
         });
     }
-    const auto write_depth = [&](Rows rows) {
-        if (frame.depth) {
-            steps_.depth(frame.disparity, invalid, frame.depth_scale, frame.depth, rows);
-        }
-    };
-    const auto finish = [&](Rows rows) {
-        steps_.mask_confidence(frame.disparity, invalid, frame.confidence, rows);
-        if (!post.interpolate) {
-            write_depth(rows);
-        }
-    };
+    filter(frame, scratch, workers);
+    fill(frame, scratch, workers);
+}
+
+// Steps 9 and 10, and what follows from measured disparities alone. Each time that workers are woken takes as long as
+// many rows, so that what can go on with a row does.
+void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
+    const PostOptions& post = config_.options.post;
+    const std::int16_t invalid = invalid_disparity(config_.options.range);
+    const Plane<std::int16_t> filtered = scratch.filtered(frame);
     const bool despeckle = post.speckle_size > 0;
+    const bool complete = !post.interpolate && post.guided_median == 0;
+    const auto finish = [&](Rows rows) {
+        steps_.mask_confidence(filtered, invalid, frame.confidence, rows);
+        if (complete) {
+            write_depth(frame, rows);
+        }
+    };
     if (post.median > 0) {
-        parallel_rows(height, workers, [&](Rows rows) {
-            steps_.median(matched, invalid, post.median, frame.disparity, rows);
+        parallel_rows(config_.height, workers, [&](Rows rows) {
+            steps_.median(scratch.matched(frame), invalid, post.median, filtered, rows);
             if (!despeckle) {
-                finish(rows);  // each time that workers are woken takes as long as many rows
+                finish(rows);
             }
         });
     }
     if (despeckle) {
-        steps_.speckle(frame.disparity, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
+        steps_.speckle(filtered, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
                        workers);
     }
     if (post.median == 0 || despeckle) {
-        parallel_rows(height, workers, finish);
+        parallel_rows(config_.height, workers, finish);
     }
+}
+
+// Steps 11 and 12, and the depth of what they change.
+void FrameStages::fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
+    const PostOptions& post = config_.options.post;
     if (post.interpolate) {
-        steps_.interpolate(frame.disparity, scratch.right_winner(frame.scratch), options.range,
+        steps_.interpolate(scratch.filtered(frame), scratch.right_winner(frame.scratch), config_.options.range,
                            scratch.work(frame.scratch), workers);
-        parallel_rows(height, workers, write_depth);
+    }
+    if (post.guided_median > 0) {
+        parallel_rows(config_.height, workers, [&](Rows rows) {
+            steps_.guided_median(scratch.filtered(frame), frame.left, invalid_disparity(config_.options.range),
+                                 post.guided_median, frame.disparity, rows);
+            write_depth(frame, rows);
+        });
+    } else if (post.interpolate) {
+        parallel_rows(config_.height, workers, [&](Rows rows) { write_depth(frame, rows); });
+    }
+}
+
+void FrameStages::write_depth(const FrameView& frame, Rows rows) const {
+    if (frame.depth) {
+        steps_.depth(frame.disparity, invalid_disparity(config_.options.range), frame.depth_scale, frame.depth, rows);
     }
 }
 

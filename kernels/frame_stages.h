@@ -23,6 +23,10 @@ public:
     void post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
 
 private:
+    void filter(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
+    void fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
+    void write_depth(const FrameView& frame, Rows rows) const;
+
     const FrameSteps& steps_;
     MatcherConfig config_;
 };

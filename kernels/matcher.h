@@ -38,7 +38,7 @@ struct Rectifier {
     std::uint64_t id = 0;
 };
 
-/// Depth from disparity, step 12 of docs/algorithm.md, all in integers: Z[mm] = (k + d/2) / d with
+/// Depth from disparity, step 13 of docs/algorithm.md, all in integers: Z[mm] = (k + d/2) / d with
 /// d = d16 + offset16. k = round(16 f B) (f in px, B in mm); k = 0: no metric calibration, every depth is 0 (unknown).
 struct DepthScale {
     std::int64_t k = 0;

@@ -37,12 +37,19 @@ std::string sgm_problem(const SgmOptions& sgm) {
         return p2 + " (62 + p2 must fit a byte)";
     }
     const std::string p1 = outside("p1", sgm.p1, 1, sgm.p2 - 1);
-    return p1.empty() ? p1 : p1 + " (less than p2)";
+    if (!p1.empty()) {
+        return p1 + " (less than p2)";
+    }
+    const std::string slope = outside("p2 slope", sgm.p2_slope, 1, 8);
+    return slope.empty() ? outside("least p2", sgm.p2_min, 0, sgm.p2) : slope;
 }
 
 std::string post_problem(const PostOptions& post) {
     if (post.median != 0 && post.median != 3 && post.median != 5) {
         return out_of_range("median", post.median, "0 (off), 3 or 5");
+    }
+    if (post.guided_median != 0 && post.guided_median != 5 && post.guided_median != 7) {
+        return out_of_range("guided median", post.guided_median, "0 (off), 5 or 7");
     }
     for (const std::string& found :
          {outside("uniqueness", post.uniqueness, 0, 99), outside("speckle size", post.speckle_size, 0, 1 << 26),

@@ -24,10 +24,12 @@ struct SgmOptions {
     int paths = 8;             ///< 8, or 4 (horizontal and vertical only)
     int p1 = 10;               ///< penalty of a step of one disparity, 1 .. p2 - 1
     int p2 = 63;               ///< penalty of a larger step, p1 + 1 .. 193 (62 + p2 must fit a byte)
-    bool adaptive_p2 = false;  ///< P2' = max(P1 + 1, P2 - |I(p) - I(p - r)|)
+    bool adaptive_p2 = false;  ///< P2' = max(P1 + 1, p2_min, P2 - p2_slope |I(p) - I(p - r)|)
+    int p2_slope = 1;          ///< how fast P2' falls across edges, 1 .. 8
+    int p2_min = 0;            ///< the least P2', 0 .. p2
 };
 
-/// What happens after winner-takes-all; steps 6 to 11 of docs/algorithm.md, each can be switched off.
+/// What happens after winner-takes-all; steps 6 to 12 of docs/algorithm.md, each can be switched off.
 struct PostOptions {
     bool subpixel = true;          ///< equiangular fit, step 6
     bool local_extrema = true;     ///< step 7: reject ends with an equal neighbour and flat minima
@@ -37,6 +39,7 @@ struct PostOptions {
     int speckle_size = 0;          ///< step 10: regions of fewer pixels, 0 .. 2^26, are rejected; 0 switches it off
     int speckle_step = 1;          ///< step 10: neighbours differing by at most so many px, 0 .. 256, belong together
     bool interpolate = false;      ///< step 11
+    int guided_median = 0;         ///< step 12: 0 (off), 5 or 7
 };
 
 /// What is set here is not tuned: start from default_options().

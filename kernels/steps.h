@@ -16,6 +16,8 @@ namespace disparityd {
 /// The largest rectified image, per side. Kernels keep what they need of a row on the stack.
 constexpr int max_side = 8192;
 constexpr int max_disparities = 256;
+/// Step 12: a sample counts whose intensity differs from the pixel's by at most so much.
+constexpr int guided_median_tolerance = 20;
 
 /// Winner-takes-all and what needs the costs besides it, for matching costs or summed costs of type T.
 template <typename T>
@@ -27,7 +29,7 @@ struct WinnerSteps {
     /// Step 6: the winner of each pixel of the right image, from the same costs; range.first - 1 where no candidate
     /// lies inside the left image.
     void (*right)(Volume<const T> costs, DisparityRange range, Plane<std::int16_t> winner, Rows rows);
-    /// Steps 7 and 12: rejects disparities of unclear winners, and writes the confidence of all (0 = rejected).
+    /// Steps 7 and 13: rejects disparities of unclear winners, and writes the confidence of all (0 = rejected).
     void (*local_extrema)(Volume<const T> costs, DisparityRange range, const PostOptions& options,
                           Plane<const std::int16_t> winner, Plane<std::int16_t> disparity,
                           Plane<std::uint8_t> confidence, Rows rows);
@@ -57,14 +59,17 @@ struct FrameSteps {
     void (*speckle)(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
                     std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*speckle_scratch)(int width, int height);
-    /// Step 12: no confidence where the disparity is rejected.
+    /// Step 13: no confidence where the disparity is rejected.
     void (*mask_confidence)(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
                             Rows rows);
     /// Step 11, in place, the whole image, spread over `workers`.
     void (*interpolate)(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
                         std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*interpolate_scratch)(int width, int height);
-    /// Step 12.
+    /// Step 12: `size` is 5 or 7, `guide` the rectified left image. `in` and `out` do not overlap.
+    void (*guided_median)(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid, int size,
+                          Plane<std::int16_t> out, Rows rows);
+    /// Step 13.
     void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
                   Plane<std::uint16_t> depth, Rows rows);
 };
@@ -85,7 +90,7 @@ struct MatchingSteps {
                       Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*aggregate_scratch)(int width, int height, int disparities);  ///< bytes that aggregate() needs
 
-    /// Steps 6, 7 and 12 on the matching costs of census, and on costs of SAD and sums of SGM.
+    /// Steps 6, 7 and 13 on the matching costs of census, and on costs of SAD and sums of SGM.
     WinnerSteps<std::uint8_t> winner_u8;
     WinnerSteps<std::uint16_t> winner_u16;
 };

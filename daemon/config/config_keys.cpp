@@ -208,6 +208,8 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("match", "p1", 1, 192, FIELD(match.options.sgm.p1)));
     keys.push_back(range_key("match", "p2", 2, 193, FIELD(match.options.sgm.p2)));
     keys.push_back(bool_key("match", "adaptive_p2", FIELD(match.options.sgm.adaptive_p2)));
+    keys.push_back(range_key("match", "p2_slope", 1, 8, FIELD(match.options.sgm.p2_slope)));
+    keys.push_back(range_key("match", "p2_min", 0, 193, FIELD(match.options.sgm.p2_min)));
     keys.push_back(bool_key("match", "subpixel", FIELD(match.options.post.subpixel)));
     keys.push_back(range_key("match", "uniqueness", 0, 99, FIELD(match.options.post.uniqueness)));
     keys.push_back(bool_key("match", "local_extrema", FIELD(match.options.post.local_extrema)));
@@ -216,6 +218,7 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("match", "speckle_size", 0, 1000000, FIELD(match.options.post.speckle_size)));
     keys.push_back(range_key("match", "speckle_step", 0, 256, FIELD(match.options.post.speckle_step)));
     keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
+    keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
 }
 

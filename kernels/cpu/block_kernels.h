@@ -14,11 +14,11 @@ struct BlockKernels {
     /// Bytes of memory that sad() and census() need for one band of rows, aligned to 64.
     std::size_t (*scratch_bytes)(const MatchGeometry& geometry);
 
-    /// Steps 2, 6, 7 and 12 for rows [first, last).
+    /// Steps 2, 6, 7 and 13 for rows [first, last).
     void (*sad)(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                 Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 
-    /// Steps 4, 6, 7 and 12 for rows [first, last) from census planes.
+    /// Steps 4, 6, 7 and 13 for rows [first, last) from census planes.
     void (*census)(const MatchGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
                    Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 };

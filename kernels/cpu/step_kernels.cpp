@@ -10,6 +10,7 @@
 #include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/post/guided_median-inl.h"
 #include "kernels/cpu/post/interpolate-inl.h"
 #include "kernels/cpu/post/left_right-inl.h"
 #include "kernels/cpu/post/median-inl.h"
@@ -31,6 +32,7 @@ const FrameSteps& frame_steps() {
         .mask_confidence = mask_confidence,
         .interpolate = interpolate,
         .interpolate_scratch = interpolate_scratch,
+        .guided_median = guided_median,
         .depth = depth,
     };
     return table;

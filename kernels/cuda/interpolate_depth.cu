@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/depth_of.h"
 #include "kernels/cuda/launch.h"
 #include "kernels/cuda/steps.h"
 
@@ -73,15 +74,6 @@ __device__ std::int16_t middle(const InterpolateDepthJob& job, int x, int y) {
     return result;
 }
 
-__device__ std::uint16_t depth_of(const InterpolateDepthJob& job, std::int16_t disparity) {
-    if (disparity == invalid_of(job) || job.depth_k == 0) {
-        return 0;
-    }
-    const std::int64_t d = std::int64_t{disparity} + job.offset16;
-    const std::int64_t millimetres = d <= 0 ? 65535 : (job.depth_k + d / 2) / d;
-    return static_cast<std::uint16_t>(millimetres < 1 ? 1 : millimetres > 65535 ? 65535 : millimetres);
-}
-
 __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     const int x = static_cast<int>(blockIdx.x * lanes + threadIdx.x);
     const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
@@ -97,7 +89,7 @@ __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     job.disparity[i] = disparity;
     job.confidence[i] = measured ? job.measured_confidence[i] : std::uint8_t{0};
     if (job.depth != nullptr) {
-        job.depth[i] = depth_of(job, disparity);
+        job.depth[i] = depth_of(job.depth_scale, invalid_of(job), disparity);
     }
 }
 

@@ -11,19 +11,20 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
-constexpr std::array<std::string_view, 6> sad_steps = {"upload",  "sad+wta",           "left-right+median",
-                                                       "speckle", "interpolate+depth", "download"};
-constexpr std::array<std::string_view, 7> census_steps = {
-    "upload", "census", "dsi+wta", "left-right+median", "speckle", "interpolate+depth", "download"};
-constexpr std::array<std::string_view, 9> sgm_steps = {"upload",
-                                                       "census",
-                                                       "dsi+sweeps",
-                                                       "dsi+path",
-                                                       "dsi+aggregate+wta",
-                                                       "left-right+median",
-                                                       "speckle",
-                                                       "interpolate+depth",
-                                                       "download"};
+constexpr std::array<std::string_view, 7> sad_steps = {
+    "upload", "sad+wta", "left-right+median", "speckle", "interpolate+depth", "guided-median", "download"};
+constexpr std::array<std::string_view, 8> census_steps = {
+    "upload", "census", "dsi+wta", "left-right+median", "speckle", "interpolate+depth", "guided-median", "download"};
+constexpr std::array<std::string_view, 10> sgm_steps = {"upload",
+                                                        "census",
+                                                        "dsi+sweeps",
+                                                        "dsi+path",
+                                                        "dsi+aggregate+wta",
+                                                        "left-right+median",
+                                                        "speckle",
+                                                        "interpolate+depth",
+                                                        "guided-median",
+                                                        "download"};
 
 static_assert(sad_steps[1] == "sad+wta" && census_steps[2] == "dsi+wta" && sgm_steps[4] == "dsi+aggregate+wta",
               "the winner steps of info()");
@@ -65,6 +66,9 @@ MatchStage::MatchStage(const MatcherConfig& config)
     left_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     right_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     filtered_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filtered disparities");
+    if (options.post.guided_median > 0) {
+        filled_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filled disparities");
+    }
     if (options.post.speckle_size > 0) {
         labels_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
         sizes_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
@@ -158,6 +162,8 @@ PathsJob MatchStage::paths_job() const {
             sgm.p1,
             sgm.p2,
             sgm.adaptive_p2,
+            sgm.p2_slope,
+            sgm.p2_min,
             sgm.paths,
             is_wide(sgm.paths, sgm.p2),
             left_volume_.as<std::uint8_t>(),
@@ -216,11 +222,20 @@ void MatchStage::post_process(const Output& output) {
                 stream_.get());
     }
     mark();
+    const bool guided = post.guided_median > 0;
+    const DepthJob scale{output.depth_k, output.offset16};
+    auto* const depth = output.depth ? depth_.device<std::uint16_t>() : nullptr;
     interpolate_depth({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
-                       right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(),
-                       output.depth_k, output.offset16, disparity_.device<std::int16_t>(),
-                       confidence_.device<std::uint8_t>(), output.depth ? depth_.device<std::uint16_t>() : nullptr},
+                       right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), scale,
+                       guided ? filled_.as<std::int16_t>() : disparity_.device<std::int16_t>(),
+                       confidence_.device<std::uint8_t>(), guided ? nullptr : depth},
                       stream_.get());
+    mark();
+    if (guided) {
+        guided_median({config_.width, config_.height, range(), post.guided_median, filled_.as<const std::int16_t>(),
+                       image(0), scale, disparity_.device<std::int16_t>(), depth},
+                      stream_.get());
+    }
     mark();
     disparity_.to_host(stream_);
     confidence_.to_host(stream_);

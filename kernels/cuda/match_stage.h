@@ -68,6 +68,7 @@ private:
     DeviceMemory left_winner_;
     DeviceMemory right_winner_;
     DeviceMemory filtered_;
+    DeviceMemory filled_;
     DeviceMemory labels_;
     DeviceMemory sizes_;
     PinnedBuffer disparity_;

@@ -86,7 +86,8 @@ __device__ U16x2 adapted_p2(const PathsJob& job, Pixel previous, Pixel pixel) {
             job.image.at(clamp(at.x, 0, job.image.width - 1), clamp(at.y, 0, job.image.height - 1)));
     };
     const int difference = intensity(pixel) - intensity(previous);
-    return splat_u16x2(static_cast<unsigned>(max(job.p1 + 1, job.p2 - (difference < 0 ? -difference : difference))));
+    const int adapted = job.p2 - job.p2_slope * (difference < 0 ? -difference : difference);
+    return splat_u16x2(static_cast<unsigned>(max(max(job.p1 + 1, job.p2_min), adapted)));
 }
 
 }  // namespace disparityd::cuda

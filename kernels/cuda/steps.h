@@ -42,7 +42,7 @@ struct Range {
     int count;
 };
 
-/// What steps 6, 7 and the confidence of 12 write, and how.
+/// What steps 6, 7 and the confidence of 13 write, and how.
 struct WinnerJob {
     int width;
     int height;
@@ -89,6 +89,8 @@ struct PathsJob {
     int p1;
     int p2;
     bool adaptive_p2;
+    int p2_slope;
+    int p2_min;
     int paths;  ///< 4 or 8
     bool wide;  ///< whether the sums of a sweep need two bytes
     std::uint8_t* left_volume;
@@ -135,7 +137,13 @@ struct SpeckleJob {
 };
 void speckle(const SpeckleJob& job, cudaStream_t stream);
 
-/// Steps 11 and 12.
+/// What depth depends on, as DepthScale.
+struct DepthJob {
+    std::int64_t k;
+    int offset16;
+};
+
+/// Steps 11 and 13.
 struct InterpolateDepthJob {
     int width;
     int height;
@@ -144,12 +152,25 @@ struct InterpolateDepthJob {
     const std::int16_t* filtered;
     const std::int16_t* right_winner;
     const std::uint8_t* measured_confidence;
-    std::int64_t depth_k;
-    int offset16;
+    DepthJob depth_scale;
     std::int16_t* disparity;
     std::uint8_t* confidence;
     std::uint16_t* depth;  ///< null: not wanted
 };
 void interpolate_depth(const InterpolateDepthJob& job, cudaStream_t stream);
+
+/// Step 12, and the depth of what it finds.
+struct GuidedMedianJob {
+    int width;
+    int height;
+    Range range;
+    int size;
+    const std::int16_t* filled;      ///< after step 11
+    View<const std::uint8_t> guide;  ///< rectified left
+    DepthJob depth_scale;
+    std::int16_t* disparity;  ///< another plane than `filled`
+    std::uint16_t* depth;     ///< null: not wanted
+};
+void guided_median(const GuidedMedianJob& job, cudaStream_t stream);
 
 }  // namespace disparityd::cuda

@@ -20,7 +20,7 @@ struct WinnerBatch {
     unsigned left_last_slot[batch_pixels(packs)];
 };
 
-/// Steps 6, 7 and the confidence of 12 for one row, by the warp that walks along it with all costs of a pixel in its
+/// Steps 6, 7 and the confidence of 13 for one row, by the warp that walks along it with all costs of a pixel in its
 /// lanes.
 ///
 /// Right winners: candidate k of left pixel x is one of right pixel x - first - k. Each slot keeps the best of its

@@ -77,7 +77,8 @@ private:
         } else {
             int p2 = options_.p2;
             if (options_.adaptive_p2) {
-                p2 = std::max(options_.p1 + 1, p2 - std::abs(left_.at(x, y) - left_.at(before_x, before_y)));
+                const int difference = std::abs(left_.at(x, y) - left_.at(before_x, before_y));
+                p2 = std::max({options_.p1 + 1, options_.p2_min, p2 - options_.p2_slope * difference});
             }
             least = continue_path(cost, disparities, options_.p1, p2, least, path);
         }

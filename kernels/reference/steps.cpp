@@ -30,6 +30,7 @@ const KernelSteps steps = {
             .mask_confidence = mask_confidence,
             .interpolate = interpolate_here,
             .interpolate_scratch = interpolate_scratch,
+            .guided_median = guided_median,
             .depth = depth,
         },
     .matching =

@@ -40,6 +40,8 @@ void mask_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, 
 void interpolate(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
                  std::span<std::byte> scratch);
 std::size_t interpolate_scratch(int width, int height);
+void guided_median(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid, int size,
+                   Plane<std::int16_t> out, Rows rows);
 void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale, Plane<std::uint16_t> depth,
            Rows rows);
 

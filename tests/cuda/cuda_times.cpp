@@ -59,13 +59,14 @@ Work work_of(const std::string& step, const Size& size) {
     if (step == "dsi+aggregate+wta") {
         return {sweep_volumes + left_volume + 23 * pixels, minima_of_path};
     }
-    constexpr std::array<std::pair<const char*, double>, 7> bytes_per_pixel = {{{"sad+wta", 9},
+    constexpr std::array<std::pair<const char*, double>, 8> bytes_per_pixel = {{{"sad+wta", 9},
                                                                                 {"dsi+wta", 23},
                                                                                 {"rectify", 18},
                                                                                 {"census", 18},
                                                                                 {"left-right+median", 8},
                                                                                 {"speckle", 38},
-                                                                                {"interpolate+depth", 10}}};
+                                                                                {"interpolate+depth", 10},
+                                                                                {"guided-median", 7}}};
     for (const auto& [name, per_pixel] : bytes_per_pixel) {
         if (step == name) {
             return {per_pixel * pixels, 0};

@@ -145,9 +145,17 @@ Finished finished(const ToFinish& from) {
     const OnDevice<std::int16_t> disparity(Disparities(width, height, 77));
     const OnDevice<std::uint8_t> confidence(Image<std::uint8_t>(width, height, 77));
     const OnDevice<std::uint16_t> depth(Image<std::uint16_t>(width, height, 77));
-    cuda::interpolate_depth({width, height, on_device(from.range), from.interpolate, filtered.at(stream),
-                             right.at(stream), measured.at(stream), from.scale.k, from.scale.offset16,
-                             disparity.at(stream), confidence.at(stream), depth.at(stream)},
+    cuda::interpolate_depth({width,
+                             height,
+                             on_device(from.range),
+                             from.interpolate,
+                             filtered.at(stream),
+                             right.at(stream),
+                             measured.at(stream),
+                             {from.scale.k, from.scale.offset16},
+                             disparity.at(stream),
+                             confidence.at(stream),
+                             depth.at(stream)},
                             stream.get());
     return {disparity.found(stream), confidence.found(stream), depth.found(stream)};
 }
@@ -185,6 +193,42 @@ TEST_F(CudaPost, InterpolationConfidenceAndDepthEqualTheReference) {
                            any_scale(random)};
         ASSERT_TRUE(finished(all) == expected_of(all)) << "round " << round << ", " << percent << " % rejected, k "
                                                        << all.scale.k << ", offset " << all.scale.offset16;
+    }
+}
+
+TEST_F(CudaPost, GuidedMedianAndItsDepthEqualTheReference) {
+    Random random(94);
+    for (int round = 0; round < 60 / one_round_of; ++round) {
+        const Variation variation(round);
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const DepthScale scale = any_scale(random);
+        const int side = pick(random, 0, 1) == 0 ? 5 : 7;
+        const Disparities start = disparities(random, size, range);
+        const Image<std::uint8_t> image = noise(random, size.width, size.height, 0, pick(random, 0, 255));
+
+        const cuda::Stream stream;
+        const OnDevice<std::int16_t> filled(start), out(Disparities(size.width, size.height, 77));
+        const OnDevice<std::uint8_t> guide(image);
+        const OnDevice<std::uint16_t> depth(Image<std::uint16_t>(size.width, size.height, 77));
+        cuda::guided_median({size.width,
+                             size.height,
+                             on_device(range),
+                             side,
+                             filled.at(stream),
+                             {guide.at(stream), size.width, size.height, size.width},
+                             {scale.k, scale.offset16},
+                             out.at(stream),
+                             depth.at(stream)},
+                            stream.get());
+
+        const std::int16_t invalid = invalid_disparity(range);
+        Disparities expected(size.width, size.height);
+        reference::guided_median(start.plane(), image.plane(), invalid, side, expected.plane(), expected.rows());
+        Image<std::uint16_t> expected_depth(size.width, size.height);
+        reference::depth(std::as_const(expected).plane(), invalid, scale, expected_depth.plane(), expected.rows());
+        ASSERT_EQ(out.found(stream), expected.pixels()) << "round " << round << ", size " << side;
+        ASSERT_EQ(depth.found(stream), expected_depth.pixels()) << "round " << round << ", size " << side;
     }
 }
 

@@ -58,6 +58,8 @@ inline MatchOptions any_options(Random& random) {
     options.sgm.p2 = pick(random, 2, 193);
     options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
     options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
+    options.sgm.p2_slope = pick(random, 1, 8);
+    options.sgm.p2_min = pick(random, 0, 2) == 0 ? pick(random, 0, options.sgm.p2) : 0;
     options.post.subpixel = pick(random, 0, 3) > 0;
     options.post.local_extrema = pick(random, 0, 1) == 1;
     options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 99);
@@ -66,6 +68,7 @@ inline MatchOptions any_options(Random& random) {
     options.post.speckle_size = pick(random, 0, 1) * pick(random, 0, 40);
     options.post.speckle_step = pick(random, 0, 2);
     options.post.interpolate = pick(random, 0, 1) == 1;
+    options.post.guided_median = std::array{0, 5, 7}[static_cast<std::size_t>(pick(random, 0, 2))];
     return options;
 }
 

@@ -219,6 +219,7 @@ TEST_P(EveryInstructionSet, EqualsTheReferenceOnTheLongestRows) {
             options.range = range;
             options.sgm.p2 = p2;
             options.sgm.p1 = p2 / 2;
+            options.sgm.p2_min = 0;
             options.post.left_right_check = true;
             options.post.interpolate = true;
             const auto matcher = cpu::create({width, 2, options}, GetParam());

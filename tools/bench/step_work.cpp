@@ -2,6 +2,7 @@
 #include "tools/bench/step_work.h"
 
 #include "kernels/cpu/sgm/path_kernels.h"
+#include "kernels/selection_network.h"
 
 namespace disparityd::bench {
 namespace {
@@ -21,6 +22,7 @@ constexpr double winners_out = 2 + 2 + 1 + 2.0;  // winner, disparity, confidenc
 
 constexpr double exchange = 2 * 2.0;  // minimum and maximum of 16 bits
 constexpr double median3_exchanges = 19, median5_exchanges = 99;
+constexpr double likeness = 2 * 4.0;  // difference of two 16-bit intensities, compared, and the sample chosen
 
 /// Bytes of a sum of path costs of one of two sweeps.
 double sum_bytes(const MatchOptions& options) {
@@ -44,6 +46,13 @@ StepWork post_process(const PostOptions& post, double pixels) {
     if (post.speckle_size > 0) {
         work.bytes += (2 + 4 + 4) * pixels;                // disparities, labels out and in
         work.byte_operations += 2 * (3 * 2 + 4) * pixels;  // two neighbours: compared and joined
+    }
+    if (post.guided_median > 0) {
+        const int samples = post.guided_median * post.guided_median;
+        const auto exchanges = static_cast<double>(post.guided_median == 5 ? exchanges_for_median<25>.size()
+                                                                           : exchanges_for_median<49>.size());
+        work.bytes += (2 + 1 + 2) * pixels;
+        work.byte_operations += (exchange * exchanges + likeness * samples) * pixels;
     }
     work.bytes += (2 + 1) * pixels;  // confidence of what was rejected
     work.byte_operations += 3 * pixels;

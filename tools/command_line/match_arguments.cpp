@@ -29,6 +29,8 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
           add_integer(app, "--p1", p1_, 1, 192, "sgm: penalty of a step of one disparity, less than p2"),
           add_integer(app, "--p2", p2_, 2, 193, "sgm: penalty of a larger step"),
           add_switch(app, "adaptive-p2", adaptive_p2_, "sgm: a smaller p2 across edges of the image"),
+          add_integer(app, "--p2-slope", p2_slope_, 1, 8, "sgm: how much smaller per grey level"),
+          add_integer(app, "--p2-min", p2_min_, 0, 193, "sgm: the least p2 across edges"),
           add_switch(app, "subpixel", subpixel_, "disparities in sixteenths of a pixel"),
           add_integer(app, "--uniqueness", uniqueness_, 0, 99,
                       "reject a match when another candidate costs less than N percent more; 0: off"),
@@ -39,7 +41,9 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
                       "reject connected regions of fewer pixels; 0: off"),
           add_integer(app, "--speckle-step", speckle_step_, 0, 256,
                       "neighbours that differ by at most this many px are connected"),
-          add_switch(app, "interpolate", interpolate_, "fill rejected pixels from their surroundings")}) {
+          add_switch(app, "interpolate", interpolate_, "fill rejected pixels from their surroundings"),
+          add_integer(app, "--guided-median", guided_median_, 0, 7,
+                      "size of a last median, over neighbours of like brightness: 0 (off), 5 or 7")}) {
         option->group("Matching (default: the tuned values of the method)");
     }
 }
@@ -50,6 +54,8 @@ MatchOptions MatchArguments::options(Method method, int disparities) const {
     take(options.sgm.p1, p1_);
     take(options.sgm.p2, p2_);
     take(options.sgm.adaptive_p2, adaptive_p2_);
+    take(options.sgm.p2_slope, p2_slope_);
+    take(options.sgm.p2_min, p2_min_);
     take(options.post.subpixel, subpixel_);
     take(options.post.uniqueness, uniqueness_);
     take(options.post.local_extrema, local_extrema_);
@@ -58,6 +64,7 @@ MatchOptions MatchArguments::options(Method method, int disparities) const {
     take(options.post.speckle_size, speckle_size_);
     take(options.post.speckle_step, speckle_step_);
     take(options.post.interpolate, interpolate_);
+    take(options.post.guided_median, guided_median_);
     const std::string wrong = validate(options);
     if (!wrong.empty()) {
         throw std::invalid_argument(wrong);
@@ -72,7 +79,9 @@ void MatchArguments::check_used(const std::vector<Method>& methods) const {
     const std::pair<bool, const char*> of_sgm[] = {{paths_.has_value(), "--paths"},
                                                    {p1_.has_value(), "--p1"},
                                                    {p2_.has_value(), "--p2"},
-                                                   {adaptive_p2_.has_value(), "--adaptive-p2"}};
+                                                   {adaptive_p2_.has_value(), "--adaptive-p2"},
+                                                   {p2_slope_.has_value(), "--p2-slope"},
+                                                   {p2_min_.has_value(), "--p2-min"}};
     for (const auto& [given, option] : of_sgm) {
         if (given) {
             std::string chosen;

@@ -33,7 +33,8 @@ public:
     void check_used(const std::vector<Method>& methods) const;
 
 private:
-    std::optional<int> d_min_, disparities_, paths_, p1_, p2_, uniqueness_, median_, speckle_size_, speckle_step_;
+    std::optional<int> d_min_, disparities_, paths_, p1_, p2_, p2_slope_, p2_min_, uniqueness_, median_, guided_median_,
+        speckle_size_, speckle_step_;
     std::optional<bool> adaptive_p2_, subpixel_, local_extrema_, left_right_check_, interpolate_;
 };
 

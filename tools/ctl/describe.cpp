@@ -232,6 +232,8 @@ Json to_json(const MatchOptions& options) {
         json["p1"] = options.sgm.p1;
         json["p2"] = options.sgm.p2;
         json["adaptive_p2"] = options.sgm.adaptive_p2;
+        json["p2_slope"] = options.sgm.p2_slope;
+        json["p2_min"] = options.sgm.p2_min;
     }
     json.update({{"subpixel", options.post.subpixel},
                  {"local_extrema", options.post.local_extrema},
@@ -240,7 +242,8 @@ Json to_json(const MatchOptions& options) {
                  {"median", options.post.median},
                  {"speckle_size", options.post.speckle_size},
                  {"speckle_step", options.post.speckle_step},
-                 {"interpolate", options.post.interpolate}});
+                 {"interpolate", options.post.interpolate},
+                 {"guided_median", options.post.guided_median}});
     return json;
 }
 

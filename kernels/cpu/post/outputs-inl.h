@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 12 of docs/algorithm.md as far as it follows from the finished disparity: confidence 0 where it is rejected, and
+// Step 13 of docs/algorithm.md as far as it follows from the finished disparity: confidence 0 where it is rejected, and
 // depth.
 #if defined(DISPARITYD_CPU_POST_OUTPUTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_POST_OUTPUTS_INL_H_

@@ -18,8 +18,8 @@ HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
 /// P2 of each position of a row, for SweepRow::p2_rows.
-inline void adaptive_p2(const MatchGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
-                        const std::uint8_t* previous_row, std::uint8_t* const* p2_rows) {
+inline void adaptive_p2(const MatchGeometry& geometry, int direction, const SgmOptions& options,
+                        const std::uint8_t* row, const std::uint8_t* previous_row, std::uint8_t* const* p2_rows) {
     const hn::ScalableTag<std::uint8_t> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     const int width = geometry.width;
@@ -29,14 +29,14 @@ inline void adaptive_p2(const MatchGeometry& geometry, const SweepPass& pass, co
     for (const auto& [from, to] : {std::pair{row, here}, {previous_row, previous}}) {
         std::fill_n(to, row_slack, std::uint8_t{0});
         std::fill_n(to + row_slack + width, row_slack, std::uint8_t{0});
-        if (pass.direction > 0) {
+        if (direction > 0) {
             std::copy_n(from, width, to + row_slack);
         } else {
             mirror(from, width, to + row_slack);
         }
     }
-    const auto largest = hn::Set(tag, static_cast<std::uint8_t>(pass.p2));
-    const auto smallest = hn::Set(tag, static_cast<std::uint8_t>(pass.p1 + 1));
+    const auto largest = hn::Set(tag, static_cast<std::uint8_t>(options.p2));
+    const auto smallest = hn::Set(tag, static_cast<std::uint8_t>(std::max(options.p1 + 1, options.p2_min)));
     const std::uint8_t* middle = previous + row_slack;
     const std::uint8_t* sources[4] = {middle - 1, middle, middle + 1, here + row_slack - 1};
     for (int path = 0; path < 4; ++path) {
@@ -44,7 +44,11 @@ inline void adaptive_p2(const MatchGeometry& geometry, const SweepPass& pass, co
             const auto a = hn::LoadU(tag, here + row_slack + p);
             const auto b = hn::LoadU(tag, sources[path] + p);
             const auto difference = hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a));
-            hn::StoreU(hn::Max(smallest, hn::SaturatedSub(largest, difference)), tag, p2_rows[path] + p);
+            auto p2 = largest;
+            for (int i = 0; i < options.p2_slope; ++i) {  // bytes have no multiplication
+                p2 = hn::SaturatedSub(p2, difference);
+            }
+            hn::StoreU(hn::Max(smallest, p2), tag, p2_rows[path] + p);
         }
     }
 }

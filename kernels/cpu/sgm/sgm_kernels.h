@@ -100,8 +100,8 @@ struct SgmKernels {
     void (*aggregate)(const MatchGeometry& geometry, const SweepPass& pass, const PathRow& previous_row,
                       const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state);
     /// Adaptive P2 of one row of the left image: SweepRow::p2_rows (to be rounded up to whole vectors).
-    void (*adaptive_p2)(const MatchGeometry& geometry, const SweepPass& pass, const std::uint8_t* row,
-                        const std::uint8_t* previous_row, std::uint8_t* const* p2_rows);
+    void (*adaptive_p2)(const MatchGeometry& geometry, int direction, const SgmOptions& options,
+                        const std::uint8_t* row, const std::uint8_t* previous_row, std::uint8_t* const* p2_rows);
     /// Winners of one row: S = down + up + C once for each path.
     void (*winner)(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
                    const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);

@@ -101,7 +101,7 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScra
         matching_cost(frame, rows, i, costs, stream_ ? kept : nullptr);
         row.costs = costs;
         row.sums = memory_.sums(y);
-        set_p2_rows(frame, pass, y, scratch.p2_rows[i], row);
+        set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
     }
     aggregate(frame, group, pass, sweep_rows, rows.count);
 }
@@ -120,7 +120,7 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
             matching_cost(frame, rows, i, scratch.costs[i], nullptr);
         }
         row.sums = scratch.sums[i];
-        set_p2_rows(frame, pass, y, scratch.p2_rows[i], row);
+        set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
         row.prefetch[0] = memory_.sums(y);
         row.prefetch[1] = keep_costs_ ? memory_.costs(row_ahead(frame, rows, i)) : nullptr;
     }
@@ -154,11 +154,11 @@ void SgmSweeps::aggregate(Frame& frame, const RowGroup& group, const SweepPass& 
     frame.progress.completed(group);
 }
 
-void SgmSweeps::set_p2_rows(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* p2_rows,
+void SgmSweeps::set_p2_rows(const Frame& frame, int direction, int y, std::uint8_t* const* p2_rows,
                             SweepRow& row) const {
     if (options_.sgm.adaptive_p2) {
-        const int previous = std::clamp(y - pass.direction, 0, geometry_.height - 1);
-        kernels_.adaptive_p2(geometry_, pass, frame.left.row(y), frame.left.row(previous), p2_rows);
+        const int previous = std::clamp(y - direction, 0, geometry_.height - 1);
+        kernels_.adaptive_p2(geometry_, direction, options_.sgm, frame.left.row(y), frame.left.row(previous), p2_rows);
     }
     std::copy_n(p2_rows, 4, row.p2_rows);
 }

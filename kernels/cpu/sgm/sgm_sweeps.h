@@ -43,8 +43,7 @@ private:
     void store_sums(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const;
     void find_winners(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const;
     void aggregate(Frame& frame, const RowGroup& group, const SweepPass& pass, const SweepRow* rows, int count) const;
-    void set_p2_rows(const Frame& frame, const SweepPass& pass, int y, std::uint8_t* const* p2_rows,
-                     SweepRow& row) const;
+    void set_p2_rows(const Frame& frame, int direction, int y, std::uint8_t* const* p2_rows, SweepRow& row) const;
     /// The row that follows row i of these in this worker's next group.
     int row_ahead(const Frame& frame, const SweepRows& rows, int i) const;
     /// Of row i of these.

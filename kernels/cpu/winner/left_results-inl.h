@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sub-pixel fit, extrema and confidence (steps 6, 7 and 12 of docs/algorithm.md) from the few sums of each pixel that
+// Sub-pixel fit, extrema and confidence (steps 6, 7 and 13 of docs/algorithm.md) from the few sums of each pixel that
 // they depend on.
 #if defined(DISPARITYD_CPU_WINNER_LEFT_RESULTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_WINNER_LEFT_RESULTS_INL_H_

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 6 of docs/algorithm.md for one row: winners of both images, and the sums that steps 7 and 12 look at.
+// Step 6 of docs/algorithm.md for one row: winners of both images, and the sums that steps 7 and 13 look at.
 //
 // Keys of running_argmin-inl.h are made once and kept for 32 pixels in the first-level cache. Minima over all lanes are
 // taken for 8 pixels at a time.

@@ -40,6 +40,18 @@ struct StepData {
         return image;
     }
 
+    /// An image with regions whose intensities differ by less, exactly and more than what counts as alike.
+    Image<std::uint8_t> guide() {
+        const int spread = input.hostile ? pick(random, 0, 255) : 60;
+        Image<std::uint8_t> image = noise(random, input.width, input.height, 0, spread);
+        for (std::uint8_t& value : image.pixels()) {
+            value = pick(random, 0, 3) > 0
+                        ? static_cast<std::uint8_t>(value / guided_median_tolerance * guided_median_tolerance)
+                        : value;
+        }
+        return image;
+    }
+
     KernelInput input;
     Random random;
     RunBuffers buffers;
@@ -93,6 +105,19 @@ Bound bind_median(const Data& data, const FrameSteps&) {
     return {[=](const FrameSteps& steps) {
                 over_parts(data->input,
                            [&](Rows rows) { steps.median(in->plane(), data->invalid(), size, out, rows); });
+            },
+            {}};
+}
+
+template <int size>
+Bound bind_guided_median(const Data& data, const FrameSteps&) {
+    const auto in = std::make_shared<Image<std::int16_t>>(data->disparities());
+    const auto guide = std::make_shared<Image<std::uint8_t>>(data->guide());
+    const auto out = data->buffers.result<std::int16_t>(data->input.width, data->input.height);
+    return {[=](const FrameSteps& steps) {
+                over_parts(data->input, [&](Rows rows) {
+                    steps.guided_median(in->plane(), guide->plane(), data->invalid(), size, out, rows);
+                });
             },
             {}};
 }
@@ -155,6 +180,8 @@ std::vector<KernelCase> step_cases() {
         step_case("left_right", bind_left_right),
         step_case("median3", bind_median<3>),
         step_case("median5", bind_median<5>),
+        step_case("guided_median5", bind_guided_median<5>),
+        step_case("guided_median7", bind_guided_median<7>),
         step_case("speckle", bind_speckle),
         step_case("mask_confidence", bind_mask_confidence),
         step_case("depth", bind_depth),

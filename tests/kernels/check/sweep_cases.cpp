@@ -58,8 +58,8 @@ struct TwoSweeps {
         }
         if (input.options.sgm.adaptive_p2) {
             const int before = std::clamp(y - of.direction, 0, input.height - 1);
-            layout.kernels.adaptive_p2(layout.geometry, of, pair.left.plane().row(y), pair.left.plane().row(before),
-                                       of_paths);
+            layout.kernels.adaptive_p2(layout.geometry, of.direction, input.options.sgm, pair.left.plane().row(y),
+                                       pair.left.plane().row(before), of_paths);
         }
         return sweep_row;
     }
@@ -187,7 +187,7 @@ public:
         const int before = p + (path == 3 ? -1 : path - 1);
         const int difference = std::abs(pair.left.at(p, y) - pair.left.at(before, path == 3 ? y : y - 1));
         const SgmOptions& sgm = input.options.sgm;
-        return static_cast<std::uint8_t>(std::max(sgm.p1 + 1, sgm.p2 - difference));
+        return static_cast<std::uint8_t>(std::max({sgm.p1 + 1, sgm.p2_min, sgm.p2 - sgm.p2_slope * difference}));
     }
 
     KernelInput input;
@@ -235,8 +235,7 @@ KernelRun bind_adaptive_p2(const KernelInput& input, std::int64_t target) {
     return {[=] {
                 for (int y = 0; y < input.height; ++y) {
                     std::uint8_t* rows[4] = {&at(0, y, 0), &at(0, y, 1), &at(0, y, 2), &at(0, y, 3)};
-                    layout->kernels.adaptive_p2(layout->geometry, {1, input.options.sgm.p1, input.options.sgm.p2},
-                                                plain->pair.left.plane().row(y),
+                    layout->kernels.adaptive_p2(layout->geometry, 1, input.options.sgm, plain->pair.left.plane().row(y),
                                                 plain->pair.left.plane().row(std::max(0, y - 1)), rows);
                 }
             },

@@ -99,6 +99,24 @@ TEST_P(CpuPost, MedianEqualsTheReference) {
     }
 }
 
+TEST_P(CpuPost, GuidedMedianEqualsTheReference) {
+    Random random(87);
+    for (int round = 0; round < rounds; ++round) {
+        const Size size(random);
+        const DisparityRange range = any_range(random);
+        const std::int16_t invalid = invalid_disparity(range);
+        const Image<std::int16_t> in = disparities(random, size, range);
+        const Image<std::uint8_t> guide = noise(random, size.width, size.height, 0, pick(random, 0, 255));
+        const Both<std::int16_t> out(Image<std::int16_t>(size.width, size.height, 77).plane());
+        const int side = pick(random, 0, 1) == 0 ? 5 : 7;
+        reference::guided_median(in.plane(), guide.plane(), invalid, side, out.expected.plane(), {0, size.height});
+        in_parts(size.height, [&](Rows rows) {
+            steps().guided_median(in.plane(), guide.plane(), invalid, side, out.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(out.found, out.expected)) << "round " << round << ", side " << side;
+    }
+}
+
 TEST_P(CpuPost, SpeckleEqualsTheReference) {
     Random random(82);
     for (int round = 0; round < rounds; ++round) {

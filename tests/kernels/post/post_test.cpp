@@ -87,6 +87,63 @@ TEST(Median, ARejectedNeighbourCountsAsTheCentre) {
     EXPECT_EQ(out.at(0, 0), 10);
 }
 
+TEST(GuidedMedian, TakesTheLowerMiddleOfSamplesOfLikeIntensity) {
+    // Row 2 of five: rejected in the middle of each half, a bright half from column 3 on.
+    Image<std::int16_t> in(6, 1, {10, invalid, 30, 70, invalid, 90});
+    Image<std::uint8_t> guide(6, 1, {100, 100, 120, 121, 200, 141});
+    Image<std::int16_t> out(6, 1, 55);
+    reference::guided_median(in.plane(), guide.plane(), invalid, 5, out.plane(), out.rows());
+    // Each row of the window is the same, so that one row decides. Column 0: 10 10 10 30, lower middle 10.
+    EXPECT_EQ(out.at(0, 0), 10);
+    EXPECT_EQ(out.at(1, 0), invalid);
+    // Column 2 (120): 10, 30 and 70 (121), not 90.
+    EXPECT_EQ(out.at(2, 0), 30);
+    // Column 3 (121): 30, 70, 90 (141 is 20 away).
+    EXPECT_EQ(out.at(3, 0), 70);
+    EXPECT_EQ(out.at(4, 0), invalid);
+    // Column 5 (141): 70, and 90 three times.
+    EXPECT_EQ(out.at(5, 0), 90);
+}
+
+TEST(GuidedMedian, OfAnEvenNumberIsTheLowerOne) {
+    Image<std::int16_t> in(2, 1, {40, 20});
+    Image<std::uint8_t> guide(2, 1, {7, 7});
+    Image<std::int16_t> out(2, 1);
+    // Columns of the window of 5: 40 40 40 20 20 and 40 40 20 20 20; of 7: 40 40 40 40 20 20 20 and 40 40 40 20 20
+    // 20 20.
+    for (const int size : {5, 7}) {
+        reference::guided_median(in.plane(), guide.plane(), invalid, size, out.plane(), out.rows());
+        EXPECT_EQ(out.at(0, 0), 40);
+        EXPECT_EQ(out.at(1, 0), 20);
+    }
+    Image<std::int16_t> four(4, 1, {40, 30, 20, 10});
+    Image<std::uint8_t> edge(4, 1, {7, 7, 28, 28});
+    Image<std::int16_t> result(4, 1);
+    reference::guided_median(four.plane(), edge.plane(), invalid, 5, result.plane(), result.rows());
+    // Column 1: 40 40 30 count (the border once more); column 2: 20 10 10. Column 0: 40 40 40 30.
+    EXPECT_EQ(result.pixels(), (std::vector<std::int16_t>{40, 40, 10, 10}));
+}
+
+TEST(GuidedMedian, WhereAllCountItIsOpenCvsMedian) {
+    Random random(18);
+    for (const auto& [width, height] : {std::pair{31, 22}, {1, 1}, {2, 7}, {9, 1}}) {
+        Image<std::int16_t> in(width, height);
+        for (std::int16_t& value : in.pixels()) {
+            value = static_cast<std::int16_t>(pick(random, -300, 300));
+        }
+        const Image<std::uint8_t> guide = noise(random, width, height, 90, 110);
+        Image<std::int16_t> out(width, height, 1234);
+        reference::guided_median(in.plane(), guide.plane(), -5000, 5, out.plane(), out.rows());
+        cv::Mat expected;
+        cv::medianBlur(view(in), expected, 5);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                ASSERT_EQ(out.at(x, y), expected.at<std::int16_t>(y, x)) << width << "x" << height;
+            }
+        }
+    }
+}
+
 TEST(Speckle, EqualsOpenCvsFilter) {
     Random random(14);
     for (int round = 0; round < 60; ++round) {

@@ -62,7 +62,8 @@ private:
             const int least = *std::min_element(before.begin(), before.end());
             int p2 = options_.p2;
             if (options_.adaptive_p2) {
-                p2 = std::max(options_.p1 + 1, p2 - std::abs(int{left_.at(x, y)} - int{left_.at(px, py)}));
+                const int difference = std::abs(int{left_.at(x, y)} - int{left_.at(px, py)});
+                p2 = std::max({options_.p1 + 1, options_.p2_min, p2 - options_.p2_slope * difference});
             }
             for (int d = 0; d < count; ++d) {
                 int best = least + p2;
@@ -91,7 +92,7 @@ TEST(Aggregate, EqualsTheRecursionWrittenDifferently) {
                 for (const auto& [p1, p2] : {std::pair{10, 63}, {1, 2}, {192, 193}, {1, 193}, {60, 70}}) {
                     const Costs costs(random, width, height, pick(random, 0, 1) == 0 ? 16 : 48);
                     const Image<std::uint8_t> left = noise(random, width, height);
-                    const SgmOptions options{paths, p1, p2, adaptive};
+                    const SgmOptions options{paths, p1, p2, adaptive, pick(random, 1, 8), pick(random, 0, p2)};
                     const std::vector<std::uint16_t> sums = aggregate(costs, left, options, serial);
                     SlowSgm slow(costs, left, options);
                     std::size_t i = 0;

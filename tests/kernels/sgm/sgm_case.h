@@ -116,6 +116,8 @@ inline MatchOptions random_sgm_options(Random& random, int paths, int min_p2, in
     options.sgm.p2 = pick(random, min_p2, max_p2);
     options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);
     options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
+    options.sgm.p2_slope = pick(random, 1, 8);
+    options.sgm.p2_min = pick(random, 0, 2) == 0 ? pick(random, 0, options.sgm.p2) : 0;
     options.post.subpixel = pick(random, 0, 3) > 0;
     options.post.local_extrema = pick(random, 0, 1) == 1;
     options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 99);

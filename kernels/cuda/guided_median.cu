@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <utility>
+
+#include "kernels/cuda/depth_of.h"
+#include "kernels/cuda/launch.h"
+#include "kernels/cuda/steps.h"
+#include "kernels/selection_network.h"
+
+namespace disparityd::cuda {
+
+namespace {
+
+constexpr int block_height = 8;
+constexpr int tolerance = 20;  // guided_median_tolerance of kernels/steps.h, which is C++20
+constexpr int like_no_other = 1024;
+
+template <std::size_t low, std::size_t high, typename Values>
+__device__ void exchange(Values& values) {
+    const int lesser = min(values[low], values[high]);
+    values[high] = max(values[low], values[high]);
+    values[low] = lesser;
+}
+
+template <std::size_t count, std::size_t... i>
+__device__ int middle_of(int (&values)[count], std::index_sequence<i...>) {
+    (exchange<exchanges_for_median<count>[i].low, exchanges_for_median<count>[i].high>(values), ...);
+    return values[count / 2];
+}
+
+// A sample of step 12 and its intensity, which is like no other where the disparity is rejected.
+struct Sample {
+    std::int16_t disparity;
+    std::int16_t intensity;
+};
+
+template <int radius>
+__global__ void guided_median_kernel(GuidedMedianJob job) {
+    constexpr int side = 2 * radius + 1;
+    constexpr int tile_width = lanes + 2 * radius;
+    constexpr int tile_height = block_height + 2 * radius;
+    DISPARITYD_SHARED(Sample, tile, [tile_height][tile_width]);
+    const auto invalid = static_cast<std::int16_t>((job.range.first - 1) * 16);
+    const int first_x = static_cast<int>(blockIdx.x) * lanes;
+    const int first_y = static_cast<int>(blockIdx.y) * block_height;
+    const int column = static_cast<int>(threadIdx.x);
+    const int row = static_cast<int>(threadIdx.y);
+    for (int i = row * lanes + column; i < tile_width * tile_height; i += lanes * block_height) {
+        const int x = clamp(first_x + i % tile_width - radius, 0, job.width - 1);
+        const int y = clamp(first_y + i / tile_width - radius, 0, job.height - 1);
+        const std::int16_t disparity = job.filled[static_cast<std::ptrdiff_t>(y) * job.width + x];
+        const int intensity = disparity == invalid ? like_no_other : int{job.guide.at(x, y)};
+        tile[i / tile_width][i % tile_width] = {disparity, static_cast<std::int16_t>(intensity)};
+    }
+    __syncthreads();
+    const int x = first_x + column;
+    const int y = first_y + row;
+    if (x >= job.width || y >= job.height) {
+        return;
+    }
+    const Sample centre = tile[row + radius][column + radius];
+    int values[side * side];
+    int filler = 32767;  // of samples that do not count: the least and the greatest number in turn
+#pragma unroll
+    for (int i = 0; i < side * side; ++i) {
+        const Sample sample = tile[row + i / side][column + i % side];
+        const int difference = sample.intensity - centre.intensity;
+        const bool counts = difference <= tolerance && difference >= -tolerance;
+        filler = counts ? filler : ~filler;
+        values[i] = counts ? sample.disparity : filler;
+    }
+    constexpr std::size_t exchanges = exchanges_for_median<side * side>.size();
+    const int middle = middle_of(values, std::make_index_sequence<exchanges>());
+    const std::int16_t result = centre.disparity == invalid ? invalid : static_cast<std::int16_t>(middle);
+    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(y) * job.width + x;
+    job.disparity[place] = result;
+    if (job.depth != nullptr) {
+        job.depth[place] = depth_of(job.depth_scale, invalid, result);
+    }
+}
+
+}  // namespace
+
+void guided_median(const GuidedMedianJob& job, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),
+                      dim3(lanes, block_height)};
+    if (job.size == 5) {
+        launch("guided median 5", shape, stream, guided_median_kernel<2>, job);
+    } else {
+        launch("guided median 7", shape, stream, guided_median_kernel<3>, job);
+    }
+}
+
+}  // namespace disparityd::cuda
