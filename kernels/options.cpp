@@ -10,6 +10,8 @@ namespace {
 
 constexpr std::array<std::string_view, 3> method_names = {"sad", "census", "sgm"};
 
+constexpr std::array<std::string_view, 2> cost_names = {"census-9x7", "census-7x5+gradient"};
+
 std::string out_of_range(std::string_view option, int found, std::string_view allowed) {
     return std::string(option) + " = " + std::to_string(found) + ": allowed is " + std::string(allowed);
 }
@@ -75,6 +77,18 @@ std::optional<Method> method_from_name(std::string_view text) {
     return static_cast<Method>(found - method_names.begin());
 }
 
+std::string_view to_string(CensusCost cost) {
+    return cost_names[static_cast<std::size_t>(cost)];
+}
+
+std::optional<CensusCost> census_cost_from_name(std::string_view text) {
+    const auto* const found = std::find(cost_names.begin(), cost_names.end(), text);
+    if (found == cost_names.end()) {
+        return std::nullopt;
+    }
+    return static_cast<CensusCost>(found - cost_names.begin());
+}
+
 MatchOptions default_options(Method method, DisparityRange range) {
     MatchOptions options;
     options.method = method;
@@ -98,6 +112,9 @@ MatchOptions default_options(Method method, DisparityRange range) {
 std::string validate(const MatchOptions& options) {
     if (options.method != Method::sad && options.method != Method::census && options.method != Method::sgm) {
         return "unknown matching method: allowed are sad, census and sgm";
+    }
+    if (options.cost != CensusCost::census_9x7 && options.cost != CensusCost::census_7x5_gradient) {
+        return "unknown matching cost: allowed are census-9x7 and census-7x5+gradient";
     }
     for (const std::string& found :
          {range_problem(options.range), sgm_problem(options.sgm), post_problem(options.post)}) {

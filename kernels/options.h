@@ -20,6 +20,15 @@ struct DisparityRange {
     int count = 64;  ///< D, a multiple of 16, 16 .. 256
 };
 
+/// What CENSUS and SGM compare, steps 3 and 4.
+enum class CensusCost : unsigned char {
+    census_9x7,           ///< 62 bits: the paper's
+    census_7x5_gradient,  ///< 30 bits and a horizontal gradient, averaged over three rows
+};
+
+std::string_view to_string(CensusCost cost);                        ///< "census-9x7", "census-7x5+gradient"
+std::optional<CensusCost> census_cost_from_name(std::string_view);  ///< the reverse; empty for any other text
+
 struct SgmOptions {
     int paths = 8;             ///< 8, or 4 (horizontal and vertical only)
     int p1 = 10;               ///< penalty of a step of one disparity, 1 .. p2 - 1
@@ -45,6 +54,7 @@ struct PostOptions {
 /// What is set here is not tuned: start from default_options().
 struct MatchOptions {
     Method method = Method::sgm;
+    CensusCost cost = CensusCost::census_9x7;  ///< of CENSUS and SGM
     DisparityRange range;
     SgmOptions sgm;
     PostOptions post;

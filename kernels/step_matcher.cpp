@@ -74,8 +74,9 @@ void StepMatcher::run(int stage, const FrameView& frame, Parallel& /*workers*/, 
 }
 
 void StepMatcher::census(const FrameView& frame) const {
-    steps_.census(frame.left, scratch_.left_census(frame.scratch), rows());
-    steps_.census(frame.right, scratch_.right_census(frame.scratch), rows());
+    const CensusSteps& steps = steps_.of(config_.options.cost);
+    steps.census(frame.left, scratch_.left_census(frame.scratch), rows());
+    steps.census(frame.right, scratch_.right_census(frame.scratch), rows());
 }
 
 void StepMatcher::match_sad(const FrameView& frame, std::span<nanoseconds> step_times) const {
@@ -90,8 +91,9 @@ void StepMatcher::match_sad(const FrameView& frame, std::span<nanoseconds> step_
 void StepMatcher::match(const FrameView& frame, std::span<nanoseconds> step_times) const {
     StepClock clock(step_times);
     const auto costs = volume<std::uint8_t>(costs_, config_);
-    steps_.matching_cost(scratch_.left_census(frame.scratch), scratch_.right_census(frame.scratch),
-                         config_.options.range, costs, rows());
+    steps_.of(config_.options.cost)
+        .matching_cost(scratch_.left_census(frame.scratch), scratch_.right_census(frame.scratch), config_.options.range,
+                       costs, rows());
     clock.next();
     if (config_.options.method == Method::sgm) {
         Serial serial;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -74,16 +75,22 @@ struct FrameSteps {
                   Plane<std::uint16_t> depth, Rows rows);
 };
 
-/// Matching, one step after the other.
-struct MatchingSteps {
-    /// Step 2.
-    void (*sad)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
-                Volume<std::uint16_t> costs, Rows rows);
+/// A cost of CENSUS and SGM.
+struct CensusSteps {
     /// Step 3.
     void (*census)(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
     /// Step 4.
     void (*matching_cost)(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
                           Volume<std::uint8_t> costs, Rows rows);
+};
+
+/// Matching, one step after the other.
+struct MatchingSteps {
+    /// Step 2.
+    void (*sad)(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
+                Volume<std::uint16_t> costs, Rows rows);
+    /// Of each CensusCost.
+    std::array<CensusSteps, 2> census_costs;
 
     /// Step 5, the whole volume: spread over `workers` as the back end sees fit.
     void (*aggregate)(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
@@ -93,6 +100,8 @@ struct MatchingSteps {
     /// Steps 6, 7 and 13 on the matching costs of census, and on costs of SAD and sums of SGM.
     WinnerSteps<std::uint8_t> winner_u8;
     WinnerSteps<std::uint16_t> winner_u16;
+
+    const CensusSteps& of(CensusCost cost) const { return census_costs[static_cast<std::size_t>(cost)]; }
 };
 
 /// All of them.

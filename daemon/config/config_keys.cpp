@@ -199,6 +199,10 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(name_key<Method>("match", "method",
                                     {{"sgm", Method::sgm}, {"census", Method::census}, {"sad", Method::sad}},
                                     FIELD(match.options.method)));
+    keys.push_back(name_key<CensusCost>(
+        "match", "cost",
+        {{"census-9x7", CensusCost::census_9x7}, {"census-7x5+gradient", CensusCost::census_7x5_gradient}},
+        FIELD(match.options.cost)));
     keys.push_back(
         text_key("match", "backend", "\"auto\" or the name of a back end", FIELD(match.backend), is_not_empty));
     keys.push_back(range_key("match", "d_min", -256, 256, FIELD(match.options.range.first)));

@@ -20,7 +20,7 @@ template <class Tag, int registers>
 struct Block {
     using KeyTag = hn::Repartition<std::uint16_t, Tag>;
     static constexpr int packed_index_bits = 8;  // beside costs of bytes
-    static_assert(census_bits < (no_key >> packed_index_bits));
+    static_assert(Census9x7::bits < (no_key >> packed_index_bits));
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int stride = 2 * registers;
 
@@ -42,6 +42,7 @@ struct Block {
         }
     }
 
+    template <class Cost>
     static void census(const MatchGeometry& geometry, const PostOptions& options,
                        CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch,
                        const WinnerPlanes& out) {
@@ -59,14 +60,15 @@ struct Block {
         const LeftResults results(geometry, options);
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
-            const auto row = [&](int of) { return planes.row(geometry.census, std::min(of, rows.last - 1)); };
-            MatchingCostRow<Tag, registers>(geometry, row(y), row(y + 1), scratch).run();
+            const CensusRow next = planes.row(geometry.census, std::min(y + 1, rows.last - 1));
+            const CensusRows census = planes.rows(geometry.census, y, out.winner.height);
+            MatchingCostRow<Tag, registers, Cost>(geometry, census, next, scratch).run();
             search.run(keys, minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }
     }
 
-    static BlockKernels table() { return {scratch_bytes, sad, census}; }
+    static BlockKernels table() { return {scratch_bytes, sad, {census<Census9x7>, census<Census7x5Gradient>}}; }
 };
 
 inline BlockKernels block_kernels_of(int disparities) {

@@ -18,9 +18,10 @@ struct BlockKernels {
     void (*sad)(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                 Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 
-    /// Steps 4, 6, 7 and 13 for rows [first, last) from census planes.
-    void (*census)(const MatchGeometry& geometry, const PostOptions& options, CensusPlanes<const std::uint8_t> planes,
-                   Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
+    /// Steps 4, 6, 7 and 13 for rows [first, last) from census planes of all rows, for each CensusCost.
+    void (*census[2])(const MatchGeometry& geometry, const PostOptions& options,
+                      CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch,
+                      const WinnerPlanes& out);
 };
 
 BlockKernels block_kernels(std::int64_t target, int disparities);

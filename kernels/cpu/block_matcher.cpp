@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/cpu/cost/gradient_kernels.h"
 #include "kernels/parallel_rows.h"
 #include "kernels/round_up_to_cache_line.h"
 #include "kernels/stage_table.h"
@@ -21,6 +22,14 @@ constexpr auto stages_of_census = census_stages(census_match_steps);
 // A band of SAD begins with the sums of seven rows: lower ones than this are not worth it.
 constexpr int min_rows_of_band = 16;
 
+SgmKernels census_kernels(const MatchOptions& options, std::int64_t target) {
+    SgmKernels kernels = sgm_kernels(target, options.range.count);
+    if (options.cost == CensusCost::census_7x5_gradient) {
+        use_gradient_cost(target, options.range.count, kernels);
+    }
+    return kernels;
+}
+
 // Costs without a bias: only paths want one.
 MatchGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels) {
     MatchGeometry geometry = geometry_for(kernels, config.width, config.height, config.options.range);
@@ -32,7 +41,7 @@ MatchGeometry geometry_of(const MatcherConfig& config, const SgmKernels& kernels
 
 BlockMatcher::BlockMatcher(const MatcherConfig& config, const FrameSteps& steps, std::int64_t target, int bands)
     : config_(checked(config)),
-      census_kernels_(sgm_kernels(target, config.options.range.count)),
+      census_kernels_(census_kernels(config.options, target)),
       kernels_(block_kernels(target, config.options.range.count)),
       geometry_(geometry_of(config, census_kernels_)),
       scratch_(steps, config, census_bytes()),
@@ -85,7 +94,7 @@ void BlockMatcher::match(const FrameView& frame, Parallel& workers) const {
         if (config_.options.method == Method::sad) {
             kernels_.sad(geometry_, post, frame.left, frame.right, rows, memory, out);
         } else {
-            kernels_.census(geometry_, post, planes, rows, memory, out);
+            kernels_.census[static_cast<std::size_t>(config_.options.cost)](geometry_, post, planes, rows, memory, out);
         }
     });
 }

@@ -36,8 +36,7 @@ const KernelSteps steps = {
     .matching =
         {
             .sad = sad,
-            .census = census,
-            .matching_cost = matching_cost,
+            .census_costs = {{{census, matching_cost}, {census_gradient, census_gradient_cost}}},
             .aggregate = aggregate,
             .aggregate_scratch = aggregate_scratch,
             .winner_u8 = {winner_left<std::uint8_t>, winner_right<std::uint8_t>, local_extrema<std::uint8_t>},

@@ -15,6 +15,11 @@ void census(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows ro
 void matching_cost(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
                    Volume<std::uint8_t> costs, Rows rows);
 
+/// The words of census-7x5+gradient, and its costs.
+void census_gradient(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);
+void census_gradient_cost(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
+                          Volume<std::uint8_t> costs, Rows rows);
+
 void aggregate(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
                Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
 std::size_t aggregate_scratch(int width, int height, int disparities);

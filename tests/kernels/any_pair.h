@@ -53,6 +53,7 @@ inline Pair pair_of_opposites(int width, int height) {
 inline MatchOptions any_options(Random& random) {
     MatchOptions options;
     options.method = static_cast<Method>(pick(random, 0, 2));
+    options.cost = static_cast<CensusCost>(pick(random, 0, 1));
     options.range = {pick(random, -40, 40), 16 * pick(random, 1, 5)};
     options.sgm.paths = pick(random, 0, 2) == 0 ? 4 : 8;
     options.sgm.p2 = pick(random, 2, 193);
@@ -96,9 +97,10 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
                           const Parallel& workers) {
     const MatchOptions& options = config.options;
     const auto where = [&] {
-        return testing::Message() << config.width << "x" << config.height << " " << to_string(options.method) << ", D "
-                                  << options.range.count << " from " << options.range.first << ", " << options.sgm.paths
-                                  << " paths, " << workers.workers() << " workers";
+        return testing::Message() << config.width << "x" << config.height << " " << to_string(options.method) << " "
+                                  << to_string(options.cost) << ", D " << options.range.count << " from "
+                                  << options.range.first << ", " << options.sgm.paths << " paths, " << workers.workers()
+                                  << " workers";
     };
     ASSERT_EQ(found.disparity, expected.disparity) << where();
     ASSERT_EQ(found.confidence, expected.confidence) << where();

@@ -96,7 +96,7 @@ TEST_P(PlainVariantsTest, SumsEqualTheReference) {
 
 TEST_P(PlainVariantsTest, NaiveStepsGiveTheSameBytes) {
     Random random(4);
-    const MatchingSteps& steps = naive_steps(GetParam()).matching;
+    const CensusSteps& steps = naive_steps(GetParam()).matching.of(CensusCost::census_9x7);
     auto image = noise(random, 50, 20);
     Image<std::uint64_t> words(50, 20), expected(50, 20);
     steps.census(image.plane(), words.plane(), image.rows());
@@ -107,7 +107,8 @@ TEST_P(PlainVariantsTest, NaiveStepsGiveTheSameBytes) {
 INSTANTIATE_TEST_SUITE_P(Bench, PlainVariantsTest, testing::Values(Build::as_compiled, Build::not_vectorised));
 
 TEST(NaiveTest, TheTwoBuildsAreDifferentCode) {
-    EXPECT_NE(naive_steps(Build::as_compiled).matching.census, naive_steps(Build::not_vectorised).matching.census);
+    EXPECT_NE(naive_steps(Build::as_compiled).matching.of(CensusCost::census_9x7).census,
+              naive_steps(Build::not_vectorised).matching.of(CensusCost::census_9x7).census);
     EXPECT_NE(naive_steps(Build::as_compiled).matching.aggregate,
               naive_steps(Build::not_vectorised).matching.aggregate);
 }

@@ -26,8 +26,7 @@ const KernelSteps& one_pass_steps() {
         KernelSteps steps = naive_steps(Build::not_vectorised);
         const PlainVariants& plain = plain_variants(Build::not_vectorised);
         steps.matching.sad = plain.sad_in_one_pass;
-        steps.matching.census = plain.pixels_as_words;
-        steps.matching.matching_cost = plain.matching_cost_in_one_pass;
+        steps.matching.census_costs[0] = {plain.pixels_as_words, plain.matching_cost_in_one_pass};
         return steps;
     }();
     return one_pass;

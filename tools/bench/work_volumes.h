@@ -42,9 +42,10 @@ public:
     void make_costs(const MatchingSteps& steps) {
         const Plane<std::uint64_t> left_words{census_.data(), width_, height_, width_};
         const Plane<std::uint64_t> right_words{census_.data() + left_.total(), width_, height_, width_};
-        steps.census(left(), left_words, rows());
-        steps.census(right(), right_words, rows());
-        steps.matching_cost(left_words, right_words, range_, costs(), rows());
+        const CensusSteps& of_census = steps.of(CensusCost::census_9x7);
+        of_census.census(left(), left_words, rows());
+        of_census.census(right(), right_words, rows());
+        of_census.matching_cost(left_words, right_words, range_, costs(), rows());
     }
 
 private:

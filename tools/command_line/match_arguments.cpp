@@ -13,6 +13,13 @@
 namespace disparityd::tools {
 namespace {
 
+CensusCost parse_cost(const std::string& text) {
+    if (const auto cost = census_cost_from_name(text)) {
+        return *cost;
+    }
+    throw std::invalid_argument("--cost: found '" + text + "', allowed: census-9x7, census-7x5+gradient");
+}
+
 template <typename T>
 void take(T& to, const std::optional<T>& given) {
     to = given.value_or(to);
@@ -25,7 +32,8 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
     add_integer(app, "--disparities", disparities_, 16, 256,
                 "number of candidates, a multiple of 16 up to 256; " + disparities_default);
     for (CLI::Option* const option :
-         {add_integer(app, "--paths", paths_, 4, 8, "sgm: paths of aggregation, 4 or 8"),
+         {app.add_option("--cost", cost_, "sgm and census: census-9x7 or census-7x5+gradient")->type_name("COST"),
+          add_integer(app, "--paths", paths_, 4, 8, "sgm: paths of aggregation, 4 or 8"),
           add_integer(app, "--p1", p1_, 1, 192, "sgm: penalty of a step of one disparity, less than p2"),
           add_integer(app, "--p2", p2_, 2, 193, "sgm: penalty of a larger step"),
           add_switch(app, "adaptive-p2", adaptive_p2_, "sgm: a smaller p2 across edges of the image"),
@@ -50,6 +58,9 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
 
 MatchOptions MatchArguments::options(Method method, int disparities) const {
     MatchOptions options = default_options(method, {d_min(), disparities_.value_or(disparities)});
+    if (!cost_.empty()) {
+        options.cost = parse_cost(cost_);
+    }
     take(options.sgm.paths, paths_);
     take(options.sgm.p1, p1_);
     take(options.sgm.p2, p2_);

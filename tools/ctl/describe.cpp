@@ -227,6 +227,9 @@ Json to_json(const MatchOptions& options) {
     Json json{{"method", disparityd::to_string(options.method)},
               {"d_min", options.range.first},
               {"disparities", options.range.count}};
+    if (options.method != Method::sad) {
+        json["cost"] = disparityd::to_string(options.cost);
+    }
     if (options.method == Method::sgm) {
         json["paths"] = options.sgm.paths;
         json["p1"] = options.sgm.p1;

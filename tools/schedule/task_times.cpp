@@ -37,7 +37,7 @@ struct TimedKernels {
 
 TimedKernels timed;
 
-void timed_matching_cost(const MatchGeometry& geometry, const cpu::CensusRow& census, const cpu::CensusRow& next,
+void timed_matching_cost(const MatchGeometry& geometry, const cpu::CensusRows& census, const cpu::CensusRow& next,
                          std::uint8_t* costs, std::uint8_t* streamed) {
     const auto start = Clock::now();
     timed.real.matching_cost(geometry, census, next, costs, streamed);

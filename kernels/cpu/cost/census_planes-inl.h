@@ -13,6 +13,7 @@
 
 #include "kernels/cpu/cost/census_window-inl.h"
 #include "kernels/cpu/cost/census_words-inl.h"
+#include "kernels/cpu/cost/gradient-inl.h"
 #include "kernels/cpu/match_layout.h"
 #include "kernels/cpu/simd/prefetch-inl.h"
 #include "kernels/steps.h"
@@ -30,24 +31,29 @@ constexpr int lowest_left_bit = 0;
 constexpr int bits_per_plane = 4;
 constexpr int lowest_left_bit = 4;
 #endif
-constexpr int census_bits = 62;
-constexpr int census_planes = (census_bits + bits_per_plane - 1) / bits_per_plane;
+template <class Cost>
+constexpr int census_planes = (Cost::bits + bits_per_plane - 1) / bits_per_plane;
+/// With that of the gradient, which is the last one.
+template <class Cost>
+constexpr int planes_of = census_planes<Cost> + (Cost::gradient ? 1 : 0);
 
 /// Whether there is one plane, of words: where the processor counts their bits too and a pixel has one register. With
 /// more, neighbouring pixels share loads of planes anyway.
+template <class Cost>
 constexpr bool in_words(int registers) {
-    return HWY_TARGET == HWY_AVX3_DL && registers == 1;
+    return HWY_TARGET == HWY_AVX3_DL && registers == 1 && !Cost::gradient;
 }
 
 /// What a plane has of each pixel.
-template <int registers>
-using CensusUnit = std::conditional_t<in_words(registers), std::uint64_t, std::uint8_t>;
+template <class Cost, int registers>
+using CensusUnit = std::conditional_t<in_words<Cost>(registers), std::uint64_t, std::uint8_t>;
 
-inline CensusLayout census_layout(int width, DisparityLayout layout) {
-    const bool words = in_words(layout.registers);
+template <class Cost>
+CensusLayout census_layout(int width, DisparityLayout layout) {
+    const bool words = in_words<Cost>(layout.registers);
     const int unit = words ? sizeof(std::uint64_t) : sizeof(std::uint8_t);
     CensusLayout census;
-    census.planes = words ? 1 : census_planes;
+    census.planes = words ? 1 : planes_of<Cost>;
     census.left_pitch = unit * (rounded_up(width, 64) + row_slack);
     census.right_part = unit * (rounded_up((width + layout.candidates()) / layout.registers, 64) + row_slack);
     census.right_pitch = census.right_part * layout.registers;
@@ -57,7 +63,7 @@ inline CensusLayout census_layout(int width, DisparityLayout layout) {
 /// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
 /// vectors of bytes are written. Bits have the same order in both orders of columns, natural for the left image and
 /// mirrored for the right. `next` is asked for.
-template <class Unit, Order order>
+template <class Cost, class Unit, Order order>
 void census_row(const CensusWindow<order>& window, int y, int first, int count, Unit* planes, int pitch, Memory next) {
     constexpr bool words = sizeof(Unit) > 1;
     const hn::ScalableTag<std::int8_t> tag;
@@ -73,7 +79,7 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
         soon.portion();
         const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
         auto bits = hn::Zero(tag);
-        decltype(bits) bytes[words ? census_planes : 1];
+        decltype(bits) bytes[words ? census_planes<Cost> : 1];
         std::uint8_t* out = reinterpret_cast<std::uint8_t*>(planes + x);
         int byte = 0;
         int bit = 0;
@@ -91,7 +97,7 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
             load_beside(tag, rows[dy] + x, beside);
             DISPARITYD_UNROLL
             for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
-                if (dy == census_radius_y && dx == 0) {
+                if (!Cost::compares(dx, dy - census_radius_y)) {
                     continue;
                 }
                 const auto less = hn::Lt(beside[census_radius_x + right * dx], centre);
@@ -107,25 +113,28 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
         if constexpr (words) {
             store_census_words(bytes, out);
         }
+        if constexpr (Cost::gradient) {
+            store_gradients(rows + census_radius_y, x, right, out);
+        }
     }
 }
 
-template <class Unit>
+template <class Cost, class Unit>
 void census_left(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
     CensusWindow<Order::natural> window(image, rows.first);
     const std::size_t row_bytes = geometry.census.left_row();
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * row_bytes;
-        census_row(window, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
-                   {out + row_bytes, row_bytes});
+        census_row<Cost>(window, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
+                         {out + row_bytes, row_bytes});
     }
 }
 
 /// Entry i of a mirrored plane belongs to column width - 1 - d_min - i of the right image: candidate k of left column
 /// x is entry width - 1 - x + k. Entries of columns outside the image hold what happens to be there; costs of such
 /// candidates are replaced.
-template <int registers>
+template <class Cost, int registers>
 void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
     const CensusLayout& census = geometry.census;
     const int entries = geometry.width + geometry.layout.candidates();
@@ -133,18 +142,19 @@ void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image
     const int first_column = std::max(geometry.range.first, 0);             // mirrored
     const int columns = std::clamp(geometry.width - first_column, 0, entries - first_entry);
     constexpr int max_entries = max_side + max_disparities + row_slack * 4;
-    alignas(64) std::uint8_t whole[registers == 1 ? 1 : census_planes][registers == 1 ? 1 : max_entries] = {};
+    alignas(64) std::uint8_t whole[registers == 1 ? 1 : planes_of<Cost>][registers == 1 ? 1 : max_entries] = {};
     CensusWindow<Order::mirrored> window(image, rows.first);
     for (int y = rows.first; y < rows.last; ++y) {
         window.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row();
         const Memory next{out + census.right_row(), census.right_row()};
         if constexpr (registers == 1) {
-            census_row(window, y, first_column, columns, reinterpret_cast<CensusUnit<registers>*>(out) + first_entry,
-                       census.right_pitch, next);
+            census_row<Cost>(window, y, first_column, columns,
+                             reinterpret_cast<CensusUnit<Cost, registers>*>(out) + first_entry, census.right_pitch,
+                             next);
         } else {
-            census_row(window, y, first_column, columns, whole[0] + first_entry, max_entries, next);
-            for (int i = 0; i < census_planes; ++i) {
+            census_row<Cost>(window, y, first_column, columns, whole[0] + first_entry, max_entries, next);
+            for (int i = 0; i < planes_of<Cost>; ++i) {
                 split<registers>(whole[i], entries, out + i * census.right_pitch, census.right_part);
             }
         }

@@ -19,6 +19,29 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 constexpr int census_radius_x = 4;
 constexpr int census_radius_y = 3;
 
+/// The two costs of docs/algorithm.md that begin with a census, see CensusCost.
+struct Census9x7 {
+    static constexpr int bits = 62;
+    static constexpr std::uint8_t outside = 62;  ///< cost of a candidate outside
+    static constexpr bool gradient = false;
+    static constexpr bool averaged = false;  ///< over three rows
+
+    /// Whether the pixel that lies so far from the centre has a bit.
+    static constexpr bool compares(int dx, int dy) { return dx != 0 || dy != 0; }
+};
+struct Census7x5Gradient {
+    static constexpr int bits = 30;
+    static constexpr std::uint8_t outside = 18;
+    static constexpr bool gradient = true;
+    static constexpr bool averaged = true;
+
+    static constexpr bool compares(int dx, int dy) {
+        const int across = dx < 0 ? -dx : dx;
+        const int along = dy < 0 ? -dy : dy;
+        return across <= 3 && along <= 2 && across + along != 0 && across + along != 5;
+    }
+};
+
 enum class Order : std::uint8_t {
     natural,
     mirrored,  ///< the last column of the image comes first

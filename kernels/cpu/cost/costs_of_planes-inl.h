@@ -53,7 +53,7 @@ HWY_INLINE V count_differing(Tag, V counter, V right) {
 #endif
 
 /// Costs of pixels one after the other.
-template <class Tag, int registers>
+template <class Tag, int registers, class Cost>
 class CostsOfPlanes {
     using V = hn::Vec<Tag>;
 
@@ -63,8 +63,8 @@ public:
     /// How many pixels that are streamed fill whole lines, if they begin with one.
     static constexpr int pixels_of_lines = at_once;
 
-    CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const CostRow<Tag, registers>& out)
-        : geometry_(geometry), left_(census.left), right_(census.right), out_(out) {}
+    CostsOfPlanes(const MatchGeometry& geometry, const CensusRows& census, const CostRow<Tag, registers>& out)
+        : geometry_(geometry), census_(census), out_(out) {}
 
     /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
     template <bool streaming, class Next>
@@ -79,10 +79,30 @@ public:
     }
 
 private:
-    /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
-    /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
     template <int count, bool streaming>
     HWY_INLINE void pixels(int x) const {
+        V cost[count][registers];
+        costs_of_row<count>(census_.here, x, cost);
+        if constexpr (Cost::averaged) {
+            V above[count][registers];
+            V below[count][registers];
+            costs_of_row<count>(census_.above, x, above);
+            costs_of_row<count>(census_.below, x, below);
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count; ++i) {
+                DISPARITYD_UNROLL
+                for (int r = 0; r < registers; ++r) {
+                    cost[i][r] = hn::AverageRound(hn::AverageRound(above[i][r], below[i][r]), cost[i][r]);
+                }
+            }
+        }
+        out_.template store<streaming>(*cost, count * registers, x);
+    }
+
+    /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
+    /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
+    template <int count>
+    HWY_INLINE void costs_of_row(const CensusRow& census, int x, V (&cost)[count][registers]) const {
         constexpr int sources = registers + count - 1;
         // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
         const auto entry = static_cast<unsigned>(geometry_.width - x - count);
@@ -91,15 +111,14 @@ private:
         for (unsigned s = 0; s < sources; ++s) {
             source[s] = part_entry(entry + s);
         }
-        V cost[count][registers];
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
             std::fill_n(cost[i], registers, hn::Set(tag_, static_cast<std::uint8_t>(geometry_.cost_bias)));
         }
-        const std::uint8_t* left = left_ + x;
-        const std::uint8_t* right = right_;
+        const std::uint8_t* left = census.left + x;
+        const std::uint8_t* right = census.right;
         DISPARITYD_UNROLL
-        for (int plane = 0; plane < census_planes; ++plane) {
+        for (int plane = 0; plane < planes_of<Cost>; ++plane) {
             V bits[sources];
             if constexpr (registers == 1 && count == 4) {
                 // Four loads across cache lines would take longer than all that is done with them.
@@ -116,17 +135,20 @@ private:
             }
             DISPARITYD_UNROLL
             for (int i = 0; i < count; ++i) {
-                const V left_bits = counter(tag_, left[i]);
+                // Which plane it is, is known when this is compiled.
+                const bool counts = plane < census_planes<Cost>;
+                const V left_bits = counts ? counter(tag_, left[i]) : hn::Set(tag_, left[i]);
                 DISPARITYD_UNROLL
                 for (int r = 0; r < registers; ++r) {
-                    const V differing = count_differing(tag_, left_bits, bits[count - 1 - i + r]);
+                    const V right_bits = bits[count - 1 - i + r];
+                    const V differing = counts ? count_differing(tag_, left_bits, right_bits)
+                                               : gradient_cost(tag_, left_bits, right_bits);
                     cost[i][r] = in_register(hn::Add(cost[i][r], differing));
                 }
             }
             left += geometry_.census.left_pitch;
             right += geometry_.census.right_pitch;
         }
-        out_.template store<streaming>(*cost, count * registers, x);
     }
 
     std::ptrdiff_t part_entry(unsigned entry) const {
@@ -135,8 +157,7 @@ private:
 
     const Tag tag_{};
     const MatchGeometry& geometry_;
-    const std::uint8_t* left_;
-    const std::uint8_t* right_;
+    CensusRows census_;
     CostRow<Tag, registers> out_;
 };
 

@@ -19,21 +19,20 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-constexpr std::uint8_t outside_cost = census_bits;
+template <class Tag, int registers, class Cost>
+using CostsOfPixels =
+    std::conditional_t<in_words<Cost>(registers), CostsOfWords<Tag>, CostsOfPlanes<Tag, registers, Cost>>;
 
-template <class Tag, int registers>
-using CostsOfPixels = std::conditional_t<in_words(registers), CostsOfWords<Tag>, CostsOfPlanes<Tag, registers>>;
-
-template <class Tag, int registers>
+template <class Tag, int registers, class Cost>
 class MatchingCostRow {
     using V = hn::Vec<Tag>;
-    using Costs = CostsOfPixels<Tag, registers>;
+    using Costs = CostsOfPixels<Tag, registers, Cost>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int candidates = registers * lanes;
     static constexpr int at_once = Costs::at_once;
 
 public:
-    MatchingCostRow(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs,
+    MatchingCostRow(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next, std::uint8_t* costs,
                     std::uint8_t* streamed = nullptr)
         : geometry_(geometry),
           next_(next),
@@ -79,7 +78,7 @@ public:
 
 private:
     std::uint8_t biased(int cost) const { return static_cast<std::uint8_t>(bias_ + cost); }
-    std::uint8_t outside() const { return biased(outside_cost); }
+    std::uint8_t outside() const { return biased(Cost::outside); }
 
     /// Which candidate each lane of register r holds.
     V candidate(int r) const {

@@ -2,6 +2,7 @@
 #include "kernels/cpu/sgm/path_kernels.h"
 
 #include "hwy/targets.h"
+#include "kernels/cpu/cost/gradient_kernels.h"
 
 namespace disparityd::cpu {
 
@@ -28,12 +29,20 @@ bool sums_need_u16(const SgmOptions& options) {
     return options.p2 > (options.paths == 8 ? max_byte_p2 : max_byte_p2_of_4_paths);
 }
 
-SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options) {
-    const bool eight_paths = options.paths == 8;
-    const bool words = sums_need_u16(options);
-    const std::int64_t fitting = words ? target_for_words(target, range.count) : target;
-    const SgmKernels kernels = kernels_of_variant(fitting, range.count, eight_paths, words);
-    return kernels.layout.lanes != 0 ? kernels : kernels_of_variant(HWY_AVX2, range.count, eight_paths, words);
+SgmKernels path_kernels(std::int64_t target, const MatchOptions& options) {
+    const int disparities = options.range.count;
+    const bool eight_paths = options.sgm.paths == 8;
+    const bool words = sums_need_u16(options.sgm);
+    std::int64_t fitting = words ? target_for_words(target, disparities) : target;
+    SgmKernels kernels = kernels_of_variant(fitting, disparities, eight_paths, words);
+    if (kernels.layout.lanes == 0) {
+        fitting = HWY_AVX2;
+        kernels = kernels_of_variant(fitting, disparities, eight_paths, words);
+    }
+    if (options.cost == CensusCost::census_7x5_gradient) {
+        use_gradient_cost(fitting, disparities, kernels);
+    }
+    return kernels;
 }
 
 }  // namespace disparityd::cpu

@@ -13,7 +13,7 @@ bool sums_need_u16(const SgmOptions& options);
 
 /// The kernels that the options ask for, of sgm_kernels() or of those below; those of AVX2 where they are not built for
 /// `target`, and nothing (no lanes) where not for AVX2 either.
-SgmKernels path_kernels(std::int64_t target, DisparityRange range, const SgmOptions& options);
+SgmKernels path_kernels(std::int64_t target, const MatchOptions& options);
 
 /// 8 paths, any P2. Like the next two: nothing (no lanes) where they are not built for `target`.
 SgmKernels u16_sum_kernels(std::int64_t target, int disparities);

@@ -22,9 +22,9 @@ struct Kernels {
     using Paths = Aggregation<Tag, registers, eight_paths_u8_sums>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
-    static void matching_cost(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next,
+    static void matching_cost(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next,
                               std::uint8_t* costs, std::uint8_t* streamed) {
-        MatchingCostRow<Tag, registers>(geometry, census, next, costs, streamed).run();
+        MatchingCostRow<Tag, registers, Census9x7>(geometry, census, next, costs, streamed).run();
     }
 
     static SgmKernels table() {
@@ -33,9 +33,9 @@ struct Kernels {
         kernels.cost_bias = cost_bias;
         kernels.rows_at_once = Paths::rows_at_once;
         kernels.streams = Paths::streams;
-        kernels.census_layout = census_layout;
-        kernels.census_left = census_left<CensusUnit<registers>>;
-        kernels.census_right = census_right<registers>;
+        kernels.census_layout = census_layout<Census9x7>;
+        kernels.census_left = census_left<Census9x7, CensusUnit<Census9x7, registers>>;
+        kernels.census_right = census_right<Census9x7, registers>;
         kernels.matching_cost = matching_cost;
         kernels.aggregate = Paths::aggregate;
         kernels.adaptive_p2 = adaptive_p2;

@@ -92,7 +92,7 @@ struct SgmKernels {
     /// it is not null, `streamed` gets the costs too, past the caches as with Store::stream: here, where nothing else
     /// goes to memory, and not in aggregate(), or memory would have too little to do in one of them and too much in the
     /// other.
-    void (*matching_cost)(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next,
+    void (*matching_cost)(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next,
                           std::uint8_t* costs, std::uint8_t* streamed);
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
     /// steps, in order. To reach position p, `previous_row` must be done up to p + 1. `state`, max_sweep_state bytes

@@ -19,7 +19,7 @@ struct SgmSweeps::Frame {
 };
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, std::int64_t target, std::size_t cache_bytes)
-    : SgmSweeps(width, height, options, path_kernels(target, options.range, options.sgm), cache_bytes) {}
+    : SgmSweeps(width, height, options, path_kernels(target, options), cache_bytes) {}
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels,
                      std::size_t cache_bytes)
@@ -169,8 +169,9 @@ int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const
 
 void SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i, std::uint8_t* costs,
                               std::uint8_t* streamed) const {
-    const auto planes = [&](int y) { return frame.planes.row(geometry_.census, y); };
-    kernels_.matching_cost(geometry_, planes(rows.row(i)), planes(row_ahead(frame, rows, i)), costs, streamed);
+    const CensusRows census = frame.planes.rows(geometry_.census, rows.row(i), geometry_.height);
+    const CensusRow next = frame.planes.row(geometry_.census, row_ahead(frame, rows, i));
+    kernels_.matching_cost(geometry_, census, next, costs, streamed);
 }
 
 }  // namespace disparityd::cpu

@@ -161,8 +161,13 @@ constexpr int bytes_to_next = HWY_TARGET == HWY_AVX3_DL ? 4 : 16;
 template <int bytes, class V>
 HWY_INLINE V bytes_between(V v, V next) {
 #if HWY_TARGET == HWY_AVX3_DL
-    static_assert(sizeof(v.raw) == 64);
-    return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    if constexpr (sizeof(v.raw) == 64) {
+        return V{_mm512_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    } else if constexpr (sizeof(v.raw) == 32) {
+        return V{_mm256_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    } else {
+        return V{_mm_shrdi_epi32(v.raw, next.raw, 8 * bytes)};
+    }
 #else
     return hn::CombineShiftRightBytes<bytes>(hn::DFromV<V>(), next, v);
 #endif

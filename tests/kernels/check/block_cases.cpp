@@ -74,14 +74,16 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
     if (target == 0) {
         const auto left = std::make_shared<Image<std::uint64_t>>(input.width, input.height);
         const auto right = std::make_shared<Image<std::uint64_t>>(input.width, input.height);
-        reference::census(data->pair.left.plane(), left->plane(), left->rows());
-        reference::census(data->pair.right.plane(), right->plane(), right->rows());
+        const CensusSteps& steps = reference::steps.matching.of(input.options.cost);
+        steps.census(data->pair.left.plane(), left->plane(), left->rows());
+        steps.census(data->pair.right.plane(), right->plane(), right->rows());
         const auto costs = std::make_shared<std::vector<std::uint8_t>>(data->candidates());
         return data->run(
             [data, left, right, costs] {
                 over_parts(data->input, [&](Rows rows) {
-                    reference::matching_cost(left->plane(), right->plane(), data->input.options.range,
-                                             data->volume(*costs), rows);
+                    reference::steps.matching.of(data->input.options.cost)
+                        .matching_cost(left->plane(), right->plane(), data->input.options.range, data->volume(*costs),
+                                       rows);
                 });
                 data->winners<std::uint8_t>(data->volume(*costs));
             },
@@ -96,8 +98,9 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
     return data->run(
         [data, layout, planes, kernels, scratch] {
             over_parts(data->input, [&](Rows rows) {
-                kernels.census(layout->geometry, data->input.options.post, {planes->left.data(), planes->right.data()},
-                               rows, scratch.data(), data->out);
+                kernels.census[static_cast<std::size_t>(data->input.options.cost)](
+                    layout->geometry, data->input.options.post, {planes->left.data(), planes->right.data()}, rows,
+                    scratch.data(), data->out);
             });
         },
         data);
@@ -106,7 +109,9 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
 }  // namespace
 
 std::vector<KernelCase> block_cases() {
-    return {{"block/sad", bind_sad}, {"block/census", bind_census_blocks}};
+    return {{"block/sad", bind_sad},
+            {"block/census", bind_census_blocks},
+            {"block/census_gradient", with_gradient_cost(bind_census_blocks)}};
 }
 
 }  // namespace disparityd::test

@@ -95,6 +95,15 @@ struct KernelCase {
     bool per_pixel = false;  ///< its time does not depend on the number of candidates
 };
 
+/// The case with the cost census-7x5+gradient.
+inline auto with_gradient_cost(std::function<KernelRun(const KernelInput& input, std::int64_t target)> bind) {
+    return [bind = std::move(bind)](const KernelInput& input, std::int64_t target) {
+        KernelInput other = input;
+        other.options.cost = CensusCost::census_7x5_gradient;
+        return bind(other, target);
+    };
+}
+
 /// The table of steps, the kernels of SGM and of its sweeps, those of block matching; all of them.
 std::vector<KernelCase> step_cases();
 std::vector<KernelCase> rectify_cases();

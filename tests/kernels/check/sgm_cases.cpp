@@ -18,18 +18,19 @@ struct PlainSgm {
           sums(costs.size()),
           scratch(reference::aggregate_scratch(from.width, from.height, from.options.range.count)) {}
 
+    const CensusSteps& steps() const { return reference::steps.matching.of(input.options.cost); }
     Volume<std::uint8_t> cost_volume() { return volume(costs); }
     Volume<std::uint16_t> sum_volume() { return volume(sums); }
 
     void census() {
         over_parts(input, [&](Rows rows) {
-            reference::census(pair.left.plane(), left_words.plane(), rows);
-            reference::census(pair.right.plane(), right_words.plane(), rows);
+            steps().census(pair.left.plane(), left_words.plane(), rows);
+            steps().census(pair.right.plane(), right_words.plane(), rows);
         });
     }
     void matching_cost() {
         over_parts(input, [&](Rows rows) {
-            reference::matching_cost(left_words.plane(), right_words.plane(), input.options.range, cost_volume(), rows);
+            steps().matching_cost(left_words.plane(), right_words.plane(), input.options.range, cost_volume(), rows);
         });
     }
     void aggregate() {
@@ -221,21 +222,28 @@ KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t
 
 std::vector<KernelCase> sgm_cases() {
     constexpr std::size_t no_cache = 0, large_cache = std::size_t{1} << 40;
-    return {
-        {"sgm/census", bind_census, 193, true},
-        {"sgm/matching_cost", [](const KernelInput& input,
-                                 std::int64_t target) { return bind_matching_cost(input, target, cpu::Store::keep); }},
-        {"sgm/matching_cost_streamed",
-         [](const KernelInput& input, std::int64_t target) {
-             return bind_matching_cost(input, target, cpu::Store::stream);
-         }},
-        {"sgm/winner", bind_winner},
-        {"sgm/sweeps",
-         [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, large_cache); },
-         cpu::max_byte_p2},
-        {"sgm/sweeps_streamed",
-         [](const KernelInput& input, std::int64_t target) { return bind_sweeps(input, target, no_cache); },
-         cpu::max_byte_p2}};
+    const auto kept_costs = [](const KernelInput& input, std::int64_t target) {
+        return bind_matching_cost(input, target, cpu::Store::keep);
+    };
+    const auto streamed_costs = [](const KernelInput& input, std::int64_t target) {
+        return bind_matching_cost(input, target, cpu::Store::stream);
+    };
+    const auto sweeps_in_cache = [](const KernelInput& input, std::int64_t target) {
+        return bind_sweeps(input, target, large_cache);
+    };
+    const auto streamed_sweeps = [](const KernelInput& input, std::int64_t target) {
+        return bind_sweeps(input, target, no_cache);
+    };
+    return {{"sgm/census", bind_census, 193, true},
+            {"sgm/census_gradient", with_gradient_cost(bind_census), 193, true},
+            {"sgm/matching_cost", kept_costs},
+            {"sgm/matching_cost_streamed", streamed_costs},
+            {"sgm/gradient_cost", with_gradient_cost(kept_costs)},
+            {"sgm/gradient_cost_streamed", with_gradient_cost(streamed_costs)},
+            {"sgm/winner", bind_winner},
+            {"sgm/sweeps", sweeps_in_cache, cpu::max_byte_p2},
+            {"sgm/sweeps_streamed", streamed_sweeps, cpu::max_byte_p2},
+            {"sgm/sweeps_gradient", with_gradient_cost(sweeps_in_cache), cpu::max_byte_p2}};
 }
 
 }  // namespace disparityd::test

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "kernels/cpu/cost/gradient_kernels.h"
 #include "kernels/cpu/sgm/sgm_kernels.h"
 #include "tests/kernels/check/kernel_case.h"
 
@@ -18,8 +19,16 @@ inline cpu::WinnerPlanes winner_planes(const KernelInput& input, RunBuffers& buf
 /// reference's order.
 struct SgmLayout {
     SgmLayout(const KernelInput& input, std::int64_t target)
-        : kernels(cpu::sgm_kernels(target, input.options.range.count)),
+        : kernels(kernels_for(input.options, target)),
           geometry(cpu::geometry_for(kernels, input.width, input.height, input.options.range)) {}
+
+    static cpu::SgmKernels kernels_for(const MatchOptions& options, std::int64_t target) {
+        cpu::SgmKernels kernels = cpu::sgm_kernels(target, options.range.count);
+        if (options.cost == CensusCost::census_7x5_gradient) {
+            cpu::use_gradient_cost(target, options.range.count, kernels);
+        }
+        return kernels;
+    }
 
     /// Where candidate k of column x lies in a row.
     std::size_t at(int x, int k) const {
@@ -77,8 +86,10 @@ struct SgmPlanes {
         });
     }
     void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) const {
-        const cpu::CensusRow census = cpu::CensusPlanes(left.data(), right.data()).row(layout.geometry.census, y);
-        layout.kernels.matching_cost(layout.geometry, census, census, row, streamed);
+        const cpu::MatchGeometry& geometry = layout.geometry;
+        const int height = static_cast<int>(left.size() / geometry.census.left_row());
+        const auto census = cpu::CensusPlanes(left.data(), right.data()).rows(geometry.census, y, height);
+        layout.kernels.matching_cost(geometry, census, census.here, row, streamed);
     }
 
     const SgmLayout& layout;

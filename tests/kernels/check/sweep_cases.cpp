@@ -128,9 +128,10 @@ struct PlainPaths {
           sums(costs.size()),
           scratch(reference::aggregate_scratch(from.width, from.height, from.options.range.count)) {
         Image<std::uint64_t> left(from.width, from.height), right(from.width, from.height);
-        reference::census(pair.left.plane(), left.plane(), left.rows());
-        reference::census(pair.right.plane(), right.plane(), right.rows());
-        reference::matching_cost(left.plane(), right.plane(), from.options.range, volume(costs), left.rows());
+        const CensusSteps& steps = reference::steps.matching.of(from.options.cost);
+        steps.census(pair.left.plane(), left.plane(), left.rows());
+        steps.census(pair.right.plane(), right.plane(), right.rows());
+        steps.matching_cost(left.plane(), right.plane(), from.options.range, volume(costs), left.rows());
     }
     template <typename T>
     Volume<T> volume(std::vector<T>& of) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <bit>
 #include <bitset>
+#include <cmath>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
@@ -87,6 +88,106 @@ TEST(MatchingCost, CountsDifferingBitsAndKnowsTheRightImagesEnds) {
                     const int expected =
                         match < 0 || match >= width ? 62 : std::popcount(left.at(x, y) ^ right.at(match, y));
                     ASSERT_EQ(volume.pixel(x, y)[k], expected) << x << " " << k;
+                }
+            }
+        }
+    }
+}
+
+// The words of one image of census-7x5+gradient.
+std::vector<std::uint64_t> census_gradient(const Image<std::uint8_t>& image) {
+    Image<std::uint64_t> words(image.width(), image.height(), 99);
+    reference::census_gradient(image.plane(), words.plane(), words.rows());
+    return words.pixels();
+}
+
+TEST(CensusGradient, BitsAreThoseOfTheWindowWithoutCorners) {
+    Image<std::uint8_t> image(7, 5, 100);
+    const auto census_part = [&] { return census_gradient(image)[2 * 7 + 3] & 0xffffffff; };
+    EXPECT_EQ(census_part(), 0U);
+    for (const auto& [x, y] : {std::pair{0, 0}, {6, 0}, {0, 4}, {6, 4}}) {
+        image.at(x, y) = 0;
+    }
+    EXPECT_EQ(census_part(), 0U);
+    image.at(1, 0) = 99;
+    EXPECT_EQ(census_part(), std::uint64_t{1} << 29);
+    image.at(1, 0) = 101;
+    image.at(5, 4) = 0;
+    EXPECT_EQ(census_part(), 1U);
+    image.at(5, 4) = 100;
+    image.at(2, 2) = 99;  // left of the centre: 5 + 7 + 2 bits before it, 15 after it
+    EXPECT_EQ(census_part(), std::uint64_t{1} << 15);
+}
+
+TEST(CensusGradient, GradientIsHalfOfSobelsAndClamped) {
+    Image<std::uint8_t> image(3, 3, 100);
+    const auto gradient = [&] { return static_cast<int>(census_gradient(image)[4] >> 32); };
+    EXPECT_EQ(gradient(), 128);
+    image.at(2, 0) = 103;  // s = 3: rounded down
+    EXPECT_EQ(gradient(), 129);
+    image.at(2, 0) = 100;
+    image.at(0, 0) = 103;  // s = -3
+    EXPECT_EQ(gradient(), 126);
+    image.at(0, 1) = 107;  // s = -3 - 14
+    EXPECT_EQ(gradient(), 128 - 9);
+    image.at(0, 1) = 255;
+    EXPECT_EQ(gradient(), 128 - 16);
+    image.at(2, 1) = 255;
+    image.at(2, 2) = 255;
+    EXPECT_EQ(gradient(), 128 + 16);
+}
+
+TEST(CensusGradient, EqualsOpenCvsSobelOnNoise) {
+    Random random(19);
+    for (const auto& [width, height] : {std::pair{31, 17}, {1, 9}, {12, 1}, {2, 2}}) {
+        Image<std::uint8_t> image = noise(random, width, height, 100, pick(random, 100, 140));
+        cv::Mat sobel;
+        cv::Sobel(cv::Mat(height, width, CV_8U, image.plane().data), sobel, CV_16S, 1, 0, 3, 1, 0,
+                  cv::BORDER_REPLICATE);
+        const std::vector<std::uint64_t> words = census_gradient(image);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const double s = std::clamp<int>(sobel.at<std::int16_t>(y, x), -32, 32);
+                ASSERT_EQ(static_cast<int>(words[static_cast<std::size_t>(y * width + x)] >> 32),
+                          128 + static_cast<int>(std::floor(s / 2)));
+            }
+        }
+    }
+}
+
+TEST(CensusGradientCost, IsTheSumOfBothPartsAveragedOverRows) {
+    // One candidate inside, d = 0 of the only column; three rows of costs 3, 8 and 12.
+    const auto word = [](std::uint64_t census, std::uint64_t gradient) { return gradient << 32 | census; };
+    Image<std::uint64_t> left(1, 3, {word(0x7, 128), word(0xf, 128), word(0, 144)});
+    Image<std::uint64_t> right(1, 3, {word(0, 128), word(0, 132), word(0, 112)});
+    std::vector<std::uint8_t> costs(3 * 16, 99);
+    const Volume<std::uint8_t> volume{costs.data(), 1, 3, 16};
+    reference::census_gradient_cost(left.plane(), right.plane(), {0, 16}, volume, left.rows());
+    // avg(avg(3, 8), 3) = avg(6, 3), avg(avg(3, 12), 8) = avg(8, 8), avg(avg(8, 12), 12) = avg(10, 12)
+    EXPECT_EQ(volume.pixel(0, 0)[0], 5);
+    EXPECT_EQ(volume.pixel(0, 1)[0], 8);
+    EXPECT_EQ(volume.pixel(0, 2)[0], 11);
+    EXPECT_EQ(volume.pixel(0, 1)[1], 18);
+}
+
+TEST(CensusGradientCost, KnowsTheRightImagesEnds) {
+    Random random(20);
+    for (const DisparityRange range : {DisparityRange{0, 16}, {-5, 16}, {-40, 32}, {30, 16}, {-256, 16}, {256, 256}}) {
+        const int width = 21;
+        const Image<std::uint8_t> left_image = noise(random, width, 4), right_image = noise(random, width, 4);
+        Image<std::uint64_t> left(width, 4), right(width, 4);
+        reference::census_gradient(left_image.plane(), left.plane(), left.rows());
+        reference::census_gradient(right_image.plane(), right.plane(), right.rows());
+        std::vector<std::uint8_t> costs(static_cast<std::size_t>(width * 4 * range.count), 99);
+        const Volume<std::uint8_t> volume{costs.data(), width, 4, range.count};
+        reference::census_gradient_cost(left.plane(), right.plane(), range, volume, left.rows());
+        for (int y = 0; y < 4; ++y) {
+            for (int x = 0; x < width; ++x) {
+                for (int k = 0; k < range.count; ++k) {
+                    const int match = x - range.first - k;
+                    const bool inside = match >= 0 && match < width;
+                    ASSERT_LE(volume.pixel(x, y)[k], 42);
+                    ASSERT_TRUE(inside || volume.pixel(x, y)[k] == 18) << x << " " << k;
                 }
             }
         }

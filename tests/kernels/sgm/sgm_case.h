@@ -73,8 +73,9 @@ private:
         const Rows rows = pair.left.rows();
         Image<std::uint64_t> left_words(width, height);
         Image<std::uint64_t> right_words(width, height);
-        reference::census(pair.left.plane(), left_words.plane(), rows);
-        reference::census(pair.right.plane(), right_words.plane(), rows);
+        const CensusSteps& steps = reference::steps.matching.of(options.cost);
+        steps.census(pair.left.plane(), left_words.plane(), rows);
+        steps.census(pair.right.plane(), right_words.plane(), rows);
         const std::size_t candidates = pair.left.pixels().size() * static_cast<std::size_t>(options.range.count);
         std::vector<std::uint8_t> costs(candidates);
         std::vector<std::uint16_t> sums(candidates);
@@ -82,7 +83,7 @@ private:
         const Volume<std::uint8_t> cost_volume{costs.data(), width, height, options.range.count};
         const Volume<std::uint16_t> sum_volume{sums.data(), width, height, options.range.count};
         Serial serial;
-        reference::matching_cost(left_words.plane(), right_words.plane(), options.range, cost_volume, rows);
+        steps.matching_cost(left_words.plane(), right_words.plane(), options.range, cost_volume, rows);
         reference::aggregate(cost_volume, pair.left.plane(), options.sgm, sum_volume, scratch, serial);
         reference::winner_left<std::uint16_t>(sum_volume, options.range, options.post.subpixel, expected.winner.plane(),
                                               expected.disparity.plane(), rows);
@@ -112,6 +113,7 @@ inline MatchOptions random_sgm_options(Random& random, int paths, int min_p2, in
     MatchOptions options;
     options.range = {pick(random, 0, 3) == 0 ? pick(random, -256, 256) : pick(random, -20, 20),
                      16 * pick(random, 1, 16)};
+    options.cost = static_cast<CensusCost>(pick(random, 0, 1));
     options.sgm.paths = paths;
     options.sgm.p2 = pick(random, min_p2, max_p2);
     options.sgm.p1 = pick(random, 1, options.sgm.p2 - 1);

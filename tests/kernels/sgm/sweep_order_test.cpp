@@ -245,11 +245,12 @@ class RowsInLag : public testing::TestWithParam<std::tuple<cpu::InstructionSet, 
 TEST_P(RowsInLag, EqualRowsOneAfterTheOther) {
     Random random(61);
     const auto& [set, variant] = GetParam();
-    SgmOptions options;
-    options.paths = variant.paths;
-    options.p2 = variant.p2;
+    MatchOptions options;
+    options.sgm.paths = variant.paths;
+    options.sgm.p2 = variant.p2;
     for (const int disparities : {16, 32, 64, 128, 192, 256}) {
-        const cpu::SgmKernels kernels = cpu::path_kernels(set.target, {0, disparities}, options);
+        options.range.count = disparities;
+        const cpu::SgmKernels kernels = cpu::path_kernels(set.target, options);
         for (const int width : {1, 17, 64, 150, 259}) {
             InterleavedRows rows(kernels, variant.p2, width, 7, disparities, random);
             for (const int direction : {1, -1}) {

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/cpu/cost/gradient_kernels.h"
+
+#define HWY_TARGET_INCLUDE "kernels/cpu/cost/gradient_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernels/cpu/simd/instruction_sets.h"
+
+#if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/cost/matching_cost-inl.h"
+#include "kernels/cpu/simd/layouts-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+template <class Tag, int registers>
+void gradient_costs(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next, std::uint8_t* costs,
+                    std::uint8_t* streamed) {
+    MatchingCostRow<Tag, registers, Census7x5Gradient>(geometry, census, next, costs, streamed).run();
+}
+
+inline void put_gradient_cost(int disparities, SgmKernels& kernels) {
+    with_layout(disparities, [&](auto tag, auto registers) {
+        kernels.census_layout = census_layout<Census7x5Gradient>;
+        kernels.census_left = census_left<Census7x5Gradient, std::uint8_t>;
+        kernels.census_right = census_right<Census7x5Gradient, registers()>;
+        kernels.matching_cost = gradient_costs<decltype(tag), registers()>;
+        return 0;
+    });
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
+
+#if HWY_ONCE
+namespace disparityd::cpu {
+
+void use_gradient_cost(std::int64_t target, int disparities, SgmKernels& kernels) {
+    const auto put = DISPARITYD_FUNCTION_FOR(target, put_gradient_cost);
+    if (put != nullptr && kernels.layout.lanes != 0) {
+        put(disparities, kernels);
+    }
+}
+
+}  // namespace disparityd::cpu
+#endif
