@@ -11,6 +11,16 @@ namespace {
 constexpr std::array<std::string_view, 3> method_names = {"sad", "census", "sgm"};
 
 constexpr std::array<std::string_view, 2> cost_names = {"census-9x7", "census-7x5+gradient"};
+constexpr std::array<std::string_view, 3> preset_names = {"paper", "dense", "obstacles"};
+
+template <typename Enum, std::size_t count>
+std::optional<Enum> with_name(const std::array<std::string_view, count>& names, std::string_view text) {
+    const auto* const found = std::find(names.begin(), names.end(), text);
+    if (found == names.end()) {
+        return std::nullopt;
+    }
+    return static_cast<Enum>(found - names.begin());
+}
 
 std::string out_of_range(std::string_view option, int found, std::string_view allowed) {
     return std::string(option) + " = " + std::to_string(found) + ": allowed is " + std::string(allowed);
@@ -70,11 +80,7 @@ std::string_view to_string(Method method) {
 }
 
 std::optional<Method> method_from_name(std::string_view text) {
-    const auto* const found = std::find(method_names.begin(), method_names.end(), text);
-    if (found == method_names.end()) {
-        return std::nullopt;
-    }
-    return static_cast<Method>(found - method_names.begin());
+    return with_name<Method>(method_names, text);
 }
 
 std::string_view to_string(CensusCost cost) {
@@ -82,11 +88,15 @@ std::string_view to_string(CensusCost cost) {
 }
 
 std::optional<CensusCost> census_cost_from_name(std::string_view text) {
-    const auto* const found = std::find(cost_names.begin(), cost_names.end(), text);
-    if (found == cost_names.end()) {
-        return std::nullopt;
-    }
-    return static_cast<CensusCost>(found - cost_names.begin());
+    return with_name<CensusCost>(cost_names, text);
+}
+
+std::string_view to_string(Preset preset) {
+    return preset_names[static_cast<std::size_t>(preset)];
+}
+
+std::optional<Preset> preset_from_name(std::string_view text) {
+    return with_name<Preset>(preset_names, text);
 }
 
 MatchOptions default_options(Method method, DisparityRange range) {
@@ -105,6 +115,23 @@ MatchOptions default_options(Method method, DisparityRange range) {
             options.post.speckle_size = 150;
             options.post.speckle_step = 2;
             break;
+    }
+    return options;
+}
+
+MatchOptions preset_options(Preset preset, DisparityRange range) {
+    MatchOptions options = default_options(Method::sgm, range);
+    if (preset == Preset::paper) {
+        return options;
+    }
+    options.cost = CensusCost::census_7x5_gradient;
+    options.sgm = {.paths = 4, .p1 = 15, .p2 = 55, .adaptive_p2 = true, .p2_slope = 3, .p2_min = 18};
+    options.post.speckle_step = 1;
+    if (preset == Preset::dense) {
+        options.post.uniqueness = 0;
+        options.post.speckle_size = 40;
+        options.post.interpolate = true;
+        options.post.guided_median = 7;
     }
     return options;
 }

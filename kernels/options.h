@@ -63,6 +63,18 @@ struct MatchOptions {
 /// The tuned defaults of a method (docs/algorithm.md has the measurements), for the given range.
 MatchOptions default_options(Method method, DisparityRange range = {});
 
+/// Tuned settings of SGM for a purpose (docs/algorithm.md, "Presets").
+enum class Preset : unsigned char {
+    paper,      ///< the paper's census and 8 paths: default_options(Method::sgm)
+    dense,      ///< a disparity for every pixel, interpolated where none was measured
+    obstacles,  ///< measured disparities only, with as few inventions as possible
+};
+
+std::string_view to_string(Preset preset);                 ///< "paper", "dense", "obstacles"
+std::optional<Preset> preset_from_name(std::string_view);  ///< the reverse; empty for any other text
+
+MatchOptions preset_options(Preset preset, DisparityRange range = {});
+
 /// Returns one line that says which option is wrong, what was found and what is allowed; empty when all is well.
 std::string validate(const MatchOptions& options);
 

@@ -210,7 +210,8 @@ void apply(Config& config, const Assignment& assignment) {
 
 /// Returns whether the defaults of other match keys depend on this key.
 bool decides_defaults(const ConfigKey& key) {
-    return key.section == "match" && (key.name == "method" || key.name == "d_min" || key.name == "disparities");
+    return key.section == "match" &&
+           (key.name == "preset" || key.name == "method" || key.name == "d_min" || key.name == "disparities");
 }
 
 /// Returns where a key was set last, for messages about keys that contradict each other.
@@ -251,8 +252,14 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
 /// Returns notes on keys that the chosen method does not use. A file may keep keys of the other methods, so they are
 /// allowed; the note says that they change nothing.
 std::vector<std::string> notes_on(const Config& config, const std::vector<Assignment>& assignments) {
-    if (config.match.options.method == Method::sgm) {
+    const Method method = config.match.options.method;
+    if (method == Method::sgm) {
         return {};
+    }
+    std::vector<std::string> notes;
+    const std::string cost = where_set(assignments, "match", "cost", "");
+    if (method == Method::sad && !cost.empty()) {
+        notes.push_back(cost + ": [match] cost: only sgm and census use this, the method is sad");
     }
     std::string keys;
     std::string where;
@@ -263,11 +270,11 @@ std::vector<std::string> notes_on(const Config& config, const std::vector<Assign
             where = where.empty() ? found : where;
         }
     }
-    if (keys.empty()) {
-        return {};
+    if (!keys.empty()) {
+        notes.push_back(where + ": [match] " + keys + ": only sgm uses this, the method is " +
+                        std::string(to_string(method)));
     }
-    return {where + ": [match] " + keys + ": only sgm uses this, the method is " +
-            std::string(to_string(config.match.options.method))};
+    return notes;
 }
 
 std::string read_text(const std::string& path) {
@@ -291,7 +298,9 @@ Config build(std::vector<Assignment> assignments, const std::string& file, const
             apply(config, assignment);
         }
     }
-    config.match.options = default_options(config.match.options.method, config.match.options.range);
+    const DisparityRange range = config.match.options.range;
+    config.match.options = config.match.preset ? preset_options(*config.match.preset, range)
+                                               : default_options(config.match.options.method, range);
     for (const Assignment& assignment : assignments) {
         apply(config, assignment);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ struct Config {
 
     struct Match {
         std::string backend = "auto";
+        std::optional<Preset> preset;  ///< what the defaults of the options are; none: the method's
         MatchOptions options = default_options(Method::sgm);
         bool depth = true;
     } match;

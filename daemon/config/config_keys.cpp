@@ -196,6 +196,10 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
 }
 
 void add_match_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(name_key<std::optional<Preset>>(
+        "match", "preset",
+        {{"none", std::nullopt}, {"paper", Preset::paper}, {"dense", Preset::dense}, {"obstacles", Preset::obstacles}},
+        FIELD(match.preset)));
     keys.push_back(name_key<Method>("match", "method",
                                     {{"sgm", Method::sgm}, {"census", Method::census}, {"sad", Method::sad}},
                                     FIELD(match.options.method)));

@@ -29,6 +29,21 @@ TEST(Options, DefaultsAreFine) {
     }
 }
 
+TEST(Options, CostsAndPresetsHaveNames) {
+    for (const CensusCost cost : {CensusCost::census_9x7, CensusCost::census_7x5_gradient}) {
+        EXPECT_EQ(census_cost_from_name(to_string(cost)), cost);
+    }
+    for (const Preset preset : {Preset::paper, Preset::dense, Preset::obstacles}) {
+        EXPECT_EQ(preset_from_name(to_string(preset)), preset);
+        const MatchOptions options = preset_options(preset, {-16, 96});
+        EXPECT_EQ(validate(options), "");
+        EXPECT_EQ(options.range.first, -16);
+        EXPECT_EQ(options.range.count, 96);
+    }
+    EXPECT_FALSE(census_cost_from_name("census"));
+    EXPECT_FALSE(preset_from_name("Paper"));
+}
+
 struct Bad {
     std::string_view what;
     void (*spoil)(MatchOptions&);
@@ -59,6 +74,8 @@ TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
         {"guided median", [](MatchOptions& o) { o.post.guided_median = 3; }, "3", "0 (off), 5 or 7"},
         {"speckle size", [](MatchOptions& o) { o.post.speckle_size = -1; }, "-1", "0 to"},
         {"speckle step", [](MatchOptions& o) { o.post.speckle_step = 257; }, "257", "0 to 256"},
+        {"cost", [](MatchOptions& o) { o.cost = static_cast<CensusCost>(7); }, "",
+         "census-9x7 and census-7x5+gradient"},
         {"method", [](MatchOptions& o) { o.method = static_cast<Method>(9); }, "", "sad, census and sgm"},
     };
     for (const Bad& bad : table) {

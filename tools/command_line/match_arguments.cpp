@@ -13,6 +13,13 @@
 namespace disparityd::tools {
 namespace {
 
+Preset parse_preset(const std::string& text) {
+    if (const auto preset = preset_from_name(text)) {
+        return *preset;
+    }
+    throw std::invalid_argument("--preset: found '" + text + "', allowed: paper, dense, obstacles");
+}
+
 CensusCost parse_cost(const std::string& text) {
     if (const auto cost = census_cost_from_name(text)) {
         return *cost;
@@ -32,7 +39,11 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
     add_integer(app, "--disparities", disparities_, 16, 256,
                 "number of candidates, a multiple of 16 up to 256; " + disparities_default);
     for (CLI::Option* const option :
-         {app.add_option("--cost", cost_, "sgm and census: census-9x7 or census-7x5+gradient")->type_name("COST"),
+         {app.add_option("--preset", preset_,
+                         "sgm: what all other options begin with: paper (the default), dense (every pixel), obstacles "
+                         "(measured pixels only)")
+              ->type_name("PRESET"),
+          app.add_option("--cost", cost_, "sgm and census: census-9x7 or census-7x5+gradient")->type_name("COST"),
           add_integer(app, "--paths", paths_, 4, 8, "sgm: paths of aggregation, 4 or 8"),
           add_integer(app, "--p1", p1_, 1, 192, "sgm: penalty of a step of one disparity, less than p2"),
           add_integer(app, "--p2", p2_, 2, 193, "sgm: penalty of a larger step"),
@@ -57,7 +68,9 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
 }
 
 MatchOptions MatchArguments::options(Method method, int disparities) const {
-    MatchOptions options = default_options(method, {d_min(), disparities_.value_or(disparities)});
+    const DisparityRange range{d_min(), disparities_.value_or(disparities)};
+    const bool preset = method == Method::sgm && !preset_.empty();
+    MatchOptions options = preset ? preset_options(parse_preset(preset_), range) : default_options(method, range);
     if (!cost_.empty()) {
         options.cost = parse_cost(cost_);
     }
@@ -87,21 +100,25 @@ void MatchArguments::check_used(const std::vector<Method>& methods) const {
     if (std::find(methods.begin(), methods.end(), Method::sgm) != methods.end()) {
         return;  // it uses all of them
     }
-    const std::pair<bool, const char*> of_sgm[] = {{paths_.has_value(), "--paths"},
+    const std::pair<bool, const char*> of_sgm[] = {{!preset_.empty(), "--preset"},
+                                                   {paths_.has_value(), "--paths"},
                                                    {p1_.has_value(), "--p1"},
                                                    {p2_.has_value(), "--p2"},
                                                    {adaptive_p2_.has_value(), "--adaptive-p2"},
                                                    {p2_slope_.has_value(), "--p2-slope"},
                                                    {p2_min_.has_value(), "--p2-min"}};
+    std::string chosen;
+    for (const Method method : methods) {
+        chosen += (chosen.empty() ? "" : " and ") + std::string(to_string(method));
+    }
+    chosen = chosen.empty() ? "no method of ours" : chosen;
     for (const auto& [given, option] : of_sgm) {
         if (given) {
-            std::string chosen;
-            for (const Method method : methods) {
-                chosen += (chosen.empty() ? "" : " and ") + std::string(to_string(method));
-            }
-            throw std::invalid_argument(std::string(option) + ": only the method sgm uses it, found: " +
-                                        (chosen.empty() ? "no method of ours" : chosen));
+            throw std::invalid_argument(std::string(option) + ": only the method sgm uses it, found: " + chosen);
         }
+    }
+    if (!cost_.empty() && std::find(methods.begin(), methods.end(), Method::census) == methods.end()) {
+        throw std::invalid_argument("--cost: only the methods sgm and census use it, found: " + chosen);
     }
 }
 

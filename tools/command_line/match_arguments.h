@@ -35,7 +35,7 @@ public:
 private:
     std::optional<int> d_min_, disparities_, paths_, p1_, p2_, p2_slope_, p2_min_, uniqueness_, median_, guided_median_,
         speckle_size_, speckle_step_;
-    std::string cost_;
+    std::string preset_, cost_;
     std::optional<bool> adaptive_p2_, subpixel_, local_extrema_, left_right_check_, interpolate_;
 };
 

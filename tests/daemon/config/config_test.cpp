@@ -39,17 +39,19 @@ std::string read_file(const std::string& path) {
     return text.str();
 }
 
-/// The lines "key = value" of a file, by "section.key".
+/// The lines "key = value" of a file and the keys that are commented out, "#key = value", by "section.key".
 std::map<std::string, std::string> lines_of(const std::string& text) {
     std::map<std::string, std::string> found;
     std::istringstream lines(text);
     std::string section;
     for (std::string line; std::getline(lines, line);) {
+        const bool prose = line.starts_with("# ");
+        const std::size_t begin = line.starts_with('#') ? 1 : 0;
         const auto equals = line.find(" = ");
         if (line.starts_with('[')) {
             section = line.substr(1, line.find(']') - 1);
-        } else if (!line.starts_with('#') && equals != std::string::npos) {
-            found[section + '.' + line.substr(0, equals)] = line.substr(equals + 3);
+        } else if (!prose && equals != std::string::npos) {
+            found[section + '.' + line.substr(begin, equals - begin)] = line.substr(equals + 3);
         }
     }
     return found;
@@ -79,7 +81,7 @@ TEST(ExampleFile, EveryKeyHasAComment) {
     std::istringstream lines(read_file(DISPARITYD_EXAMPLE_CONFIG));
     std::string before;
     for (std::string line; std::getline(lines, line); before = line) {
-        if (line.find(" = ") != std::string::npos && !line.starts_with('#')) {
+        if (line.find(" = ") != std::string::npos && !line.starts_with("# ")) {
             EXPECT_TRUE(before.starts_with('#') || before.find(" = ") != std::string::npos) << line;
         }
     }
@@ -144,6 +146,38 @@ TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
         EXPECT_EQ(found.post.median, expected.post.median);
         EXPECT_EQ(found.post.local_extrema, expected.post.local_extrema);
     }
+}
+
+TEST(Config, APresetIsWhatUnsetKeysAre) {
+    for (const Preset preset : {Preset::paper, Preset::dense, Preset::obstacles}) {
+        const MatchOptions expected = preset_options(preset, {-32, 96});
+        const std::string text =
+            "[match]\np1 = 9\nd_min = -32\ndisparities = 96\npreset = \"" + std::string(to_string(preset)) + "\"\n";
+        const MatchOptions found = daemon::parse_config(text, "my.toml").match.options;
+        EXPECT_EQ(found.sgm.p1, 9);
+        EXPECT_EQ(found.cost, expected.cost);
+        EXPECT_EQ(found.sgm.paths, expected.sgm.paths);
+        EXPECT_EQ(found.sgm.p2, expected.sgm.p2);
+        EXPECT_EQ(found.sgm.p2_slope, expected.sgm.p2_slope);
+        EXPECT_EQ(found.post.interpolate, expected.post.interpolate);
+        EXPECT_EQ(found.post.guided_median, expected.post.guided_median);
+    }
+}
+
+// A user who sets a preset in the file that is installed gets it: nothing else in the file is set against it.
+TEST(Config, APresetTakesEffectInTheExampleFile) {
+    const daemon::Override preset{"match", "preset", "dense", "--set"};
+    const MatchOptions found = daemon::load_config(DISPARITYD_EXAMPLE_CONFIG, {preset}).match.options;
+    EXPECT_EQ(found.cost, CensusCost::census_7x5_gradient);
+    EXPECT_EQ(found.sgm.paths, 4);
+    EXPECT_EQ(found.sgm.p1, preset_options(Preset::dense).sgm.p1);
+    EXPECT_TRUE(found.post.interpolate);
+    EXPECT_EQ(found.post.guided_median, 7);
+}
+
+TEST(Config, SadDoesNotUseACensusCost) {
+    EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sad\"\ncost = \"census-9x7\"\n", "my.toml").notes,
+                testing::ElementsAre(AllOf(HasSubstr("my.toml:3:1"), HasSubstr("[match] cost"), HasSubstr("sad"))));
 }
 
 TEST(Config, CommandLineWins) {
