@@ -58,6 +58,8 @@ TEST_P(StackOfEveryInstructionSet, IsEnoughOnTheLongestRows) {
             options.sgm.p2 = p2;
             options.sgm.p1 = p2 / 2;
             options.post.interpolate = true;
+            options.post.guided_median = 7;
+            options.cost = p2 == 63 || paths == 4 ? CensusCost::census_7x5_gradient : CensusCost::census_9x7;
             const auto matcher = cpu::create({max_side, 2, options}, GetParam());
             expect_equal_to_reference(*matcher, pair, small_stack);
         }

@@ -18,42 +18,72 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-/// Rows of the guide as 16-bit numbers with their ends replicated. Where the disparity is rejected stands an intensity
-/// that is like no other, so that one comparison says whether a sample counts.
+/// The columns that are worked on at a time: their rows stay in the first-level cache, and fit any thread's stack.
+constexpr int guided_median_columns = 512;
+
+/// Disparities and intensities of the rows around the row in work, of some columns and those beside them; the borders
+/// of the image are replicated. Where a disparity is rejected stands an intensity that is like no other, so that one
+/// comparison says whether a sample counts.
 template <int radius>
-class GuideWindow {
+class GuidedSamples {
 public:
-    GuideWindow(Plane<const std::uint8_t> guide, Plane<const std::int16_t> disparity, std::int16_t invalid, int first)
-        : guide_(guide), disparity_(disparity), invalid_(invalid) {
-        for (int y = first - radius; y < first + radius; ++y) {
+    GuidedSamples(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> guide, std::int16_t invalid,
+                  int first_column, int columns, int first_row)
+        : disparity_(disparity), guide_(guide), invalid_(invalid), first_(first_column), columns_(columns) {
+        for (int y = first_row - radius; y < first_row + radius; ++y) {
             load(y);
         }
     }
 
+    /// To be called for y = first_row, first_row + 1, ..
     void move_to(int y) { load(y + radius); }
-    const std::int16_t* row(int y) const { return &rows_[(y + ring) % ring][margin]; }
+
+    /// Of the first column.
+    const std::int16_t* disparities(int y) const { return &disparities_[(y + ring) % ring][margin]; }
+    const std::int16_t* intensities(int y) const { return &intensities_[(y + ring) % ring][margin]; }
 
 private:
-    static constexpr int margin = 32;
+    static constexpr int margin = 64;
     static constexpr int ring = 8;
     static constexpr std::int16_t like_no_other = 1024;
 
-    void load(int y) {
-        const int inside = std::clamp(y, 0, guide_.height - 1);
-        const std::uint8_t* guide = guide_.row(inside);
-        const std::int16_t* disparity = disparity_.row(inside);
-        std::int16_t* out = &rows_[(y + ring) % ring][margin];
-        for (int x = 0; x < guide_.width; ++x) {
-            out[x] = disparity[x] == invalid_ ? like_no_other : std::int16_t{guide[x]};
-        }
-        std::fill_n(out - radius, radius, out[0]);
-        std::fill_n(out + guide_.width, radius, out[guide_.width - 1]);
+    // The columns and `radius` more on both sides.
+    template <class T>
+    void copy_columns(Plane<const T> from, int y, T* to) const {
+        const int begin = std::max(first_ - radius, 0);
+        const int end = std::min(first_ + columns_ + radius, from.width);
+        const T* row = from.row(std::clamp(y, 0, from.height - 1));
+        std::copy(row + begin, row + end, to + (begin - first_));
+        std::fill(to - radius, to + (begin - first_), row[0]);
+        std::fill(to + (end - first_), to + columns_ + radius, row[from.width - 1]);
     }
 
-    Plane<const std::uint8_t> guide_;
+    void load(int y) {
+        const hn::ScalableTag<std::int16_t> tag;
+        const hn::Rebind<std::uint8_t, decltype(tag)> bytes;
+        const int lanes = static_cast<int>(hn::Lanes(tag));
+        std::int16_t* disparity = &disparities_[(y + ring) % ring][margin];
+        std::int16_t* out = &intensities_[(y + ring) % ring][margin];
+        std::uint8_t* guide = &guide_row_[margin];
+        copy_columns(disparity_, y, disparity);
+        copy_columns(guide_, y, guide);
+        const auto invalid = hn::Set(tag, invalid_);
+        const auto rejected = hn::Set(tag, like_no_other);
+        for (int x = -radius; x < columns_ + radius; x += lanes) {
+            const auto intensity = hn::PromoteTo(tag, hn::LoadU(bytes, guide + x));
+            const auto is_rejected = hn::Eq(hn::LoadU(tag, disparity + x), invalid);
+            hn::StoreU(hn::IfThenElse(is_rejected, rejected, intensity), tag, out + x);
+        }
+    }
+
     Plane<const std::int16_t> disparity_;
+    Plane<const std::uint8_t> guide_;
     std::int16_t invalid_;
-    std::int16_t rows_[ring][max_side + 3 * margin] = {};
+    int first_;
+    int columns_;
+    std::uint8_t guide_row_[guided_median_columns + 2 * margin] = {};
+    std::int16_t disparities_[ring][guided_median_columns + 2 * margin] = {};
+    std::int16_t intensities_[ring][guided_median_columns + 2 * margin] = {};
 };
 
 template <std::size_t count, class V, std::size_t... i>
@@ -62,65 +92,51 @@ HWY_INLINE V middle_of(V* values, std::index_sequence<i...>) {
     return values[count / 2];
 }
 
-/// The median of those that count: the others are the least and the greatest number in turn, the least one first, so
-/// that the middle of all is the lower one of two in the middle.
-template <int radius>
-class GuidedMedian {
-public:
-    GuidedMedian(const MedianWindow<radius>& disparities, const GuideWindow<radius>& guides)
-        : disparities_(disparities), guides_(guides) {}
-
-    /// For the vector of pixels from (x, y) on. What it gives where the pixel itself is rejected is of no use.
-    template <class Tag>
-    HWY_INLINE hn::Vec<Tag> at(Tag tag, int x, int y) const {
-        constexpr int side = 2 * radius + 1;
-        using V = hn::Vec<Tag>;
-        const V tolerance = hn::Set(tag, static_cast<std::int16_t>(guided_median_tolerance));
-        const V guide = hn::LoadU(tag, guides_.row(y) + x);
-        V filler = hn::Set(tag, std::int16_t{32767});
-        V values[side * side];
+/// The median of those that count, for the vector of pixels from column x of the samples on: the others are the least
+/// and the greatest number in turn, the least one first, so that the middle of all is the lower one of two in the
+/// middle. What it gives where the pixel itself is rejected is of no use.
+template <int radius, class Tag, class V = hn::Vec<Tag>>
+HWY_INLINE V guided_median_at(Tag tag, const GuidedSamples<radius>& samples, int x, int y) {
+    constexpr int side = 2 * radius + 1;
+    const V tolerance = hn::Set(tag, static_cast<std::int16_t>(guided_median_tolerance));
+    const V intensity = hn::LoadU(tag, samples.intensities(y) + x);
+    V filler = hn::Set(tag, std::int16_t{32767});
+    V values[side * side];
+    DISPARITYD_UNROLL
+    for (int i = 0; i < side; ++i) {
+        const std::int16_t* intensities = samples.intensities(y + i - radius) + x - radius;
+        const std::int16_t* disparities = samples.disparities(y + i - radius) + x - radius;
         DISPARITYD_UNROLL
-        for (int i = 0; i < side; ++i) {
-            const std::int16_t* guide_row = guides_.row(y + i - radius) + x - radius;
-            const std::int16_t* disparity_row = disparities_.row(y + i - radius) + x - radius;
-            DISPARITYD_UNROLL
-            for (int j = 0; j < side; ++j) {
-                const V difference = hn::Abs(hn::Sub(hn::LoadU(tag, guide_row + j), guide));
-                const auto unlike = hn::Gt(difference, tolerance);
-                filler = hn::IfThenElse(unlike, hn::Not(filler), filler);
-                values[i * side + j] = hn::IfThenElse(unlike, filler, hn::LoadU(tag, disparity_row + j));
-            }
+        for (int j = 0; j < side; ++j) {
+            const V difference = hn::Abs(hn::Sub(hn::LoadU(tag, intensities + j), intensity));
+            const auto unlike = hn::Gt(difference, tolerance);
+            filler = hn::IfThenElse(unlike, hn::Not(filler), filler);
+            values[i * side + j] = hn::IfThenElse(unlike, filler, hn::LoadU(tag, disparities + j));
         }
-        constexpr std::size_t count = side * side;
-        return middle_of<count>(values, std::make_index_sequence<exchanges_for_median<count>.size()>());
     }
-
-private:
-    const MedianWindow<radius>& disparities_;
-    const GuideWindow<radius>& guides_;
-};
+    constexpr std::size_t count = side * side;
+    return middle_of<count>(values, std::make_index_sequence<exchanges_for_median<count>.size()>());
+}
 
 template <int radius>
-void guided_median_rows(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid_value,
-                        Plane<std::int16_t> out, Rows rows) {
+void guided_median_of_columns(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid_value,
+                              int first, int columns, Plane<std::int16_t> out, Rows rows) {
     const hn::ScalableTag<std::int16_t> tag;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(tag));
     const auto invalid = hn::Set(tag, invalid_value);
-    MedianWindow<radius> disparities(in, rows.first);
-    GuideWindow<radius> guides(guide, in, invalid_value, rows.first);
-    const GuidedMedian<radius> median(disparities, guides);
+    GuidedSamples<radius> samples(in, guide, invalid_value, first, columns, rows.first);
     for (int y = rows.first; y < rows.last; ++y) {
-        disparities.move_to(y);
-        guides.move_to(y);
-        for (int x = 0; x < in.width; x += lanes) {
-            const auto centre = hn::LoadU(tag, disparities.row(y) + x);
-            const auto middle = hn::IfThenElse(hn::Eq(centre, invalid), invalid, median.at(tag, x, y));
-            if (x + lanes <= in.width) {
-                hn::StoreU(middle, tag, out.row(y) + x);
+        samples.move_to(y);
+        std::int16_t* to = out.row(y) + first;
+        for (int x = 0; x < columns; x += lanes) {
+            const auto is_rejected = hn::Eq(hn::LoadU(tag, samples.disparities(y) + x), invalid);
+            const auto middle = hn::IfThenElse(is_rejected, invalid, guided_median_at(tag, samples, x, y));
+            if (x + lanes <= columns) {
+                hn::StoreU(middle, tag, to + x);
             } else {
                 alignas(64) std::int16_t last[lanes];
                 hn::Store(middle, tag, last);
-                std::copy_n(last, in.width - x, out.row(y) + x);
+                std::copy_n(last, columns - x, to + x);
             }
         }
     }
@@ -128,10 +144,13 @@ void guided_median_rows(Plane<const std::int16_t> in, Plane<const std::uint8_t> 
 
 inline void guided_median(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid, int size,
                           Plane<std::int16_t> out, Rows rows) {
-    if (size == 5) {
-        guided_median_rows<2>(in, guide, invalid, out, rows);
-    } else {
-        guided_median_rows<3>(in, guide, invalid, out, rows);
+    for (int first = 0; first < in.width; first += guided_median_columns) {
+        const int columns = std::min(guided_median_columns, in.width - first);
+        if (size == 5) {
+            guided_median_of_columns<2>(in, guide, invalid, first, columns, out, rows);
+        } else {
+            guided_median_of_columns<3>(in, guide, invalid, first, columns, out, rows);
+        }
     }
 }
 

@@ -102,7 +102,10 @@ TEST_P(CpuPost, MedianEqualsTheReference) {
 TEST_P(CpuPost, GuidedMedianEqualsTheReference) {
     Random random(87);
     for (int round = 0; round < rounds; ++round) {
-        const Size size(random);
+        Size size(random);
+        if (round % 20 == 0) {  // more columns than are worked on at a time
+            size.width = pick(random, 505, 1040);
+        }
         const DisparityRange range = any_range(random);
         const std::int16_t invalid = invalid_disparity(range);
         const Image<std::int16_t> in = disparities(random, size, range);
