@@ -14,6 +14,12 @@ constexpr int block_height = 8;
 constexpr int tolerance = 20;  // guided_median_tolerance of kernels/steps.h, which is C++20
 constexpr int like_no_other = 1024;
 
+// Constants, because device code cannot call std::array.
+template <std::size_t count>
+constexpr std::size_t exchange_count = exchanges_for_median<count>.size();
+template <std::size_t count, std::size_t i>
+constexpr Exchange exchange_at = exchanges_for_median<count>[i];
+
 template <std::size_t low, std::size_t high, typename Values>
 __device__ void exchange(Values& values) {
     const int lesser = min(values[low], values[high]);
@@ -23,7 +29,7 @@ __device__ void exchange(Values& values) {
 
 template <std::size_t count, std::size_t... i>
 __device__ int middle_of(int (&values)[count], std::index_sequence<i...>) {
-    (exchange<exchanges_for_median<count>[i].low, exchanges_for_median<count>[i].high>(values), ...);
+    (exchange<exchange_at<count, i>.low, exchange_at<count, i>.high>(values), ...);
     return values[count / 2];
 }
 
@@ -68,8 +74,7 @@ __global__ void guided_median_kernel(GuidedMedianJob job) {
         filler = counts ? filler : ~filler;
         values[i] = counts ? sample.disparity : filler;
     }
-    constexpr std::size_t exchanges = exchanges_for_median<side * side>.size();
-    const int middle = middle_of(values, std::make_index_sequence<exchanges>());
+    const int middle = middle_of(values, std::make_index_sequence<exchange_count<side * side>>());
     const std::int16_t result = centre.disparity == invalid ? invalid : static_cast<std::int16_t>(middle);
     const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(y) * job.width + x;
     job.disparity[place] = result;
