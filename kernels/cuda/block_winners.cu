@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "kernels/cuda/matching_cost.h"
 #include "kernels/cuda/winner_row.h"
 
 namespace disparityd::cuda {
@@ -11,7 +12,7 @@ constexpr int window_width = 2 * radius_x + 1;
 constexpr int window_height = 2 * radius_y + 1;
 constexpr unsigned outside = window_width * window_height * 255;
 
-template <int packs>
+template <Cost cost, int packs>
 __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(CensusWords words, WinnerJob winner) {
     DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
@@ -20,9 +21,11 @@ __global__ void __launch_bounds__(block_rows* lanes) census_winners_kernel(Censu
     }
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * winner.width;
     const CandidateBounds<packs> bounds(winner.range, winner.width);
-    WordsAlongRow<packs, 1> right(words.right + row, bounds, 0);
+    WordsAlongRow<cost, packs, 1> right(words_of<cost>(words.right) + row, bounds, 0);
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
-    winners.walk([&](int x, int phase, Costs<packs>& costs) { right.next(words.left[row + x], x, phase, costs); });
+    winners.walk([&](int x, int phase, Costs<packs>& costs) {
+        right.next(words_of<cost>(words.left)[row + x], x, phase, costs);
+    });
 }
 
 // Step 2 along one row: the window's sum is kept up by the column that enters and the one that leaves, which lie in a
@@ -124,10 +127,12 @@ __global__ void __launch_bounds__(block_rows* lanes)
 
 }  // namespace
 
-void census_winners(CensusWords words, const WinnerJob& winner, cudaStream_t stream) {
-    with_packs(winner.range.count, [&](auto packs) {
-        launch("census winners", rows_shape(winner.height), stream, census_winners_kernel<decltype(packs)::value>,
-               words, winner);
+void census_winners(Cost cost, CensusWords words, const WinnerJob& winner, cudaStream_t stream) {
+    with_cost(cost, [&](auto of_cost) {
+        with_packs(winner.range.count, [&](auto packs) {
+            launch("census winners", rows_shape(winner.height), stream,
+                   census_winners_kernel<decltype(of_cost)::value, decltype(packs)::value>, words, winner);
+        });
     });
 }
 

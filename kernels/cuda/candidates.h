@@ -37,8 +37,6 @@ __device__ int candidate(int slot) {
     return slots_of(packs) * lane_index() + slot;
 }
 
-constexpr unsigned census_outside = 62;
-
 /// Which slots have a candidate whose right pixel lies inside the image.
 template <int packs>
 class CandidateBounds {
@@ -94,16 +92,6 @@ private:
     unsigned all_inside_;
 };
 
-/// Step 4 for a pixel with this word; right(slot) is its candidate's. Candidates outside the image are to be limited.
-template <int packs, typename Right>
-__device__ void census_costs(std::uint64_t word, Right right, Costs<packs>& costs) {
-#pragma unroll
-    for (int p = 0; p < packs; ++p) {
-        const auto low = static_cast<unsigned>(__popcll(word ^ right(2 * p)));
-        costs[p] = low + (static_cast<unsigned>(__popcll(word ^ right(2 * p + 1))) << 16);
-    }
-}
-
 /// A register for each slot of a warp that walks along a row, from left to right (dx = 1) or from right to left (-1).
 /// From pixel to pixel everything moves by a slot, which is done by other names: `phase` counts the pixels modulo
 /// slots, and has to be known to the compiler.
@@ -112,39 +100,6 @@ __device__ constexpr int renamed(int slot, int phase) {
     constexpr int slots = slots_of(packs);
     return (slot + slots - dx * phase) % slots;
 }
-
-/// The right words of the candidates of the pixel that a walk along a row has come to: from pixel to pixel one is new
-/// in each lane.
-template <int packs, int dx>
-class WordsAlongRow {
-public:
-    /// Before the pixel `x`, which has phase 0.
-    __device__ WordsAlongRow(const std::uint64_t* __restrict__ row, const CandidateBounds<packs>& bounds, int x)
-        : row_(row), bounds_(bounds) {
-#pragma unroll
-        for (int s = 0; s < slots; ++s) {
-            words_[renamed<packs, dx>(s, slots - 1)] = row[bounds.column(x - dx, s)];
-        }
-    }
-
-    /// Steps 4 for the next pixel, which is at x.
-    __device__ void next(std::uint64_t left, int x, int phase, Costs<packs>& costs) {
-        constexpr int entering = dx > 0 ? 0 : slots - 1;
-        words_[renamed<packs, dx>(entering, phase)] = row_[bounds_.column(x, entering)];
-        census_costs<packs>(
-            left, [&](int slot) { return words_[renamed<packs, dx>(slot, phase)]; }, costs);
-        if (!bounds_.all_inside(x)) {
-            bounds_.limit(x, census_outside, costs);
-        }
-    }
-
-private:
-    static constexpr int slots = slots_of(packs);
-
-    const std::uint64_t* __restrict__ row_;
-    const CandidateBounds<packs>& bounds_;
-    std::uint64_t words_[slots];
-};
 
 /// Calls step(std::integral_constant) with the packs that `count` candidates need.
 template <typename Step>
@@ -155,18 +110,6 @@ void with_packs(int count, Step step) {
         case 3: step(std::integral_constant<int, 3>()); break;
         default: step(std::integral_constant<int, 4>()); break;
     }
-}
-
-/// The same, and whether P2 adapts: step(packs, adaptive).
-template <typename Step>
-void with_packs(const PathsJob& job, Step step) {
-    with_packs(job.range.count, [&](auto packs) {
-        if (job.adaptive_p2) {
-            step(packs, std::true_type());
-        } else {
-            step(packs, std::false_type());
-        }
-    });
 }
 
 }  // namespace disparityd::cuda

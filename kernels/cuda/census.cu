@@ -11,6 +11,25 @@ constexpr int tile_width = tile_side + 2 * census_radius_x;
 constexpr int tile_height = tile_side + 2 * census_radius_y;
 constexpr int block_height = 8;  // threads; each computes every eighth row of the tile
 
+// For GradientWord, which holds what belongs to three rows.
+constexpr int gradient_rows = tile_side + 2;
+constexpr int gradient_tile_width = tile_side + 2 * gradient_census_radius_x;
+constexpr int gradient_tile_height = gradient_rows + 2 * gradient_census_radius_y;
+
+// Reads the tile of a block, its border too, from an image with its border replicated.
+template <int width, int height>
+__device__ void read_tile(View<const std::uint8_t> image, int first_x, int first_y, int thread,
+                          std::uint8_t (&tile)[height][width]) {
+    constexpr int border_x = (width - tile_side) / 2;
+    constexpr int border_y = (height - tile_side) / 2;
+    for (int i = thread; i < height * width; i += tile_side * block_height) {
+        const int column = i % width;
+        const int row = i / width;
+        tile[row][column] = image.at(clamp(first_x + column - border_x, 0, image.width - 1),
+                                     clamp(first_y + row - border_y, 0, image.height - 1));
+    }
+}
+
 // A tile with its border is read once, 40 x 38 pixels for 32 x 32 words, and compared in shared memory.
 __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
                               std::uint64_t* right_words) {
@@ -20,12 +39,7 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
     const int first_x = static_cast<int>(blockIdx.x) * tile_side;
     const int first_y = static_cast<int>(blockIdx.y) * tile_side;
     const int thread = static_cast<int>(threadIdx.y * tile_side + threadIdx.x);
-    for (int i = thread; i < tile_height * tile_width; i += tile_side * block_height) {
-        const int column = i % tile_width;
-        const int row = i / tile_width;
-        tile[row][column] = image.at(clamp(first_x + column - census_radius_x, 0, image.width - 1),
-                                     clamp(first_y + row - census_radius_y, 0, image.height - 1));
-    }
+    read_tile<tile_width, tile_height>(image, first_x, first_y, thread, tile);
     __syncthreads();
     const int column = static_cast<int>(threadIdx.x);
     const int x = first_x + column;
@@ -34,6 +48,44 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
         if (x < image.width && y < image.height) {
             words[static_cast<std::ptrdiff_t>(y) * image.width + x] = census_word(
                 [&](int dx, int dy) { return tile[row + census_radius_y + dy][column + census_radius_x + dx]; });
+        }
+    }
+}
+
+// The same for the other cost. What belongs to a row of the tile, and to the ones above and below the tile, is computed
+// once and written into the words of three rows.
+__global__ void census_gradient_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right,
+                                       std::uint64_t* left_words, std::uint64_t* right_words) {
+    DISPARITYD_SHARED(std::uint8_t, tile, [gradient_tile_height][gradient_tile_width]);
+    DISPARITYD_SHARED(std::uint32_t, census, [gradient_rows][tile_side]);
+    DISPARITYD_SHARED(std::uint8_t, gradients, [gradient_rows][tile_side]);
+    const View<const std::uint8_t> image = blockIdx.z == 0 ? left : right;
+    auto* words = reinterpret_cast<GradientWord*>(blockIdx.z == 0 ? left_words : right_words);
+    const int first_x = static_cast<int>(blockIdx.x) * tile_side;
+    const int first_y = static_cast<int>(blockIdx.y) * tile_side;
+    const int thread = static_cast<int>(threadIdx.y * tile_side + threadIdx.x);
+    read_tile<gradient_tile_width, gradient_tile_height>(image, first_x, first_y, thread, tile);
+    __syncthreads();
+    const int column = static_cast<int>(threadIdx.x);
+    for (int row = static_cast<int>(threadIdx.y); row < gradient_rows; row += block_height) {
+        // Above and below the image its outermost rows count again, not what a window would see there.
+        const int tile_row = clamp(first_y + row - 1, 0, image.height - 1) - first_y + 1 + gradient_census_radius_y;
+        const auto read = [&](int dx, int dy) { return tile[tile_row + dy][column + gradient_census_radius_x + dx]; };
+        census[row][column] = gradient_census_bits(read);
+        gradients[row][column] = gradient_byte(read);
+    }
+    __syncthreads();
+    const int x = first_x + column;
+    for (int row = static_cast<int>(threadIdx.y); row < tile_side; row += block_height) {
+        const int y = first_y + row;
+        if (x < image.width && y < image.height) {
+            GradientWord word{};
+#pragma unroll
+            for (int i = 0; i < 3; ++i) {
+                word.census[i] = census[row + i][column];
+                word.gradients |= static_cast<std::uint32_t>(gradients[row + i][column]) << (8 * i);
+            }
+            words[static_cast<std::ptrdiff_t>(y) * image.width + x] = word;
         }
     }
 }
@@ -47,11 +99,12 @@ cudaError_t code_for_device() {
     return found;
 }
 
-void census(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
+void census(Cost cost, View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
             std::uint64_t* right_words, cudaStream_t stream) {
     const Shape shape{dim3(blocks_for(left.width, tile_side), blocks_for(left.height, tile_side), 2),
                       dim3(tile_side, block_height)};
-    launch("census", shape, stream, census_kernel, left, right, left_words, right_words);
+    launch("census", shape, stream, cost == Cost::census_9x7 ? census_kernel : census_gradient_kernel, left, right,
+           left_words, right_words);
 }
 
 }  // namespace disparityd::cuda

@@ -29,6 +29,10 @@ constexpr std::array<std::string_view, 10> sgm_steps = {"upload",
 static_assert(sad_steps[1] == "sad+wta" && census_steps[2] == "dsi+wta" && sgm_steps[4] == "dsi+aggregate+wta",
               "the winner steps of info()");
 
+Cost cost_of(const MatchOptions& options) {
+    return options.cost == CensusCost::census_9x7 ? Cost::census_9x7 : Cost::census_7x5_gradient;
+}
+
 }  // namespace
 
 StageInfo MatchStage::info(Method method) {
@@ -51,7 +55,8 @@ MatchStage::MatchStage(const MatcherConfig& config)
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
         if (options.method != Method::sad) {
-            const std::size_t bytes = (margin_words + pixels_ + 2 * margin_words) * sizeof(std::uint64_t);
+            const std::size_t words = margin_words + pixels_ + 2 * margin_words;
+            const std::size_t bytes = words * word_size(cost_of(options)) * sizeof(std::uint64_t);
             words_[eye] = DeviceMemory(bytes, "the census words");
             // What stands in the margins is read and does not matter; that nobody wrote it would be found by checkers.
             check(cudaMemsetAsync(words_[eye].as<void>(), 0, bytes, stream_.get()), "clearing the census words");
@@ -138,7 +143,7 @@ View<const std::uint8_t> MatchStage::image(std::size_t eye) const {
 }
 
 std::uint64_t* MatchStage::words(std::size_t eye) const {
-    return words_[eye].as<std::uint64_t>() + margin_words;
+    return words_[eye].as<std::uint64_t>() + margin_words * word_size(cost_of(config_.options));
 }
 
 void MatchStage::upload() {
@@ -166,6 +171,7 @@ PathsJob MatchStage::paths_job() const {
             sgm.p2_min,
             sgm.paths,
             is_wide(sgm.paths, sgm.p2),
+            cost_of(config_.options),
             left_volume_.as<std::uint8_t>(),
             {sweep_volume_[0].as<std::uint8_t>(), sweep_volume_[1].as<std::uint8_t>()},
             edges_.as<std::uint8_t>(),
@@ -193,11 +199,11 @@ void MatchStage::find_winners() {
         mark();
         return;
     }
-    census(image(0), image(1), words(0), words(1), stream_.get());
+    census(cost_of(config_.options), image(0), image(1), words(0), words(1), stream_.get());
     mark();
     const PathsJob paths = paths_job();
     if (method == Method::census) {
-        census_winners(paths.words, winner_job(), stream_.get());
+        census_winners(paths.cost, paths.words, winner_job(), stream_.get());
     } else {
         sweep(paths, stream_.get());
         mark();

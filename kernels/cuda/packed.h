@@ -54,6 +54,11 @@ __device__ inline U16x2 min_u16x2_of_sum(U16x2 a, U16x2 b, U16x2 c) {
 #endif
 }
 
+/// (a + b + 1) / 2 of each half, of numbers below 0x4000.
+__device__ inline U16x2 average_u16x2(U16x2 a, U16x2 b) {
+    return (a + b + 0x10001U) >> 1 & 0x7fff7fffU;
+}
+
 __device__ inline unsigned min_half(U16x2 both) {
     return min(both & 0xffff, both >> 16);
 }

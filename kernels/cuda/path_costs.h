@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "kernels/cuda/candidates.h"
+#include "kernels/cuda/matching_cost.h"
 
 namespace disparityd::cuda {
 

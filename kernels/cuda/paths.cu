@@ -9,7 +9,7 @@ namespace {
 constexpr int block_lines = 4;  // warps of a block
 
 // The path to the left, a warp for each row.
-template <int packs, bool adaptive>
+template <Cost cost, int packs, bool adaptive>
 __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJob job) {
     constexpr int slots = slots_of(packs);
     const int y = static_cast<int>(blockIdx.x) * block_lines + warp_index();
@@ -19,7 +19,7 @@ __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJ
     const int width = job.image.width;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
     const CandidateBounds<packs> bounds(job.range, width);
-    WordsAlongRow<packs, -1> words(job.words.right + row, bounds, width - 1);
+    WordsAlongRow<cost, packs, -1> words(words_of<cost>(job.words.right) + row, bounds, width - 1);
     const PathPenalties penalties(job.p1);
     PathCosts<packs> path;
     for (int x0 = width - 1; x0 >= 0; x0 -= slots) {
@@ -30,7 +30,7 @@ __global__ void __launch_bounds__(block_lines* lanes) path_to_left_kernel(PathsJ
                 return;
             }
             Costs<packs> costs;
-            words.next(job.words.left[row + x], x, phase, costs);
+            words.next(words_of<cost>(job.words.left)[row + x], x, phase, costs);
             const U16x2 p2 = adapted_p2<adaptive>(job, {x + 1, y}, {x, y});
             path = continued<packs>(penalties, path, costs, p2);
             Costs<packs> added;
@@ -62,9 +62,9 @@ SgmBytes sgm_bytes(int width, int height, int disparities, int paths, int p2) {
 
 void path_to_left(const PathsJob& job, cudaStream_t stream) {
     const Shape shape{dim3(blocks_for(job.image.height, block_lines)), dim3(lanes, block_lines)};
-    with_packs(job, [&](auto packs, auto adaptive) {
+    with_variant(job, [&](auto cost, auto packs, auto adaptive) {
         launch("path to the left", shape, stream,
-               path_to_left_kernel<decltype(packs)::value, decltype(adaptive)::value>, job);
+               path_to_left_kernel<decltype(cost)::value, decltype(packs)::value, decltype(adaptive)::value>, job);
     });
 }
 

@@ -30,7 +30,7 @@ __device__ void add_volume(const std::uint8_t* volume, std::ptrdiff_t pixel, boo
 
 // The path to the right, the last one: its costs stay in registers, the others' are added to them, and the sums are
 // used up on the spot. A sum of path costs is stored nowhere.
-template <int packs, bool adaptive>
+template <Cost cost, int packs, bool adaptive>
 __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob job, WinnerJob winner) {
     DISPARITYD_SHARED(WinnerBatch<packs>, batches, [block_rows]);
     const int y = row_of_warp();
@@ -40,13 +40,13 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     const int width = job.image.width;
     const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width;
     const CandidateBounds<packs> bounds(job.range, width);
-    WordsAlongRow<packs, 1> words(job.words.right + row, bounds, 0);
+    WordsAlongRow<cost, packs, 1> words(words_of<cost>(job.words.right) + row, bounds, 0);
     const PathPenalties penalties(job.p1);
     PathCosts<packs> path;
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
     winners.walk([&](int x, int phase, Costs<packs>& sums) {
         Costs<packs> costs;
-        words.next(job.words.left[row + x], x, phase, costs);
+        words.next(words_of<cost>(job.words.left)[row + x], x, phase, costs);
         const U16x2 p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});
         path = continued<packs>(penalties, path, costs, p2);
         add_costs<packs>(path, costs, job.paths - 1, sums);
@@ -59,9 +59,10 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
 }  // namespace
 
 void sgm_winners(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream) {
-    with_packs(paths, [&](auto packs, auto adaptive) {
+    with_variant(paths, [&](auto cost, auto packs, auto adaptive) {
         launch("SGM winners", rows_shape(paths.image.height), stream,
-               sgm_winners_kernel<decltype(packs)::value, decltype(adaptive)::value>, paths, winner);
+               sgm_winners_kernel<decltype(cost)::value, decltype(packs)::value, decltype(adaptive)::value>, paths,
+               winner);
     });
 }
 

@@ -33,8 +33,23 @@ void rectify(const RectifyJob& job, cudaStream_t stream);
 /// cudaSuccess when the program holds code that the device runs, else why not.
 cudaError_t code_for_device();
 
+/// The costs of steps 3 and 4, as CensusCost.
+enum class Cost { census_9x7, census_7x5_gradient };
+
+/// The word of a pixel for census-7x5+gradient, beside those of the pixels above and below it (where there are none,
+/// its own): all that its costs depend on is read at once. The word for census-9x7 is a std::uint64_t.
+struct alignas(16) GradientWord {
+    std::uint32_t census[3];  ///< of rows y - 1, y and y + 1: 30 bits each
+    std::uint32_t gradients;  ///< their gradient bytes, that of y - 1 the lowest; the highest byte is 0
+};
+
+/// The size of a word in std::uint64_t, of which all planes of words are.
+constexpr int word_size(Cost cost) {
+    return cost == Cost::census_9x7 ? 1 : sizeof(GradientWord) / sizeof(std::uint64_t);
+}
+
 /// Step 3, both images.
-void census(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
+void census(Cost cost, View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
             std::uint64_t* right_words, cudaStream_t stream);
 
 struct Range {
@@ -93,6 +108,7 @@ struct PathsJob {
     int p2_min;
     int paths;  ///< 4 or 8
     bool wide;  ///< whether the sums of a sweep need two bytes
+    Cost cost;
     std::uint8_t* left_volume;
     std::uint8_t* sweep_volume[2];  ///< downwards, upwards
     std::uint8_t* edges;            ///< what neighbouring strips of a sweep hand each other
@@ -105,7 +121,7 @@ void path_to_left(const PathsJob& job, cudaStream_t stream);
 void sgm_winners(const PathsJob& paths, const WinnerJob& winner, cudaStream_t stream);
 
 /// Step 4 (CENSUS) and the winners.
-void census_winners(CensusWords words, const WinnerJob& winner, cudaStream_t stream);
+void census_winners(Cost cost, CensusWords words, const WinnerJob& winner, cudaStream_t stream);
 /// Step 2 (SAD) and the winners.
 void sad_winners(View<const std::uint8_t> left, View<const std::uint8_t> right, const WinnerJob& winner,
                  cudaStream_t stream);

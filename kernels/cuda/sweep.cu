@@ -39,7 +39,7 @@ struct SharedEdge {
 // A warp's columns of a strip, with the state of their three paths in registers. A strip leans: from row to row it
 // moves on by a column. So of the diagonals one stays in its column of the strip, and all that the strip's paths go on
 // with besides comes from the right. Without diagonals it stands upright and needs nobody.
-template <int packs, bool diagonals, bool adaptive>
+template <Cost cost, int packs, bool diagonals, bool adaptive>
 class Columns {
 public:
     static constexpr int columns = columns_of_warp(packs);
@@ -57,14 +57,15 @@ public:
         const bool all_inside = bounds_.all_inside(x);
         const std::ptrdiff_t row_begin = static_cast<std::ptrdiff_t>(y) * width();
         // From the last column's first candidate on.
-        const std::uint64_t* right = job_.words.right + row_begin + bounds_.first_column(x + columns - 1);
-        std::uint64_t words[words_of_columns];
+        const WordOf<cost>* right =
+            words_of<cost>(job_.words.right) + row_begin + bounds_.first_column(x + columns - 1);
+        WordOf<cost> words[words_of_columns];
 #pragma unroll
         for (int i = 0; i < words_of_columns; ++i) {
             words[i] = right[-i];
         }
         const std::ptrdiff_t first = row_begin + x;
-        const std::uint64_t* left = job_.words.left + first;
+        const WordOf<cost>* left = words_of<cost>(job_.words.left) + first;
         const int bytes = pixel_bytes(packs, job_.wide);
         std::uint8_t* pixel = volume_ + first * bytes;
 #pragma unroll
@@ -77,7 +78,7 @@ public:
             census_costs<packs>(
                 left[c], [&](int slot) { return words[columns - 1 - c + slot]; }, costs);
             if (!all_inside) {
-                bounds_.limit(x + c, census_outside, costs);
+                bounds_.limit(x + c, cost_outside<cost>, costs);
             }
             Costs<packs> added;
             continue_paths(c, {x + c, y}, costs, edge, added);
@@ -171,10 +172,10 @@ __device__ Strip strip_of(int ticket, const PathsJob& job) {
     return {number, upwards, x, max(0, 1 - strip_width - x), min(job.image.height, job.image.width - x)};
 }
 
-template <int packs, bool adaptive>
+template <Cost cost, int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) straight_kernel(PathsJob job) {
     const Strip strip = strip_of<packs, false>(static_cast<int>(blockIdx.x), job);
-    Columns<packs, false, adaptive> columns(job, strip.upwards);
+    Columns<cost, packs, false, adaptive> columns(job, strip.upwards);
     const Edge<packs> nothing{};
     const int x = strip.x + warp_index() * columns_of_warp(packs);
     for (int r = strip.first_row; r < strip.last_row; ++r) {
@@ -213,8 +214,8 @@ public:
           last_row_(strip.number == 0 ? 0 : min(strip.last_row, job.image.width - strip.x - columns_of_strip(packs))) {}
 
     // As it was in row r - 1.
-    template <bool adaptive>
-    __device__ void edge(int r, const Columns<packs, true, adaptive>& columns, Edge<packs>& edge) {
+    template <Cost cost, bool adaptive>
+    __device__ void edge(int r, const Columns<cost, packs, true, adaptive>& columns, Edge<packs>& edge) {
         if (r == 0 || r > last_row_) {
             edge = {};  // it is outside the image
             return;
@@ -236,9 +237,9 @@ private:
     int seen_ = 0;
 };
 
-template <int packs, bool adaptive>
+template <Cost cost, int packs, bool adaptive>
 __device__ void give_edge_to_next_strip(const EdgeInMemory<packs>& memory, const Strip& strip, int r,
-                                        const Columns<packs, true, adaptive>& columns) {
+                                        const Columns<cost, packs, true, adaptive>& columns) {
     store_bytes<packs>(memory.path(r, 0), columns.straight().cost);
     store_bytes<packs>(memory.path(r, 1), columns.against(0).cost);
     store_bytes<packs>(memory.path(r, 2), columns.against(1).cost);
@@ -258,12 +259,12 @@ __device__ int draw_ticket(int* tickets) {
     return same_in_warp(drawn[0]);
 }
 
-template <int packs, bool adaptive>
+template <Cost cost, int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob job) {
     DISPARITYD_SHARED(SharedEdge<packs>, edges, [2][strip_warps]);
     const int warp = warp_index();
     const Strip strip = strip_of<packs, true>(draw_ticket(job.progress), job);
-    Columns<packs, true, adaptive> columns(job, strip.upwards);
+    Columns<cost, packs, true, adaptive> columns(job, strip.upwards);
     RightNeighbour<packs> neighbour(job, strip);
     const EdgeInMemory<packs> own(job, strip.number, strip.upwards);
     for (int i = 0; i < edge_paths; ++i) {
@@ -282,7 +283,7 @@ __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob j
         }
         columns.advance(r, strip.x + r + warp * columns_of_warp(packs), edge);
         if (warp == 0) {
-            give_edge_to_next_strip<packs, adaptive>(own, strip, r, columns);
+            give_edge_to_next_strip<cost, packs, adaptive>(own, strip, r, columns);
         } else {
             SharedEdge<packs>& shared = edges[r % 2][warp];
             shared.set(0, columns.straight());
@@ -297,7 +298,8 @@ __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob j
 
 void sweep(const PathsJob& job, cudaStream_t stream) {
     const bool diagonals = job.paths == 8;
-    with_packs(job, [&](auto count, auto adapts) {
+    with_variant(job, [&](auto of_cost, auto count, auto adapts) {
+        constexpr Cost cost = decltype(of_cost)::value;
         constexpr int packs = decltype(count)::value;
         constexpr bool adaptive = decltype(adapts)::value;
         const int strips = strips_of_sweep(job.image.width, job.image.height, packs, diagonals);
@@ -305,9 +307,9 @@ void sweep(const PathsJob& job, cudaStream_t stream) {
         if (diagonals) {
             const std::size_t bytes = static_cast<std::size_t>(1 + 2 * strips) * sizeof(int);
             check(cudaMemsetAsync(job.progress, 0, bytes, stream), "forgetting the progress of the previous frame");
-            launch("sweep", shape, stream, sweep_kernel<packs, adaptive>, job);
+            launch("sweep", shape, stream, sweep_kernel<cost, packs, adaptive>, job);
         } else {
-            launch("straight sweep", shape, stream, straight_kernel<packs, adaptive>, job);
+            launch("straight sweep", shape, stream, straight_kernel<cost, packs, adaptive>, job);
         }
     });
 }

@@ -66,14 +66,15 @@ CensusTimes census_times(int width, int height) {
                    census_of(*pairs[static_cast<std::size_t>(round) % pairs_in_rotation]);
                });
     };
-    return {
-        milliseconds([&](const Pair& pair) {
-            census_from_global_memory(pair.image(0), pair.image(1), left, right, stream.get());
-        }),
-        milliseconds([&](const Pair& pair) {
-            census_from_textures(pair.texture(0), pair.texture(1), width, height, left, right, stream.get());
-        }),
-        milliseconds([&](const Pair& pair) { cuda::census(pair.image(0), pair.image(1), left, right, stream.get()); })};
+    return {milliseconds([&](const Pair& pair) {
+                census_from_global_memory(pair.image(0), pair.image(1), left, right, stream.get());
+            }),
+            milliseconds([&](const Pair& pair) {
+                census_from_textures(pair.texture(0), pair.texture(1), width, height, left, right, stream.get());
+            }),
+            milliseconds([&](const Pair& pair) {
+                cuda::census(cuda::Cost::census_9x7, pair.image(0), pair.image(1), left, right, stream.get());
+            })};
 }
 
 double rectify_time(int width, int height) {

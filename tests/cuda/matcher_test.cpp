@@ -21,10 +21,11 @@ TEST_F(CudaDevice, EqualsTheReferenceForAnyOptions) {
 TEST_F(CudaDevice, EqualsTheReferenceForEveryNumberOfDisparities) {
     Random random(51);
     for (int disparities = 16; disparities <= 256; disparities += all_rounds ? 16 : 240) {
-        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        for (const auto& [method, cost] : methods_and_costs) {
             const Variation variation(disparities / 16);
             MatchOptions options = any_options(random);
             options.method = method;
+            options.cost = cost;
             options.range = {pick(random, 0, 1) == 0 ? 0 : -disparities / 2, disparities};
             expect_equal_to_reference(Pair(random, 83, 4), options);
         }
@@ -36,7 +37,7 @@ TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
     int n = 0;
     for (const auto& [width, height] :
          {std::pair{1, 1}, {1, 9}, {9, 1}, {2, 2}, {4, 3}, {15, 9}, {31, 2}, {32, 3}, {33, 3}, {3, 33}, {64, 2}}) {
-        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        for (const auto& [method, cost] : methods_and_costs) {
             for (const DisparityRange range : {DisparityRange{0, 16}, {0, 256}, {-256, 256}, {256, 16}, {-256, 16}}) {
                 if (++n % one_round_of != 0) {
                     continue;
@@ -44,6 +45,7 @@ TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
                 const Variation variation(n);
                 MatchOptions options = any_options(random);
                 options.method = method;
+                options.cost = cost;
                 options.range = range;
                 expect_equal_to_reference(Pair(random, width, height), options);
             }
@@ -51,15 +53,49 @@ TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
     }
 }
 
+// The rows above and below a pixel count too: in images of one row, two and more, across the tiles of the census, with
+// all that SGM can be asked for.
+TEST_F(CudaDevice, CensusAndGradientEqualsTheReferenceWithAllThatSgmHas) {
+    Random random(53);
+    int n = 0;
+    for (const int height : {1, 3, 33}) {
+        for (const int disparities : {16, 80, 256}) {
+            for (const int paths : {4, 8}) {
+                for (const bool adaptive : {false, true}) {
+                    if (++n % one_round_of != 0) {
+                        continue;
+                    }
+                    const Variation variation(n);
+                    MatchOptions options = any_options(random);
+                    options.method = Method::sgm;
+                    options.cost = CensusCost::census_7x5_gradient;
+                    options.range = {pick(random, 0, 1) * -disparities / 2, disparities};
+                    options.sgm = {.paths = paths,
+                                   .p1 = pick(random, 1, 20),
+                                   .p2 = pick(random, 0, 1) == 0 ? 60 : 193,
+                                   .adaptive_p2 = adaptive,
+                                   .p2_slope = pick(random, 1, 8),
+                                   .p2_min = pick(random, 0, 60)};
+                    const int width = height > 3 ? 35 : disparities + 20;  // some pixels have all candidates inside
+                    expect_equal_to_reference(Pair(random, width, height), options);
+                }
+            }
+        }
+    }
+}
+
 TEST_F(CudaDevice, TheLargestPenaltiesAndCostsDoNotOverflow) {
     const Pair pair = pair_of_opposites(90, 5);
-    for (const int p1 : {1, 192}) {
-        for (const int disparities : {80, 256}) {
-            MatchOptions options;
-            options.sgm.p1 = p1;
-            options.sgm.p2 = 193;
-            options.range = {0, disparities};
-            expect_equal_to_reference(pair, options);
+    for (const CensusCost cost : {CensusCost::census_9x7, CensusCost::census_7x5_gradient}) {
+        for (const int p1 : {1, 192}) {
+            for (const int disparities : {80, 256}) {
+                MatchOptions options;
+                options.cost = cost;
+                options.sgm.p1 = p1;
+                options.sgm.p2 = 193;
+                options.range = {0, disparities};
+                expect_equal_to_reference(pair, options);
+            }
         }
     }
     // Every absolute difference of SAD at its largest.
@@ -69,8 +105,9 @@ TEST_F(CudaDevice, TheLargestPenaltiesAndCostsDoNotOverflow) {
 TEST_F(CudaDevice, NothingIsLeftFromTheFrameBefore) {
     Random random(56);
     Serial serial;
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const auto& [method, cost] : methods_and_costs) {
         MatchOptions options = default_options(method, {0, 16});
+        options.cost = cost;
         options.post.speckle_size = 20;
         options.post.interpolate = true;
         const Pair one(random, 33, 21);

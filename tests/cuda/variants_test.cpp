@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <vector>
@@ -66,7 +67,8 @@ TEST_F(CudaVariants, CensusIsTheSameFromEveryMemory) {
         const std::array<Words, 2> expected = {expected_of(left), expected_of(right)};
 
         const CensusOnDevice shared(left, right);
-        cuda::census(shared.image(0), shared.image(1), shared.words(0), shared.words(1), shared.stream.get());
+        cuda::census(cuda::Cost::census_9x7, shared.image(0), shared.image(1), shared.words(0), shared.words(1),
+                     shared.stream.get());
         const CensusOnDevice global(left, right);
         census_from_global_memory(global.image(0), global.image(1), global.words(0), global.words(1),
                                   global.stream.get());
@@ -82,6 +84,44 @@ TEST_F(CudaVariants, CensusIsTheSameFromEveryMemory) {
             EXPECT_EQ(global.found(eye), expected[eye]);
             EXPECT_EQ(textured.found(eye), expected[eye]);
         }
+    }
+}
+
+std::vector<cuda::GradientWord> gradient_words_of(const Bytes& image) {
+    Image<std::uint64_t> words(image.width(), image.height());
+    reference::census_gradient(image.plane(), words.plane(), image.rows());
+    std::vector<cuda::GradientWord> result;
+    for (int y = 0; y < image.height(); ++y) {
+        for (int x = 0; x < image.width(); ++x) {
+            cuda::GradientWord& word = result.emplace_back();
+            for (int i = 0; i < 3; ++i) {
+                const std::uint64_t from = words.at(x, std::clamp(y + i - 1, 0, image.height() - 1));
+                word.census[i] = static_cast<std::uint32_t>(from);
+                word.gradients |= static_cast<std::uint32_t>(from >> 32 << 8 * i);
+            }
+        }
+    }
+    return result;
+}
+
+// Not a variant, but its words are looked at nowhere else.
+TEST_F(CudaVariants, CensusAndGradientEqualTheReferenceOnThreeRows) {
+    Random random(71);
+    int n = 0;
+    for (const auto& [columns, rows] : {std::pair{1, 1}, {1, 33}, {37, 2}, {33, 40}, {3, 65}}) {
+        const Variation variation(++n);
+        const Bytes left = noise(random, columns, rows, 0, 3);
+        const Bytes right = noise(random, columns, rows);
+        const std::size_t pixels = left.pixels().size();
+        const std::array<cuda::PinnedBuffer, 2> words = {{{16 * pixels, "the words"}, {16 * pixels, "the words"}}};
+        const CensusOnDevice images(left, right);
+        cuda::census(cuda::Cost::census_7x5_gradient, images.image(0), images.image(1),
+                     words[0].device<std::uint64_t>(), words[1].device<std::uint64_t>(), images.stream.get());
+        words[0].to_host(images.stream);
+        words[1].to_host(images.stream);
+        images.stream.wait("the census");
+        EXPECT_EQ(std::memcmp(words[0].host<void>(), gradient_words_of(left).data(), 16 * pixels), 0);
+        EXPECT_EQ(std::memcmp(words[1].host<void>(), gradient_words_of(right).data(), 16 * pixels), 0);
     }
 }
 

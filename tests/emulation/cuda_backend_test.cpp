@@ -11,14 +11,16 @@ namespace {
 TEST(EmulatedCuda, OrderAndUnwrittenMemoryDoNotMatter) {
     Random random(54);
     const Pair pair(random, 35, 34);
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const auto& [method, cost] : methods_and_costs) {
         MatchOptions options = default_options(method, {-3, 32});
+        options.cost = cost;
         options.post.speckle_size = 12;
         options.post.interpolate = true;
         const Result expected = result_of("reference", pair, options);
         for (int n = 0; n < 6; n += all_rounds ? 1 : 4) {
             const Variation variation(n);
-            ASSERT_EQ(result_of("cuda", pair, options), expected) << to_string(method) << ", settings " << n;
+            ASSERT_EQ(result_of("cuda", pair, options), expected)
+                << to_string(method) << ", " << to_string(cost) << ", settings " << n;
         }
     }
 }

@@ -10,6 +10,21 @@ inline int __popcll(unsigned long long value) {
     return __builtin_popcountll(value);
 }
 
+inline int __popc(unsigned value) {
+    return __builtin_popcount(value);
+}
+
+/// |x - y| of each of the four bytes.
+inline unsigned __vabsdiffu4(unsigned x, unsigned y) {
+    unsigned result = 0;
+    for (int shift = 0; shift < 32; shift += 8) {
+        const unsigned a = x >> shift & 0xff;
+        const unsigned b = y >> shift & 0xff;
+        result |= (a > b ? a - b : b - a) << shift;
+    }
+    return result;
+}
+
 /// |x - y| + z
 inline unsigned __usad(unsigned x, unsigned y, unsigned z) {
     return (x > y ? x - y : y - x) + z;

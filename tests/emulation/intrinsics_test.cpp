@@ -33,6 +33,8 @@ TEST(Intrinsics, CountBits) {
         ASSERT_EQ(__popcll(word), bits);
     }
     EXPECT_EQ(__popcll(~0ULL), 64);
+    EXPECT_EQ(__popc(0x80000001U), 2);
+    EXPECT_EQ(__popc(~0U), 32);
 }
 
 TEST(Intrinsics, AbsoluteDifferenceIsAddedModulo32Bits) {
@@ -40,6 +42,11 @@ TEST(Intrinsics, AbsoluteDifferenceIsAddedModulo32Bits) {
     EXPECT_EQ(__usad(10, 3, 5), 12U);
     EXPECT_EQ(__usad(0, 0xffffffff, 2), 1U);
     EXPECT_EQ(__usad(0x80000000, 0x7fffffff, 0), 1U);
+}
+
+TEST(Intrinsics, AbsoluteDifferencesOfBytesAreTakenApart) {
+    EXPECT_EQ(__vabsdiffu4(0x00ff017f, 0xff000280), 0xffff0101U);
+    EXPECT_EQ(__vabsdiffu4(0xff000280, 0x00ff017f), 0xffff0101U);
 }
 
 TEST(Intrinsics, PermutationTakesAnyByteOfTwoWords) {
@@ -100,6 +107,17 @@ TEST(Intrinsics, MinimumOfF16FollowsItsSpecification) {
                 << std::hex << x << ' ' << y;
         }
     }
+}
+
+TEST(Packed, AveragesAreRoundedUpInEachHalf) {
+    for (unsigned a = 0; a < 64; ++a) {
+        for (unsigned b = 0; b < 64; ++b) {
+            const unsigned low = (a + b + 1) / 2;
+            const unsigned high = (63 - a + b + 1) / 2;
+            ASSERT_EQ(cuda::average_u16x2(a | (63 - a) << 16, b | b << 16), low | high << 16) << a << ' ' << b;
+        }
+    }
+    EXPECT_EQ(cuda::average_u16x2(0x3fff3fff, 0x3fff3ffe), 0x3fff3fffU);
 }
 
 // Why Orin may take the minimum of f16 where integers are meant.
