@@ -13,6 +13,13 @@ bool continues_character(unsigned byte) {
 
 constexpr std::size_t most_that_continue = 3;
 
+/// Returns whether these three bytes are a character that changes the direction or the line of the text after it:
+/// U+200E, U+200F, U+2028 to U+202E and U+2066 to U+2069.
+bool rearranges_text(unsigned first, unsigned second, unsigned third) {
+    return first == 0xe2 && ((second == 0x80 && (third == 0x8e || third == 0x8f || (third >= 0xa8 && third <= 0xae))) ||
+                             (second == 0x81 && third >= 0xa6 && third <= 0xa9));
+}
+
 }  // namespace
 
 std::string printable(std::string_view text, std::size_t longest) {
@@ -27,6 +34,8 @@ std::string printable(std::string_view text, std::size_t longest) {
             line[i] = '?';
         } else if (byte(i) == 0xc2 && continues_character(byte(i + 1)) && byte(i + 1) < 0xa0) {
             line.replace(i, 2, "??");  // U+0080 to U+009F are control characters, too
+        } else if (i + 2 < size && rearranges_text(byte(i), byte(i + 1), byte(i + 2))) {
+            line.replace(i, 3, "???");
         }
     }
     return size < text.size() ? line + "..." : line;

@@ -25,6 +25,13 @@ TEST(PrintableText, IsOneLineWithoutControls) {
     EXPECT_EQ(printable("a\xc2\x9b"
                         "2J\xc2\xa0\xc3\xa9"),
               "a??2J\xc2\xa0\xc3\xa9");
+    // Right to left, a line separator, an isolate; an ellipsis and an euro sign beside them stay.
+    EXPECT_EQ(printable("a\u202e"
+                        "b\u2028"
+                        "c\u2067"
+                        "d"),
+              "a???b???c???d");
+    EXPECT_EQ(printable("\u2026\u20ac"), "\u2026\u20ac");
     EXPECT_EQ(printable("\xc2"), "\xc2");
 }
 

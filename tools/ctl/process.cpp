@@ -227,7 +227,7 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
     }
     if (!news.left_out.empty()) {
         print_error(std::to_string(news.left_out.size()) + (news.left_out.size() == 1 ? " frame was" : " frames were") +
-                    " left out, as noted above; the other " + std::to_string(frames) + " are in " + arguments.folder);
+                    " left out, as noted above; in " + arguments.folder + ": " + base::counted(frames, "frame"));
         return exit_failed;
     }
     if (frames == 0) {
