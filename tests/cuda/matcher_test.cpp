@@ -136,9 +136,8 @@ TEST_F(CudaDevice, StagesWorkOnTwoFramesAtTheSameTime) {
     }
     const auto run = [&](int stage, const FrameView& view) {
         Serial serial;
-        std::array<std::chrono::nanoseconds, 9> times{};
-        const std::size_t steps = matcher->stages()[static_cast<std::size_t>(stage)].steps.size();
-        matcher->run(stage, view, serial, std::span(times).first(steps));
+        std::vector<std::chrono::nanoseconds> times(matcher->stages()[static_cast<std::size_t>(stage)].steps.size());
+        matcher->run(stage, view, serial, times);
     };
     run(0, frames[0]->view);
     for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
