@@ -24,9 +24,7 @@ constexpr int min_rows_of_band = 16;
 
 SgmKernels census_kernels(const MatchOptions& options, std::int64_t target) {
     SgmKernels kernels = sgm_kernels(target, options.range.count);
-    if (options.cost == CensusCost::census_7x5_gradient) {
-        use_gradient_cost(target, options.range.count, kernels);
-    }
+    use_cost(options.cost, target, options.range.count, kernels);
     return kernels;
 }
 

@@ -13,18 +13,22 @@
 namespace disparityd::tools {
 namespace {
 
-Preset parse_preset(const std::string& text) {
-    if (const auto preset = preset_from_name(text)) {
-        return *preset;
+/// What `text`, given with an option, is the name of.
+template <typename Enum>
+Enum parse_name(const std::string& option, const std::string& text, std::optional<Enum> (*from_name)(std::string_view),
+                const std::string& allowed) {
+    if (const auto named = from_name(text)) {
+        return *named;
     }
-    throw std::invalid_argument("--preset: found '" + text + "', allowed: paper, dense, obstacles");
+    throw std::invalid_argument(option + ": found '" + text + "', allowed: " + allowed);
+}
+
+Preset parse_preset(const std::string& text) {
+    return parse_name("--preset", text, preset_from_name, "paper, dense, obstacles");
 }
 
 CensusCost parse_cost(const std::string& text) {
-    if (const auto cost = census_cost_from_name(text)) {
-        return *cost;
-    }
-    throw std::invalid_argument("--cost: found '" + text + "', allowed: census-9x7, census-7x5+gradient");
+    return parse_name("--cost", text, census_cost_from_name, "census-9x7, census-7x5+gradient");
 }
 
 template <typename T>
@@ -128,10 +132,7 @@ std::string method_help() {
 }
 
 Method parse_method(const std::string& text) {
-    if (const auto method = method_from_name(text)) {
-        return *method;
-    }
-    throw std::invalid_argument("--method: found '" + text + "', allowed: sgm, census, sad");
+    return parse_name("--method", text, method_from_name, "sgm, census, sad");
 }
 
 std::string backend_help() {

@@ -36,7 +36,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace disparityd::cpu {
 
-void use_gradient_cost(std::int64_t target, int disparities, SgmKernels& kernels) {
+void use_cost(CensusCost cost, std::int64_t target, int disparities, SgmKernels& kernels) {
+    if (cost == CensusCost::census_9x7) {
+        return;
+    }
     const auto put = DISPARITYD_FUNCTION_FOR(target, put_gradient_cost);
     if (put != nullptr && kernels.layout.lanes != 0) {
         put(disparities, kernels);

@@ -7,8 +7,8 @@
 
 namespace disparityd::cpu {
 
-/// Puts the census and the costs of census-7x5+gradient into `kernels`, which are those of this instruction set and
-/// number of candidates. Without kernels for it (no lanes) nothing changes.
-void use_gradient_cost(std::int64_t target, int disparities, SgmKernels& kernels);
+/// Puts the census and the matching cost of this kind into `kernels`, which are those of this instruction set and
+/// number of candidates and have census-9x7. Without kernels for it (no lanes) nothing changes.
+void use_cost(CensusCost cost, std::int64_t target, int disparities, SgmKernels& kernels);
 
 }  // namespace disparityd::cpu

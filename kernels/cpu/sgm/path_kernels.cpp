@@ -39,9 +39,7 @@ SgmKernels path_kernels(std::int64_t target, const MatchOptions& options) {
         fitting = HWY_AVX2;
         kernels = kernels_of_variant(fitting, disparities, eight_paths, words);
     }
-    if (options.cost == CensusCost::census_7x5_gradient) {
-        use_gradient_cost(fitting, disparities, kernels);
-    }
+    use_cost(options.cost, fitting, disparities, kernels);
     return kernels;
 }
 

@@ -24,9 +24,7 @@ struct SgmLayout {
 
     static cpu::SgmKernels kernels_for(const MatchOptions& options, std::int64_t target) {
         cpu::SgmKernels kernels = cpu::sgm_kernels(target, options.range.count);
-        if (options.cost == CensusCost::census_7x5_gradient) {
-            cpu::use_gradient_cost(target, options.range.count, kernels);
-        }
+        cpu::use_cost(options.cost, target, options.range.count, kernels);
         return kernels;
     }
 
