@@ -14,9 +14,11 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 template <class Tag, int registers, PathVariant variant>
 struct Aggregation {
-    // Two rows side by side where a row alone leaves the processor idle: measured 31 to 20 cycles per pixel with one
-    // register of 64 lanes, but 50 to 57 with two.
-    static constexpr int rows_at_once = registers == 1 ? 2 : 1;
+    // Two rows side by side where a row alone leaves the processor idle, as the path along it is a chain of dependent
+    // steps: measured 31 to 20 cycles per pixel with one register of 64 lanes, but 50 to 57 with two. With 4 paths
+    // there is less beside the chain: 8.6 to 5.4 ns per pixel with two registers of 64 lanes, 10.8 to 7.2 with four
+    // of 32.
+    static constexpr int rows_at_once = registers == 1 || (!variant.diagonals && registers <= 4) ? 2 : 1;
 
     // Elsewhere Highway has plain stores in their place.
     static constexpr bool streams = HWY_ARCH_X86;

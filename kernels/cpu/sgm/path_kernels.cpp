@@ -26,7 +26,7 @@ SgmKernels kernels_of_variant(std::int64_t target, int disparities, bool eight_p
 }  // namespace
 
 bool sums_need_u16(const SgmOptions& options) {
-    return options.p2 > (options.paths == 8 ? max_byte_p2 : max_byte_p2_of_4_paths);
+    return options.p2 > max_byte_p2;
 }
 
 SgmKernels path_kernels(std::int64_t target, const MatchOptions& options) {

@@ -31,23 +31,27 @@ constexpr std::uint8_t bias_for(std::uint8_t p2) {
 struct PathOffsets {
     alignas(16) std::uint8_t from_previous_row[3][min_block];  ///< to L there; of path 0 for the next pixel
     alignas(16) std::uint8_t along[min_block];                 ///< to L - min L along the row
-    alignas(16) std::uint8_t sum_bias[min_block];              ///< the bias of the sum of all four M
+    alignas(16) std::uint8_t sum_bias[min_block];              ///< the bias of the sum of all M
 
     /// From P2 by position (SweepRow::p2_rows) and the least costs of the previous row, for the pixels from p on.
-    /// `less` is missing in the bias of all M from there together.
+    /// `less` is missing in the bias of all M from there together. Without diagonals there is path 1 alone.
+    template <bool diagonals>
     HWY_INLINE void take(const PathRow& previous_row, const std::uint8_t* const* p2_rows, std::uint8_t less, int p) {
         const hn::FixedTag<std::uint8_t, min_block> block;
         const auto top = hn::Set(block, std::uint8_t{255});
         const auto bias = [&](int path, int at) { return hn::Sub(top, hn::LoadU(block, p2_rows[path] + at)); };
         const auto least = [&](int path, int at) { return hn::LoadU(block, previous_row.least[path] + at); };
         const auto above = bias(1, p);
-        const auto above_after = bias(2, p);
         const auto beside = bias(3, p);
-        hn::Store(hn::Sub(bias(0, p + 1), least(0, p)), block, from_previous_row[0]);
         hn::Store(hn::Sub(above, least(1, p)), block, from_previous_row[1]);
-        hn::Store(hn::Sub(above_after, least(2, p + 1)), block, from_previous_row[2]);
         hn::Store(beside, block, along);
-        const auto of_all = hn::Add(hn::Add(bias(0, p), above), hn::Add(above_after, beside));
+        auto of_all = hn::Add(above, beside);
+        if constexpr (diagonals) {
+            const auto above_after = bias(2, p);
+            hn::Store(hn::Sub(bias(0, p + 1), least(0, p)), block, from_previous_row[0]);
+            hn::Store(hn::Sub(above_after, least(2, p + 1)), block, from_previous_row[2]);
+            of_all = hn::Add(of_all, hn::Add(bias(0, p), above_after));
+        }
         hn::Store(hn::Sub(of_all, hn::Set(block, less)), block, sum_bias);
     }
 };

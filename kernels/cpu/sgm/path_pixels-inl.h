@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 5 of docs/algorithm.md, pixel by pixel: the four paths of one sweep, one along the row and three from the
-// previous row.
+// Step 5 of docs/algorithm.md, pixel by pixel: the paths of one sweep, one along the row and three (of 4 paths, one)
+// from the previous row.
 //
 // A path arrives at a pixel as N(d) = min(L(d) - min L, P2) of the pixel it comes from; M(d) = min(N(d), N(d-1) + P1,
 // N(d+1) + P1) is what it adds there: L(d) = C(d) + M(d). Where P2 is small all these have a bias, see
@@ -29,7 +29,6 @@ class PathPixels {
     using V = hn::Vec<Tag>;
     using Sums = PathSums<Tag, registers, variant.u16_sums>;
     static constexpr bool less_p1 = !variant.any_p2;
-    static_assert(variant.any_p2 || variant.diagonals, "the bias of sums is that of 8 paths");
     static_assert(variant.any_p2 || !variant.u16_sums);
     // With 16 vector registers matching costs are better loaded again for each path than stored and restored.
     static constexpr bool loads_again = HWY_ARCH_X86 && (HWY_TARGET > HWY_AVX3) && registers > 2 && !variant.any_p2;
@@ -90,7 +89,7 @@ public:
     /// The offsets of the block of pixels from p on.
     HWY_INLINE void take_offsets(const State& state, int p, PathOffsets& offsets) const {
         if constexpr (!variant.any_p2) {
-            offsets.take(previous_row_, state.p2_rows, less_, p);
+            offsets.take<variant.diagonals>(previous_row_, state.p2_rows, less_, p);
         }
     }
 

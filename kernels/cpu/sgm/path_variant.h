@@ -16,8 +16,9 @@ struct PathVariant {
 constexpr PathVariant eight_paths_u8_sums{true, false, false};
 constexpr PathVariant eight_paths_u16_sums{true, true, true};
 
-/// 4 paths while two of them add up to 2 * 127 = 254 at most.
-constexpr PathVariant four_paths_u8_sums{false, true, false};
+/// 4 paths, with the same P2: the two of a sweep would leave room for more, but its steps could not be those of
+/// path_offsets-inl.h.
+constexpr PathVariant four_paths_u8_sums{false, false, false};
 constexpr PathVariant four_paths_u16_sums{false, true, true};
 
 }  // namespace disparityd::cpu

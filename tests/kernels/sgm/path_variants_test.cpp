@@ -22,8 +22,8 @@ struct Variant {
 
 constexpr Variant variants[] = {{"EightPaths", 8, 2, cpu::max_byte_p2},
                                 {"EightPathsU16Sums", 8, cpu::max_byte_p2 + 1, 193},
-                                {"FourPaths", 4, 2, cpu::max_byte_p2_of_4_paths},
-                                {"FourPathsU16Sums", 4, cpu::max_byte_p2_of_4_paths + 1, 193}};
+                                {"FourPaths", 4, 2, cpu::max_byte_p2},
+                                {"FourPathsU16Sums", 4, cpu::max_byte_p2 + 1, 193}};
 
 // What a failure shows; found by GoogleTest.
 void PrintTo(const Variant& variant, std::ostream* out) {
