@@ -7,7 +7,7 @@
 #include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
-#include "kernels/cpu/cost/matching_cost-inl.h"
+#include "kernels/cpu/cost/census_window-inl.h"
 #include "kernels/cpu/cost/sad_rows-inl.h"
 #include "kernels/cpu/simd/layouts-inl.h"
 #include "kernels/cpu/winner/packed_argmin-inl.h"
@@ -25,7 +25,8 @@ struct Block {
     static constexpr int stride = 2 * registers;
 
     static std::size_t scratch_bytes(const MatchGeometry& geometry) {
-        return SadRows<Tag, registers>::scratch_bytes(geometry);  // census() needs half of it
+        return std::max(SadRows<Tag, registers>::scratch_bytes(geometry),
+                        geometry.row_bytes() + SingleRowCosts::bytes(geometry));
     }
 
     static void sad(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
@@ -42,8 +43,7 @@ struct Block {
         }
     }
 
-    template <class Cost>
-    static void census(const MatchGeometry& geometry, const PostOptions& options,
+    static void census(const MatchGeometry& geometry, const PostOptions& options, MatchingCostKernel matching_cost,
                        CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch,
                        const WinnerPlanes& out) {
         const KeyTag words;
@@ -58,17 +58,17 @@ struct Block {
         };
         PackedArgmin<KeyTag, stride, packed_index_bits, 0> search(geometry);
         const LeftResults results(geometry, options);
+        SingleRowCosts single(geometry, scratch + geometry.row_bytes());
         Minima minima;
         for (int y = rows.first; y < rows.last; ++y) {
-            const CensusRow next = planes.row(geometry.census, std::min(y + 1, rows.last - 1));
-            const CensusRows census = planes.rows(geometry.census, y, out.winner.height);
-            MatchingCostRow<Tag, registers, Cost>(geometry, census, next, scratch).run();
+            const int next = std::min(y + 1, rows.last - 1);
+            matching_cost(geometry, planes, y, next, &single, scratch, nullptr);
             search.run(keys, minima, out.row(y).right_winner);
             results.row(minima, geometry.width, out.row(y));
         }
     }
 
-    static BlockKernels table() { return {scratch_bytes, sad, {census<Census9x7>, census<Census7x5Gradient>}}; }
+    static BlockKernels table() { return {scratch_bytes, sad, census}; }
 };
 
 inline BlockKernels block_kernels_of(int disparities) {

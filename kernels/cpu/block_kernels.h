@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "kernels/cpu/cost/matching_cost_kernel.h"
 #include "kernels/cpu/match_layout.h"
 
 namespace disparityd::cpu {
@@ -18,10 +19,9 @@ struct BlockKernels {
     void (*sad)(const MatchGeometry& geometry, const PostOptions& options, Plane<const std::uint8_t> left,
                 Plane<const std::uint8_t> right, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 
-    /// Steps 4, 6, 7 and 13 for rows [first, last) from census planes of all rows, for each CensusCost.
-    void (*census[2])(const MatchGeometry& geometry, const PostOptions& options,
-                      CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch,
-                      const WinnerPlanes& out);
+    /// Steps 4, 6, 7 and 13 for rows [first, last) from census planes of all rows and the kernel that their cost has.
+    void (*census)(const MatchGeometry& geometry, const PostOptions& options, MatchingCostKernel matching_cost,
+                   CensusPlanes<const std::uint8_t> planes, Rows rows, std::uint8_t* scratch, const WinnerPlanes& out);
 };
 
 BlockKernels block_kernels(std::int64_t target, int disparities);

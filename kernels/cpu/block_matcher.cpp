@@ -92,7 +92,7 @@ void BlockMatcher::match(const FrameView& frame, Parallel& workers) const {
         if (config_.options.method == Method::sad) {
             kernels_.sad(geometry_, post, frame.left, frame.right, rows, memory, out);
         } else {
-            kernels_.census[static_cast<std::size_t>(config_.options.cost)](geometry_, post, planes, rows, memory, out);
+            kernels_.census(geometry_, post, census_kernels_.matching_cost, planes, rows, memory, out);
         }
     });
 }

@@ -26,14 +26,6 @@ struct CensusRow {
     const std::uint8_t* right = nullptr;
 };
 
-/// Those that the costs of a row depend on: its own, and with a cost that is averaged over rows its neighbours', which
-/// are the row itself at the border.
-struct CensusRows {
-    CensusRow here;
-    CensusRow above;
-    CensusRow below;
-};
-
 /// The planes of all rows: those of the left image, after them those of the right one. `Byte` is std::uint8_t or const.
 template <typename Byte>
 struct CensusPlanes {
@@ -45,11 +37,6 @@ struct CensusPlanes {
     CensusRow row(const CensusLayout& layout, int y) const {
         const auto rows_before = static_cast<std::size_t>(y);
         return {left + rows_before * layout.left_row(), right + rows_before * layout.right_row()};
-    }
-
-    /// Of row y of `height`.
-    CensusRows rows(const CensusLayout& layout, int y, int height) const {
-        return {row(layout, y), row(layout, y > 0 ? y - 1 : 0), row(layout, y + 1 < height ? y + 1 : y)};
     }
 
     Byte* left;

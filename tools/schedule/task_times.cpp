@@ -37,10 +37,10 @@ struct TimedKernels {
 
 TimedKernels timed;
 
-void timed_matching_cost(const MatchGeometry& geometry, const cpu::CensusRows& census, const cpu::CensusRow& next,
-                         std::uint8_t* costs, std::uint8_t* streamed) {
+void timed_matching_cost(const MatchGeometry& geometry, cpu::CensusPlanes<const std::uint8_t> planes, int y, int next,
+                         cpu::SingleRowCosts* single, std::uint8_t* costs, std::uint8_t* streamed) {
     const auto start = Clock::now();
-    timed.real.matching_cost(geometry, census, next, costs, streamed);
+    timed.real.matching_cost(geometry, planes, y, next, single, costs, streamed);
     timed.costs.push_back(microseconds_since(start));
 }
 

@@ -57,9 +57,10 @@ public:
         }
     }
 
-private:
+    /// Of register r of pixel x from the row's beginning.
     static std::ptrdiff_t offset(int x, int r) { return (static_cast<std::ptrdiff_t>(x) * registers + r) * lanes; }
 
+private:
     std::uint8_t* costs_;
     std::uint8_t* streamed_;
 };

@@ -52,10 +52,19 @@ HWY_INLINE V count_differing(Tag, V counter, V right) {
 }
 #endif
 
-/// Costs of pixels one after the other.
-template <class Tag, int registers, class Cost>
+/// What the costs of a row that is new are averaged with: rows of the same candidates. `other` is the neighbour of
+/// `here` on its other side.
+struct Averaged {
+    std::uint8_t* keep_new;  ///< the new row's own costs go there
+    const std::uint8_t* here;
+    const std::uint8_t* other;
+};
+
+/// Costs of pixels one after the other; averaged if that is told.
+template <class Tag, int registers, class Cost, bool averages>
 class CostsOfPlanes {
     using V = hn::Vec<Tag>;
+    using Row = CostRow<Tag, registers>;
 
 public:
     /// How many pixels the loops take at once.
@@ -63,8 +72,8 @@ public:
     /// How many pixels that are streamed fill whole lines, if they begin with one.
     static constexpr int pixels_of_lines = at_once;
 
-    CostsOfPlanes(const MatchGeometry& geometry, const CensusRows& census, const CostRow<Tag, registers>& out)
-        : geometry_(geometry), census_(census), out_(out) {}
+    CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const Row& out, const Averaged& with = {})
+        : geometry_(geometry), census_(census), out_(out), with_(with) {}
 
     /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
     template <bool streaming, class Next>
@@ -82,18 +91,16 @@ private:
     template <int count, bool streaming>
     HWY_INLINE void pixels(int x) const {
         V cost[count][registers];
-        costs_of_row<count>(census_.here, x, cost);
-        if constexpr (Cost::averaged) {
-            V above[count][registers];
-            V below[count][registers];
-            costs_of_row<count>(census_.above, x, above);
-            costs_of_row<count>(census_.below, x, below);
+        count_bits<count>(x, cost);
+        if constexpr (averages) {
+            const std::ptrdiff_t at = Row::offset(x, 0);
             DISPARITYD_UNROLL
-            for (int i = 0; i < count; ++i) {
-                DISPARITYD_UNROLL
-                for (int r = 0; r < registers; ++r) {
-                    cost[i][r] = hn::AverageRound(hn::AverageRound(above[i][r], below[i][r]), cost[i][r]);
-                }
+            for (int i = 0; i < count * registers; ++i) {
+                V& c = cost[i / registers][i % registers];
+                const std::ptrdiff_t of_register = at + i * static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
+                hn::Store(c, tag_, with_.keep_new + of_register);
+                const V other = hn::Load(tag_, with_.other + of_register);
+                c = hn::AverageRound(hn::AverageRound(other, c), hn::Load(tag_, with_.here + of_register));
             }
         }
         out_.template store<streaming>(*cost, count * registers, x);
@@ -102,7 +109,7 @@ private:
     /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
     /// (width - 1 - x - i) + registers * lane + r: a load from part (..) % registers.
     template <int count>
-    HWY_INLINE void costs_of_row(const CensusRow& census, int x, V (&cost)[count][registers]) const {
+    HWY_INLINE void count_bits(int x, V (&cost)[count][registers]) const {
         constexpr int sources = registers + count - 1;
         // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
         const auto entry = static_cast<unsigned>(geometry_.width - x - count);
@@ -115,8 +122,8 @@ private:
         for (int i = 0; i < count; ++i) {
             std::fill_n(cost[i], registers, hn::Set(tag_, static_cast<std::uint8_t>(geometry_.cost_bias)));
         }
-        const std::uint8_t* left = census.left + x;
-        const std::uint8_t* right = census.right;
+        const std::uint8_t* left = census_.left + x;
+        const std::uint8_t* right = census_.right;
         DISPARITYD_UNROLL
         for (int plane = 0; plane < planes_of<Cost>; ++plane) {
             V bits[sources];
@@ -157,8 +164,9 @@ private:
 
     const Tag tag_{};
     const MatchGeometry& geometry_;
-    CensusRows census_;
-    CostRow<Tag, registers> out_;
+    CensusRow census_;
+    Row out_;
+    Averaged with_;
 };
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

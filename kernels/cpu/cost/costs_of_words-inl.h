@@ -74,9 +74,9 @@ public:
     /// How many pixels that are streamed fill whole lines; 0: they come in another order.
     static constexpr int pixels_of_lines = sizeof(V) == cache_line ? 1 : 0;
 
-    CostsOfWords(const MatchGeometry& geometry, const CensusRows& census, const CostRow<Tag, 1>& out)
-        : left_(reinterpret_cast<const std::uint64_t*>(census.here.left)),
-          right_(reinterpret_cast<const std::uint64_t*>(census.here.right)),
+    CostsOfWords(const MatchGeometry& geometry, const CensusRow& census, const CostRow<Tag, 1>& out)
+        : left_(reinterpret_cast<const std::uint64_t*>(census.left)),
+          right_(reinterpret_cast<const std::uint64_t*>(census.right)),
           width_(geometry.width),
           bias_(hn::Set(Tag(), static_cast<std::uint8_t>(geometry.cost_bias))),
           out_(out) {}

@@ -40,7 +40,7 @@ inline void store_gradients(const std::int8_t* const* rows, int x, int right, st
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V gradient_cost(Tag tag, V a, V b) {
     constexpr std::uint8_t most = 12;
-    return hn::Min(hn::Or(hn::SaturatedSub(a, b), hn::SaturatedSub(b, a)), hn::Set(tag, most));
+    return hn::Min(absolute_difference(a, b), hn::Set(tag, most));
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

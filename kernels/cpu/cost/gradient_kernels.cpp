@@ -13,18 +13,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
-template <class Tag, int registers>
-void gradient_costs(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next, std::uint8_t* costs,
-                    std::uint8_t* streamed) {
-    MatchingCostRow<Tag, registers, Census7x5Gradient>(geometry, census, next, costs, streamed).run();
-}
-
 inline void put_gradient_cost(int disparities, SgmKernels& kernels) {
     with_layout(disparities, [&](auto tag, auto registers) {
         kernels.census_layout = census_layout<Census7x5Gradient>;
         kernels.census_left = census_left<Census7x5Gradient, std::uint8_t>;
         kernels.census_right = census_right<Census7x5Gradient, registers()>;
-        kernels.matching_cost = gradient_costs<decltype(tag), registers()>;
+        kernels.matching_cost = matching_cost<decltype(tag), registers(), Census7x5Gradient>;
+        kernels.averages_costs = true;
         return 0;
     });
 }

@@ -14,14 +14,15 @@
 #include "kernels/cpu/cost/census_planes-inl.h"
 #include "kernels/cpu/cost/costs_of_planes-inl.h"
 #include "kernels/cpu/cost/costs_of_words-inl.h"
+#include "kernels/cpu/cost/single_row_costs.h"
 #include "kernels/cpu/simd/prefetch-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
 
 template <class Tag, int registers, class Cost>
-using CostsOfPixels =
-    std::conditional_t<in_words<Cost>(registers), CostsOfWords<Tag>, CostsOfPlanes<Tag, registers, Cost>>;
+using CostsOfPixels = std::conditional_t<in_words<Cost>(registers), CostsOfWords<Tag>,
+                                         CostsOfPlanes<Tag, registers, Cost, Cost::averaged>>;
 
 template <class Tag, int registers, class Cost>
 class MatchingCostRow {
@@ -32,12 +33,14 @@ class MatchingCostRow {
     static constexpr int at_once = Costs::at_once;
 
 public:
-    MatchingCostRow(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next, std::uint8_t* costs,
-                    std::uint8_t* streamed = nullptr)
+    /// Of the row `census`, or of that row averaged `with` others. `streamed` gets a copy if it is not null.
+    template <class... With>
+    MatchingCostRow(const MatchGeometry& geometry, const CensusRow& census, const CensusRow& next, std::uint8_t* costs,
+                    std::uint8_t* streamed, const With&... with)
         : geometry_(geometry),
           next_(next),
           out_(costs, streamed),
-          pixels_(geometry, census, out_),
+          pixels_(geometry, census, out_, with...),
           padded_(geometry.range.count != candidates),
           bias_(static_cast<std::uint8_t>(geometry.cost_bias)) {}
 
@@ -146,6 +149,35 @@ private:
     bool padded_;
     std::uint8_t bias_;
 };
+
+/// SgmKernels::matching_cost.
+template <class Tag, int registers, class Cost>
+void matching_cost(const MatchGeometry& geometry, CensusPlanes<const std::uint8_t> planes, int y, int next,
+                   SingleRowCosts* single, std::uint8_t* costs, std::uint8_t* streamed) {
+    using Row = MatchingCostRow<Tag, registers, Cost>;
+    const auto census = [&](int row) { return planes.row(geometry.census, row); };
+    if constexpr (!Cost::averaged) {
+        (void)single;
+        Row(geometry, census(y), census(next), costs, streamed).run();
+    } else {
+        const int last_row = geometry.height - 1;
+        const int above = std::max(y - 1, 0);
+        const int below = std::min(y + 1, last_row);
+        // A worker that goes up has the row below.
+        const int fresh = single->has(below) ? above : below;
+        const int other = fresh == below ? above : below;
+        for (const int row : {y, other}) {
+            if (!single->has(row)) {
+                const CostRow<Tag, registers> to(single->put(row), nullptr);
+                const CostsOfPlanes<Tag, registers, Cost, false> alone(geometry, census(row), to);
+                alone.template between<false>(0, geometry.width, [] {});
+            }
+        }
+        const Averaged with{single->put(fresh), single->of(y), single->of(other)};
+        const CensusRow soon = census(std::clamp(next + fresh - y, 0, last_row));
+        Row(geometry, census(fresh), soon, costs, streamed, with).run();
+    }
+}
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -22,11 +22,6 @@ struct Kernels {
     using Paths = Aggregation<Tag, registers, eight_paths_u8_sums>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
 
-    static void matching_cost(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next,
-                              std::uint8_t* costs, std::uint8_t* streamed) {
-        MatchingCostRow<Tag, registers, Census9x7>(geometry, census, next, costs, streamed).run();
-    }
-
     static SgmKernels table() {
         SgmKernels kernels;
         kernels.layout = {lanes, registers};
@@ -36,7 +31,7 @@ struct Kernels {
         kernels.census_layout = census_layout<Census9x7>;
         kernels.census_left = census_left<Census9x7, CensusUnit<Census9x7, registers>>;
         kernels.census_right = census_right<Census9x7, registers>;
-        kernels.matching_cost = matching_cost;
+        kernels.matching_cost = matching_cost<Tag, registers, Census9x7>;
         kernels.aggregate = Paths::aggregate;
         kernels.adaptive_p2 = adaptive_p2;
         return kernels;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/cpu/census_layout.h"
+#include "kernels/cpu/cost/matching_cost_kernel.h"
 #include "kernels/cpu/match_layout.h"
 #include "kernels/image.h"
 #include "kernels/options.h"
@@ -75,10 +76,11 @@ struct SweepPass {
 /// The SGM kernels of one instruction set, for one number of candidates. All are pure functions on rows.
 struct SgmKernels {
     DisparityLayout layout;
-    int sum_bytes = 1;     ///< of a candidate in SweepRow::sums; words have an order of their own
-    int cost_bias = 0;     ///< MatchGeometry::cost_bias of these kernels
-    int rows_at_once = 1;  ///< how many rows aggregate() likes to be given; it takes 1 to this many
-    bool streams = false;  ///< there are stores past the caches
+    int sum_bytes = 1;            ///< of a candidate in SweepRow::sums; words have an order of their own
+    int cost_bias = 0;            ///< MatchGeometry::cost_bias of these kernels
+    int rows_at_once = 1;         ///< how many rows aggregate() likes to be given; it takes 1 to this many
+    bool streams = false;         ///< there are stores past the caches
+    bool averages_costs = false;  ///< over rows: matching_cost() wants SingleRowCosts
 
     /// Strides and sizes of census planes.
     CensusLayout (*census_layout)(int width, DisparityLayout layout);
@@ -88,12 +90,7 @@ struct SgmKernels {
     /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
     void (*census_right)(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes,
                          Rows rows);
-    /// Matching costs of one row from the row's planes; those of `next` are asked for, as they are needed soon. Where
-    /// it is not null, `streamed` gets the costs too, past the caches as with Store::stream: here, where nothing else
-    /// goes to memory, and not in aggregate(), or memory would have too little to do in one of them and too much in the
-    /// other.
-    void (*matching_cost)(const MatchGeometry& geometry, const CensusRows& census, const CensusRow& next,
-                          std::uint8_t* costs, std::uint8_t* streamed);
+    MatchingCostKernel matching_cost;
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
     /// steps, in order. To reach position p, `previous_row` must be done up to p + 1. `state`, max_sweep_state bytes
     /// aligned to 64, is carried from one call to the next.

@@ -61,6 +61,7 @@ void SgmSweeps::match(std::span<const std::byte> census, Plane<const std::uint8_
                          memory_.scratch_count());
     const SweepScheduler::Groups groups = plan.groups();
     const CensusPlanes planes(geometry_.census, geometry_.height, reinterpret_cast<const std::uint8_t*>(census.data()));
+    memory_.forget_single_rows();
     Frame frame{planes, left, results, plan, SweepScheduler(groups), SweepProgress(groups[0][0] + groups[1][0])};
     workers.for_each(plan.tasks(), [&](int) { work(frame, plan.groups_of_task()); });
 }
@@ -98,7 +99,7 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScra
         SweepRow& row = sweep_rows[i];
         std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
         std::uint8_t* costs = stream_ || kept == nullptr ? scratch.costs[i] : kept;
-        matching_cost(frame, rows, i, costs, stream_ ? kept : nullptr);
+        matching_cost(frame, rows, i, scratch, costs, stream_ ? kept : nullptr);
         row.costs = costs;
         row.sums = memory_.sums(y);
         set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
@@ -117,7 +118,7 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
         SweepRow& row = sweep_rows[i];
         row.costs = costs_kept ? memory_.costs(y) : scratch.costs[i];
         if (!costs_kept) {
-            matching_cost(frame, rows, i, scratch.costs[i], nullptr);
+            matching_cost(frame, rows, i, scratch, scratch.costs[i], nullptr);
         }
         row.sums = scratch.sums[i];
         set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
@@ -167,11 +168,10 @@ int SgmSweeps::row_ahead(const Frame& frame, const SweepRows& rows, int i) const
     return std::clamp(rows.row(i + frame.plan.groups_ahead() * rows.count), 0, geometry_.height - 1);
 }
 
-void SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i, std::uint8_t* costs,
-                              std::uint8_t* streamed) const {
-    const CensusRows census = frame.planes.rows(geometry_.census, rows.row(i), geometry_.height);
-    const CensusRow next = frame.planes.row(geometry_.census, row_ahead(frame, rows, i));
-    kernels_.matching_cost(geometry_, census, next, costs, streamed);
+void SgmSweeps::matching_cost(const Frame& frame, const SweepRows& rows, int i, const WorkerScratch& scratch,
+                              std::uint8_t* costs, std::uint8_t* streamed) const {
+    kernels_.matching_cost(geometry_, frame.planes, rows.row(i), row_ahead(frame, rows, i), scratch.single, costs,
+                           streamed);
 }
 
 }  // namespace disparityd::cpu

@@ -47,8 +47,8 @@ private:
     /// The row that follows row i of these in this worker's next group.
     int row_ahead(const Frame& frame, const SweepRows& rows, int i) const;
     /// Of row i of these.
-    void matching_cost(const Frame& frame, const SweepRows& rows, int i, std::uint8_t* costs,
-                       std::uint8_t* streamed) const;
+    void matching_cost(const Frame& frame, const SweepRows& rows, int i, const WorkerScratch& scratch,
+                       std::uint8_t* costs, std::uint8_t* streamed) const;
 
     MatchOptions options_;
     SgmKernels kernels_;

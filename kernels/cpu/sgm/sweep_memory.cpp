@@ -37,9 +37,11 @@ SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernel
       path_bytes_(3 * path_array_ + round_up_to_cache_line(3 * path_pixels_)),
       rows_at_once_(kernels.rows_at_once),
       adaptive_(options.adaptive_p2),
-      scratch_bytes_(
-          static_cast<std::size_t>(rows_at_once_) *
-          (spread(costs_row_) + spread(sums_row_) + (adaptive_ ? 4 * round_up_to_cache_line(path_pixels_) : 0))),
+      averages_(kernels.averages_costs),
+      single_bytes_(averages_ ? spread(SingleRowCosts::bytes(geometry)) : 0),
+      scratch_bytes_(single_bytes_ + static_cast<std::size_t>(rows_at_once_) *
+                                         (spread(costs_row_) + spread(sums_row_) +
+                                          (adaptive_ ? 4 * round_up_to_cache_line(path_pixels_) : 0))),
       sums_(sums_row_ * static_cast<std::size_t>(geometry.height)),
       costs_(keep_costs ? costs_row_ * static_cast<std::size_t>(geometry.height) : 0),
       paths_(2 * path_bytes_),
@@ -47,6 +49,12 @@ SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernel
     scratch_count_ = static_cast<int>(scratch_count_for(sums_.size() + costs_.size(), scratch_bytes_));
     scratch_memory_ = LargeBuffer(static_cast<std::size_t>(scratch_count_) * scratch_bytes_);
     std::memset(p2_row_.data(), options.p2, p2_row_.size());
+    if (averages_) {
+        single_ = std::make_unique<SingleRowCosts[]>(static_cast<std::size_t>(scratch_count_));
+        for (int i = 0; i < scratch_count_; ++i) {
+            single_[static_cast<std::size_t>(i)] = SingleRowCosts(geometry, row_of(scratch_memory_, scratch_bytes_, i));
+        }
+    }
 }
 
 std::uint8_t* SweepMemory::path_costs(int sweep) const {
@@ -72,7 +80,10 @@ void SweepMemory::clear_path_row(int sweep) const {
 
 WorkerScratch SweepMemory::scratch(int i) const {
     WorkerScratch scratch;
-    std::uint8_t* memory = row_of(scratch_memory_, scratch_bytes_, i);
+    if (averages_) {
+        scratch.single = &single_[static_cast<std::size_t>(i)];
+    }
+    std::uint8_t* memory = row_of(scratch_memory_, scratch_bytes_, i) + single_bytes_;
     for (int row = 0; row < rows_at_once_; ++row) {
         scratch.costs[row] = memory;
         scratch.sums[row] = memory + spread(costs_row_);
@@ -83,6 +94,12 @@ WorkerScratch SweepMemory::scratch(int i) const {
         }
     }
     return scratch;
+}
+
+void SweepMemory::forget_single_rows() const {
+    for (int i = 0; averages_ && i < scratch_count_; ++i) {
+        single_[static_cast<std::size_t>(i)].forget();
+    }
 }
 
 }  // namespace disparityd::cpu

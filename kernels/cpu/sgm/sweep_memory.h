@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "kernels/cpu/sgm/sgm_kernels.h"
 #include "kernels/large_buffer.h"
@@ -16,6 +17,7 @@ struct WorkerScratch {
     std::uint8_t* costs[max_rows_at_once] = {};
     std::uint8_t* sums[max_rows_at_once] = {};
     std::uint8_t* p2_rows[max_rows_at_once][4] = {};  ///< none of its own unless P2 is adaptive
+    SingleRowCosts* single = nullptr;                 ///< for SgmKernels::matching_cost
 };
 
 /// The memory of both sweeps, all of it allocated once.
@@ -36,6 +38,9 @@ public:
     int scratch_count() const { return scratch_count_; }
     WorkerScratch scratch(int i) const;
 
+    /// At the beginning of a frame: what workers have of single rows is of another one.
+    void forget_single_rows() const;
+
 private:
     static std::uint8_t* row_of(const LargeBuffer& volume, std::size_t row_bytes, int y) {
         return reinterpret_cast<std::uint8_t*>(volume.data()) + static_cast<std::size_t>(y) * row_bytes;
@@ -51,6 +56,8 @@ private:
     std::size_t path_bytes_;   // path rows of one sweep
     int rows_at_once_;
     bool adaptive_;
+    bool averages_;
+    std::size_t single_bytes_;
     std::size_t scratch_bytes_;
     int scratch_count_;
     LargeBuffer sums_;
@@ -58,6 +65,7 @@ private:
     LargeBuffer paths_;
     LargeBuffer p2_row_;  // P2 for a whole row, where it is the same everywhere
     LargeBuffer scratch_memory_;
+    std::unique_ptr<SingleRowCosts[]> single_;  // one for each scratch, where costs are averaged
 };
 
 }  // namespace disparityd::cpu

@@ -98,9 +98,8 @@ KernelRun bind_census_blocks(const KernelInput& input, std::int64_t target) {
     return data->run(
         [data, layout, planes, kernels, scratch] {
             over_parts(data->input, [&](Rows rows) {
-                kernels.census[static_cast<std::size_t>(data->input.options.cost)](
-                    layout->geometry, data->input.options.post, {planes->left.data(), planes->right.data()}, rows,
-                    scratch.data(), data->out);
+                kernels.census(layout->geometry, data->input.options.post, layout->kernels.matching_cost,
+                               {planes->left.data(), planes->right.data()}, rows, scratch.data(), data->out);
             });
         },
         data);

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels of SgmKernels one by one, and the sweeps made of them, beside the steps of the reference.
+#include <algorithm>
+#include <numeric>
+
 #include "kernels/cpu/sgm/sgm_sweeps.h"
 #include "tests/kernels/check/sgm_layout.h"
 
@@ -106,6 +109,21 @@ KernelRun bind_census(const KernelInput& input, std::int64_t target) {
             [sgm] { return sgm->buffers.intact(); }};
 }
 
+// Downwards; on hostile input also upwards, and with jumps as between the halves of two sweeps.
+std::vector<int> order_of_rows(const KernelInput& input) {
+    std::vector<int> order(static_cast<std::size_t>(input.height));
+    std::iota(order.begin(), order.end(), 0);
+    if (input.hostile) {
+        Random random(input.seed);
+        switch (pick(random, 0, 2)) {
+            case 1: std::reverse(order.begin(), order.end()); break;
+            case 2: std::shuffle(order.begin(), order.end(), random); break;
+            default: break;
+        }
+    }
+    return order;
+}
+
 // With Store::stream, the costs that were streamed.
 KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target, cpu::Store store) {
     if (target == 0) {
@@ -121,8 +139,8 @@ KernelRun bind_matching_cost(const KernelInput& input, std::int64_t target, cpu:
     const auto row = [sgm](std::span<std::uint8_t> of, int y) {
         return of.data() + static_cast<std::size_t>(y) * sgm->layout.geometry.row_bytes();
     };
-    return {[=] {
-                for (int y = 0; y < sgm->input.height; ++y) {
+    return {[=, order = order_of_rows(input)] {
+                for (const int y : order) {
                     sgm->planes.matching_cost(y, row(rows, y), streams ? row(streamed, y) : nullptr);
                 }
             },

@@ -75,23 +75,28 @@ struct SgmPlanes {
     SgmPlanes(const SgmLayout& of, RunBuffers& buffers)
         : layout(of),
           left(buffers.memory<std::uint8_t>(of.left_planes())),
-          right(buffers.memory<std::uint8_t>(of.right_planes())) {}
+          right(buffers.memory<std::uint8_t>(of.right_planes())) {
+        if (of.kernels.averages_costs) {
+            const std::span<std::uint8_t> rows = buffers.memory<std::uint8_t>(cpu::SingleRowCosts::bytes(of.geometry));
+            single = cpu::SingleRowCosts(of.geometry, rows.data());
+        }
+    }
 
-    void census(const ImagePair& pair, const KernelInput& input) const {
+    void census(const ImagePair& pair, const KernelInput& input) {
+        single.forget();
         over_parts(input, [&](Rows rows) {
             layout.kernels.census_left(layout.geometry, pair.left.plane(), left.data(), rows);
             layout.kernels.census_right(layout.geometry, pair.right.plane(), right.data(), rows);
         });
     }
-    void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) const {
-        const cpu::MatchGeometry& geometry = layout.geometry;
-        const int height = static_cast<int>(left.size() / geometry.census.left_row());
-        const auto census = cpu::CensusPlanes(left.data(), right.data()).rows(geometry.census, y, height);
-        layout.kernels.matching_cost(geometry, census, census.here, row, streamed);
+    void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) {
+        const cpu::CensusPlanes<const std::uint8_t> planes(left.data(), right.data());
+        layout.kernels.matching_cost(layout.geometry, planes, y, y, &single, row, streamed);
     }
 
     const SgmLayout& layout;
     std::span<std::uint8_t> left, right;
+    cpu::SingleRowCosts single;
 };
 
 }  // namespace disparityd::test

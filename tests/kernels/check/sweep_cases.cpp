@@ -9,7 +9,7 @@ namespace {
 struct TwoSweeps {
     TwoSweeps(const KernelInput& from, std::int64_t target, cpu::Store how)
         : input(from), store(how), random(from.seed), pair(random, from), layout(from, target) {
-        const SgmPlanes planes(layout, buffers);
+        SgmPlanes planes(layout, buffers);
         planes.census(pair, input);
         const std::size_t bytes = layout.rows_bytes();
         for (auto* volume : {&costs, &sums[0], &sums[1], &streamed_costs}) {
