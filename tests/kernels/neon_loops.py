@@ -11,7 +11,7 @@ import subprocess
 import sys
 
 EXPECTED = {
-    r"::winner\(|::census<|::sad\(|WinnerSearch|PackedArgmin": "the sums beside a winner, three places of their own per pixel",
+    r"::winner\(|::census\(|::sad\(|WinnerSearch|PackedArgmin": "the sums beside a winner, three places of their own per pixel",
     r"LeftRightCheck::pixels": "looks up a right pixel per left pixel; NEON gathers nothing",
     r"MappedRows<.*>::(row|last_pixels)": "collects a pixel's neighbours from the raw frame",
     r"rectify_yuyv_colour|\brectify\(": "collects a pixel's neighbours from the raw frame",
@@ -20,7 +20,7 @@ EXPECTED = {
 }
 REMAINDER = 8  # instructions: the compiler's own loop for what is left over of vectors that it made
 # Where the time goes: the check would mean nothing if one of these were missing or had no vectors.
-HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census<", "census_row", "census_right", "median_rows",
+HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census(", "census_row", "census_right", "median_rows",
        "guided_median", "adaptive_p2")
 
 VECTOR = re.compile(r"\b[vqd]\d+(\.\d*[bhsd])?\b")

@@ -232,6 +232,8 @@ TEST(StepWorkTest, VolumesAreWrittenAndReadOnce) {
     options.sgm.p2 = 100;
     EXPECT_NEAR(step_work("dsi+aggregate+wta", options, pixels)->bytes, 6 * pixels * 128, 0.05 * 6 * pixels * 128);
     options.sgm.paths = 4;
+    EXPECT_NEAR(step_work("dsi+aggregate+wta", options, pixels)->bytes, 6 * pixels * 128, 0.05 * 6 * pixels * 128);
+    options.sgm.p2 = 63;
     EXPECT_NEAR(step_work("dsi+aggregate+wta", options, pixels)->bytes, 4 * pixels * 128, 0.05 * 4 * pixels * 128);
     EXPECT_FALSE(step_work("make coffee", options, pixels));
 }
