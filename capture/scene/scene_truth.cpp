@@ -31,10 +31,12 @@ SceneTruth scene_truth(const std::string& uri, std::uint64_t sequence,
             if (hit.object < 0) {
                 truth.disparity.push_back(std::numeric_limits<float>::quiet_NaN());
                 truth.visible.push_back(0);
+                truth.thin.push_back(0);
                 continue;
             }
             // The ray has depth 1 per length of its direction.
             truth.disparity.push_back(static_cast<float>(rectification.f * rectification.baseline_mm / hit.distance));
+            truth.thin.push_back(world.is_rod(hit) ? 1 : 0);
             const Vec3 point = hit.distance * ray.direction;
             const SceneWorld::Hit seen = world.cast({right.centre(), point - right.centre()});
             constexpr double tolerance = 1e-4;

@@ -13,6 +13,7 @@ namespace disparityd::capture {
 struct SceneTruth {
     std::vector<float> disparity;       ///< px; NaN where nothing is seen
     std::vector<std::uint8_t> visible;  ///< 1 where the right eye sees the same point
+    std::vector<std::uint8_t> thin;     ///< 1 on a pole or a wire
 };
 
 /// Casts the rays of the rectified left camera into the scene at frame `sequence` of the source `uri` ("scene:...").

@@ -176,6 +176,11 @@ SceneWorld::Hit SceneWorld::cast(const Ray& ray) const {
     return hit;
 }
 
+bool SceneWorld::is_rod(const Hit& hit) const {
+    const int planes = static_cast<int>(planes_.size());
+    return hit.object >= planes && objects_[static_cast<std::size_t>(hit.object - planes)].shape == Shape::rod;
+}
+
 bool SceneWorld::hits_ball(const Object& object, const Ray& ray, Hit& hit) {
     const Vec3 from_centre = ray.origin - object.centre;
     const double a = dot(ray.direction, ray.direction);

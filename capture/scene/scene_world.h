@@ -42,6 +42,9 @@ public:
     /// The nearest surface; every ray that looks ahead hits something.
     Hit cast(const Ray& ray) const;
 
+    /// Whether that is a pole or a wire.
+    bool is_rod(const Hit& hit) const;
+
     /// What a camera sees there: luma 0 .. 255 and chroma around 128.
     struct Colour {
         double luma;

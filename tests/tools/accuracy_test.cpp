@@ -64,6 +64,22 @@ TEST(AccuracyTest, D1OfAllPixelsAndOfThoseNotOccluded) {
     EXPECT_TRUE(std::isnan(measure(found, truth, {}).d1_nonocc));
 }
 
+TEST(AccuracyTest, FalseNearIsWhatReadsNearerOfWhatIsRead) {
+    // Nearer:                3.5   4 (of 80)  rejected  0    no truth  4   farther: 5
+    const images::FloatMap truth{7, 1, {10, 80, 10, 10, none, 10, 10}};
+    const images::FloatMap found{7, 1, {13.5F, 84, none, 10, 50, 14, 5}};
+    EXPECT_DOUBLE_EQ(measure(found, truth, {}).false_near, 100.0 * 2 / 5);
+    EXPECT_TRUE(std::isnan(measure({1, 1, {none}}, {1, 1, {3}}, {}).false_near)) << "nothing is read";
+}
+
+TEST(AccuracyTest, ThinIsWhatIsFoundOfPolesAndWires) {
+    const images::FloatMap truth{5, 1, {10, 10, 10, 10, none}};
+    const images::FloatMap found{5, 1, {11, 11.0625F, none, 10, 10}};
+    EXPECT_DOUBLE_EQ(measure(found, truth, {}, {1, 1, 1, 0, 1}).thin_found, 100.0 / 3);
+    EXPECT_TRUE(std::isnan(measure(found, truth, {}).thin_found)) << "not known";
+    EXPECT_THROW(measure(found, truth, {}, {1}), std::invalid_argument);
+}
+
 TEST(AccuracyTest, FractionsCountAsTheyAre) {
     const images::FloatMap truth{2, 1, {10.25F, 10.25F}};
     const Accuracy accuracy = measure({2, 1, {11.25F, 11.3125F}}, truth, {1, 1});
@@ -158,7 +174,7 @@ TEST(MedianTest, MiddleOfTheTimes) {
 
 TEST(ReportTest, JsonIsAListWithTheAgreedKeys) {
     std::ostringstream text;
-    print_json(rows_json({{"cones", "sgm", "cpu", 128, {4.5, 12.25, 3, 10, 99.5, 2.75, 8.125}, 17.25},
+    print_json(rows_json({{"cones", "sgm", "cpu", 128, {4.5, 12.25, 3, 10, 99.5, 2.75, 8.125, 0.5, 80}, 17.25},
                           {"other", "StereoBM", "opencv", 64, measure({1, 1, {3}}, {1, 1, {3}}, {}), 1}}),
                text);
     const auto list = nlohmann::json::parse(text.str());
@@ -166,7 +182,7 @@ TEST(ReportTest, JsonIsAListWithTheAgreedKeys) {
     EXPECT_EQ(list[0],
               nlohmann::json::parse(R"({"scene": "cones", "method": "sgm", "backend": "cpu", "disparities": 128,
         "bad1_nonocc": 4.5, "bad1_all": 12.25, "bad2_nonocc": 3.0, "bad2_all": 10.0, "d1_nonocc": 2.75,
-        "d1_all": 8.125, "density": 99.5, "ms": 17.25})"));
+        "d1_all": 8.125, "density": 99.5, "false_near": 0.5, "thin_found": 80.0, "ms": 17.25})"));
     EXPECT_TRUE(list[1]["bad1_nonocc"].is_null());
     EXPECT_EQ(list[1]["bad1_all"], 0);
 }

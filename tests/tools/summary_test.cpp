@@ -51,12 +51,13 @@ TEST(MeansTest, OfSomeScenes) {
 
 TEST(MeansTest, EveryFigureOfTheTableEndsIt) {
     std::ostringstream text;
-    print_table({{"cones", "sgm", "cpu", 64, {1, 2, 3, 4, 5, 6, 7}, 8},
-                 {"teddy", "sgm", "cpu", 64, {2, 4, 6, 8, 10, 12, 14}, 9}},
+    print_table({{"cones", "sgm", "cpu", 64, {1, 2, 3, 4, 5, 6, 7, 0.5, 80}, 8},
+                 {"teddy", "sgm", "cpu", 64, {2, 4, 6, 8, 10, 12, 14, 1.5, 90}, 9}},
                 false, text);
-    EXPECT_THAT(text.str(), ContainsRegex("D1 nonocc %  D1 all %  density %"));
-    EXPECT_THAT(text.str(), ContainsRegex("teddy .* 2.00 +4.00 +6.00 +8.00 +12.00 +14.00 +10.00 +9.0\n"));
-    EXPECT_THAT(text.str(), ContainsRegex("\nmean +sgm +cpu +1.50 +3.00 +4.50 +6.00 +9.00 +10.50 +7.50\n$"));
+    EXPECT_THAT(text.str(), ContainsRegex("D1 nonocc %  D1 all %  density %  false near %  thin %"));
+    EXPECT_THAT(text.str(), ContainsRegex("teddy .* 2.00 +4.00 +6.00 +8.00 +12.00 +14.00 +10.00 +1.50 +90.00 +9.0\n"));
+    EXPECT_THAT(text.str(),
+                ContainsRegex("\nmean +sgm +cpu +1.50 +3.00 +4.50 +6.00 +9.00 +10.50 +7.50 +1.00 +85.00\n$"));
 }
 
 /// A result whose bad-1.0 is known.

@@ -21,6 +21,7 @@ struct Tally {
     std::size_t bad2 = 0;
     std::size_t d1 = 0;
     std::size_t valid = 0;
+    std::size_t near = 0;
 
     void add(float disparity, float truth) {
         const bool has_disparity = std::isfinite(disparity);
@@ -30,25 +31,29 @@ struct Tally {
         bad1 += error > 1.0F ? 1U : 0U;
         bad2 += error > 2.0F ? 1U : 0U;
         d1 += is_d1_outlier(error, truth) ? 1U : 0U;
+        near += has_disparity && disparity > truth && is_d1_outlier(error, truth) ? 1U : 0U;
     }
-    double percent(std::size_t count) const {
-        return judged == 0 ? std::numeric_limits<double>::quiet_NaN()
-                           : 100.0 * static_cast<double>(count) / static_cast<double>(judged);
+    double percent(std::size_t count) const { return percent_of(judged, count); }
+    static double percent_of(std::size_t all, std::size_t count) {
+        return all == 0 ? std::numeric_limits<double>::quiet_NaN()
+                        : 100.0 * static_cast<double>(count) / static_cast<double>(all);
     }
 };
 
 }  // namespace
 
 Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& truth,
-                 const std::vector<std::uint8_t>& non_occluded) {
-    if (disparity.width != truth.width || disparity.height != truth.height ||
-        (!non_occluded.empty() && non_occluded.size() != truth.values.size())) {
+                 const std::vector<std::uint8_t>& non_occluded, const std::vector<std::uint8_t>& thin) {
+    const auto fits = [&truth](const std::vector<std::uint8_t>& mask) {
+        return mask.empty() || mask.size() == truth.values.size();
+    };
+    if (disparity.width != truth.width || disparity.height != truth.height || !fits(non_occluded) || !fits(thin)) {
         throw std::invalid_argument(
             "disparity, ground truth and mask differ in size: " + std::to_string(disparity.width) + " x " +
             std::to_string(disparity.height) + " px against " + std::to_string(truth.width) + " x " +
             std::to_string(truth.height));
     }
-    Tally all, visible;
+    Tally all, visible, on_thin;
     for (std::size_t i = 0; i < truth.values.size(); ++i) {
         if (!std::isfinite(truth.values[i])) {
             continue;
@@ -57,6 +62,9 @@ Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& trut
         if (!non_occluded.empty() && non_occluded[i] != 0) {
             visible.add(disparity.values[i], truth.values[i]);
         }
+        if (!thin.empty() && thin[i] != 0) {
+            on_thin.add(disparity.values[i], truth.values[i]);
+        }
     }
     return {visible.percent(visible.bad1),
             all.percent(all.bad1),
@@ -64,7 +72,9 @@ Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& trut
             all.percent(all.bad2),
             all.percent(all.valid),
             visible.percent(visible.d1),
-            all.percent(all.d1)};
+            all.percent(all.d1),
+            Tally::percent_of(all.valid, all.near),
+            on_thin.percent(on_thin.judged - on_thin.bad1)};
 }
 
 }  // namespace disparityd::eval

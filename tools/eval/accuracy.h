@@ -19,11 +19,16 @@ struct Accuracy {
     /// KITTI's D1: off by more than 3 px and by more than 5 % of the true disparity, or rejected.
     double d1_nonocc = 0;
     double d1_all = 0;
+    /// False obstacles: of the pixels with truth and a disparity, those that read nearer than they are, by more than
+    /// 3 px and more than 5 % of the true disparity.
+    double false_near = 0;
+    /// Of the pixels on poles and wires, those that are not bad with a limit of 1 px.
+    double thin_found = 0;
 };
 
-/// `non_occluded` has one value per pixel, 0 = occluded; empty: not known, the non-occluded figures are NaN.
-/// Throws std::invalid_argument when the sizes differ.
+/// `non_occluded` has one value per pixel, 0 = occluded; empty: not known, the non-occluded figures are NaN. `thin` has
+/// one value per pixel, 0 = no pole and no wire; empty: not known. Throws std::invalid_argument when the sizes differ.
 Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& truth,
-                 const std::vector<std::uint8_t>& non_occluded);
+                 const std::vector<std::uint8_t>& non_occluded, const std::vector<std::uint8_t>& thin = {});
 
 }  // namespace disparityd::eval

@@ -22,6 +22,7 @@
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/our_matcher.h"
 #include "tools/eval/paper.h"
+#include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
@@ -79,23 +80,39 @@ std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
     return chosen;
 }
 
-/// The scenes to judge and the number of candidates for each; 0 = as the scene needs.
-std::vector<std::pair<datasets::DatasetScene, int>> scenes_of(const EvalArguments& arguments) {
-    std::vector<std::pair<datasets::DatasetScene, int>> chosen;
+/// A scene of which there are files.
+SceneToJudge scene_of_files(const datasets::DatasetScene& files, int disparities, double scale) {
+    return {files.name, disparities, [files, scale] { return read_scene(files, scale); }};
+}
+
+std::vector<SceneToJudge> scenes_of_paper(const EvalArguments& arguments) {
     const std::vector<datasets::DatasetScene> found = find_scenes(arguments.data);
-    if (!arguments.paper) {
-        for (const datasets::DatasetScene& files : found) {
-            chosen.emplace_back(files, 0);
-        }
-        return chosen;
-    }
+    std::vector<SceneToJudge> chosen;
     for (const PaperScene& wanted : paper_scenes()) {
         const datasets::DatasetScene* files = files_of(wanted, found);
         if (files == nullptr) {
             throw std::invalid_argument("--paper: there is no folder for the scene " + wanted.name +
                                         " in DATA, allowed: folders that hold cones, tsukuba, teddy and sawtooth");
         }
-        chosen.emplace_back(*files, wanted.disparities);
+        chosen.push_back(scene_of_files(*files, wanted.disparities, arguments.scale));
+    }
+    return chosen;
+}
+
+std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments) {
+    if (arguments.paper) {
+        return scenes_of_paper(arguments);
+    }
+    std::vector<SceneToJudge> chosen;
+    for (const std::string& data : arguments.data) {
+        if (is_rendered(data)) {
+            const std::vector<SceneToJudge> rendered = rendered_scenes(data);
+            chosen.insert(chosen.end(), rendered.begin(), rendered.end());
+            continue;
+        }
+        for (const datasets::DatasetScene& files : find_scenes({data})) {
+            chosen.push_back(scene_of_files(files, 0, arguments.scale));
+        }
     }
     return chosen;
 }
@@ -122,16 +139,16 @@ public:
     }
 
     void run() {
-        const auto scenes = scenes_of(arguments_);
+        const std::vector<SceneToJudge> scenes = scenes_of(arguments_);
         split(scenes);
         tools::Progress progress("scenes", scenes.size());
         for (std::size_t i = 0; i < scenes.size(); ++i) {
-            progress.show(i, scenes[i].first.name);
-            Scene scene = read_scene(scenes[i].first, arguments_.scale);
+            progress.show(i, scenes[i].name);
+            Scene scene = scenes[i].read();
             if (arguments_.noise) {
                 add_noise(scene, *arguments_.noise);
             }
-            judge(scene, scenes[i].second);
+            judge(scene, scenes[i].disparities);
         }
     }
 
@@ -148,11 +165,11 @@ public:
     }
 
 private:
-    void split(const std::vector<std::pair<datasets::DatasetScene, int>>& scenes) {
+    void split(const std::vector<SceneToJudge>& scenes) {
         if (arguments_.halves) {
             std::vector<std::string> names;
-            for (const auto& scene : scenes) {
-                names.push_back(scene.first.name);
+            for (const SceneToJudge& scene : scenes) {
+                names.push_back(scene.name);
             }
             halves_ = split_in_halves(std::move(names), static_cast<std::uint32_t>(*arguments_.halves));
         }
@@ -206,14 +223,15 @@ private:
             add(scene, fair_name(method), backend, result);
             fair_rows_.push_back(rows_.back());
         } else {
-            const Accuracy accuracy = measure(images::to_float(result.map()), scene.truth, scene.non_occluded);
+            const Accuracy accuracy =
+                measure(images::to_float(result.map()), scene.truth, scene.non_occluded, scene.thin);
             fair_rows_.push_back({scene.name, fair_name(method), backend, result.range.count, accuracy, result.ms});
         }
     }
 
     void add(const Scene& scene, const std::string& method, const std::string& backend, const MatcherResult& result) {
         const images::FloatMap disparity = images::to_float(result.map());
-        const Accuracy accuracy = measure(disparity, scene.truth, scene.non_occluded);
+        const Accuracy accuracy = measure(disparity, scene.truth, scene.non_occluded, scene.thin);
         rows_.push_back({scene.name, method, backend, result.range.count, accuracy, result.ms});
         if (arguments_.fractions) {
             subpixel_rows_.push_back({scene.name, method, backend, result.range.count,
@@ -288,7 +306,10 @@ int evaluate(EvalArguments arguments) {
 }
 
 void add_arguments(CLI::App& program, EvalArguments& arguments) {
-    program.add_option("DATA", arguments.data, "scene folders with ground truth, or folders of such folders")
+    program
+        .add_option(
+            "DATA", arguments.data,
+            "scene folders with ground truth, or folders of such folders; or a rendered scene, scene:vga?frames=8")
         ->required();
     program
         .add_option("--method", arguments.methods,
@@ -354,10 +375,12 @@ int main(int argc, char** argv) {
         "D1: the same, but bad is off by more than 3 px and by more than 5 % of the truth (KITTI).\n"
         "nonocc: only those that both cameras see. density: share of the pixels with known truth that have a "
         "disparity.\n"
+        "false near: of these, the ones that read nearer than they are, by more than 3 px and more than 5 %.\n"
+        "thin: share of the pixels on poles and wires whose disparity is at most 1 px off (rendered scenes).\n"
         "mean: over the scenes, each counts the same; a scene where a figure is not known does not count.\n"
         "ms: matching and post-processing of a rectified pair. Scenes: Middlebury (left.png, right.png, disp_left.png "
         "or\n"
-        ".pfm) and KITTI folders.\n"
+        ".pfm), KITTI folders, and frames of scene: with their exact truth.\n"
         "Exit status: 0 done; 1 the system refused; 2 arguments or data must be changed.\n"
         "Example: disparity-eval --method all --opencv --repeat 5 data/middlebury2003");
     eval::EvalArguments arguments;

@@ -18,13 +18,15 @@ std::vector<Figure> accuracy_figures() {
             {"bad-2.0 all %", "bad2_all"},
             {"D1 nonocc %", "d1_nonocc"},
             {"D1 all %", "d1_all"},
-            {"density %", "density"}};
+            {"density %", "density"},
+            {"false near %", "false_near"},
+            {"thin %", "thin_found"}};
 }
 
 /// Returns the values in the order of accuracy_figures().
 std::vector<double> accuracy_values(const Accuracy& accuracy) {
-    return {accuracy.bad1_nonocc, accuracy.bad1_all, accuracy.bad2_nonocc, accuracy.bad2_all,
-            accuracy.d1_nonocc,   accuracy.d1_all,   accuracy.density};
+    return {accuracy.bad1_nonocc, accuracy.bad1_all, accuracy.bad2_nonocc, accuracy.bad2_all,  accuracy.d1_nonocc,
+            accuracy.d1_all,      accuracy.density,  accuracy.false_near,  accuracy.thin_found};
 }
 
 std::vector<std::string> head_of_rows() {

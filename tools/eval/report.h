@@ -29,7 +29,7 @@ Measurements measurements(const std::vector<Row>& rows);
 void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);
 
 /// Returns a list of objects: scene, method, backend, disparities, bad1_nonocc, bad1_all, bad2_nonocc, bad2_all,
-/// d1_nonocc, d1_all, density (all in percent, null where no pixel is judged), ms.
+/// d1_nonocc, d1_all, density, false_near, thin_found (all in percent, null where no pixel is judged), ms.
 nlohmann::ordered_json rows_json(const std::vector<Row>& rows);
 
 void print_json(const nlohmann::ordered_json& json, std::ostream& to);

@@ -49,7 +49,7 @@ std::vector<datasets::DatasetScene> find_scenes(const std::vector<std::string>& 
 }
 
 Scene read_scene(const datasets::DatasetScene& files, double scale) {
-    Scene scene{files.name, capture::read_image(files.left), capture::read_image(files.right), {}, {}, 0};
+    Scene scene{files.name, capture::read_image(files.left), capture::read_image(files.right), {}, {}, {}, 0};
     if (scene.left.type() != scene.right.type()) {
         cv::cvtColor(scene.left.channels() == 3 ? scene.left : scene.right,
                      scene.left.channels() == 3 ? scene.left : scene.right, cv::COLOR_BGR2GRAY);

@@ -19,6 +19,7 @@ struct Scene {
     cv::Mat right;
     images::FloatMap truth;                  ///< disparity of the left image in px, +infinity where unknown
     std::vector<std::uint8_t> non_occluded;  ///< one per pixel, 1 = both cameras see it; empty = not known
+    std::vector<std::uint8_t> thin;          ///< one per pixel, 1 = a pole or a wire; empty = not known
     int disparities = 0;                     ///< candidates that cover the truth, a multiple of 16 up to 256
 };
 
