@@ -249,12 +249,29 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
     }
 }
 
+/// Returns a note for a configuration that sets how SGM matches and chooses no preset: from before there were presets,
+/// when its other keys had other defaults.
+std::vector<std::string> note_on_preset(const std::vector<Assignment>& assignments, const std::string& file) {
+    const bool older = std::any_of(assignments.begin(), assignments.end(), [](const Assignment& assignment) {
+        constexpr std::string_view others[] = {"backend", "d_min", "disparities", "depth"};
+        const ConfigKey& key = *assignment.key;
+        return key.section == "match" && std::find(std::begin(others), std::end(others), key.name) == std::end(others);
+    });
+    if (!older || !where_set(assignments, "match", "preset", "").empty()) {
+        return {};
+    }
+    return {file +
+            ": [match] preset: not set, so what the file does not set is that of \"obstacles\" (census-7x5+gradient, 4 "
+            "paths); preset = \"paper\" is as before"};
+}
+
 /// Returns notes on keys that the chosen method does not use. A file may keep keys of the other methods, so they are
 /// allowed; the note says that they change nothing.
-std::vector<std::string> notes_on(const Config& config, const std::vector<Assignment>& assignments) {
+std::vector<std::string> notes_on(const Config& config, const std::vector<Assignment>& assignments,
+                                  const std::string& file) {
     const Method method = config.match.options.method;
     if (method == Method::sgm) {
-        return {};
+        return note_on_preset(assignments, file);
     }
     std::vector<std::string> notes;
     const std::string cost = where_set(assignments, "match", "cost", "");
@@ -263,7 +280,7 @@ std::vector<std::string> notes_on(const Config& config, const std::vector<Assign
     }
     std::string keys;
     std::string where;
-    for (const char* const key : {"paths", "p1", "p2", "adaptive_p2", "p2_slope", "p2_min"}) {
+    for (const char* const key : {"preset", "paths", "p1", "p2", "adaptive_p2", "p2_slope", "p2_min"}) {
         const std::string found = where_set(assignments, "match", key, "");
         if (!found.empty()) {
             keys += (keys.empty() ? "" : ", ") + std::string(key);
@@ -299,13 +316,14 @@ Config build(std::vector<Assignment> assignments, const std::string& file, const
         }
     }
     const DisparityRange range = config.match.options.range;
-    config.match.options = config.match.preset ? preset_options(*config.match.preset, range)
-                                               : default_options(config.match.options.method, range);
+    const Method method = config.match.options.method;
+    const bool has_preset = method == Method::sgm && config.match.preset;
+    config.match.options = has_preset ? preset_options(*config.match.preset, range) : default_options(method, range);
     for (const Assignment& assignment : assignments) {
         apply(config, assignment);
     }
     check_together(config, assignments, file);
-    config.notes = notes_on(config, assignments);
+    config.notes = notes_on(config, assignments, file);
     return config;
 }
 

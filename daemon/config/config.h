@@ -40,8 +40,8 @@ struct Config {
 
     struct Match {
         std::string backend = "auto";
-        std::optional<Preset> preset;  ///< what the defaults of the options are; none: the method's
-        MatchOptions options = default_options(Method::sgm);
+        std::optional<Preset> preset = Preset::obstacles;  ///< sgm: what the defaults of the options are; none: its own
+        MatchOptions options = preset_options(Preset::obstacles);
         bool depth = true;
     } match;
 
@@ -88,7 +88,8 @@ struct Config {
         std::string directory;  ///< empty = see resolved_correction_directory()
     } self_calibration;
 
-    /// One line for each setting that is allowed and has no effect: keys of [match] that the method does not use.
+    /// One line for each thing to know about what was set: keys of [match] that the method does not use, and a preset
+    /// that an older file could not choose.
     std::vector<std::string> notes;
 };
 
@@ -104,8 +105,8 @@ struct Override {
 Override parse_override(const std::string& text);
 
 /// Reads the file (an empty path: the defaults), applies the overrides and checks all values. Match keys that are not
-/// set get default_options(method). Throws std::invalid_argument with one line: where, key, what was found, what is
-/// allowed.
+/// set get those of the preset (sgm) or default_options(method). Throws std::invalid_argument with one line: where,
+/// key, what was found, what is allowed.
 Config load_config(const std::string& path, const std::vector<Override>& overrides);
 
 /// Does the same for a text. `name` is the name of the file in messages.

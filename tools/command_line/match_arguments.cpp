@@ -38,14 +38,16 @@ void take(T& to, const std::optional<T>& given) {
 
 }  // namespace
 
-void MatchArguments::add_to(CLI::App& app, const std::string& disparities_default) {
+void MatchArguments::add_to(CLI::App& app, const std::string& disparities_default, Preset usual) {
+    usual_ = usual;
     add_integer(app, "--d-min", d_min_, -256, 256, "smallest candidate in px, -256 .. 256; default 0");
     add_integer(app, "--disparities", disparities_, 16, 256,
                 "number of candidates, a multiple of 16 up to 256; " + disparities_default);
     for (CLI::Option* const option :
          {app.add_option("--preset", preset_,
-                         "sgm: what all other options begin with: paper (the default), dense (every pixel), obstacles "
-                         "(measured pixels only)")
+                         "sgm: what all other options begin with: paper (its cost, 8 paths), dense (every pixel) or "
+                         "obstacles (measured pixels only); default " +
+                             std::string(to_string(usual)))
               ->type_name("PRESET"),
           app.add_option("--cost", cost_, "sgm and census: census-9x7 or census-7x5+gradient")->type_name("COST"),
           add_integer(app, "--paths", paths_, 4, 8, "sgm: paths of aggregation, 4 or 8"),
@@ -73,8 +75,10 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
 
 MatchOptions MatchArguments::options(Method method, int disparities) const {
     const DisparityRange range{d_min(), disparities_.value_or(disparities)};
-    const bool preset = method == Method::sgm && !preset_.empty();
-    MatchOptions options = preset ? preset_options(parse_preset(preset_), range) : default_options(method, range);
+    MatchOptions options = default_options(method, range);
+    if (method == Method::sgm) {
+        options = preset_options(preset_.empty() ? usual_ : parse_preset(preset_), range);
+    }
     if (!cost_.empty()) {
         options.cost = parse_cost(cost_);
     }

@@ -17,8 +17,8 @@ namespace disparityd::tools {
 /// of the method.
 class MatchArguments {
 public:
-    /// `disparities_default` completes the sentence in --help.
-    void add_to(CLI::App& app, const std::string& disparities_default);
+    /// `disparities_default` completes the sentence in --help; `usual` is the preset where none is given.
+    void add_to(CLI::App& app, const std::string& disparities_default, Preset usual = Preset::paper);
 
     const std::optional<int>& disparities() const { return disparities_; }
     int d_min() const { return d_min_.value_or(0); }
@@ -35,6 +35,7 @@ public:
 private:
     std::optional<int> d_min_, disparities_, paths_, p1_, p2_, p2_slope_, p2_min_, uniqueness_, median_, guided_median_,
         speckle_size_, speckle_step_;
+    Preset usual_ = Preset::paper;
     std::string preset_, cost_;
     std::optional<bool> adaptive_p2_, subpixel_, local_extrema_, left_right_check_, interpolate_;
 };

@@ -328,7 +328,8 @@ void add_process(CLI::App& program, Action& action) {
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out and go on; they are listed, exit status 1");
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
-    arguments->match.add_to(command, "default " + std::to_string(default_disparities));
+    // The daemon's default: the same bytes as from it.
+    arguments->match.add_to(command, "default " + std::to_string(default_disparities), Preset::obstacles);
     command.footer(
         "DIR gets a 16-bit PNG per frame (disparity x 256, 0 = rejected) with the name of the left image, or, of\n"
         "videos, 000000.png ...; times.csv (output, input and times of each frame); geometry.json (calibration and\n"

@@ -133,7 +133,8 @@ target = "journal"
 TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
         const DisparityRange range{-32, 96};
-        const MatchOptions expected = default_options(method, range);
+        const MatchOptions expected =
+            method == Method::sgm ? preset_options(Preset::obstacles, range) : default_options(method, range);
         const std::string text = "[match]\nd_min = -32\nuniqueness = 7\nmethod = \"" + std::string(to_string(method)) +
                                  "\"\ndisparities = 96\n";
         const MatchOptions found = daemon::parse_config(text, "my.toml").match.options;
@@ -142,6 +143,8 @@ TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
         EXPECT_EQ(found.sgm.p1, expected.sgm.p1);
         EXPECT_EQ(found.sgm.p2, expected.sgm.p2);
         EXPECT_EQ(found.sgm.adaptive_p2, expected.sgm.adaptive_p2);
+        EXPECT_EQ(found.cost, expected.cost);
+        EXPECT_EQ(found.post.interpolate, expected.post.interpolate);
         EXPECT_EQ(found.post.speckle_size, expected.post.speckle_size);
         EXPECT_EQ(found.post.median, expected.post.median);
         EXPECT_EQ(found.post.local_extrema, expected.post.local_extrema);
@@ -173,6 +176,23 @@ TEST(Config, APresetTakesEffectInTheExampleFile) {
     EXPECT_EQ(found.sgm.p1, preset_options(Preset::dense).sgm.p1);
     EXPECT_TRUE(found.post.interpolate);
     EXPECT_EQ(found.post.guided_median, 7);
+}
+
+TEST(Config, AFileFromBeforeThereWerePresetsIsToldWhatItGets) {
+    EXPECT_THAT(daemon::parse_config("[match]\np1 = 20\n", "my.toml").notes,
+                testing::ElementsAre(AllOf(HasSubstr("my.toml: [match] preset: not set"), HasSubstr("\"obstacles\""),
+                                           HasSubstr("preset = \"paper\" is as before"))));
+    EXPECT_THAT(daemon::parse_config("[match]\np1 = 20\npreset = \"paper\"\n", "my.toml").notes, testing::IsEmpty());
+    EXPECT_THAT(daemon::parse_config("[match]\ndisparities = 128\n", "my.toml").notes, testing::IsEmpty());
+    EXPECT_THAT(daemon::load_config(DISPARITYD_EXAMPLE_CONFIG, {}).notes, testing::IsEmpty());
+}
+
+TEST(Config, APresetIsOfSgmAlone) {
+    const daemon::Config config = daemon::parse_config("[match]\npreset = \"dense\"\nmethod = \"census\"\n", "my.toml");
+    EXPECT_EQ(config.match.options.cost, CensusCost::census_9x7);
+    EXPECT_FALSE(config.match.options.post.interpolate);
+    EXPECT_THAT(config.notes, testing::ElementsAre(AllOf(HasSubstr("my.toml:2:1"), HasSubstr("[match] preset"),
+                                                         HasSubstr("the method is census"))));
 }
 
 TEST(Config, SadDoesNotUseACensusCost) {
@@ -270,7 +290,7 @@ TEST(Config, InsecureAllowsOtherAddresses) {
 
 TEST(Config, KeysThatTheMethodDoesNotUseAreNoted) {
     const std::string keys = "p1 = 10\np2 = 40\n";
-    EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sgm\"\n" + keys, "my.toml").notes, testing::IsEmpty());
+    EXPECT_THAT(daemon::parse_config("[match]\npreset = \"paper\"\n" + keys, "my.toml").notes, testing::IsEmpty());
     EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sad\"\nmedian = 3\n", "my.toml").notes, testing::IsEmpty());
     EXPECT_THAT(daemon::parse_config("[match]\nmethod = \"sad\"\n" + keys, "my.toml").notes,
                 testing::ElementsAre("my.toml:3:1: [match] p1, p2: only sgm uses this, the method is sad"));
