@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "capture/scene/scene_source.h"
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/match_arguments.h"
@@ -105,7 +106,7 @@ std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments) {
     }
     std::vector<SceneToJudge> chosen;
     for (const std::string& data : arguments.data) {
-        if (is_rendered(data)) {
+        if (capture::is_scene(data)) {
             const std::vector<SceneToJudge> rendered = rendered_scenes(data);
             chosen.insert(chosen.end(), rendered.begin(), rendered.end());
             continue;

@@ -13,14 +13,13 @@
 #include "capture/scene/scene_camera.h"
 #include "capture/scene/scene_options.h"
 #include "capture/scene/scene_render.h"
-#include "capture/scene/scene_source.h"
 #include "capture/scene/scene_truth.h"
 #include "kernels/reference/steps.h"
 
 namespace disparityd::eval {
 namespace {
 
-constexpr int usual_frames = 8;
+constexpr std::uint64_t usual_frames = 8;
 
 /// Draws frames of one URI. The rays of the camera are the same for all of them.
 class RenderedFrames {
@@ -65,19 +64,15 @@ private:
 
 }  // namespace
 
-bool is_rendered(const std::string& data) {
-    return capture::is_scene(data);
-}
-
 std::vector<SceneToJudge> rendered_scenes(const std::string& uri) {
     const capture::SceneOptions options = capture::parse_scene_uri(uri);
-    const int loop = options.loop;
-    const std::uint64_t count = options.frames.value_or(std::min(usual_frames, loop));
+    // After a loop the same frames come again.
+    const auto count = static_cast<int>(
+        std::min<std::uint64_t>(options.frames.value_or(usual_frames), static_cast<std::uint64_t>(options.loop)));
     const auto frames = std::make_shared<const RenderedFrames>(uri, options);
     std::vector<SceneToJudge> scenes;
-    for (std::uint64_t i = 0; i < count; ++i) {
-        const auto moment = static_cast<int>(i % static_cast<std::uint64_t>(loop));
-        const int index = options.frames ? moment : moment * loop / static_cast<int>(count);
+    for (int i = 0; i < count; ++i) {
+        const int index = i * options.loop / count;
         const std::string name = uri + '#' + std::to_string(index);
         scenes.push_back({name, 0, [frames, name, index] { return frames->read(name, index); }});
     }

@@ -37,8 +37,7 @@ SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernel
       path_bytes_(3 * path_array_ + round_up_to_cache_line(3 * path_pixels_)),
       rows_at_once_(kernels.rows_at_once),
       adaptive_(options.adaptive_p2),
-      averages_(kernels.averages_costs),
-      single_bytes_(averages_ ? spread(SingleRowCosts::bytes(geometry)) : 0),
+      single_bytes_(kernels.averages_costs ? spread(SingleRowCosts::bytes(geometry)) : 0),
       scratch_bytes_(single_bytes_ + static_cast<std::size_t>(rows_at_once_) *
                                          (spread(costs_row_) + spread(sums_row_) +
                                           (adaptive_ ? 4 * round_up_to_cache_line(path_pixels_) : 0))),
@@ -49,7 +48,7 @@ SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernel
     scratch_count_ = static_cast<int>(scratch_count_for(sums_.size() + costs_.size(), scratch_bytes_));
     scratch_memory_ = LargeBuffer(static_cast<std::size_t>(scratch_count_) * scratch_bytes_);
     std::memset(p2_row_.data(), options.p2, p2_row_.size());
-    if (averages_) {
+    if (kernels.averages_costs) {
         single_ = std::make_unique<SingleRowCosts[]>(static_cast<std::size_t>(scratch_count_));
         for (int i = 0; i < scratch_count_; ++i) {
             single_[static_cast<std::size_t>(i)] = SingleRowCosts(geometry, row_of(scratch_memory_, scratch_bytes_, i));
@@ -80,7 +79,7 @@ void SweepMemory::clear_path_row(int sweep) const {
 
 WorkerScratch SweepMemory::scratch(int i) const {
     WorkerScratch scratch;
-    if (averages_) {
+    if (single_ != nullptr) {
         scratch.single = &single_[static_cast<std::size_t>(i)];
     }
     std::uint8_t* memory = row_of(scratch_memory_, scratch_bytes_, i) + single_bytes_;
@@ -97,7 +96,7 @@ WorkerScratch SweepMemory::scratch(int i) const {
 }
 
 void SweepMemory::forget_single_rows() const {
-    for (int i = 0; averages_ && i < scratch_count_; ++i) {
+    for (int i = 0; single_ != nullptr && i < scratch_count_; ++i) {
         single_[static_cast<std::size_t>(i)].forget();
     }
 }

@@ -56,8 +56,7 @@ private:
     std::size_t path_bytes_;   // path rows of one sweep
     int rows_at_once_;
     bool adaptive_;
-    bool averages_;
-    std::size_t single_bytes_;
+    std::size_t single_bytes_;  // of SingleRowCosts, where costs are averaged
     std::size_t scratch_bytes_;
     int scratch_count_;
     LargeBuffer sums_;
