@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "base/signals_blocked.h"
+
 namespace disparityd::base {
 
 /// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`.
@@ -16,10 +18,11 @@ namespace disparityd::base {
                              "choose fewer workers");
 }
 
-/// Starts a thread. Throws as refuse_thread() when the system starts no more; the caller then ends the threads that it
-/// has started before.
+/// Starts a thread that no signal to the process interrupts (SignalsBlocked). Throws as refuse_thread() when the system
+/// starts no more; the caller then ends the threads that it has started before.
 template <typename Function>
 std::thread start_thread(Function function) {
+    const SignalsBlocked inherited;
     try {
         return std::thread(std::move(function));
     } catch (const std::system_error& error) {

@@ -7,6 +7,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <boost/system/system_error.hpp>
 
+#include "base/signals_blocked.h"
 #include "base/start_thread.h"
 #include "daemon/log.h"
 
@@ -14,6 +15,7 @@ namespace disparityd::daemon {
 
 /// Makes a thread for slow work, one piece after the other. Throws as base::start_thread() does.
 inline boost::asio::thread_pool one_thread() {
+    const base::SignalsBlocked inherited;
     try {
         return boost::asio::thread_pool(1);
     } catch (const boost::system::system_error& error) {

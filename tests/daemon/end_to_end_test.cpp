@@ -330,6 +330,25 @@ TEST_F(EndToEndTest, StopsWhileTheSourceIsBeingPrepared) {
     EXPECT_THAT(daemon->log(), Not(HasSubstr("serving"))) << "the scene was drawn to its end";
 }
 
+TEST_F(EndToEndTest, OnlyTheMainThreadTakesSignals) {
+    const auto daemon = start_ready(config_text());
+    const std::string main_thread = std::to_string(daemon->pid());
+    int others = 0;
+    for (const auto& thread : std::filesystem::directory_iterator("/proc/" + main_thread + "/task")) {
+        std::ifstream status(thread.path() / "status");
+        std::string line;
+        while (std::getline(status, line) && !line.starts_with("SigBlk:")) {
+        }
+        if (line.empty()) {
+            continue;  // It has ended.
+        }
+        const bool blocked = std::stoull(line.substr(7), nullptr, 16) >> (SIGTERM - 1) & 1;
+        EXPECT_EQ(blocked, thread.path().filename() != main_thread) << thread.path();
+        others += blocked ? 1 : 0;
+    }
+    EXPECT_GT(others, 2);
+}
+
 TEST_F(EndToEndTest, RecordingsStayInsideTheirFolder) {
     const auto daemon = start_ready(config_text());
     WireClient client(daemon->address("unix:"));
