@@ -29,9 +29,6 @@ public:
         return *static_cast<T*>(memory_);
     }
 
-    /// Gives the mapping to the caller, who unmaps it.
-    void release() { memory_ = MAP_FAILED; }
-
 private:
     void* memory_;
     std::size_t bytes_;

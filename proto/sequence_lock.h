@@ -62,15 +62,15 @@ private:
 class ReadCheck {
 public:
     explicit ReadCheck(const std::atomic<std::uint64_t>& lock)
-        : lock_(lock), before_(lock.load(std::memory_order_acquire)) {}
+        : lock_(&lock), before_(lock.load(std::memory_order_acquire)) {}
     bool writer_inside() const { return (before_ & 1) != 0; }
     bool unchanged() const {
         words_before_check();
-        return !writer_inside() && lock_.load(std::memory_order_relaxed) == before_;
+        return !writer_inside() && lock_->load(std::memory_order_relaxed) == before_;
     }
 
 private:
-    const std::atomic<std::uint64_t>& lock_;
+    const std::atomic<std::uint64_t>* lock_;
     std::uint64_t before_;
 };
 

@@ -23,7 +23,7 @@
 namespace disparityd::proto {
 namespace {
 
-/// A copy that the writer overtook is tried again at once; only this often when the time is up already.
+/// A frame that the writer overtook is tried again at once; only this often when the time is up already.
 constexpr int attempts_beyond_timeout = 8;
 
 std::string reason_to_open(int error) {
@@ -52,15 +52,11 @@ ShmReader::ShmReader(const std::string& name, const Options& options)
     }
 }
 
-ShmReader::~ShmReader() {
-    unmap();
-}
+ShmReader::~ShmReader() = default;
 
 void ShmReader::unmap() {
-    if (header_ != nullptr) {
-        ::munmap(const_cast<ShmHeader*>(header_), mapped_bytes_);
-        header_ = nullptr;
-    }
+    memory_.reset();
+    header_ = nullptr;
 }
 
 bool ShmReader::no_daemon(const std::string& why) {
@@ -91,11 +87,11 @@ bool ShmReader::map_current() {
         throw std::runtime_error("shared memory " + object_name_ + " has " + std::to_string(bytes) +
                                  " bytes, its header alone has " + std::to_string(sizeof(ShmHeader)));
     }
-    Mapping mapping(file, bytes, PROT_READ);
-    if (!mapping) {
+    const auto memory = std::make_shared<const Mapping>(file, bytes, PROT_READ);
+    if (!*memory) {
         throw std::runtime_error("shared memory " + object_name_ + ": cannot be mapped: " + std::strerror(errno));
     }
-    const auto& header = mapping.start<const ShmHeader>();
+    const auto& header = memory->start<const ShmHeader>();
     ShmView view;
     if (const std::string wrong = check_header(header, bytes, view); !wrong.empty()) {
         throw std::runtime_error("shared memory " + object_name_ + " " + wrong);
@@ -104,10 +100,8 @@ bool ShmReader::map_current() {
     if (generation == 0) {
         return no_daemon(": the daemon has closed it");
     }
-    unmap();
-    mapping.release();
+    memory_ = memory;
     header_ = &header;
-    mapped_bytes_ = bytes;
     device_ = info.st_dev;
     inode_ = info.st_ino;
     generation_ = generation;
@@ -144,30 +138,54 @@ bool ShmReader::lives() const {
     return header_ != nullptr && header_->generation.load(std::memory_order_acquire) == generation_;
 }
 
-ShmReader::Copy ShmReader::copy_newest(FrameInfo& frame, const Target& target) {
+ShmReader::Taken ShmReader::take_newest(const Take& take) {
     const std::uint64_t total = header_->published_total.load(std::memory_order_acquire);
     if (total == last_total_ || total == 0) {
-        return Copy::nothing_new;
+        return Taken::nothing_new;
     }
     const ShmSlot& slot = slot_at(*header_, view_, (total - 1) % view_.slot_count);
     const ReadCheck check(slot.lock);
     if (check.writer_inside()) {
-        return Copy::torn;
+        return Taken::torn;
     }
-    copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
-    for (std::uint32_t i = 0; i < view_.plane_count; ++i) {
-        if (std::uint8_t* to = target(view_.planes[i]); to != nullptr) {
-            copy_from_shared(to, plane_words(slot, view_, view_.planes[i]), view_.planes[i].bytes);
-        }
-    }
+    take(slot, check);
     if (!check.unchanged()) {
-        return Copy::torn;
+        return Taken::torn;
     }
     last_total_ = total;
-    return Copy::done;
+    return Taken::whole;
 }
 
 ShmReader::Result ShmReader::read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout) {
+    const Take copy = [&](const ShmSlot& slot, const ReadCheck&) {
+        copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
+        for (std::uint32_t i = 0; i < view_.plane_count; ++i) {
+            if (std::uint8_t* to = target(view_.planes[i]); to != nullptr) {
+                copy_from_shared(to, plane_words(slot, view_, view_.planes[i]), view_.planes[i].bytes);
+            }
+        }
+    };
+    return wait_and_take(copy, timeout);
+}
+
+ShmReader::Result ShmReader::borrow(FrameInfo& frame, BorrowedSlot& borrowed, std::chrono::nanoseconds timeout) {
+    borrowed = {};
+    const Take look = [&](const ShmSlot& slot, const ReadCheck& check) {
+        copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
+        borrowed.slot = &slot;
+        borrowed.check.emplace(check);
+    };
+    const Result result = wait_and_take(look, timeout);
+    if (result == Result::frame) {
+        borrowed.memory = memory_;
+        borrowed.view = view_;
+    } else {
+        borrowed = {};
+    }
+    return result;
+}
+
+ShmReader::Result ShmReader::wait_and_take(const Take& take, std::chrono::nanoseconds timeout) {
     // A year: longer than any use, and short enough that sums cannot overflow.
     const auto longest = std::chrono::nanoseconds(std::chrono::hours(24 * 365));
     const std::int64_t deadline = monotonic_ns() + std::clamp(timeout, std::chrono::nanoseconds(0), longest).count();
@@ -181,13 +199,13 @@ ShmReader::Result ShmReader::read(FrameInfo& frame, const Target& target, std::c
             continue;
         }
         const std::uint32_t seen = header_->published.load(std::memory_order_acquire);
-        const Copy copy = copy_newest(frame, target);
-        if (copy == Copy::done) {
+        const Taken taken = take_newest(take);
+        if (taken == Taken::whole) {
             gone_told_ = false;
             return Result::frame;
         }
         const std::int64_t now = monotonic_ns();
-        if (copy == Copy::torn) {
+        if (taken == Taken::torn) {
             if (now >= deadline && ++attempts >= attempts_beyond_timeout) {
                 return Result::timeout;
             }

@@ -4,16 +4,31 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include <sys/types.h>
 
+#include "proto/mapping.h"
+#include "proto/sequence_lock.h"
 #include "proto/shared_memory_layout.h"
 
 namespace disparityd::proto {
 
-/// Reads shared memory for a client: maps /disparityd.<name> read-only, waits for frames and copies them out whole. A
-/// reader has no effect on the writer. One thread at a time per object.
+/// The slot of a frame that is looked at where it lies.
+struct BorrowedSlot {
+    std::shared_ptr<const Mapping> memory;  ///< stays mapped as long as this does
+    ShmView view;                           ///< of that memory
+    const ShmSlot* slot = nullptr;
+    std::optional<ReadCheck> check;  ///< begun before the frame was looked at
+
+    /// Returns whether all that was read from the slot until now belongs to the frame.
+    bool whole() const { return check && check->unchanged(); }
+};
+
+/// Reads shared memory for a client: maps /disparityd.<name> read-only, waits for frames and copies them out whole, or
+/// says where they lie. A reader has no effect on the writer. One thread at a time per object.
 class ShmReader {
 public:
     struct Options {
@@ -44,6 +59,9 @@ public:
     /// trusted counts as none. Throws std::runtime_error when a new object is damaged or of another version.
     Result read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout);
 
+    /// The same, but only `frame` is copied; `slot` then says where the planes lie.
+    Result borrow(FrameInfo& frame, BorrowedSlot& slot, std::chrono::nanoseconds timeout);
+
     /// Returns the sizes of image and planes of the object mapped now. They change only inside read().
     const ShmView& view() const { return view_; }
 
@@ -54,7 +72,9 @@ public:
     std::chrono::nanoseconds heartbeat_age() const;
 
 private:
-    enum class Copy { done, nothing_new, torn };
+    enum class Taken { whole, nothing_new, torn };
+    /// Takes what is wanted from a slot while the check holds.
+    using Take = std::function<void(const ShmSlot& slot, const ReadCheck& check)>;
 
     /// Maps the object that has the name now, if it is another one. Returns false when there is none that is open and
     /// trusted; why_gone_ then has the reason.
@@ -63,12 +83,13 @@ private:
     bool may_look_again(std::int64_t deadline);
     void unmap();
     bool lives() const;
-    Copy copy_newest(FrameInfo& frame, const Target& target);
+    Taken take_newest(const Take& take);
+    Result wait_and_take(const Take& take, std::chrono::nanoseconds timeout);
 
     std::string object_name_;
     Options options_;
-    const ShmHeader* header_ = nullptr;
-    std::uint64_t mapped_bytes_ = 0;
+    std::shared_ptr<const Mapping> memory_;
+    const ShmHeader* header_ = nullptr;  ///< the start of memory_
     dev_t device_ = 0;
     ino_t inode_ = 0;
     std::uint32_t generation_ = 0;

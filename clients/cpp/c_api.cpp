@@ -23,7 +23,19 @@ struct disparity_socket {
 };
 
 struct disparity_frame {
-    disparity::Frame frame;
+    disparity::Frame copied;
+    disparity::BorrowedFrame borrowed;
+    bool is_borrowed = false;
+
+    const disparity::FrameInfo& info() const {
+        return is_borrowed ? static_cast<const disparity::FrameInfo&>(borrowed) : copied;
+    }
+
+    /// Calls with the planes that it has.
+    template <class Call>
+    auto with_planes(Call&& call) const {
+        return is_borrowed ? call(borrowed) : call(copied);
+    }
 };
 
 namespace {
@@ -72,6 +84,16 @@ T& given(T* object, const char* what) {
     return *object;
 }
 
+/// Lets go of the memory that the frame may have borrowed.
+disparity::Frame& to_copy_to(disparity_frame* frame) {
+    disparity_frame& to = given(frame, "frame");
+    if (to.is_borrowed) {
+        to.borrowed = {};
+        to.is_borrowed = false;
+    }
+    return to.copied;
+}
+
 int code(disparity::ReadResult result, const std::string& why_gone) {
     switch (result) {
         case disparity::ReadResult::frame: return DISPARITY_FRAME;
@@ -82,7 +104,8 @@ int code(disparity::ReadResult result, const std::string& why_gone) {
     return DISPARITY_GONE;
 }
 
-int describe(const disparity::PlaneData* from, disparity_plane* plane) {
+template <class Plane>
+int describe(const Plane* from, disparity_plane* plane) {
     if (from == nullptr || plane == nullptr) {
         return 0;
     }
@@ -151,22 +174,34 @@ void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info
     if (frame == nullptr || info == nullptr) {
         return;
     }
-    const disparity::Frame& from = frame->frame;
+    const disparity::FrameInfo& from = frame->info();
     disparity_frame_info all{};
     disparityd::proto::copy_frame_fields(all, from);
     all.missed = from.missed;
     all.region_x = from.region_x;
     all.region_y = from.region_y;
-    all.plane_count = static_cast<std::uint32_t>(from.planes.size());
+    all.plane_count = frame->with_planes([](const auto& has) { return static_cast<std::uint32_t>(has.planes.size()); });
     std::memcpy(info, &all, std::min(info_bytes, sizeof all));
 }
 
 int disparity_frame_get_plane(const disparity_frame* frame, uint32_t product, disparity_plane* plane) {
-    return frame == nullptr ? 0 : describe(frame->frame.plane(static_cast<disparity::Product>(product)), plane);
+    if (frame == nullptr) {
+        return 0;
+    }
+    return frame->with_planes(
+        [&](const auto& has) { return describe(has.plane(static_cast<disparity::Product>(product)), plane); });
 }
 
 int disparity_frame_plane_at(const disparity_frame* frame, uint32_t index, disparity_plane* plane) {
-    return frame == nullptr || index >= frame->frame.planes.size() ? 0 : describe(&frame->frame.planes[index], plane);
+    if (frame == nullptr) {
+        return 0;
+    }
+    return frame->with_planes(
+        [&](const auto& has) { return index < has.planes.size() ? describe(&has.planes[index], plane) : 0; });
+}
+
+int disparity_frame_is_whole(const disparity_frame* frame) {
+    return frame != nullptr && (!frame->is_borrowed || frame->borrowed.whole()) ? 1 : 0;
 }
 
 disparity_shared_memory* disparity_shared_memory_open(const char* name) {
@@ -198,8 +233,15 @@ int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_fram
         for (size_t i = 0; i < count; ++i) {
             wanted.push_back(static_cast<disparity::Product>(products[i]));
         }
-        return code(shared.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms), wanted),
-                    shared.why_gone());
+        return code(shared.read(to_copy_to(frame), std::chrono::milliseconds(timeout_ms), wanted), shared.why_gone());
+    });
+}
+
+int disparity_shared_memory_borrow(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        disparity::SharedMemoryReader& shared = given(reader, "reader").reader;
+        given(frame, "frame").is_borrowed = true;
+        return code(shared.borrow(frame->borrowed, std::chrono::milliseconds(timeout_ms)), shared.why_gone());
     });
 }
 
@@ -249,7 +291,7 @@ int disparity_socket_subscribe(disparity_socket* client, const disparity_subscri
 int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms) {
     return guarded<int>(DISPARITY_ERROR, [&] {
         disparity::SocketClient& from = given(client, "client").client;
-        return code(from.read(given(frame, "frame").frame, std::chrono::milliseconds(timeout_ms)), from.why_gone());
+        return code(from.read(to_copy_to(frame), std::chrono::milliseconds(timeout_ms)), from.why_gone());
     });
 }
 

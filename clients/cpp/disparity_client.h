@@ -88,7 +88,7 @@ typedef struct disparity_plane {
     uint32_t width;           /**< px */
     uint32_t height;          /**< px */
     uint32_t bytes_per_pixel; /**< all channels together */
-    const void* data;         /**< owned by the frame, valid until it is read into again or freed */
+    const void* data;         /**< owned by the frame, valid until it is read into again or freed; read-only */
     uint64_t bytes;           /**< width * height * bytes_per_pixel */
 } disparity_plane;
 
@@ -110,6 +110,10 @@ DISPARITY_API int disparity_frame_get_plane(const disparity_frame* frame, uint32
 /** Does the same by index, 0 to plane_count - 1; returns 0 when there is no plane of that index. */
 DISPARITY_API int disparity_frame_plane_at(const disparity_frame* frame, uint32_t index, disparity_plane* plane);
 
+/** Returns 1 when all that was read from the planes until now belongs to this frame: always for a copied frame, and for
+ * a borrowed one until the daemon writes over it; 0 after that. NULL gives 0. */
+DISPARITY_API int disparity_frame_is_whole(const disparity_frame* frame);
+
 /** Maps /disparityd.NAME read-only; name NULL = "default". Returns NULL on failure. */
 DISPARITY_API disparity_shared_memory* disparity_shared_memory_open(const char* name);
 
@@ -127,6 +131,13 @@ DISPARITY_API void disparity_shared_memory_close(disparity_shared_memory* reader
  * survives a restart of the daemon. */
 DISPARITY_API int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms,
                                                const uint32_t* products, size_t count);
+
+/** The same without a copy: the planes of `frame` then lie in the shared memory, and it has all that the daemon serves.
+ * The daemon never waits: after as many more frames as its ring has slots ([shared_memory] slots) it writes another
+ * frame there. So compute from the planes, then ask disparity_frame_is_whole(), and use the result only if it is. The
+ * memory stays mapped until the frame is read into again or freed, even after the reader is closed. */
+DISPARITY_API int disparity_shared_memory_borrow(disparity_shared_memory* reader, disparity_frame* frame,
+                                                 int timeout_ms);
 
 /** Returns the nanoseconds since the daemon's last heartbeat; INT64_MAX when it is gone. */
 DISPARITY_API int64_t disparity_shared_memory_heartbeat_age_ns(const disparity_shared_memory* reader);

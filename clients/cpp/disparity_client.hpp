@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,8 +46,8 @@ struct PlaneData {
     std::vector<std::uint8_t> bytes;    ///< width * height * bytes_per_pixel; the next read uses the buffer again
 };
 
-/// Everything that comes with a frame.
-struct DISPARITY_API Frame {
+/// Everything that comes with a frame beside its planes.
+struct FrameInfo {
     std::uint64_t publish_index = 0;   ///< counts what the daemon has published since its start, from 0, without gaps
     std::uint64_t sequence = 0;        ///< the source's own number of the frame; gaps where the source lost some
     std::int64_t monotonic_ns = 0;     ///< capture time, CLOCK_MONOTONIC of the daemon's machine
@@ -68,10 +69,53 @@ struct DISPARITY_API Frame {
     std::uint32_t height = 0;          ///< of the whole rectified image, px
     std::uint32_t region_x = 0;        ///< the column of the whole image where the planes begin
     std::uint32_t region_y = 0;        ///< the row of the whole image where the planes begin
-    std::vector<PlaneData> planes;     ///< one for each product that the frame carries
+};
+
+/// A frame that was copied.
+struct DISPARITY_API Frame : FrameInfo {
+    std::vector<PlaneData> planes;  ///< one for each product that the frame carries
 
     /// Returns the plane of a product, or nullptr when the frame does not carry it.
     const PlaneData* plane(Product product) const;
+};
+
+/// One plane of a borrowed frame: rows follow each other without gaps, little endian.
+struct BorrowedPlane {
+    Product product{};                  ///< what the plane holds
+    std::uint32_t width = 0;            ///< px
+    std::uint32_t height = 0;           ///< px
+    std::uint32_t bytes_per_pixel = 0;  ///< all channels together
+    /// width * height * bytes_per_pixel, in the shared memory: read-only, mapped as long as the frame is.
+    std::span<const std::uint8_t> bytes;
+};
+
+/// A frame where it lies in the shared memory; its planes are not copied. The daemon never waits: after as many more
+/// frames as its ring has slots ([shared_memory] slots) it writes another frame there. So compute from the planes, then
+/// ask whole(), and use the result only if it is. The memory stays mapped until the object borrows again or ends, even
+/// after its reader or the daemon has.
+class DISPARITY_API BorrowedFrame : public FrameInfo {
+public:
+    /// Holds no frame.
+    BorrowedFrame();
+    ~BorrowedFrame();
+    /// One that was moved from may only be assigned to or destroyed.
+    BorrowedFrame(BorrowedFrame&&) noexcept;
+    /// As the constructor that moves.
+    BorrowedFrame& operator=(BorrowedFrame&&) noexcept;
+
+    /// Returns whether all that was read from the planes until now belongs to this frame. Once it is false it stays so.
+    /// False for an object that holds no frame. Any thread may ask.
+    bool whole() const;
+
+    /// Returns the plane of a product, or nullptr when the frame does not carry it.
+    const BorrowedPlane* plane(Product product) const;
+
+    std::vector<BorrowedPlane> planes;  ///< all that the daemon serves
+
+private:
+    friend class SharedMemoryReader;
+    class Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 /// What reading returns.
@@ -114,7 +158,11 @@ public:
     /// user cannot be used.
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted = {});
 
-    /// Returns one line: why the last read() was `gone`.
+    /// The same without a copy of the planes: `frame` then shows where they lie, and gives up what it held before. Its
+    /// time does not depend on the size of the image.
+    ReadResult borrow(BorrowedFrame& frame, std::chrono::milliseconds timeout);
+
+    /// Returns one line: why the last read() or borrow() was `gone`.
     const std::string& why_gone() const;
 
     /// Returns the age of the daemon's last heartbeat; the largest value after `gone`.

@@ -10,7 +10,7 @@ namespace {
 
 namespace proto = disparityd::proto;
 
-void take_over(Frame& frame, const proto::FrameInfo& from, const proto::ShmView& view) {
+void take_over(FrameInfo& frame, const proto::FrameInfo& from, const proto::ShmView& view) {
     proto::copy_frame_fields(frame, from);
     // The size of the planes was checked at opening; the one in the slot was not.
     frame.width = view.width;
@@ -54,7 +54,35 @@ private:
     std::size_t used_ = 0;
 };
 
+/// A year is longer than any use, and fits in nanoseconds.
+std::chrono::milliseconds limited(std::chrono::milliseconds timeout) {
+    return std::min<std::chrono::milliseconds>(timeout, std::chrono::hours(24 * 365));
+}
+
+ReadResult in_client(proto::ShmReader::Result result) {
+    switch (result) {
+        case proto::ShmReader::Result::frame: return ReadResult::frame;
+        case proto::ShmReader::Result::timeout: return ReadResult::timeout;
+        case proto::ShmReader::Result::gone: break;
+    }
+    return ReadResult::gone;
+}
+
 }  // namespace
+
+class BorrowedFrame::Impl {
+public:
+    proto::BorrowedSlot slot;
+};
+
+BorrowedFrame::BorrowedFrame() : impl_(std::make_unique<Impl>()) {}
+BorrowedFrame::~BorrowedFrame() = default;
+BorrowedFrame::BorrowedFrame(BorrowedFrame&&) noexcept = default;
+BorrowedFrame& BorrowedFrame::operator=(BorrowedFrame&&) noexcept = default;
+
+bool BorrowedFrame::whole() const {
+    return impl_->slot.whole();
+}
 
 class SharedMemoryReader::Impl {
 public:
@@ -63,20 +91,35 @@ public:
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted) {
         Planes planes(frame, reader_.view(), wanted);
         proto::FrameInfo head{};
-        // A year is longer than any use, and fits in nanoseconds.
-        const auto limited = std::min<std::chrono::milliseconds>(timeout, std::chrono::hours(24 * 365));
         const auto result = reader_.read(
-            head, [&planes](const proto::ShmPlane& plane) { return planes.room_for(plane); }, limited);
-        if (result == proto::ShmReader::Result::gone) {
-            return ReadResult::gone;
+            head, [&planes](const proto::ShmPlane& plane) { return planes.room_for(plane); }, limited(timeout));
+        if (result == proto::ShmReader::Result::frame) {
+            planes.finish();
+            take_over(frame, head, reader_.view());
+            frame.missed = missed_.seen(head.publish_index);
         }
-        if (result == proto::ShmReader::Result::timeout) {
-            return ReadResult::timeout;
+        return in_client(result);
+    }
+
+    ReadResult borrow(BorrowedFrame& frame, proto::BorrowedSlot& slot, std::chrono::milliseconds timeout) {
+        proto::FrameInfo head{};
+        frame.planes.clear();
+        const auto result = reader_.borrow(head, slot, limited(timeout));
+        if (result == proto::ShmReader::Result::frame) {
+            for (std::uint32_t i = 0; i < slot.view.plane_count; ++i) {
+                const proto::ShmPlane& plane = slot.view.planes[i];
+                const auto* bytes =
+                    reinterpret_cast<const std::uint8_t*>(proto::plane_words(*slot.slot, slot.view, plane));
+                frame.planes.push_back({static_cast<Product>(plane.product),
+                                        slot.view.width,
+                                        slot.view.height,
+                                        plane.bytes_per_pixel,
+                                        {bytes, plane.bytes}});
+            }
+            take_over(frame, head, slot.view);
+            frame.missed = missed_.seen(head.publish_index);
         }
-        planes.finish();
-        take_over(frame, head, reader_.view());
-        frame.missed = missed_.seen(head.publish_index);
-        return ReadResult::frame;
+        return in_client(result);
     }
 
     std::chrono::nanoseconds heartbeat_age() const { return reader_.heartbeat_age(); }
@@ -104,6 +147,10 @@ SharedMemoryReader& SharedMemoryReader::operator=(SharedMemoryReader&&) noexcept
 ReadResult SharedMemoryReader::read(Frame& frame, std::chrono::milliseconds timeout,
                                     const std::vector<Product>& wanted) {
     return impl_->read(frame, timeout, wanted);
+}
+
+ReadResult SharedMemoryReader::borrow(BorrowedFrame& frame, std::chrono::milliseconds timeout) {
+    return impl_->borrow(frame, frame.impl_->slot, timeout);
 }
 
 const std::string& SharedMemoryReader::why_gone() const {

@@ -155,11 +155,24 @@ int main(int argc, char** argv) {
     }
     disparity_shared_memory_close(reader);
 
+    /* Without a copy; the frame outlives its reader, and takes a copy again. */
+    reader = disparity_shared_memory_open(argv[2]);
+    if (reader == NULL || disparity_shared_memory_borrow(reader, frame, 20000) != DISPARITY_FRAME) {
+        return fail("borrowed frame");
+    }
+    disparity_shared_memory_close(reader);
+    print_frame("borrowed", frame);
+    if (disparity_frame_is_whole(frame) != 1 || disparity_frame_is_whole(NULL) != 0 ||
+        disparity_shared_memory_borrow(NULL, frame, 0) != DISPARITY_ERROR) {
+        return fail("whole frame");
+    }
+
     /* Only what is asked for. */
     reader = disparity_shared_memory_open(argv[2]);
     if (reader == NULL || disparity_shared_memory_read(reader, frame, 20000, products + 1, 1) != DISPARITY_FRAME ||
         disparity_frame_get_plane(frame, DISPARITY_PRODUCT_DISPARITY, &plane) != 0 ||
-        disparity_frame_get_plane(frame, DISPARITY_PRODUCT_CONFIDENCE, &plane) != 1) {
+        disparity_frame_get_plane(frame, DISPARITY_PRODUCT_CONFIDENCE, &plane) != 1 ||
+        disparity_frame_is_whole(frame) != 1) {
         return fail("selection of products");
     }
     disparity_shared_memory_close(reader);

@@ -12,13 +12,11 @@ struct Collected {
 
     disparityd::proto::FrameInfo frame{};
     std::map<std::uint32_t, std::vector<std::uint8_t>> planes;
-    std::uint64_t copies = 0;  ///< of the first plane: more than frames when the writer overtook some
 
     Reader::Result read(Reader& reader, std::chrono::nanoseconds timeout) {
         return reader.read(
             frame,
             [&](const disparityd::proto::ShmPlane& plane) {
-                copies += &plane == reader.view().planes.data() ? 1U : 0U;
                 std::vector<std::uint8_t>& bytes = planes[plane.product];
                 bytes.resize(plane.bytes);
                 return bytes.data();

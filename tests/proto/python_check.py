@@ -3,6 +3,7 @@
 
 python_check.py ADDRESS NAME-OF-SHARED-MEMORY. Exit status 77: a Python module is missing, said on stderr.
 """
+import gc
 import os
 import resource
 import sys
@@ -171,6 +172,21 @@ def check_ownership(reader, frame):
     assert not any(plane.any() for plane in frame.planes.values())
 
 
+def print_borrowed(name):
+    """The arrays lie in the shared memory, read-only, and keep it mapped after all else is gone."""
+    with disparity.SharedMemoryReader(name) as reader:
+        frame = reader.borrow(timeout=20)
+        assert reader.borrow(timeout=0) is None
+    print_frame("borrowed", frame)
+    assert frame.whole()
+    plane = frame.confidence
+    assert not plane.flags.writeable and not plane.flags.owndata
+    before = plane.tobytes()
+    del frame, reader
+    gc.collect()
+    assert plane.tobytes() == before
+
+
 def main():
     address, name = sys.argv[1:]
     check_fields()
@@ -213,6 +229,7 @@ def main():
             print_frame("shm", frame)
             check_ownership(reader, frame)
             assert reader.read(timeout=0) is None
+        print_borrowed(name)
         check_absent_memory(name + "-absent")
 
 

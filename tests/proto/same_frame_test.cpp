@@ -4,6 +4,9 @@
 #include <cinttypes>
 #include <concepts>
 #include <cstdio>
+#include <map>
+#include <span>
+#include <sstream>
 
 #include <disparity_client.hpp>
 #include <gtest/gtest.h>
@@ -24,7 +27,7 @@ namespace {
 
 constexpr std::uint64_t sequence = 123456789;
 
-std::uint64_t fnv1a(const std::vector<std::uint8_t>& bytes) {
+std::uint64_t fnv1a(std::span<const std::uint8_t> bytes) {
     std::uint64_t hash = 0xcbf29ce484222325ULL;
     for (const std::uint8_t byte : bytes) {
         hash = (hash ^ byte) * 0x100000001b3ULL;
@@ -43,14 +46,16 @@ std::string in_text(T value) {
     return " " + std::to_string(value);
 }
 
-std::string describe(const char* way, const disparity::Frame& f) {
+/// Of a frame that was copied or borrowed.
+template <typename AnyFrame>
+std::string describe(const char* way, const AnyFrame& f) {
     std::string text = way;
 #define ADD_FIELD(name) text += in_text(f.name);
     DISPARITYD_FRAME_FIELDS(ADD_FIELD, ADD_FIELD)
 #undef ADD_FIELD
     text += in_text(f.region_x) + in_text(f.region_y) + "\n";
     char line[700];
-    for (const disparity::PlaneData& plane : f.planes) {
+    for (const auto& plane : f.planes) {
         std::snprintf(line, sizeof line, "%s plane %u %u %u %u %016" PRIx64 "\n", way,
                       static_cast<unsigned>(plane.product), plane.width, plane.height, plane.bytes_per_pixel,
                       fnv1a(plane.bytes));
@@ -132,6 +137,11 @@ protected:
             disparity::SharedMemoryReader reader(name_);
             EXPECT_EQ(reader.read(frame, 20s), disparity::ReadResult::frame);
             text += describe("shm", frame);
+            disparity::SharedMemoryReader another(name_);
+            disparity::BorrowedFrame borrowed;
+            EXPECT_EQ(another.borrow(borrowed, 20s), disparity::ReadResult::frame);
+            text += describe("borrowed", borrowed);
+            EXPECT_TRUE(borrowed.whole());
         }
         return text;
     }
@@ -142,14 +152,16 @@ private:
 
 TEST_F(SameFrame, CppReadsTheSameOverBothWays) {
     std::string text = wanted(daemon_.tcp_address());
-    const std::size_t half = text.find("shm ");
-    ASSERT_NE(half, std::string::npos);
-    std::string first = text.substr(0, half);
-    std::string second = text.substr(half);
-    for (std::size_t at = 0; (at = first.find("socket ", at)) != std::string::npos;) {
-        first.replace(at, 6, "shm");
+    // The parts differ in their first word only.
+    std::map<std::string, std::string> parts;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t word = line.find(' ');
+        parts[line.substr(0, word)] += line.substr(word) + "\n";
     }
-    EXPECT_EQ(first, second);
+    ASSERT_EQ(parts.size(), 3U);
+    EXPECT_EQ(parts["socket"], parts["shm"]);
+    EXPECT_EQ(parts["borrowed"], parts["shm"]);
 
     disparity::Frame frame;
     disparity::SharedMemoryReader reader(name_);
@@ -158,6 +170,22 @@ TEST_F(SameFrame, CppReadsTheSameOverBothWays) {
     for (const disparity::PlaneData& plane : frame.planes) {
         EXPECT_EQ(pattern::check_plane(sequence, static_cast<std::uint32_t>(plane.product), plane.bytes), "");
     }
+}
+
+TEST_F(SameFrame, ABorrowedFrameOutlivesItsReader) {
+    disparity::BorrowedFrame frame;
+    EXPECT_FALSE(frame.whole());
+    {
+        disparity::SharedMemoryReader reader(name_);
+        ASSERT_EQ(reader.borrow(frame, 20s), disparity::ReadResult::frame);
+    }
+    writer_.close();
+    disparity::BorrowedFrame moved = std::move(frame);
+    const disparity::BorrowedPlane* plane = moved.plane(disparity::Product::confidence);
+    ASSERT_NE(plane, nullptr);
+    EXPECT_EQ(pattern::check_plane(sequence, 2, {plane->bytes.begin(), plane->bytes.end()}), "");
+    EXPECT_EQ(moved.plane(disparity::Product::depth), nullptr);
+    EXPECT_TRUE(moved.whole());
 }
 
 TEST_F(SameFrame, CReadsTheSame) {

@@ -62,6 +62,31 @@ TEST_F(SharedMemory, FrameArrivesWholeAndOnce) {
     expect_frame(got, 19);
 }
 
+TEST_F(SharedMemory, ABorrowedFrameIsWholeUntilTheRingComesRound) {
+    constexpr std::uint32_t slots = 3;
+    proto::SharedMemoryWriter writer(name_, layout_, slots);
+    proto::ShmReader reader(name_);
+    proto::FrameInfo frame{};
+    proto::BorrowedSlot slot;
+    EXPECT_EQ(reader.borrow(frame, slot, 0ms), Result::timeout);
+    EXPECT_FALSE(slot.whole());
+    publish(writer, 5);
+    ASSERT_EQ(reader.borrow(frame, slot, 0ms), Result::frame);
+    EXPECT_EQ(frame.sequence, 5U);
+    for (std::uint32_t later = 1; later < slots; ++later) {
+        publish(writer, 5 + later);
+        EXPECT_TRUE(slot.whole());
+    }
+    publish(writer, 5 + slots);
+    EXPECT_FALSE(slot.whole());
+    publish(writer, 6 + slots);
+    ASSERT_EQ(reader.borrow(frame, slot, 0ms), Result::frame);
+    EXPECT_EQ(frame.sequence, 6 + slots);
+    EXPECT_TRUE(slot.whole());
+    EXPECT_EQ(reader.borrow(frame, slot, 0ms), Result::timeout);
+    EXPECT_FALSE(slot.whole()) << "the frame before was given up";
+}
+
 TEST_F(SharedMemory, LateReaderGetsTheNewestFrame) {
     proto::SharedMemoryWriter writer(name_, layout_);
     publish(writer, 1);

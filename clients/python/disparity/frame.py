@@ -95,6 +95,13 @@ class Frame:
     region_x: int = _number(ctypes.c_uint32)
     region_y: int = _number(ctypes.c_uint32)
     planes: dict = dataclasses.field(default_factory=dict, repr=False)
+    # Asks the library whether a borrowed frame is whole; None: the frame was copied.
+    _is_whole: object = dataclasses.field(default=None, repr=False, compare=False)
+
+    def whole(self):
+        """Returns whether all that was read from the planes until now belongs to this frame: always for a copied
+        frame, and for a borrowed one until the daemon writes over it; then never again."""
+        return self._is_whole is None or self._is_whole()
 
     def _plane(self, product):
         if product not in self.planes:

@@ -67,6 +67,7 @@ def _declare(library):
         ("disparity_frame_new", pointer, []),
         ("disparity_frame_free", None, [pointer]),
         ("disparity_frame_get_info", None, [pointer, ctypes.POINTER(_Info), size]),
+        ("disparity_frame_is_whole", integer, [pointer]),
         ("disparity_frame_plane_at", integer, [pointer, ctypes.c_uint32, ctypes.POINTER(_Plane)]),
         ("disparity_shared_memory_open_with", pointer, [ctypes.c_char_p, ctypes.c_char_p, integer]),
         ("disparity_shared_memory_close", None, [pointer]),
@@ -75,6 +76,7 @@ def _declare(library):
             integer,
             [pointer, pointer, integer, ctypes.POINTER(ctypes.c_uint32), size],
         ),
+        ("disparity_shared_memory_borrow", integer, [pointer, pointer, integer]),
         ("disparity_shared_memory_heartbeat_age_ns", ctypes.c_int64, [pointer]),
     ):
         function = getattr(library, name)
@@ -122,26 +124,51 @@ class SharedMemoryReader(FrameSource):
         a new daemon under the name, and raise Gone again when none has come in time. Only the given products are
         copied; without any, all are.
         """
+        self._check_open()
+        wanted = (ctypes.c_uint32 * len(products))(*products)
+        copied = self._wait(
+            lambda wait_ms: self._library.disparity_shared_memory_read(
+                self._reader, self._frame, wait_ms, wanted, len(products)
+            ),
+            timeout,
+        )
+        return self._copy() if copied else None
+
+    def borrow(self, timeout=None):
+        """Does the same without a copy: the arrays of the frame lie in the shared memory and are read-only.
+
+        The daemon never waits: after as many more frames as its ring has slots ([shared_memory] slots) it writes
+        another frame there. So compute from the arrays, then ask frame.whole(), and use the result only if it is True.
+        The memory stays mapped as long as the frame or one of its arrays exists.
+        """
+        self._check_open()
+        lent = _LentFrame(self._library)
+        borrowed = self._wait(
+            lambda wait_ms: self._library.disparity_shared_memory_borrow(self._reader, lent.handle, wait_ms), timeout
+        )
+        return self._view(lent) if borrowed else None
+
+    def _check_open(self):
         if not self._reader:
             raise ValueError("this reader is closed")
-        wanted = (ctypes.c_uint32 * len(products))(*products)
+
+    def _wait(self, attempt, timeout):
+        """Calls attempt(milliseconds) until it has a frame (True) or the time is over (False); raises as read()."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while True:
             left = _PATIENCE if deadline is None else (deadline - time.monotonic()) * 1000
-            result = self._library.disparity_shared_memory_read(
-                self._reader, self._frame, int(min(max(0, left), _PATIENCE)), wanted, len(products)
-            )
+            result = attempt(int(min(max(0, left), _PATIENCE)))
             last = left <= _PATIENCE and deadline is not None
             if result == _FRAME:
                 self._gone_told = False
-                return self._copy()
+                return True
             if result == _GONE and (last or not self._gone_told):
                 self._gone_told = True
                 raise Gone(self._error())
             if result == _TIMEOUT:
                 self._gone_told = False
                 if last:
-                    return None
+                    return False
             elif result != _GONE:
                 raise DisparityError(self._error())
 
@@ -154,15 +181,50 @@ class SharedMemoryReader(FrameSource):
 
     def _copy(self):
         """Returns a copy of the library's frame: the next read overwrites the library's memory."""
-        info = _Info()
-        self._library.disparity_frame_get_info(self._frame, ctypes.byref(info), ctypes.sizeof(info))
-        frame = Frame(**{name: getattr(info, name) for name, _ in C_FIELDS})
-        for index in range(info.plane_count):
-            plane = _Plane()
-            if self._library.disparity_frame_plane_at(self._frame, index, ctypes.byref(plane)):
-                data = np.empty(plane.bytes, np.uint8)
-                ctypes.memmove(data.ctypes.data, plane.data, plane.bytes)
-                frame.planes[plane.product] = plane_array(
-                    plane.product, plane.width, plane.height, plane.bytes_per_pixel, data
-                )
+        frame, planes = self._describe(self._frame)
+        for plane in planes:
+            data = np.empty(plane.bytes, np.uint8)
+            ctypes.memmove(data.ctypes.data, plane.data, plane.bytes)
+            frame.planes[plane.product] = _array(plane, data)
         return frame
+
+    def _view(self, lent):
+        """Returns the lent frame. Each array keeps its memory mapped."""
+        frame, planes = self._describe(lent.handle)
+        frame._is_whole = lent.is_whole
+        for plane in planes:
+            memory = (ctypes.c_uint8 * plane.bytes).from_address(plane.data)
+            memory.lent = lent
+            data = np.frombuffer(memory, np.uint8)
+            data.flags.writeable = False
+            frame.planes[plane.product] = _array(plane, data)
+        return frame
+
+    def _describe(self, handle):
+        """Returns a frame without planes, and the library's descriptions of its planes."""
+        info = _Info()
+        self._library.disparity_frame_get_info(handle, ctypes.byref(info), ctypes.sizeof(info))
+        planes = [_Plane() for _ in range(info.plane_count)]
+        for index, plane in enumerate(planes):
+            self._library.disparity_frame_plane_at(handle, index, ctypes.byref(plane))
+        return Frame(**{name: getattr(info, name) for name, _ in C_FIELDS}), planes
+
+
+class _LentFrame:
+    """A frame of the library, freed when nothing refers to it any more."""
+
+    def __init__(self, library):
+        self._library = library
+        self.handle = library.disparity_frame_new()
+        if not self.handle:
+            raise MemoryError("no memory for a frame")
+
+    def __del__(self):
+        self._library.disparity_frame_free(self.handle)
+
+    def is_whole(self):
+        return self._library.disparity_frame_is_whole(self.handle) == 1
+
+
+def _array(plane, data):
+    return plane_array(plane.product, plane.width, plane.height, plane.bytes_per_pixel, data)
