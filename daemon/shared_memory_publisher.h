@@ -12,8 +12,8 @@
 
 namespace disparityd::daemon {
 
-/// Serves frames through shared memory: copies them in the caller's thread, wakes the readers and renews the heartbeat
-/// in a thread of its own, so that the pipeline does not pay for the readers.
+/// Serves frames through shared memory: copies them and wakes readers in the caller's thread. A thread of its own
+/// renews the heartbeat, and wakes those readers for which the pipeline would wait too long.
 class SharedMemoryPublisher {
 public:
     /// Throws as proto::SharedMemoryWriter.
@@ -39,13 +39,13 @@ public:
     void restore() { writer_.restore(); }
 
 private:
-    void wake_readers();
+    void keep_alive();
 
     StreamLayout layout_;
     proto::SharedMemoryWriter writer_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool new_frame_ = false;
+    bool more_to_wake_ = false;
     bool stopping_ = false;
     std::thread thread_;
 };

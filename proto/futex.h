@@ -25,9 +25,9 @@ inline void futex_wait(const std::atomic<std::uint32_t>& word, std::uint32_t val
     syscall(SYS_futex, &word, FUTEX_WAIT, value, &relative, nullptr, 0);
 }
 
-/// Wakes every thread that waits on the word, in all processes.
-inline void futex_wake_all(std::atomic<std::uint32_t>& word) {
-    syscall(SYS_futex, &word, FUTEX_WAKE, INT_MAX, nullptr, nullptr, 0);
+/// Wakes threads that wait on the word, in all processes, but not more than `most`. Returns how many it woke.
+inline int futex_wake(std::atomic<std::uint32_t>& word, int most = INT_MAX) {
+    return static_cast<int>(syscall(SYS_futex, &word, FUTEX_WAKE, most, nullptr, nullptr, 0));
 }
 
 }  // namespace disparityd::proto

@@ -42,7 +42,7 @@ std::string path_of(const std::string& object) {
 void tell_readers_the_end(ShmHeader& header) {
     header.generation.store(0, std::memory_order_release);
     header.published.fetch_add(1, std::memory_order_release);
-    futex_wake_all(header.published);
+    futex_wake(header.published);
 }
 
 bool process_lives(std::uint32_t pid) {
@@ -349,11 +349,9 @@ void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSo
     header_->published.fetch_add(1, std::memory_order_release);
 }
 
-void SharedMemoryWriter::wake() {
+int SharedMemoryWriter::wake(int most) {
     const std::lock_guard guard(mutex_);
-    if (header_ != nullptr) {
-        futex_wake_all(header_->published);
-    }
+    return header_ == nullptr ? 0 : futex_wake(header_->published, most);
 }
 
 void SharedMemoryWriter::heartbeat() {

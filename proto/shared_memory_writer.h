@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <climits>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -55,13 +56,13 @@ public:
     const std::string& note() const { return note_; }
 
     /// Copies a frame into the next slot. `planes` has each plane of the layout once, in any order. It does not wake
-    /// readers: call wake() after it, best from another thread. It never allocates. It waits for restore() only, while
+    /// readers: call wake() after it. It never allocates. It waits for restore() only, while
     /// that exchanges a pointer. Throws std::invalid_argument, and publishes nothing, when planes or sizes are not
     /// those of the layout.
     void publish(const FrameInfo& frame, std::span<const PlaneSource> planes);
 
-    /// Wakes every reader that waits for a frame.
-    void wake();
+    /// Wakes readers that wait for a frame, but not more than `most`. Returns how many it woke.
+    int wake(int most = INT_MAX);
 
     /// Renews the heartbeat; call it at least twice a second.
     void heartbeat();

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/handover/reader_process.h"
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "clients/cpp/disparity_client.hpp"
+#include "tools/command_line/program.h"
+
+namespace disparityd::handover {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+std::int64_t monotonic_now_ns() {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+/// What a client does at least with a frame: it reads each depth once.
+std::uint64_t sum_of(std::span<const std::uint8_t> bytes) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+        std::uint16_t depth = 0;
+        std::memcpy(&depth, &bytes[i], 2);
+        sum += depth;
+    }
+    return sum;
+}
+
+/// Keeps the compiler from leaving out what nobody looks at.
+void keep(std::uint64_t value) {
+    asm volatile("" : : "r"(value));
+}
+
+void check(disparity::ReadResult result, const std::string& why_gone) {
+    if (result == disparity::ReadResult::gone) {
+        throw std::runtime_error(why_gone);
+    }
+}
+
+/// Reads until the time is over. `read` returns whether there was a frame, and `use` works with it.
+template <typename AnyFrame, typename Read, typename Use>
+void read_frames(const ReaderOptions& options, Seen& seen, AnyFrame& frame, Read read, Use use) {
+    const auto end = Clock::now() + std::chrono::duration<double>(options.seconds);
+    bool first = true;
+    while (Clock::now() < end) {
+        const std::int64_t published_ns = read();
+        if (published_ns == 0) {
+            continue;
+        }
+        const std::int64_t now = monotonic_now_ns();
+        // The first one had been published before this reader came.
+        if (!first) {
+            seen.handover_ns.push_back(now - published_ns);
+            seen.missed += frame.missed;
+        }
+        first = false;
+        use();
+    }
+}
+
+Seen read_copies(const ReaderOptions& options) {
+    Seen seen;
+    disparity::Frame frame;
+    disparity::SharedMemoryReader reader(options.name);
+    const auto read = [&]() -> std::int64_t {
+        const disparity::ReadResult result = reader.read(frame, 500ms);
+        check(result, reader.why_gone());
+        return result == disparity::ReadResult::frame ? frame.monotonic_ns + frame.age_ns : 0;
+    };
+    read_frames(options, seen, frame, read, [&] {
+        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
+            keep(sum_of(depth->bytes));
+        }
+    });
+    return seen;
+}
+
+Seen read_borrowed(const ReaderOptions& options) {
+    Seen seen;
+    disparity::BorrowedFrame frame;
+    disparity::SharedMemoryReader reader(options.name);
+    const auto read = [&]() -> std::int64_t {
+        const disparity::ReadResult result = reader.borrow(frame, 500ms);
+        check(result, reader.why_gone());
+        return result == disparity::ReadResult::frame ? frame.monotonic_ns + frame.age_ns : 0;
+    };
+    read_frames(options, seen, frame, read, [&] {
+        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
+            keep(sum_of(depth->bytes));
+        }
+        seen.torn += frame.whole() ? 0U : 1U;
+    });
+    return seen;
+}
+
+Seen read_socket(const ReaderOptions& options) {
+    Seen seen;
+    disparity::Frame frame;
+    disparity::SocketClient client(options.address, "disparity-handover");
+    disparity::Subscription subscription;
+    subscription.products = {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth,
+                             disparity::Product::left};
+    client.subscribe(subscription);
+    // A frame of the socket says when it was sent; the shared memory says when the same frame was published.
+    disparity::SharedMemoryReader memory(options.name);
+    disparity::BorrowedFrame published;
+    const auto read = [&]() -> std::int64_t {
+        const disparity::ReadResult result = client.read(frame, 500ms);
+        check(result, client.why_gone());
+        if (result != disparity::ReadResult::frame) {
+            return 0;
+        }
+        check(memory.borrow(published, 0ms), memory.why_gone());
+        const bool same = published.whole() && published.publish_index == frame.publish_index;
+        return same ? published.monotonic_ns + published.age_ns : 0;
+    };
+    read_frames(options, seen, frame, read, [&] {
+        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
+            keep(sum_of(depth->bytes));
+        }
+    });
+    return seen;
+}
+
+Seen run(const ReaderOptions& options) {
+    switch (options.way) {
+        case Way::copy: return read_copies(options);
+        case Way::borrow: return read_borrowed(options);
+        case Way::socket: break;
+    }
+    return read_socket(options);
+}
+
+void write_all(int to, const void* data, std::size_t bytes) {
+    const auto* from = static_cast<const char*>(data);
+    while (bytes > 0) {
+        const ssize_t written = ::write(to, from, bytes);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written <= 0) {
+            throw std::system_error(errno, std::generic_category(), "results of a reader cannot be written");
+        }
+        from += written;
+        bytes -= static_cast<std::size_t>(written);
+    }
+}
+
+/// Returns whether all came.
+bool read_all(int from, void* data, std::size_t bytes) {
+    auto* to = static_cast<char*>(data);
+    while (bytes > 0) {
+        const ssize_t got = ::read(from, to, bytes);
+        if (got < 0 && errno == EINTR) {
+            continue;
+        }
+        if (got <= 0) {
+            return false;
+        }
+        to += got;
+        bytes -= static_cast<std::size_t>(got);
+    }
+    return true;
+}
+
+void send(int to, const Seen& seen) {
+    const std::uint64_t head[3] = {seen.handover_ns.size(), seen.missed, seen.torn};
+    write_all(to, head, sizeof head);
+    write_all(to, seen.handover_ns.data(), seen.handover_ns.size() * sizeof(std::int64_t));
+}
+
+}  // namespace
+
+ReaderProcess::ReaderProcess(const ReaderOptions& options) {
+    int ends[2] = {-1, -1};
+    if (::pipe(ends) != 0) {
+        throw std::system_error(errno, std::generic_category(), "a reader cannot be started");
+    }
+    pid_ = ::fork();
+    if (pid_ < 0) {
+        const int reason = errno;
+        ::close(ends[0]);
+        ::close(ends[1]);
+        throw std::system_error(reason, std::generic_category(), "a reader cannot be started");
+    }
+    if (pid_ == 0) {
+        ::close(ends[0]);
+        try {
+            send(ends[1], run(options));
+        } catch (const std::exception& error) {
+            tools::print_error(error.what());
+            ::_exit(1);
+        }
+        ::_exit(0);
+    }
+    ::close(ends[1]);
+    results_ = ends[0];
+}
+
+ReaderProcess::~ReaderProcess() {
+    ::close(results_);
+    if (pid_ > 0) {
+        ::kill(pid_, SIGKILL);
+        ::waitpid(pid_, nullptr, 0);
+    }
+}
+
+Seen ReaderProcess::wait() {
+    Seen seen;
+    std::uint64_t head[3] = {};
+    bool whole = read_all(results_, head, sizeof head);
+    if (whole) {
+        seen.handover_ns.resize(head[0]);
+        whole = read_all(results_, seen.handover_ns.data(), head[0] * sizeof(std::int64_t));
+        seen.missed = head[1];
+        seen.torn = head[2];
+    }
+    int status = 0;
+    while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    }
+    pid_ = -1;
+    if (!whole || status != 0) {
+        throw std::runtime_error("a reader has failed");
+    }
+    return seen;
+}
+
+}  // namespace disparityd::handover
