@@ -159,6 +159,22 @@ std::vector<std::string> line_of(const std::string& text, const std::vector<std:
     return {};
 }
 
+TEST_F(EvalTest, ConfidenceIsComparedWithWhatIsRight) {
+    const std::vector<std::string> arguments{"--confidence", "--halves", "3", path("data")};
+    const Outcome text = run(DISPARITY_EVAL, arguments);
+    ASSERT_EQ(text.exit_code, 0) << text.err;
+    for (const std::string part : {"half a: pixels %", "half b: pixels %", "240 to 255", "sparsification area"}) {
+        EXPECT_THAT(text.out, HasSubstr(part));
+    }
+    const Outcome json = run(DISPARITY_EVAL, {"--confidence", "--json", path("data")});
+    ASSERT_EQ(json.exit_code, 0) << json.err;
+    const auto all = nlohmann::json::parse(json.out);
+    ASSERT_EQ(all.size(), 1U);
+    EXPECT_EQ(all[0]["weight"].size(), 256U);
+    EXPECT_EQ(all[0]["weight"][0], 0);
+    EXPECT_GE(all[0]["calibration_error"], 0);
+}
+
 TEST_F(EvalTest, MeansEndTheTable) {
     make_scene(path("data/cones"), 5);
     make_scene(path("data/teddy"), 6);

@@ -15,6 +15,7 @@
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
+#include "tools/eval/confidence/reliability_report.h"
 #include "tools/eval/error_picture.h"
 #include "tools/eval/fair_opencv.h"
 #include "tools/eval/fair_table.h"
@@ -48,6 +49,7 @@ struct EvalArguments {
     bool opencv = false;
     bool fair = false;
     bool fractions = false;
+    bool confidence = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;
@@ -156,6 +158,21 @@ public:
     const std::vector<Row>& rows() const { return rows_; }
     const std::vector<SubpixelRow>& subpixel_rows() const { return subpixel_rows_; }
 
+    /// For each of our matchers, over all scenes, or over each half.
+    std::vector<NamedReliability> reliability() const {
+        std::vector<NamedReliability> all;
+        for (const SceneReliability& one : scene_reliability_) {
+            const std::string half = !halves_ ? "" : halves_->in_a(one.scene) ? ", half a" : ", half b";
+            const std::string name = one.matcher + half;
+            auto found = std::find_if(all.begin(), all.end(), [&](const auto& has) { return has.name == name; });
+            if (found == all.end()) {
+                found = all.insert(all.end(), {name, {}});
+            }
+            found->counted.add(one.counted);
+        }
+        return all;
+    }
+
     Summary summary() const {
         Summary summary{
             arguments_.fractions ? measurements(subpixel_rows_) : measurements(rows_), {}, halves_, arguments_.noise};
@@ -166,6 +183,12 @@ public:
     }
 
 private:
+    struct SceneReliability {
+        std::string scene;
+        std::string matcher;
+        Reliability counted;
+    };
+
     void split(const std::vector<SceneToJudge>& scenes) {
         if (arguments_.halves) {
             std::vector<std::string> names;
@@ -238,6 +261,10 @@ private:
             subpixel_rows_.push_back({scene.name, method, backend, result.range.count,
                                       measure_subpixel(disparity, scene.truth, scene.non_occluded)});
         }
+        if (arguments_.confidence && !result.confidence.empty()) {
+            scene_reliability_.push_back({scene.name, method + " " + backend, {}});
+            scene_reliability_.back().counted.add(disparity, result.confidence, scene.truth);
+        }
         if (!arguments_.pictures.empty()) {
             std::string file = scene.name + '_' + method + '_' + backend + ".png";
             std::replace_if(
@@ -254,10 +281,15 @@ private:
     std::vector<Row> rows_;
     std::vector<Row> fair_rows_;  ///< with --opencv or --fair: every pixel judged
     std::vector<SubpixelRow> subpixel_rows_;
+    std::vector<SceneReliability> scene_reliability_;
     std::optional<Halves> halves_;
 };
 
 void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments) {
+    if (arguments.confidence) {
+        print_json(reliability_json(evaluation.reliability()), std::cout);
+        return;
+    }
     nlohmann::ordered_json rows =
         arguments.fractions ? subpixel_json(evaluation.subpixel_rows()) : rows_json(evaluation.rows());
     if (!arguments.halves) {
@@ -272,6 +304,10 @@ void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments)
 void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments) {
     const std::vector<Row>& rows = evaluation.rows();
     const Summary summary = evaluation.summary();
+    if (arguments.confidence) {
+        print_reliability(evaluation.reliability(), arguments.markdown, std::cout);
+        return;
+    }
     if (arguments.fractions) {
         print_subpixel_table(evaluation.subpixel_rows(), arguments.markdown, std::cout);
     } else if (arguments.paper) {
@@ -336,6 +372,11 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program
         .add_flag("--fractions", arguments.fractions,
                   "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number")
+        ->excludes(paper);
+    program
+        .add_flag("--confidence", arguments.confidence,
+                  "how often pixels of each confidence are right (off by at most 1 px), instead; of each half with "
+                  "--halves")
         ->excludes(paper);
     program
         .add_option(

@@ -21,7 +21,10 @@ MatcherResult run_ours(const Backend& backend, const MatchOptions& options, cons
         times.push_back(std::chrono::duration<double, std::milli>(steady_clock::now() - start).count());
     }
     const std::int16_t* d16 = frame.view().disparity.data;
-    return {left.cols, left.rows, options.range, {d16, d16 + left.total()}, median(times)};
+    const std::uint8_t* confidence = frame.view().confidence.data;
+    return {left.cols,     left.rows,
+            options.range, {d16, d16 + left.total()},
+            median(times), {confidence, confidence + left.total()}};
 }
 
 }  // namespace disparityd::eval

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/eval/confidence/reliability.h"
+
+namespace disparityd::eval {
+
+/// The reliability of one matcher on one set of scenes.
+struct NamedReliability {
+    std::string name;  ///< method, back end and, of a half, which one
+    Reliability counted;
+};
+
+/// A table of the bins that have pixels, with two columns for each matcher: share of the pixels and share of the right
+/// ones, both in percent; below it calibration error and sparsification area.
+void print_reliability(const std::vector<NamedReliability>& all, bool markdown, std::ostream& to);
+
+/// Returns a list of objects: name, calibration_error, sparsification_area, weight (256 numbers) and right (256).
+nlohmann::ordered_json reliability_json(const std::vector<NamedReliability>& all);
+
+}  // namespace disparityd::eval
