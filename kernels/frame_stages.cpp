@@ -67,7 +67,7 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
     const bool despeckle = post.speckle_size > 0;
     const bool complete = !post.interpolate && post.guided_median == 0;
     const auto finish = [&](Rows rows) {
-        steps_.mask_confidence(filtered, invalid, frame.confidence, rows);
+        steps_.finish_confidence(filtered, invalid, calibrates_confidence(config_.options), frame.confidence, rows);
         if (complete) {
             write_depth(frame, rows);
         }

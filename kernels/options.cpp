@@ -125,7 +125,13 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
         return options;
     }
     options.cost = CensusCost::census_7x5_gradient;
-    options.sgm = {.paths = 4, .p1 = 15, .p2 = 55, .adaptive_p2 = true, .p2_slope = 3, .p2_min = 18};
+    options.sgm = {.paths = 4,
+                   .p1 = 15,
+                   .p2 = 55,
+                   .adaptive_p2 = true,
+                   .p2_slope = 3,
+                   .p2_min = 18,
+                   .calibrated_confidence = true};
     options.post.speckle_step = 1;
     if (preset == Preset::dense) {
         options.post.uniqueness = 0;
@@ -134,6 +140,10 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
         options.post.guided_median = 7;
     }
     return options;
+}
+
+bool calibrates_confidence(const MatchOptions& options) {
+    return options.method == Method::sgm && options.sgm.calibrated_confidence;
 }
 
 std::string validate(const MatchOptions& options) {

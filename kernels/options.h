@@ -30,12 +30,13 @@ std::string_view to_string(CensusCost cost);                        ///< "census
 std::optional<CensusCost> census_cost_from_name(std::string_view);  ///< the reverse; empty for any other text
 
 struct SgmOptions {
-    int paths = 8;             ///< 8, or 4 (horizontal and vertical only)
-    int p1 = 10;               ///< penalty of a step of one disparity, 1 .. p2 - 1
-    int p2 = 63;               ///< penalty of a larger step, p1 + 1 .. 193 (62 + p2 must fit a byte)
-    bool adaptive_p2 = false;  ///< P2' = max(P1 + 1, p2_min, P2 - p2_slope |I(p) - I(p - r)|)
-    int p2_slope = 1;          ///< how fast P2' falls across edges, 1 .. 8
-    int p2_min = 0;            ///< the least P2', 0 .. p2
+    int paths = 8;                       ///< 8, or 4 (horizontal and vertical only)
+    int p1 = 10;                         ///< penalty of a step of one disparity, 1 .. p2 - 1
+    int p2 = 63;                         ///< penalty of a larger step, p1 + 1 .. 193 (62 + p2 must fit a byte)
+    bool adaptive_p2 = false;            ///< P2' = max(P1 + 1, p2_min, P2 - p2_slope |I(p) - I(p - r)|)
+    int p2_slope = 1;                    ///< how fast P2' falls across edges, 1 .. 8
+    int p2_min = 0;                      ///< the least P2', 0 .. p2
+    bool calibrated_confidence = false;  ///< step 13: confidence is a chance in 255ths, not a ratio of costs
 };
 
 /// What happens after winner-takes-all; steps 6 to 12 of docs/algorithm.md, each can be switched off.
@@ -74,6 +75,9 @@ std::string_view to_string(Preset preset);                 ///< "paper", "dense"
 std::optional<Preset> preset_from_name(std::string_view);  ///< the reverse; empty for any other text
 
 MatchOptions preset_options(Preset preset, DisparityRange range = {});
+
+/// Returns whether the confidences are chances (step 13): with SGM, and where it is switched on.
+bool calibrates_confidence(const MatchOptions& options);
 
 /// Returns one line that says which option is wrong, what was found and what is allowed; empty when all is well.
 std::string validate(const MatchOptions& options);

@@ -60,9 +60,10 @@ struct FrameSteps {
     void (*speckle)(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
                     std::span<std::byte> scratch, Parallel& workers);
     std::size_t (*speckle_scratch)(int width, int height);
-    /// Step 13: no confidence where the disparity is rejected.
-    void (*mask_confidence)(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
-                            Rows rows);
+    /// Step 13: no confidence where the disparity is rejected; elsewhere the chance that the ratio stands for, where
+    /// `calibrated`.
+    void (*finish_confidence)(Plane<const std::int16_t> disparity, std::int16_t invalid, bool calibrated,
+                              Plane<std::uint8_t> confidence, Rows rows);
     /// Step 11, in place, the whole image, spread over `workers`.
     void (*interpolate)(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
                         std::span<std::byte> scratch, Parallel& workers);

@@ -280,7 +280,8 @@ std::vector<std::string> notes_on(const Config& config, const std::vector<Assign
     }
     std::string keys;
     std::string where;
-    for (const char* const key : {"preset", "paths", "p1", "p2", "adaptive_p2", "p2_slope", "p2_min"}) {
+    for (const char* const key :
+         {"preset", "paths", "p1", "p2", "adaptive_p2", "p2_slope", "p2_min", "calibrated_confidence"}) {
         const std::string found = where_set(assignments, "match", key, "");
         if (!found.empty()) {
             keys += (keys.empty() ? "" : ", ") + std::string(key);

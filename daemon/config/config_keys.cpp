@@ -218,6 +218,7 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("match", "adaptive_p2", FIELD(match.options.sgm.adaptive_p2)));
     keys.push_back(range_key("match", "p2_slope", 1, 8, FIELD(match.options.sgm.p2_slope)));
     keys.push_back(range_key("match", "p2_min", 0, 193, FIELD(match.options.sgm.p2_min)));
+    keys.push_back(bool_key("match", "calibrated_confidence", FIELD(match.options.sgm.calibrated_confidence)));
     keys.push_back(bool_key("match", "subpixel", FIELD(match.options.post.subpixel)));
     keys.push_back(range_key("match", "uniqueness", 0, 99, FIELD(match.options.post.uniqueness)));
     keys.push_back(bool_key("match", "local_extrema", FIELD(match.options.post.local_extrema)));

@@ -29,7 +29,7 @@ const FrameSteps& frame_steps() {
         .median = median,
         .speckle = speckle,
         .speckle_scratch = speckle_scratch,
-        .mask_confidence = mask_confidence,
+        .finish_confidence = finish_confidence,
         .interpolate = interpolate,
         .interpolate_scratch = interpolate_scratch,
         .guided_median = guided_median,

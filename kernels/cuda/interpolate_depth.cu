@@ -74,6 +74,16 @@ __device__ std::int16_t middle(const InterpolateDepthJob& job, int x, int y) {
     return result;
 }
 
+/// Step 13 for a pixel with a disparity, as calibrated_confidence().
+__device__ std::uint8_t confidence_of(const ConfidenceJob& job, std::uint8_t ratio) {
+    if (!job.calibrated) {
+        return ratio;
+    }
+    const int below = ratio / 16;
+    const int part = ratio % 16;
+    return static_cast<std::uint8_t>((job.chance[below] * (16 - part) + job.chance[below + 1] * part + 8) / 16);
+}
+
 __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     const int x = static_cast<int>(blockIdx.x * lanes + threadIdx.x);
     const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
@@ -87,7 +97,7 @@ __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
         disparity = mismatched(job, x, y) ? middle(job, x, y) : background(job, x, y);
     }
     job.disparity[i] = disparity;
-    job.confidence[i] = measured ? job.measured_confidence[i] : std::uint8_t{0};
+    job.confidence[i] = measured ? confidence_of(job.confidence_scale, job.measured_confidence[i]) : std::uint8_t{0};
     if (job.depth != nullptr) {
         job.depth[i] = depth_of(job.depth_scale, invalid_of(job), disparity);
     }

@@ -233,6 +233,7 @@ void MatchStage::post_process(const Output& output) {
     auto* const depth = output.depth ? depth_.device<std::uint16_t>() : nullptr;
     interpolate_depth({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
                        right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), scale,
+                       ConfidenceJob(calibrates_confidence(config_.options)),
                        guided ? filled_.as<std::int16_t>() : disparity_.device<std::int16_t>(),
                        confidence_.device<std::uint8_t>(), guided ? nullptr : depth},
                       stream_.get());

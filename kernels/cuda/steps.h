@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
+#include "kernels/calibrated_confidence.h"
 #include "kernels/cuda/view.h"
 
 /// The steps of docs/algorithm.md as launches. All pointers are the device's; planes without a pitch are dense. Each
@@ -159,6 +161,18 @@ struct DepthJob {
     int offset16;
 };
 
+/// What the confidence of a measured disparity depends on beside its ratio of costs.
+struct ConfidenceJob {
+    explicit ConfidenceJob(bool is_calibrated) : calibrated(is_calibrated) {
+        for (std::size_t i = 0; i < sizeof chance; ++i) {
+            chance[i] = chance_at_ratio[i];
+        }
+    }
+
+    bool calibrated;
+    std::uint8_t chance[chance_at_ratio.size()];  ///< chance_at_ratio, which device code cannot index
+};
+
 /// Steps 11 and 13.
 struct InterpolateDepthJob {
     int width;
@@ -169,6 +183,7 @@ struct InterpolateDepthJob {
     const std::int16_t* right_winner;
     const std::uint8_t* measured_confidence;
     DepthJob depth_scale;
+    ConfidenceJob confidence_scale;
     std::int16_t* disparity;
     std::uint8_t* confidence;
     std::uint16_t* depth;  ///< null: not wanted

@@ -40,8 +40,8 @@ void median(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<
 void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
              std::span<std::byte> scratch);
 std::size_t speckle_scratch(int width, int height);
-void mask_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
-                     Rows rows);
+void finish_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, bool calibrated,
+                       Plane<std::uint8_t> confidence, Rows rows);
 void interpolate(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,
                  std::span<std::byte> scratch);
 std::size_t interpolate_scratch(int width, int height);

@@ -134,6 +134,7 @@ struct ToFinish {
     DisparityRange range;
     bool interpolate;
     DepthScale scale;
+    bool calibrated;
 };
 
 Finished finished(const ToFinish& from) {
@@ -153,6 +154,7 @@ Finished finished(const ToFinish& from) {
                              right.at(stream),
                              measured.at(stream),
                              {from.scale.k, from.scale.offset16},
+                             cuda::ConfidenceJob(from.calibrated),
                              disparity.at(stream),
                              confidence.at(stream),
                              depth.at(stream)},
@@ -165,7 +167,8 @@ Finished expected_of(const ToFinish& from) {
     Disparities disparity = from.filtered;
     Image<std::uint8_t> confidence = from.confidence;
     Image<std::uint16_t> depth(disparity.width(), disparity.height());
-    reference::mask_confidence(std::as_const(disparity).plane(), invalid, confidence.plane(), disparity.rows());
+    reference::finish_confidence(std::as_const(disparity).plane(), invalid, from.calibrated, confidence.plane(),
+                                 disparity.rows());
     if (from.interpolate) {
         std::vector<std::byte> memory(reference::interpolate_scratch(disparity.width(), disparity.height()));
         reference::interpolate(disparity.plane(), from.right_winner.plane(), from.range, memory);
@@ -190,7 +193,8 @@ TEST_F(CudaPost, InterpolationConfidenceAndDepthEqualTheReference) {
                            noise(random, size.width, size.height),
                            range,
                            round % 4 != 0,
-                           any_scale(random)};
+                           any_scale(random),
+                           round % 2 == 0};
         ASSERT_TRUE(finished(all) == expected_of(all)) << "round " << round << ", " << percent << " % rejected, k "
                                                        << all.scale.k << ", offset " << all.scale.offset16;
     }

@@ -61,6 +61,7 @@ inline MatchOptions any_options(Random& random) {
     options.sgm.adaptive_p2 = pick(random, 0, 1) == 1;
     options.sgm.p2_slope = pick(random, 1, 8);
     options.sgm.p2_min = pick(random, 0, 2) == 0 ? pick(random, 0, options.sgm.p2) : 0;
+    options.sgm.calibrated_confidence = pick(random, 0, 1) == 1;
     options.post.subpixel = pick(random, 0, 3) > 0;
     options.post.local_extrema = pick(random, 0, 1) == 1;
     options.post.uniqueness = pick(random, 0, 1) * pick(random, 0, 99);

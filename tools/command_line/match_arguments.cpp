@@ -56,6 +56,8 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
           add_switch(app, "adaptive-p2", adaptive_p2_, "sgm: a smaller p2 across edges of the image"),
           add_integer(app, "--p2-slope", p2_slope_, 1, 8, "sgm: how much smaller per grey level"),
           add_integer(app, "--p2-min", p2_min_, 0, 193, "sgm: the least p2 across edges"),
+          add_switch(app, "calibrated-confidence", calibrated_confidence_,
+                     "sgm: confidence is the chance in 255ths of an error of at most 1 px, not a ratio of costs"),
           add_switch(app, "subpixel", subpixel_, "disparities in sixteenths of a pixel"),
           add_integer(app, "--uniqueness", uniqueness_, 0, 99,
                       "reject a match when another candidate costs less than N percent more; 0: off"),
@@ -88,6 +90,7 @@ MatchOptions MatchArguments::options(Method method, int disparities) const {
     take(options.sgm.adaptive_p2, adaptive_p2_);
     take(options.sgm.p2_slope, p2_slope_);
     take(options.sgm.p2_min, p2_min_);
+    take(options.sgm.calibrated_confidence, calibrated_confidence_);
     take(options.post.subpixel, subpixel_);
     take(options.post.uniqueness, uniqueness_);
     take(options.post.local_extrema, local_extrema_);
@@ -114,7 +117,8 @@ void MatchArguments::check_used(const std::vector<Method>& methods) const {
                                                    {p2_.has_value(), "--p2"},
                                                    {adaptive_p2_.has_value(), "--adaptive-p2"},
                                                    {p2_slope_.has_value(), "--p2-slope"},
-                                                   {p2_min_.has_value(), "--p2-min"}};
+                                                   {p2_min_.has_value(), "--p2-min"},
+                                                   {calibrated_confidence_.has_value(), "--calibrated-confidence"}};
     std::string chosen;
     for (const Method method : methods) {
         chosen += (chosen.empty() ? "" : " and ") + std::string(to_string(method));

@@ -37,7 +37,8 @@ private:
         speckle_size_, speckle_step_;
     Preset usual_ = Preset::paper;
     std::string preset_, cost_;
-    std::optional<bool> adaptive_p2_, subpixel_, local_extrema_, left_right_check_, interpolate_;
+    std::optional<bool> adaptive_p2_, calibrated_confidence_, subpixel_, local_extrema_, left_right_check_,
+        interpolate_;
 };
 
 /// Throws std::invalid_argument for a word that is no method.

@@ -237,6 +237,7 @@ Json to_json(const MatchOptions& options) {
         json["adaptive_p2"] = options.sgm.adaptive_p2;
         json["p2_slope"] = options.sgm.p2_slope;
         json["p2_min"] = options.sgm.p2_min;
+        json["calibrated_confidence"] = options.sgm.calibrated_confidence;
     }
     json.update({{"subpixel", options.post.subpixel},
                  {"local_extrema", options.post.local_extrema},

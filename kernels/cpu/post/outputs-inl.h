@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Step 13 of docs/algorithm.md as far as it follows from the finished disparity: confidence 0 where it is rejected, and
-// depth.
+// Step 13 of docs/algorithm.md as far as it follows from the finished disparity: confidence 0 where it is rejected, the
+// chance that another ratio stands for, and depth.
 #if defined(DISPARITYD_CPU_POST_OUTPUTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef DISPARITYD_CPU_POST_OUTPUTS_INL_H_
 #undef DISPARITYD_CPU_POST_OUTPUTS_INL_H_
@@ -12,6 +12,7 @@
 #include <cstdlib>
 
 #include "hwy/highway.h"
+#include "kernels/calibrated_confidence.h"
 #include "kernels/reference/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,25 +20,61 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-inline void mask_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, Plane<std::uint8_t> confidence,
-                            Rows rows) {
+/// The chance that each ratio stands for, calibrated_confidence() for a vector of bytes in words.
+class ChanceOfRatio {
+    using Words = hn::ScalableTag<std::uint16_t>;
+    using Bytes = hn::Repartition<std::uint8_t, Words>;
+    using V = hn::Vec<Words>;
+
+public:
+    ChanceOfRatio()
+        : below_(hn::LoadDup128(Bytes(), chance_at_ratio.data())),
+          above_(hn::LoadDup128(Bytes(), chance_at_ratio.data() + 1)) {}
+
+    HWY_INLINE V operator()(V ratio) const {
+        const V part = hn::And(ratio, hn::Set(Words(), 15));
+        const V index = hn::ShiftRight<4>(ratio);
+        // The upper byte of a word looks up something, too; it is cleared.
+        const V low_byte = hn::Set(Words(), 255);
+        const V below =
+            hn::And(hn::BitCast(Words(), hn::TableLookupBytes(below_, hn::BitCast(Bytes(), index))), low_byte);
+        const V above =
+            hn::And(hn::BitCast(Words(), hn::TableLookupBytes(above_, hn::BitCast(Bytes(), index))), low_byte);
+        const V sum = hn::Add(hn::Mul(below, hn::Sub(hn::Set(Words(), 16), part)), hn::Mul(above, part));
+        return hn::ShiftRight<4>(hn::Add(sum, hn::Set(Words(), 8)));
+    }
+
+private:
+    hn::Vec<Bytes> below_;
+    hn::Vec<Bytes> above_;
+};
+
+inline void finish_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, bool calibrated,
+                              Plane<std::uint8_t> confidence, Rows rows) {
     const hn::ScalableTag<std::int16_t> numbers;
-    const hn::Rebind<std::int8_t, decltype(numbers)> small;
+    const hn::RebindToUnsigned<decltype(numbers)> words;
     const hn::Rebind<std::uint8_t, decltype(numbers)> bytes;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(numbers));
     const int width = disparity.width;
     if (width < lanes) {
-        reference::mask_confidence(disparity, invalid, confidence, rows);
+        reference::finish_confidence(disparity, invalid, calibrated, confidence, rows);
         return;
     }
     const auto rejected = hn::Set(numbers, invalid);
+    const ChanceOfRatio chance;
     for (int y = rows.first; y < rows.last; ++y) {
+        // The last vector overlaps the one before it: what that has stored must not be calibrated again.
+        const auto of_last = hn::LoadU(bytes, confidence.row(y) + width - lanes);
         for (int begin = 0; begin < width; begin += lanes) {
             const int x = std::min(begin, width - lanes);
-            const auto is_rejected = hn::Eq(hn::LoadU(numbers, disparity.row(y) + x), rejected);
-            const auto gone = hn::BitCast(bytes, hn::DemoteTo(small, hn::VecFromMask(numbers, is_rejected)));
             std::uint8_t* out = confidence.row(y) + x;
-            hn::StoreU(hn::AndNot(gone, hn::LoadU(bytes, out)), bytes, out);
+            const auto gone = hn::Eq(hn::LoadU(numbers, disparity.row(y) + x), rejected);
+            auto value = hn::PromoteTo(words, x < begin ? of_last : hn::LoadU(bytes, out));
+            if (calibrated) {
+                value = chance(value);
+            }
+            value = hn::IfThenZeroElse(hn::RebindMask(words, gone), value);
+            hn::StoreU(hn::DemoteTo(bytes, hn::BitCast(numbers, value)), bytes, out);
         }
     }
 }

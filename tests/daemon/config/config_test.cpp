@@ -162,6 +162,7 @@ TEST(Config, APresetIsWhatUnsetKeysAre) {
         EXPECT_EQ(found.sgm.paths, expected.sgm.paths);
         EXPECT_EQ(found.sgm.p2, expected.sgm.p2);
         EXPECT_EQ(found.sgm.p2_slope, expected.sgm.p2_slope);
+        EXPECT_EQ(found.sgm.calibrated_confidence, expected.sgm.calibrated_confidence);
         EXPECT_EQ(found.post.interpolate, expected.post.interpolate);
         EXPECT_EQ(found.post.guided_median, expected.post.guided_median);
     }

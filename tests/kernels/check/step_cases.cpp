@@ -135,12 +135,13 @@ Bound bind_speckle(const Data& data, const FrameSteps& steps_to_run) {
             put_back(data->disparities(), disparity)};
 }
 
-Bound bind_mask_confidence(const Data& data, const FrameSteps&) {
+template <bool calibrated>
+Bound bind_finish_confidence(const Data& data, const FrameSteps&) {
     const auto disparity = std::make_shared<Image<std::int16_t>>(data->disparities());
     const auto confidence = data->buffers.result<std::uint8_t>(data->input.width, data->input.height);
     return {[=](const FrameSteps& steps) {
                 over_parts(data->input, [&](Rows rows) {
-                    steps.mask_confidence(disparity->plane(), data->invalid(), confidence, rows);
+                    steps.finish_confidence(disparity->plane(), data->invalid(), calibrated, confidence, rows);
                 });
             },
             put_back(noise(data->random, data->input.width, data->input.height), confidence)};
@@ -183,7 +184,8 @@ std::vector<KernelCase> step_cases() {
         step_case("guided_median5", bind_guided_median<5>),
         step_case("guided_median7", bind_guided_median<7>),
         step_case("speckle", bind_speckle),
-        step_case("mask_confidence", bind_mask_confidence),
+        step_case("finish_confidence", bind_finish_confidence<false>),
+        step_case("calibrated_confidence", bind_finish_confidence<true>),
         step_case("depth", bind_depth),
     };
     for (KernelCase& kernel : cases) {

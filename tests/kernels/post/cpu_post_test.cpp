@@ -200,7 +200,7 @@ TEST_P(CpuPost, InterpolateEqualsTheReference) {
     }
 }
 
-TEST_P(CpuPost, MaskConfidenceEqualsTheReference) {
+TEST_P(CpuPost, FinishedConfidenceEqualsTheReference) {
     Random random(83);
     for (int round = 0; round < rounds; ++round) {
         const Size size(random);
@@ -208,10 +208,12 @@ TEST_P(CpuPost, MaskConfidenceEqualsTheReference) {
         const Image<std::int16_t> disparity = disparities(random, size, range);
         const Image<std::uint8_t> all = noise(random, size.width, size.height);
         const Both<std::uint8_t> confidence(all.plane());
-        reference::mask_confidence(disparity.plane(), invalid_disparity(range), confidence.expected.plane(),
-                                   {0, size.height});
+        const bool calibrated = round % 2 == 0;
+        reference::finish_confidence(disparity.plane(), invalid_disparity(range), calibrated,
+                                     confidence.expected.plane(), {0, size.height});
         in_parts(size.height, [&](Rows rows) {
-            steps().mask_confidence(disparity.plane(), invalid_disparity(range), confidence.found.plane(), rows);
+            steps().finish_confidence(disparity.plane(), invalid_disparity(range), calibrated, confidence.found.plane(),
+                                      rows);
         });
         ASSERT_TRUE(same(confidence.found, confidence.expected)) << "round " << round;
     }

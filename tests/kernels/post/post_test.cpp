@@ -3,6 +3,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "kernels/calibrated_confidence.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -264,11 +265,26 @@ TEST(Interpolate, EqualsASearchFromEveryPixel) {
     }
 }
 
-TEST(MaskConfidence, IsZeroExactlyWhereRejected) {
+TEST(FinishConfidence, IsZeroExactlyWhereRejected) {
     Image<std::int16_t> disparity(3, 1, {invalid, 0, 40});
     Image<std::uint8_t> confidence(3, 1, {200, 1, 255});
-    reference::mask_confidence(disparity.plane(), invalid, confidence.plane(), {0, 1});
+    reference::finish_confidence(disparity.plane(), invalid, false, confidence.plane(), {0, 1});
     EXPECT_EQ(confidence.pixels(), (std::vector<std::uint8_t>{0, 1, 255}));
+}
+
+// By hand: 161 at a ratio of 0 and 175 at 16, 205 at 80 and 214 at 96, 253 at 240 and 256.
+TEST(FinishConfidence, IsTheChanceThatTheRatioStandsForWhereCalibrated) {
+    Image<std::int16_t> disparity(7, 1, {invalid, 0, 0, 0, 0, 0, 0});
+    Image<std::uint8_t> confidence(7, 1, {200, 0, 16, 8, 1, 84, 255});
+    reference::finish_confidence(disparity.plane(), invalid, true, confidence.plane(), {0, 1});
+    EXPECT_EQ(confidence.pixels(), (std::vector<std::uint8_t>{0, 161, 175, 168, 162, 207, 253}));
+}
+
+TEST(FinishConfidence, AHigherRatioIsNeverALowerChance) {
+    for (int ratio = 1; ratio < 256; ++ratio) {
+        EXPECT_GE(calibrated_confidence(static_cast<std::uint8_t>(ratio)),
+                  calibrated_confidence(static_cast<std::uint8_t>(ratio - 1)));
+    }
 }
 
 std::uint16_t depth_of(std::int16_t disparity, DepthScale scale) {
