@@ -242,7 +242,8 @@ TEST_F(CudaPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
     const Disparities right(all.width(), all.height());
     for (int round = 0; round < (all_rounds ? 12 : 1); ++round) {
         const ToFinish from{all,     right, Image<std::uint8_t>(all.width(), all.height(), 9),
-                            {0, 16}, false, scale_at_an_edge(random, round)};
+                            {0, 16}, false, scale_at_an_edge(random, round),
+                            false};
         ASSERT_TRUE(finished(from) == expected_of(from)) << "k " << from.scale.k << ", offset " << from.scale.offset16;
     }
 }

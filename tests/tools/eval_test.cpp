@@ -160,6 +160,8 @@ std::vector<std::string> line_of(const std::string& text, const std::vector<std:
 }
 
 TEST_F(EvalTest, ConfidenceIsComparedWithWhatIsRight) {
+    make_scene(path("data/cones"));
+    make_scene(path("data/teddy"));
     const std::vector<std::string> arguments{"--confidence", "--halves", "3", path("data")};
     const Outcome text = run(DISPARITY_EVAL, arguments);
     ASSERT_EQ(text.exit_code, 0) << text.err;
