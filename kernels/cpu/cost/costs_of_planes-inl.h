@@ -9,6 +9,7 @@
 #endif
 
 #include <algorithm>
+#include <type_traits>
 
 #include "kernels/cpu/cost/census_planes-inl.h"
 #include "kernels/cpu/cost/cost_row-inl.h"
@@ -73,37 +74,51 @@ public:
     static constexpr int pixels_of_lines = at_once;
 
     CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const Row& out, const Averaged& with = {})
-        : geometry_(geometry), census_(census), out_(out), with_(with) {}
+        : width_(geometry.width),
+          bias_(static_cast<std::uint8_t>(geometry.cost_bias)),
+          left_pitch_(geometry.census.left_pitch),
+          right_pitch_(geometry.census.right_pitch),
+          right_part_(geometry.census.right_part),
+          census_(census),
+          out_(out),
+          with_(with) {}
 
     /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
     template <bool streaming, class Next>
     HWY_INLINE void between(int x, int end, Next next) const {
+        OwnMembers own = *this;
         for (; x + at_once <= end; x += at_once) {
             next();
-            pixels<at_once, streaming>(x);
+            own.template pixels<at_once, streaming>(x);
         }
         for (; x < end; ++x) {
-            pixels<1, streaming>(x);
+            own.template pixels<1, streaming>(x);
         }
     }
 
 private:
+    // Bytes that are stored could be part of any object whose address is known: what is to stay in registers is copied.
+    // Arm has registers for all members, others only for those of pixels().
+    using OwnMembers = std::conditional_t<HWY_ARCH_ARM != 0, const CostsOfPlanes, const CostsOfPlanes&>;
+
     template <int count, bool streaming>
     HWY_INLINE void pixels(int x) const {
         V cost[count][registers];
         count_bits<count>(x, cost);
+        const Averaged with = with_;
+        const Row out = out_;
         if constexpr (averages) {
             const std::ptrdiff_t at = Row::offset(x, 0);
             DISPARITYD_UNROLL
             for (int i = 0; i < count * registers; ++i) {
                 V& c = cost[i / registers][i % registers];
                 const std::ptrdiff_t of_register = at + i * static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
-                hn::Store(c, tag_, with_.keep_new + of_register);
-                const V other = hn::Load(tag_, with_.other + of_register);
-                c = hn::AverageRound(hn::AverageRound(other, c), hn::Load(tag_, with_.here + of_register));
+                hn::Store(c, tag_, with.keep_new + of_register);
+                const V other = hn::Load(tag_, with.other + of_register);
+                c = hn::AverageRound(hn::AverageRound(other, c), hn::Load(tag_, with.here + of_register));
             }
         }
-        out_.template store<streaming>(*cost, count * registers, x);
+        out.template store<streaming>(*cost, count * registers, x);
     }
 
     /// Pixels x .. x + count - 1. Candidate registers * lane + r of pixel x + i is entry
@@ -112,7 +127,7 @@ private:
     HWY_INLINE void count_bits(int x, V (&cost)[count][registers]) const {
         constexpr int sources = registers + count - 1;
         // Of pixel x + count - 1, register 0; unsigned, as that is divided with fewer instructions.
-        const auto entry = static_cast<unsigned>(geometry_.width - x - count);
+        const auto entry = static_cast<unsigned>(width_ - x - count);
         std::ptrdiff_t source[sources];
         DISPARITYD_UNROLL
         for (unsigned s = 0; s < sources; ++s) {
@@ -120,7 +135,7 @@ private:
         }
         DISPARITYD_UNROLL
         for (int i = 0; i < count; ++i) {
-            std::fill_n(cost[i], registers, hn::Set(tag_, static_cast<std::uint8_t>(geometry_.cost_bias)));
+            std::fill_n(cost[i], registers, hn::Set(tag_, bias_));
         }
         const std::uint8_t* left = census_.left + x;
         const std::uint8_t* right = census_.right;
@@ -153,17 +168,21 @@ private:
                     cost[i][r] = in_register(hn::Add(cost[i][r], differing));
                 }
             }
-            left += geometry_.census.left_pitch;
-            right += geometry_.census.right_pitch;
+            left += left_pitch_;
+            right += right_pitch_;
         }
     }
 
     std::ptrdiff_t part_entry(unsigned entry) const {
-        return static_cast<std::ptrdiff_t>(entry % registers) * geometry_.census.right_part + entry / registers;
+        return static_cast<std::ptrdiff_t>(entry % registers) * right_part_ + entry / registers;
     }
 
-    const Tag tag_{};
-    const MatchGeometry& geometry_;
+    Tag tag_{};
+    int width_;
+    std::uint8_t bias_;
+    std::ptrdiff_t left_pitch_;
+    std::ptrdiff_t right_pitch_;
+    std::ptrdiff_t right_part_;
     CensusRow census_;
     Row out_;
     Averaged with_;

@@ -10,9 +10,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "kernels/cpu/post/exchange_order.h"
 #include "kernels/cpu/post/median-inl.h"
 #include "kernels/cpu/simd/lanes-inl.h"
-#include "kernels/selection_network.h"
 #include "kernels/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -86,37 +86,77 @@ private:
     std::int16_t intensities_[ring][guided_median_columns + 2 * margin] = {};
 };
 
-template <std::size_t count, class V, std::size_t... i>
-HWY_INLINE V middle_of(V* values, std::index_sequence<i...>) {
-    (order(values[exchanges_for_median<count>[i].low], values[exchanges_for_median<count>[i].high]), ...);
-    return values[count / 2];
-}
+/// Where the samples of a vector of pixels begin, row by row.
+template <int radius>
+struct SampleRows {
+    static constexpr int side = 2 * radius + 1;
+    const std::int16_t* disparities[side];
+    const std::int16_t* intensities[side];
 
-/// The median of those that count, for the vector of pixels from column x of the samples on: the others are the least
-/// and the greatest number in turn, the least one first, so that the middle of all is the lower one of two in the
-/// middle. What it gives where the pixel itself is rejected is of no use.
-template <int radius, class Tag, class V = hn::Vec<Tag>>
-HWY_INLINE V guided_median_at(Tag tag, const GuidedSamples<radius>& samples, int x, int y) {
-    constexpr int side = 2 * radius + 1;
-    const V tolerance = hn::Set(tag, static_cast<std::int16_t>(guided_median_tolerance));
-    const V intensity = hn::LoadU(tag, samples.intensities(y) + x);
-    V filler = hn::Set(tag, std::int16_t{32767});
-    V values[side * side];
-    DISPARITYD_UNROLL
-    for (int i = 0; i < side; ++i) {
-        const std::int16_t* intensities = samples.intensities(y + i - radius) + x - radius;
-        const std::int16_t* disparities = samples.disparities(y + i - radius) + x - radius;
-        DISPARITYD_UNROLL
-        for (int j = 0; j < side; ++j) {
-            const V difference = hn::Abs(hn::Sub(hn::LoadU(tag, intensities + j), intensity));
-            const auto unlike = hn::Gt(difference, tolerance);
-            filler = hn::IfThenElse(unlike, hn::Not(filler), filler);
-            values[i * side + j] = hn::IfThenElse(unlike, filler, hn::LoadU(tag, disparities + j));
+    SampleRows(const GuidedSamples<radius>& samples, int y) {
+        for (int i = 0; i < side; ++i) {
+            disparities[i] = samples.disparities(y + i - radius) - radius;
+            intensities[i] = samples.intensities(y + i - radius) - radius;
         }
     }
-    constexpr std::size_t count = side * side;
-    return middle_of<count>(values, std::make_index_sequence<exchanges_for_median<count>.size()>());
-}
+};
+
+/// The median of those samples that count, for the vector of pixels from column x on: the others are the least and the
+/// greatest number in turn, the least one first, so that the middle of all is the lower one of two in the middle. What
+/// it gives where the pixel itself is rejected is of no use.
+template <int radius, class Tag>
+class GuidedMedian {
+    using V = hn::Vec<Tag>;
+    static constexpr int side = 2 * radius + 1;
+    static constexpr std::size_t count = side * side;
+    // Some registers hold what all samples are compared with, and what is worked out.
+    static constexpr std::size_t registers = many_registers ? 26 : 11;
+    static constexpr auto& steps = median_steps<count, registers>;
+
+public:
+    HWY_INLINE GuidedMedian(const SampleRows<radius>& rows, int x)
+        : rows_(rows), x_(x), intensity_(hn::LoadU(tag_, rows.intensities[radius] + radius + x)) {}
+
+    HWY_INLINE V value() { return value(std::make_index_sequence<steps.size()>()); }
+
+private:
+    template <std::size_t... i>
+    HWY_INLINE V value(std::index_sequence<i...>) {
+        (step<i>(), ...);
+        return values_[count / 2];
+    }
+
+    // A sample is looked at when it is first needed: so few wait at a time.
+    template <std::size_t i>
+    HWY_INLINE void step() {
+        constexpr ExchangeStep now = steps[i];
+        if constexpr (now.low_is_new) {
+            values_[now.exchange.low] = sample<now.exchange.low>();
+        }
+        if constexpr (now.high_is_new) {
+            values_[now.exchange.high] = sample<now.exchange.high>();
+        }
+        order(values_[now.exchange.low], values_[now.exchange.high]);
+    }
+
+    template <std::size_t place>
+    HWY_INLINE V sample() {
+        constexpr int row = static_cast<int>(place) / side;
+        constexpr int column = static_cast<int>(place) % side;
+        const V difference = hn::Abs(hn::Sub(hn::LoadU(tag_, rows_.intensities[row] + x_ + column), intensity_));
+        const auto unlike = hn::Gt(difference, tolerance_);
+        filler_ = hn::IfThenElse(unlike, hn::Not(filler_), filler_);
+        return hn::IfThenElse(unlike, filler_, hn::LoadU(tag_, rows_.disparities[row] + x_ + column));
+    }
+
+    Tag tag_{};
+    const SampleRows<radius>& rows_;
+    int x_;
+    V intensity_;
+    V tolerance_ = hn::Set(tag_, static_cast<std::int16_t>(guided_median_tolerance));
+    V filler_ = hn::Set(tag_, std::int16_t{32767});
+    V values_[count];
+};
 
 template <int radius>
 void guided_median_of_columns(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide, std::int16_t invalid_value,
@@ -127,10 +167,12 @@ void guided_median_of_columns(Plane<const std::int16_t> in, Plane<const std::uin
     GuidedSamples<radius> samples(in, guide, invalid_value, first, columns, rows.first);
     for (int y = rows.first; y < rows.last; ++y) {
         samples.move_to(y);
+        const SampleRows<radius> window(samples, y);
         std::int16_t* to = out.row(y) + first;
         for (int x = 0; x < columns; x += lanes) {
             const auto is_rejected = hn::Eq(hn::LoadU(tag, samples.disparities(y) + x), invalid);
-            const auto middle = hn::IfThenElse(is_rejected, invalid, guided_median_at(tag, samples, x, y));
+            const auto middle =
+                hn::IfThenElse(is_rejected, invalid, GuidedMedian<radius, decltype(tag)>(window, x).value());
             if (x + lanes <= columns) {
                 hn::StoreU(middle, tag, to + x);
             } else {

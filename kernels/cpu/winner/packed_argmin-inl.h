@@ -144,6 +144,7 @@ class PackedArgmin {
 public:
     explicit PackedArgmin(const MatchGeometry& geometry)
         : width_(geometry.width), range_(geometry.range), layout_(range_.count) {
+        std::copy_n(packed_tables<Tag, stride, bits, bias>.indices, candidates, indices_);
         std::fill_n(padding_, candidates, std::uint16_t{0});
         for (int k = range_.count; k < candidates; ++k) {
             padding_[Layout::of(k)] = no_key;
@@ -187,11 +188,10 @@ private:
     // scattered loads and stores beside vector operations. Pixels beyond the row have no keys.
     template <class Keys>
     HWY_INLINE void eight_pixels(const Keys& keys, int x, Right& right, Minima& minima) {
-        const auto& tables = packed_tables<Tag, stride, bits, bias>;
         V index[stride];
         DISPARITYD_UNROLL
         for (int q = 0; q < stride; ++q) {
-            index[q] = hn::Load(tag_, tables.indices + q * lanes);
+            index[q] = hn::Load(tag_, indices_ + q * lanes);
         }
         const bool padded = range_.count != candidates || x + 8 > width_;
         std::conditional_t<many_registers, Min8<Tag>, EightInMemory<Tag>> min_keys;
@@ -205,7 +205,8 @@ private:
                 key[q] = hn::Add(key[q], index[q]);
             }
             if (padded) {
-                const std::uint16_t* padding = x + i < width_ ? padding_ : tables.all_padding;
+                const std::uint16_t* padding =
+                    x + i < width_ ? padding_ : packed_tables<Tag, stride, bits, bias>.all_padding;
                 DISPARITYD_UNROLL
                 for (int q = 0; q < stride; ++q) {
                     key[q] = hn::Or(key[q], hn::Load(tag_, padding + q * lanes));
@@ -310,6 +311,7 @@ private:
     int width_;
     DisparityRange range_;
     Layout layout_;
+    alignas(64) std::uint16_t indices_[candidates];  // here they are a short way from the other members
     alignas(64) std::uint16_t padding_[candidates];  // no_key at the places past the last candidate, else 0
     alignas(64) std::uint16_t keys_[32 * candidates];
     std::uint16_t right_row_[Groups::blocks][right_size];
