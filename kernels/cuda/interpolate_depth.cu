@@ -74,6 +74,11 @@ __device__ std::int16_t middle(const InterpolateDepthJob& job, int x, int y) {
     return result;
 }
 
+__device__ int chance_at(const ConfidenceJob& job, int i) {
+    const std::uint64_t word = i < 8 ? job.first_chances : i < 16 ? job.next_chances : job.last_chances;
+    return static_cast<int>(word >> (8 * (i % 8)) & 255);
+}
+
 /// Step 13 for a pixel with a disparity, as calibrated_confidence().
 __device__ std::uint8_t confidence_of(const ConfidenceJob& job, std::uint8_t ratio) {
     if (!job.calibrated) {
@@ -81,7 +86,7 @@ __device__ std::uint8_t confidence_of(const ConfidenceJob& job, std::uint8_t rat
     }
     const int below = ratio / 16;
     const int part = ratio % 16;
-    return static_cast<std::uint8_t>((job.chance[below] * (16 - part) + job.chance[below + 1] * part + 8) / 16);
+    return static_cast<std::uint8_t>((chance_at(job, below) * (16 - part) + chance_at(job, below + 1) * part + 8) / 16);
 }
 
 __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {

@@ -161,16 +161,21 @@ struct DepthJob {
     int offset16;
 };
 
-/// What the confidence of a measured disparity depends on beside its ratio of costs.
+/// What the confidence of a measured disparity depends on beside its ratio of costs. The chances of
+/// kernels/calibrated_confidence.h lie in words, the first one in the lowest byte: an array with an index that is not
+/// known would be copied to the stack of each thread.
 struct ConfidenceJob {
     explicit ConfidenceJob(bool is_calibrated) : calibrated(is_calibrated) {
-        for (std::size_t i = 0; i < sizeof chance; ++i) {
-            chance[i] = chance_at_ratio[i];
+        for (std::size_t i = 0; i < chance_at_ratio.size(); ++i) {
+            std::uint64_t& word = i < 8 ? first_chances : i < 16 ? next_chances : last_chances;
+            word |= std::uint64_t{chance_at_ratio[i]} << (8 * (i % 8));
         }
     }
 
     bool calibrated;
-    std::uint8_t chance[chance_at_ratio.size()];  ///< chance_at_ratio, which device code cannot index
+    std::uint64_t first_chances = 0;
+    std::uint64_t next_chances = 0;
+    std::uint64_t last_chances = 0;
 };
 
 /// Steps 11 and 13.
