@@ -22,31 +22,37 @@ struct ExchangeStep {
 /// all of them. Here the next exchange is one whose values were used last: it is greedy, and simulates registers that
 /// lose the value which was not used for the longest time. For the median of 49 values and 12 registers 232 loads and
 /// stores are left of 762, and 78 of 350 with 28.
+///
+/// Plain arrays, because compilers count each call that they make at this time.
 template <std::size_t places, std::size_t size>
 class ExchangeOrder {
 public:
-    constexpr ExchangeOrder(const std::array<Exchange, size>& network, std::size_t registers)
-        : network_(network), registers_(registers) {
-        std::array<std::size_t, places> last{};
-        last.fill(none);
-        for (std::size_t i = 0; i < size; ++i) {
-            before_low_[i] = last[network[i].low];
-            before_high_[i] = last[network[i].high];
-            last[network[i].low] = last[network[i].high] = i;
+    constexpr ExchangeOrder(const std::array<Exchange, size>& network, std::size_t registers) : registers_(registers) {
+        for (std::size_t& next : next_) {
+            next = none;
         }
-        last_ = last;
+        for (std::size_t i = size; i-- > 0;) {
+            const Exchange& exchange = exchanges_[i] = network[i];
+            after_low_[i] = next_[exchange.low];
+            after_high_[i] = next_[exchange.high];
+            next_[exchange.low] = next_[exchange.high] = i;
+        }
     }
 
     constexpr std::array<ExchangeStep, size> steps() {
         std::array<ExchangeStep, size> result{};
         for (std::size_t now = 0; now < size; ++now) {
-            const std::size_t next = best();
-            const Exchange exchange = network_[next];
+            const std::size_t chosen = best();
+            const Exchange& exchange = exchanges_[chosen];
             result[now] = {exchange, used_[exchange.low] == 0, used_[exchange.high] == 0};
-            done_[next] = true;
-            take(exchange.low, now + 1, last_[exchange.low] == next);
-            take(exchange.high, now + 1, last_[exchange.high] == next);
-            lose_the_oldest();
+            take(exchange.low, now + 1, after_low_[chosen]);
+            take(exchange.high, now + 1, after_high_[chosen]);
+            if (count_ > registers_) {
+                lose_the_oldest();
+            }
+            if (count_ > registers_) {
+                lose_the_oldest();
+            }
         }
         return result;
     }
@@ -54,63 +60,61 @@ public:
 private:
     static constexpr std::size_t none = size;
 
-    constexpr bool ready(std::size_t i) const {
-        return !done_[i] && (before_low_[i] == none || done_[before_low_[i]]) &&
-               (before_high_[i] == none || done_[before_high_[i]]);
-    }
-
     /// More values that lie in registers come first, then more values that are not needed any more, then those used
     /// last.
-    constexpr std::size_t rank(std::size_t i) const {
+    constexpr std::size_t rank(std::size_t i, const Exchange& exchange) const {
         if (registers_ >= places) {
             return 0;  // the order of the network: its neighbours do not wait for each other
         }
-        const auto [low, high] = network_[i];
-        const std::size_t held = (held_[low] ? 1 : 0) + (held_[high] ? 1 : 0);
-        const std::size_t ends = (last_[low] == i ? 1 : 0) + (last_[high] == i ? 1 : 0);
-        return (held * 3 + ends) * (2 * size + 1) + used_[low] + used_[high];
+        const std::size_t held = (held_[exchange.low] ? 1 : 0) + (held_[exchange.high] ? 1 : 0);
+        const std::size_t ends = (after_low_[i] == none ? 1 : 0) + (after_high_[i] == none ? 1 : 0);
+        return (held * 3 + ends) * (2 * size + 1) + used_[exchange.low] + used_[exchange.high];
     }
 
+    /// The first one of the highest rank, of those that come next at both of their places.
     constexpr std::size_t best() const {
         std::size_t found = none;
-        std::size_t rank_of_found = 0;
-        for (std::size_t i = 0; i < size; ++i) {
-            if (ready(i) && (found == none || rank(i) > rank_of_found)) {
+        std::size_t highest = 0;
+        for (std::size_t place = 0; place < places; ++place) {
+            const std::size_t i = next_[place];
+            if (i == none || exchanges_[i].low != place || next_[exchanges_[i].high] != i) {
+                continue;
+            }
+            const std::size_t ranked = rank(i, exchanges_[i]);
+            if (found == none || ranked > highest || (ranked == highest && i < found)) {
                 found = i;
-                rank_of_found = rank(i);
+                highest = ranked;
             }
         }
         return found;
     }
 
-    constexpr void take(std::size_t place, std::size_t now, bool for_the_last_time) {
+    constexpr void take(std::size_t place, std::size_t now, std::size_t next) {
         used_[place] = now;
+        next_[place] = next;
         count_ -= held_[place] ? 1 : 0;
-        held_[place] = !for_the_last_time;
+        held_[place] = next != none;
         count_ += held_[place] ? 1 : 0;
     }
 
     constexpr void lose_the_oldest() {
-        while (count_ > registers_) {
-            std::size_t oldest = none;
-            for (std::size_t place = 0; place < places; ++place) {
-                if (held_[place] && (oldest == none || used_[place] < used_[oldest])) {
-                    oldest = place;
-                }
+        std::size_t oldest = places;
+        for (std::size_t place = 0; place < places; ++place) {
+            if (held_[place] && (oldest == places || used_[place] < used_[oldest])) {
+                oldest = place;
             }
-            held_[oldest] = false;
-            --count_;
         }
+        held_[oldest] = false;
+        --count_;
     }
 
-    const std::array<Exchange, size>& network_;
     std::size_t registers_;
-    std::array<std::size_t, size> before_low_{};  ///< the exchange that has the same place before, or none
-    std::array<std::size_t, size> before_high_{};
-    std::array<std::size_t, places> last_{};  ///< the last exchange of a place
-    std::array<bool, size> done_{};
-    std::array<std::size_t, places> used_{};  ///< when, counted from 1
-    std::array<bool, places> held_{};
+    Exchange exchanges_[size] = {};
+    std::size_t after_low_[size] = {};  ///< the exchange that has the same place next, or none
+    std::size_t after_high_[size] = {};
+    std::size_t next_[places] = {};  ///< of a place, the first exchange that was not taken
+    std::size_t used_[places] = {};  ///< when, counted from 1
+    bool held_[places] = {};
     std::size_t count_ = 0;
 };
 
