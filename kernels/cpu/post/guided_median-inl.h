@@ -8,7 +8,6 @@
 #endif
 
 #include <algorithm>
-#include <utility>
 
 #include "kernels/cpu/post/exchange_order.h"
 #include "kernels/cpu/post/median-inl.h"
@@ -117,13 +116,21 @@ public:
     HWY_INLINE GuidedMedian(const SampleRows<radius>& rows, int x)
         : rows_(rows), x_(x), intensity_(hn::LoadU(tag_, rows.intensities[radius] + radius + x)) {}
 
-    HWY_INLINE V value() { return value(std::make_index_sequence<steps.size()>()); }
+    HWY_INLINE V value() {
+        run<0, steps.size()>();
+        return values_[count / 2];
+    }
 
 private:
-    template <std::size_t... i>
-    HWY_INLINE V value(std::index_sequence<i...>) {
-        (step<i>(), ...);
-        return values_[count / 2];
+    // By halves: clang folds no more than 256 expressions into one.
+    template <std::size_t first, std::size_t size>
+    HWY_INLINE void run() {
+        if constexpr (size == 1) {
+            step<first>();
+        } else {
+            run<first, size / 2>();
+            run<first + size / 2, size - size / 2>();
+        }
     }
 
     // A sample is looked at when it is first needed: so few wait at a time.
