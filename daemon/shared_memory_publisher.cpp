@@ -15,7 +15,7 @@ namespace {
 constexpr std::chrono::milliseconds heartbeat_interval{250};
 
 /// So many readers are woken by the thread that publishes, which takes some 20 us each: so none of them waits for a
-/// thread that is busy elsewhere. The pipeline does not pay for more.
+/// thread that is busy elsewhere. Another thread wakes the rest.
 constexpr int woken_at_once = 32;
 
 proto::ShmLayout to_shm(const StreamLayout& layout) {

@@ -172,14 +172,10 @@ ShmReader::Result ShmReader::borrow(FrameInfo& frame, BorrowedSlot& borrowed, st
     borrowed = {};
     const Take look = [&](const ShmSlot& slot, const ReadCheck& check) {
         copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
-        borrowed.slot = &slot;
-        borrowed.check.emplace(check);
+        borrowed = {memory_, view_, &slot, check};
     };
     const Result result = wait_and_take(look, timeout);
-    if (result == Result::frame) {
-        borrowed.memory = memory_;
-        borrowed.view = view_;
-    } else {
+    if (result != Result::frame) {
         borrowed = {};
     }
     return result;

@@ -28,7 +28,8 @@ struct BorrowedSlot {
 };
 
 /// Reads shared memory for a client: maps /disparityd.<name> read-only, waits for frames and copies them out whole, or
-/// says where they lie. A reader has no effect on the writer. One thread at a time per object.
+/// says where they lie. A reader writes nothing; one that waits costs the writer its waking up. One thread at a time
+/// per object.
 class ShmReader {
 public:
     struct Options {

@@ -241,6 +241,7 @@ int disparity_shared_memory_borrow(disparity_shared_memory* reader, disparity_fr
     return guarded<int>(DISPARITY_ERROR, [&] {
         disparity::SharedMemoryReader& shared = given(reader, "reader").reader;
         given(frame, "frame").is_borrowed = true;
+        frame->copied.planes.clear();
         return code(shared.borrow(frame->borrowed, std::chrono::milliseconds(timeout_ms)), shared.why_gone());
     });
 }

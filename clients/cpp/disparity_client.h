@@ -125,7 +125,8 @@ DISPARITY_API disparity_shared_memory* disparity_shared_memory_open_with(const c
 /** Ends the reader; its frames stay. NULL is allowed. */
 DISPARITY_API void disparity_shared_memory_close(disparity_shared_memory* reader);
 
-/** Copies the newest frame not read before, waiting at most timeout_ms. Only the given products are copied; count 0 =
+/** Copies the newest frame not read before, waiting at most timeout_ms. `frame` is valid only when the result is
+ * DISPARITY_FRAME. Only the given products are copied; count 0 =
  * all. Returns DISPARITY_GONE at once when the daemon stops, and within 3 s when it dies. The calls after it wait for a
  * new daemon under the name, and return DISPARITY_GONE again when none has come in time: a program that keeps reading
  * survives a restart of the daemon. */
@@ -133,9 +134,11 @@ DISPARITY_API int disparity_shared_memory_read(disparity_shared_memory* reader, 
                                                const uint32_t* products, size_t count);
 
 /** The same without a copy: the planes of `frame` then lie in the shared memory, and it has all that the daemon serves.
- * The daemon never waits: after as many more frames as its ring has slots ([shared_memory] slots) it writes another
- * frame there. So compute from the planes, then ask disparity_frame_is_whole(), and use the result only if it is. The
- * memory stays mapped until the frame is read into again or freed, even after the reader is closed. */
+ * It gives up what it held before, whatever the result.
+ * The daemon never waits: the frame stays for one frame less than the ring has slots ([shared_memory] slots), then the
+ * daemon writes another one over it. So compute from the planes, then ask disparity_frame_is_whole(), and use the
+ * result only if it is. The memory stays mapped until the frame is read into again or freed, even after the reader is
+ * closed. */
 DISPARITY_API int disparity_shared_memory_borrow(disparity_shared_memory* reader, disparity_frame* frame,
                                                  int timeout_ms);
 

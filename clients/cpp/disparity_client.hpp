@@ -4,10 +4,10 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -79,6 +79,25 @@ struct DISPARITY_API Frame : FrameInfo {
     const PlaneData* plane(Product product) const;
 };
 
+/// Bytes in memory that belongs to somebody else.
+class BorrowedBytes {
+public:
+    /// None.
+    BorrowedBytes() = default;
+    /// `size` bytes from `data` on.
+    BorrowedBytes(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+
+    const std::uint8_t* data() const { return data_; }                 ///< the first one
+    std::size_t size() const { return size_; }                         ///< how many there are
+    const std::uint8_t* begin() const { return data_; }                ///< the first one
+    const std::uint8_t* end() const { return data_ + size_; }          ///< behind the last one
+    std::uint8_t operator[](std::size_t i) const { return data_[i]; }  ///< byte i, below size()
+
+private:
+    const std::uint8_t* data_ = nullptr;
+    std::size_t size_ = 0;
+};
+
 /// One plane of a borrowed frame: rows follow each other without gaps, little endian.
 struct BorrowedPlane {
     Product product{};                  ///< what the plane holds
@@ -86,13 +105,13 @@ struct BorrowedPlane {
     std::uint32_t height = 0;           ///< px
     std::uint32_t bytes_per_pixel = 0;  ///< all channels together
     /// width * height * bytes_per_pixel, in the shared memory: read-only, mapped as long as the frame is.
-    std::span<const std::uint8_t> bytes;
+    BorrowedBytes bytes;
 };
 
-/// A frame where it lies in the shared memory; its planes are not copied. The daemon never waits: after as many more
-/// frames as its ring has slots ([shared_memory] slots) it writes another frame there. So compute from the planes, then
-/// ask whole(), and use the result only if it is. The memory stays mapped until the object borrows again or ends, even
-/// after its reader or the daemon has.
+/// A frame where it lies in the shared memory; its planes are not copied. The daemon never waits: the frame stays for
+/// one frame less than the ring has slots ([shared_memory] slots), then the daemon writes another one over it. So
+/// compute from the planes, then ask whole(), and use the result only if it is. The memory stays mapped until the
+/// object borrows again or ends, even after its reader or the daemon has.
 class DISPARITY_API BorrowedFrame : public FrameInfo {
 public:
     /// Holds no frame.

@@ -110,5 +110,14 @@ TEST(Backends, RefuseImpossibleSizes) {
     }
 }
 
+TEST(Options, OnlySgmHasCalibratedConfidences) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        MatchOptions options = default_options(method);
+        EXPECT_FALSE(calibrates_confidence(options));
+        options.sgm.calibrated_confidence = true;
+        EXPECT_EQ(calibrates_confidence(options), method == Method::sgm);
+    }
+}
+
 }  // namespace
 }  // namespace disparityd

@@ -3,8 +3,10 @@
 
 python_check.py ADDRESS NAME-OF-SHARED-MEMORY. Exit status 77: a Python module is missing, said on stderr.
 """
+import copy
 import gc
 import os
+import pickle
 import resource
 import sys
 import time
@@ -179,6 +181,10 @@ def print_borrowed(name):
         assert reader.borrow(timeout=0) is None
     print_frame("borrowed", frame)
     assert frame.whole()
+    for copied in (frame.copy(), copy.deepcopy(frame), pickle.loads(pickle.dumps(frame))):
+        assert copied.whole() and copied.sequence == frame.sequence and sorted(copied.planes) == sorted(frame.planes)
+        assert all(np.array_equal(copied.planes[product], frame.planes[product]) for product in frame.planes)
+        assert copied.confidence.flags.writeable
     plane = frame.confidence
     assert not plane.flags.writeable and not plane.flags.owndata
     before = plane.tobytes()

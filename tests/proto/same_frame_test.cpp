@@ -5,9 +5,9 @@
 #include <concepts>
 #include <cstdio>
 #include <map>
-#include <span>
 #include <sstream>
 
+#include <disparity_client.h>
 #include <disparity_client.hpp>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -27,7 +27,8 @@ namespace {
 
 constexpr std::uint64_t sequence = 123456789;
 
-std::uint64_t fnv1a(std::span<const std::uint8_t> bytes) {
+template <typename Bytes>
+std::uint64_t fnv1a(const Bytes& bytes) {
     std::uint64_t hash = 0xcbf29ce484222325ULL;
     for (const std::uint8_t byte : bytes) {
         hash = (hash ^ byte) * 0x100000001b3ULL;
@@ -186,6 +187,33 @@ TEST_F(SameFrame, ABorrowedFrameOutlivesItsReader) {
     EXPECT_EQ(pattern::check_plane(sequence, 2, {plane->bytes.begin(), plane->bytes.end()}), "");
     EXPECT_EQ(moved.plane(disparity::Product::depth), nullptr);
     EXPECT_TRUE(moved.whole());
+}
+
+TEST_F(SameFrame, ABorrowedFrameSaysWhenItWasWrittenOver) {
+    disparity::SharedMemoryReader reader(name_);
+    disparity::BorrowedFrame frame;
+    ASSERT_EQ(reader.borrow(frame, 20s), disparity::ReadResult::frame);
+    disparity_shared_memory* c_reader = disparity_shared_memory_open(name_.c_str());
+    disparity_frame* c_frame = disparity_frame_new();
+    ASSERT_EQ(disparity_shared_memory_borrow(c_reader, c_frame, 20000), DISPARITY_FRAME);
+    EXPECT_TRUE(frame.whole());
+    EXPECT_EQ(disparity_frame_is_whole(c_frame), 1);
+    pattern::Source source(layout_);
+    for (std::uint64_t later = 1; later <= 4; ++later) {  // as many as there are slots
+        writer_.publish(pattern::head(sequence + later, layout_), source.make(sequence + later));
+    }
+    EXPECT_FALSE(frame.whole());
+    EXPECT_EQ(disparity_frame_is_whole(c_frame), 0);
+
+    // What a frame held before it was borrowed into is gone, and the other way round.
+    ASSERT_EQ(disparity_shared_memory_read(c_reader, c_frame, 20000, nullptr, 0), DISPARITY_FRAME);
+    EXPECT_EQ(disparity_frame_is_whole(c_frame), 1);
+    EXPECT_EQ(disparity_shared_memory_borrow(c_reader, c_frame, 0), DISPARITY_TIMEOUT);
+    EXPECT_EQ(disparity_shared_memory_read(c_reader, c_frame, 0, nullptr, 0), DISPARITY_TIMEOUT);
+    disparity_plane plane;
+    EXPECT_EQ(disparity_frame_plane_at(c_frame, 0, &plane), 0);
+    disparity_frame_free(c_frame);
+    disparity_shared_memory_close(c_reader);
 }
 
 TEST_F(SameFrame, CReadsTheSame) {

@@ -356,7 +356,7 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
         ->allow_extra_args(false)
         ->type_name("NAME");
-    program.add_flag(
+    auto* opencv = program.add_flag(
         "--opencv", arguments.opencv,
         "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY), and count the scenes won: ours at most "
         "the best of OpenCV, both as --fair has them");
@@ -369,15 +369,18 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
         "disparities, all methods, whole pixels, rejected pixels filled");
     fair->excludes(paper);
-    program
-        .add_flag("--fractions", arguments.fractions,
-                  "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number")
-        ->excludes(paper);
+    auto* fractions = program.add_flag(
+        "--fractions", arguments.fractions,
+        "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number");
+    fractions->excludes(paper);
     program
         .add_flag("--confidence", arguments.confidence,
                   "how often pixels of each confidence are right (off by at most 1 px), instead; of each half with "
                   "--halves")
-        ->excludes(paper);
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes(opencv);
     program
         .add_option(
             "--scale", arguments.scale,
@@ -400,7 +403,8 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
     program.add_flag("--json", arguments.json,
                      "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
-                     "means, won, halves, noise");
+                     "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
+                     "sparsification_area, weight and right (256 numbers each)");
     program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
     arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
 }

@@ -50,6 +50,7 @@ std::vector<std::string> measure(const Arguments& arguments, Way way, int reader
         all.handover_ns.insert(all.handover_ns.end(), seen.handover_ns.begin(), seen.handover_ns.end());
         all.missed += seen.missed;
         all.torn += seen.torn;
+        all.untimed += seen.untimed;
     }
     if (all.handover_ns.empty()) {
         throw std::runtime_error("no frame came in " + tools::fixed(arguments.seconds.value_or(10), 1) +
@@ -62,12 +63,14 @@ std::vector<std::string> measure(const Arguments& arguments, Way way, int reader
             milliseconds_at(all.handover_ns, 0.5),
             milliseconds_at(all.handover_ns, 0.99),
             milliseconds_at(all.handover_ns, 1),
+            std::to_string(all.untimed),
             std::to_string(all.missed),
             way == Way::borrow ? std::to_string(all.torn) : "-"};
 }
 
 int print_handover(const Arguments& arguments) {
-    tools::Table table({"way", "readers", "frames", "p50 ms", "p99 ms", "max ms", "missed", "written over"});
+    tools::Table table(
+        {"way", "readers", "frames", "p50 ms", "p99 ms", "max ms", "not timed", "missed", "written over"});
     std::vector<Way> ways{Way::copy, Way::borrow};
     if (!arguments.address.empty()) {
         ways.push_back(Way::socket);
@@ -96,6 +99,7 @@ int main(int argc, char** argv) {
         "Example: disparityd --source scene:vga@100 & disparity-handover --socket unix:/run/disparityd/socket\n"
         "Each reader is a process of its own. It reads all products and adds up the depth. The daemon needs a live\n"
         "source (a camera, or a scene): frames of a recording have the times of their day.\n"
+        "not timed: frames of the socket of which the shared memory did not say when they were published.\n"
         "missed: frames that the readers did not see. written over: borrowed frames that the daemon overwrote before\n"
         "their depth was added up.\n"
         "Exit status: 0 done; 1 the system or the daemon refused; 2 arguments must be changed.");

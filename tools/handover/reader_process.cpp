@@ -6,7 +6,7 @@
 #include <cstring>
 #include <ctime>
 #include <exception>
-#include <span>
+#include <map>
 #include <stdexcept>
 #include <system_error>
 
@@ -30,11 +30,11 @@ std::int64_t monotonic_now_ns() {
 }
 
 /// What a client does at least with a frame: it reads each depth once.
-std::uint64_t sum_of(std::span<const std::uint8_t> bytes) {
+std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t size) {
     std::uint64_t sum = 0;
-    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    for (std::size_t i = 0; i + 1 < size; i += 2) {
         std::uint16_t depth = 0;
-        std::memcpy(&depth, &bytes[i], 2);
+        std::memcpy(&depth, bytes + i, 2);
         sum += depth;
     }
     return sum;
@@ -51,41 +51,57 @@ void check(disparity::ReadResult result, const std::string& why_gone) {
     }
 }
 
-/// Reads until the time is over. `read` returns whether there was a frame, and `use` works with it.
+/// When a frame came and when it had been published; 0 where there was no frame, or where that is not known.
+struct Arrival {
+    std::int64_t came_ns = 0;
+    std::int64_t published_ns = 0;
+};
+
+/// Reads until the time is over. `read` gives arrivals, and `use` works with the frame.
 template <typename AnyFrame, typename Read, typename Use>
-void read_frames(const ReaderOptions& options, Seen& seen, AnyFrame& frame, Read read, Use use) {
+void read_frames(const ReaderOptions& options, Seen& seen, const AnyFrame& frame, Read read, Use use) {
     const auto end = Clock::now() + std::chrono::duration<double>(options.seconds);
     bool first = true;
     while (Clock::now() < end) {
-        const std::int64_t published_ns = read();
-        if (published_ns == 0) {
+        const Arrival arrival = read();
+        if (arrival.came_ns == 0) {
             continue;
         }
-        const std::int64_t now = monotonic_now_ns();
         // The first one had been published before this reader came.
         if (!first) {
-            seen.handover_ns.push_back(now - published_ns);
             seen.missed += frame.missed;
+            if (arrival.published_ns != 0) {
+                seen.handover_ns.push_back(arrival.came_ns - arrival.published_ns);
+            } else {
+                ++seen.untimed;
+            }
         }
         first = false;
         use();
     }
 }
 
+template <typename AnyFrame>
+void add_up_depth(const AnyFrame& frame) {
+    if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
+        keep(sum_of(depth->bytes.data(), depth->bytes.size()));
+    }
+}
+
+std::int64_t published_ns(const disparity::FrameInfo& of_shared_memory) {
+    return of_shared_memory.monotonic_ns + of_shared_memory.age_ns;
+}
+
 Seen read_copies(const ReaderOptions& options) {
     Seen seen;
     disparity::Frame frame;
     disparity::SharedMemoryReader reader(options.name);
-    const auto read = [&]() -> std::int64_t {
+    const auto read = [&]() -> Arrival {
         const disparity::ReadResult result = reader.read(frame, 500ms);
         check(result, reader.why_gone());
-        return result == disparity::ReadResult::frame ? frame.monotonic_ns + frame.age_ns : 0;
+        return result == disparity::ReadResult::frame ? Arrival{monotonic_now_ns(), published_ns(frame)} : Arrival{};
     };
-    read_frames(options, seen, frame, read, [&] {
-        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
-            keep(sum_of(depth->bytes));
-        }
-    });
+    read_frames(options, seen, frame, read, [&] { add_up_depth(frame); });
     return seen;
 }
 
@@ -93,46 +109,68 @@ Seen read_borrowed(const ReaderOptions& options) {
     Seen seen;
     disparity::BorrowedFrame frame;
     disparity::SharedMemoryReader reader(options.name);
-    const auto read = [&]() -> std::int64_t {
+    const auto read = [&]() -> Arrival {
         const disparity::ReadResult result = reader.borrow(frame, 500ms);
         check(result, reader.why_gone());
-        return result == disparity::ReadResult::frame ? frame.monotonic_ns + frame.age_ns : 0;
+        return result == disparity::ReadResult::frame ? Arrival{monotonic_now_ns(), published_ns(frame)} : Arrival{};
     };
     read_frames(options, seen, frame, read, [&] {
-        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
-            keep(sum_of(depth->bytes));
-        }
+        add_up_depth(frame);
         seen.torn += frame.whole() ? 0U : 1U;
     });
     return seen;
 }
 
+/// A frame of the socket says when it was sent; the shared memory says when the same frame was published.
+class PublishTimes {
+public:
+    explicit PublishTimes(const std::string& name) : reader_(name) {}
+
+    /// Waits for a first frame, and returns what it carries.
+    std::vector<disparity::Product> products() {
+        disparity::ReadResult result = disparity::ReadResult::timeout;
+        while (result != disparity::ReadResult::frame) {
+            result = reader_.borrow(newest_, 500ms);
+            check(result, reader_.why_gone());
+        }
+        std::vector<disparity::Product> found;
+        for (const disparity::BorrowedPlane& plane : newest_.planes) {
+            found.push_back(plane.product);
+        }
+        return found;
+    }
+
+    /// 0 where a newer frame was published before this was asked for the one before it.
+    std::int64_t of(std::uint64_t publish_index) {
+        while (reader_.borrow(newest_, 0ms) == disparity::ReadResult::frame) {
+            times_[newest_.publish_index] = published_ns(newest_);
+        }
+        times_.erase(times_.begin(), times_.lower_bound(publish_index));
+        const auto found = times_.find(publish_index);
+        return found == times_.end() ? 0 : found->second;
+    }
+
+private:
+    disparity::SharedMemoryReader reader_;
+    disparity::BorrowedFrame newest_;
+    std::map<std::uint64_t, std::int64_t> times_;
+};
+
 Seen read_socket(const ReaderOptions& options) {
     Seen seen;
     disparity::Frame frame;
+    PublishTimes times(options.name);
     disparity::SocketClient client(options.address, "disparity-handover");
     disparity::Subscription subscription;
-    subscription.products = {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth,
-                             disparity::Product::left};
+    subscription.products = times.products();
     client.subscribe(subscription);
-    // A frame of the socket says when it was sent; the shared memory says when the same frame was published.
-    disparity::SharedMemoryReader memory(options.name);
-    disparity::BorrowedFrame published;
-    const auto read = [&]() -> std::int64_t {
+    const auto read = [&]() -> Arrival {
         const disparity::ReadResult result = client.read(frame, 500ms);
+        const std::int64_t now = monotonic_now_ns();
         check(result, client.why_gone());
-        if (result != disparity::ReadResult::frame) {
-            return 0;
-        }
-        check(memory.borrow(published, 0ms), memory.why_gone());
-        const bool same = published.whole() && published.publish_index == frame.publish_index;
-        return same ? published.monotonic_ns + published.age_ns : 0;
+        return result == disparity::ReadResult::frame ? Arrival{now, times.of(frame.publish_index)} : Arrival{};
     };
-    read_frames(options, seen, frame, read, [&] {
-        if (const auto* depth = frame.plane(disparity::Product::depth); depth != nullptr) {
-            keep(sum_of(depth->bytes));
-        }
-    });
+    read_frames(options, seen, frame, read, [&] { add_up_depth(frame); });
     return seen;
 }
 
@@ -178,7 +216,7 @@ bool read_all(int from, void* data, std::size_t bytes) {
 }
 
 void send(int to, const Seen& seen) {
-    const std::uint64_t head[3] = {seen.handover_ns.size(), seen.missed, seen.torn};
+    const std::uint64_t head[4] = {seen.handover_ns.size(), seen.missed, seen.torn, seen.untimed};
     write_all(to, head, sizeof head);
     write_all(to, seen.handover_ns.data(), seen.handover_ns.size() * sizeof(std::int64_t));
 }
@@ -221,13 +259,14 @@ ReaderProcess::~ReaderProcess() {
 
 Seen ReaderProcess::wait() {
     Seen seen;
-    std::uint64_t head[3] = {};
+    std::uint64_t head[4] = {};
     bool whole = read_all(results_, head, sizeof head);
     if (whole) {
         seen.handover_ns.resize(head[0]);
         whole = read_all(results_, seen.handover_ns.data(), head[0] * sizeof(std::int64_t));
         seen.missed = head[1];
         seen.torn = head[2];
+        seen.untimed = head[3];
     }
     int status = 0;
     while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {

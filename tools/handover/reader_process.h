@@ -23,6 +23,7 @@ struct ReaderOptions {
 struct Seen {
     std::vector<std::int64_t> handover_ns;  ///< from publishing to the return of the read, one for each frame
     std::uint64_t missed = 0;               ///< frames that the reader did not see
+    std::uint64_t untimed = 0;              ///< frames of which nothing says when they were published
     std::uint64_t torn = 0;                 ///< borrowed frames that were written over before their depth was added up
 };
 

@@ -98,6 +98,18 @@ class Frame:
     # Asks the library whether a borrowed frame is whole; None: the frame was copied.
     _is_whole: object = dataclasses.field(default=None, repr=False, compare=False)
 
+    def copy(self):
+        """Returns a frame with planes of its own. Of a borrowed one: ask whole() of this one afterwards."""
+        planes = {product: plane.copy() for product, plane in self.planes.items()}
+        return dataclasses.replace(self, planes=planes, _is_whole=None)
+
+    def __deepcopy__(self, memo):
+        return self.copy()
+
+    def __reduce__(self):
+        numbers = {name: getattr(self, name) for name, _ in C_FIELDS}
+        return _remade, (numbers, {product: plane.copy() for product, plane in self.planes.items()})
+
     def whole(self):
         """Returns whether all that was read from the planes until now belongs to this frame: always for a copied
         frame, and for a borrowed one until the daemon writes over it; then never again."""
@@ -163,6 +175,11 @@ class Frame:
         x = np.arange(width, dtype=np.float32) + np.float32(self.region_x - self.cx)
         y = np.arange(height, dtype=np.float32)[:, None] + np.float32(self.region_y - self.cy)
         return np.stack([x * z / np.float32(self.f), y * z / np.float32(self.f), z], axis=-1)
+
+
+def _remade(numbers, planes):
+    """Makes a frame that was pickled."""
+    return Frame(**numbers, planes=planes)
 
 
 # The name and C type of each number, in the order of disparity_frame_info.

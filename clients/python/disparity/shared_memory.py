@@ -137,9 +137,10 @@ class SharedMemoryReader(FrameSource):
     def borrow(self, timeout=None):
         """Does the same without a copy: the arrays of the frame lie in the shared memory and are read-only.
 
-        The daemon never waits: after as many more frames as its ring has slots ([shared_memory] slots) it writes
-        another frame there. So compute from the arrays, then ask frame.whole(), and use the result only if it is True.
-        The memory stays mapped as long as the frame or one of its arrays exists.
+        The daemon never waits: the frame stays for one frame less than the ring has slots ([shared_memory] slots), then
+        the daemon writes another one over it. So compute from the arrays, then ask frame.whole(), and use the result
+        only if it is True. frame.copy() is a copy. The memory stays mapped as long as the frame or one of its arrays
+        exists.
         """
         self._check_open()
         lent = _LentFrame(self._library)
@@ -214,13 +215,15 @@ class _LentFrame:
     """A frame of the library, freed when nothing refers to it any more."""
 
     def __init__(self, library):
+        self.handle = None
         self._library = library
         self.handle = library.disparity_frame_new()
         if not self.handle:
             raise MemoryError("no memory for a frame")
 
     def __del__(self):
-        self._library.disparity_frame_free(self.handle)
+        if self.handle:
+            self._library.disparity_frame_free(self.handle)
 
     def is_whole(self):
         return self._library.disparity_frame_is_whole(self.handle) == 1

@@ -34,8 +34,8 @@ struct ReliabilityBin {
 /// Returns 16 bins: confidences 1 to 15, 16 to 31, ... 240 to 255.
 std::vector<ReliabilityBin> reliability_bins(const Reliability& counted);
 
-/// The mean of |says - is| over all pixels, each taken with its own confidence's share of right pixels in bins of 16
-/// (expected calibration error). 0 to 1; NaN without pixels.
+/// The mean of |says - is| over the bins, each with the weight of its share (expected calibration error). 0 to 1; NaN
+/// without pixels.
 double calibration_error(const Reliability& counted);
 
 /// What is lost by ordering pixels by confidence instead of by their true error: the share of wrong pixels among those

@@ -12,10 +12,11 @@
 namespace disparityd::eval {
 
 void print_reliability(const std::vector<NamedReliability>& all, bool markdown, std::ostream& to) {
-    std::vector<std::string> head{"confidence", "says %"};
+    std::vector<std::string> head{"confidence"};
     std::vector<std::vector<ReliabilityBin>> bins;
     for (const NamedReliability& one : all) {
         head.push_back(one.name + ": pixels %");
+        head.push_back("says %");
         head.push_back("right %");
         bins.push_back(reliability_bins(one.counted));
     }
@@ -25,20 +26,19 @@ void print_reliability(const std::vector<NamedReliability>& all, bool markdown, 
             continue;
         }
         const ReliabilityBin& bin = bins.front()[i];
-        std::vector<std::string> line{std::to_string(bin.first) + " to " + std::to_string(bin.last),
-                                      tools::fixed((bin.first + bin.last) / 5.1, 1)};
+        std::vector<std::string> line{std::to_string(bin.first) + " to " + std::to_string(bin.last)};
         for (const auto& of_one : bins) {
             line.push_back(figure_text(100 * of_one[i].share, 2));
+            line.push_back(figure_text(100 * of_one[i].says, 1));
             line.push_back(figure_text(100 * of_one[i].is, 1));
         }
         table.add(line);
     }
     for (const auto& [title, figure] : {std::pair("calibration error, %", &calibration_error),
                                         std::pair("sparsification area, %", &sparsification_area)}) {
-        std::vector<std::string> line{title, ""};
+        std::vector<std::string> line{title};
         for (const NamedReliability& one : all) {
-            line.push_back("");
-            line.push_back(figure_text(100 * figure(one.counted), 2));
+            line.insert(line.end(), {"", "", figure_text(100 * figure(one.counted), 2)});
         }
         table.add(line);
     }
