@@ -17,8 +17,9 @@ struct NamedReliability {
     Reliability counted;
 };
 
-/// A table of the bins that have pixels, with three columns for each matcher: share of the pixels, what their confidence
-/// says on average, and share of the right ones, all in percent; below it calibration error and sparsification area.
+/// A table of the bins that have pixels, with three columns for each matcher: share of the pixels, what their
+/// confidence says on average, and share of the right ones, all in percent; below it calibration error and
+/// sparsification area.
 void print_reliability(const std::vector<NamedReliability>& all, bool markdown, std::ostream& to);
 
 /// Returns a list of objects: name, calibration_error, sparsification_area, weight (256 numbers) and right (256).
