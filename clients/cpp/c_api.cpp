@@ -5,6 +5,7 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <variant>
 
 #include "clients/cpp/disparity_client.h"
 #include "clients/cpp/disparity_client.hpp"
@@ -23,19 +24,7 @@ struct disparity_socket {
 };
 
 struct disparity_frame {
-    disparity::Frame copied;
-    disparity::BorrowedFrame borrowed;
-    bool is_borrowed = false;
-
-    const disparity::FrameInfo& info() const {
-        return is_borrowed ? static_cast<const disparity::FrameInfo&>(borrowed) : copied;
-    }
-
-    /// Calls with the planes that it has.
-    template <class Call>
-    auto with_planes(Call&& call) const {
-        return is_borrowed ? call(borrowed) : call(copied);
-    }
+    std::variant<disparity::Frame, disparity::BorrowedFrame> frame;
 };
 
 namespace {
@@ -84,14 +73,14 @@ T& given(T* object, const char* what) {
     return *object;
 }
 
-/// Lets go of the memory that the frame may have borrowed.
-disparity::Frame& to_copy_to(disparity_frame* frame) {
-    disparity_frame& to = given(frame, "frame");
-    if (to.is_borrowed) {
-        to.borrowed = {};
-        to.is_borrowed = false;
+/// Makes it a frame of this kind; one of the other kind gives up what it holds.
+template <class Kind>
+Kind& as(disparity_frame* frame) {
+    auto& held = given(frame, "frame").frame;
+    if (!std::holds_alternative<Kind>(held)) {
+        held = Kind();  // never without a value: neither kind throws when it is moved
     }
-    return to.copied;
+    return std::get<Kind>(held);
 }
 
 int code(disparity::ReadResult result, const std::string& why_gone) {
@@ -174,13 +163,15 @@ void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info
     if (frame == nullptr || info == nullptr) {
         return;
     }
-    const disparity::FrameInfo& from = frame->info();
     disparity_frame_info all{};
-    disparityd::proto::copy_frame_fields(all, from);
-    all.missed = from.missed;
-    all.region_x = from.region_x;
-    all.region_y = from.region_y;
-    all.plane_count = frame->with_planes([](const auto& has) { return static_cast<std::uint32_t>(has.planes.size()); });
+    const auto fill = [&all](const auto& from) {
+        disparityd::proto::copy_frame_fields(all, from);
+        all.missed = from.missed;
+        all.region_x = from.region_x;
+        all.region_y = from.region_y;
+        all.plane_count = static_cast<std::uint32_t>(from.planes.size());
+    };
+    std::visit(fill, frame->frame);
     std::memcpy(info, &all, std::min(info_bytes, sizeof all));
 }
 
@@ -188,20 +179,26 @@ int disparity_frame_get_plane(const disparity_frame* frame, uint32_t product, di
     if (frame == nullptr) {
         return 0;
     }
-    return frame->with_planes(
-        [&](const auto& has) { return describe(has.plane(static_cast<disparity::Product>(product)), plane); });
+    return std::visit(
+        [&](const auto& has) { return describe(has.plane(static_cast<disparity::Product>(product)), plane); },
+        frame->frame);
 }
 
 int disparity_frame_plane_at(const disparity_frame* frame, uint32_t index, disparity_plane* plane) {
     if (frame == nullptr) {
         return 0;
     }
-    return frame->with_planes(
-        [&](const auto& has) { return index < has.planes.size() ? describe(&has.planes[index], plane) : 0; });
+    return std::visit(
+        [&](const auto& has) { return index < has.planes.size() ? describe(&has.planes[index], plane) : 0; },
+        frame->frame);
 }
 
 int disparity_frame_is_whole(const disparity_frame* frame) {
-    return frame != nullptr && (!frame->is_borrowed || frame->borrowed.whole()) ? 1 : 0;
+    if (frame == nullptr) {
+        return 0;
+    }
+    const auto* borrowed = std::get_if<disparity::BorrowedFrame>(&frame->frame);
+    return borrowed == nullptr || borrowed->whole() ? 1 : 0;
 }
 
 disparity_shared_memory* disparity_shared_memory_open(const char* name) {
@@ -233,16 +230,16 @@ int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_fram
         for (size_t i = 0; i < count; ++i) {
             wanted.push_back(static_cast<disparity::Product>(products[i]));
         }
-        return code(shared.read(to_copy_to(frame), std::chrono::milliseconds(timeout_ms), wanted), shared.why_gone());
+        return code(shared.read(as<disparity::Frame>(frame), std::chrono::milliseconds(timeout_ms), wanted),
+                    shared.why_gone());
     });
 }
 
 int disparity_shared_memory_borrow(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms) {
     return guarded<int>(DISPARITY_ERROR, [&] {
         disparity::SharedMemoryReader& shared = given(reader, "reader").reader;
-        given(frame, "frame").is_borrowed = true;
-        frame->copied.planes.clear();
-        return code(shared.borrow(frame->borrowed, std::chrono::milliseconds(timeout_ms)), shared.why_gone());
+        return code(shared.borrow(as<disparity::BorrowedFrame>(frame), std::chrono::milliseconds(timeout_ms)),
+                    shared.why_gone());
     });
 }
 
@@ -292,7 +289,7 @@ int disparity_socket_subscribe(disparity_socket* client, const disparity_subscri
 int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms) {
     return guarded<int>(DISPARITY_ERROR, [&] {
         disparity::SocketClient& from = given(client, "client").client;
-        return code(from.read(to_copy_to(frame), std::chrono::milliseconds(timeout_ms)), from.why_gone());
+        return code(from.read(as<disparity::Frame>(frame), std::chrono::milliseconds(timeout_ms)), from.why_gone());
     });
 }
 

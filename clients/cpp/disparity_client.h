@@ -126,10 +126,9 @@ DISPARITY_API disparity_shared_memory* disparity_shared_memory_open_with(const c
 DISPARITY_API void disparity_shared_memory_close(disparity_shared_memory* reader);
 
 /** Copies the newest frame not read before, waiting at most timeout_ms. `frame` is valid only when the result is
- * DISPARITY_FRAME. Only the given products are copied; count 0 =
- * all. Returns DISPARITY_GONE at once when the daemon stops, and within 3 s when it dies. The calls after it wait for a
- * new daemon under the name, and return DISPARITY_GONE again when none has come in time: a program that keeps reading
- * survives a restart of the daemon. */
+ * DISPARITY_FRAME. Only the given products are copied; count 0 = all. Returns DISPARITY_GONE at once when the daemon
+ * stops, and within 3 s when it dies. The calls after it wait for a new daemon under the name, and return
+ * DISPARITY_GONE again when none has come in time: a program that keeps reading survives a restart of the daemon. */
 DISPARITY_API int disparity_shared_memory_read(disparity_shared_memory* reader, disparity_frame* frame, int timeout_ms,
                                                const uint32_t* products, size_t count);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/frame_reader.h"
 
-#include <ctime>
 #include <stdexcept>
 #include <utility>
+
+#include "proto/monotonic_clock.h"
 
 namespace disparityd::tools {
 namespace {
@@ -47,12 +48,6 @@ private:
     bool local_;
 };
 
-std::int64_t monotonic_now_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
-
 }  // namespace
 
 std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<Product>& products) {
@@ -76,7 +71,7 @@ std::int64_t age_ns(const Frame& frame, bool local) {
     // A replayed frame has the time of its recording, and a port of this machine may lead to another machine: this
     // clock counts only where it agrees with the age that the daemon sent.
     constexpr std::int64_t plausible_ns = 5'000'000'000;
-    const std::int64_t by_our_clock = monotonic_now_ns() - frame.monotonic_ns;
+    const std::int64_t by_our_clock = proto::monotonic_ns() - frame.monotonic_ns;
     const std::int64_t on_the_way = by_our_clock - frame.age_ns;
     return local && on_the_way >= 0 && on_the_way < plausible_ns ? by_our_clock : frame.age_ns;
 }

@@ -302,12 +302,12 @@ void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments)
 }
 
 void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments) {
-    const std::vector<Row>& rows = evaluation.rows();
-    const Summary summary = evaluation.summary();
     if (arguments.confidence) {
         print_reliability(evaluation.reliability(), arguments.markdown, std::cout);
         return;
     }
+    const std::vector<Row>& rows = evaluation.rows();
+    const Summary summary = evaluation.summary();
     if (arguments.fractions) {
         print_subpixel_table(evaluation.subpixel_rows(), arguments.markdown, std::cout);
     } else if (arguments.paper) {

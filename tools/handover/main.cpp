@@ -80,11 +80,7 @@ int print_handover(const Arguments& arguments) {
             table.add(measure(arguments, way, readers));
         }
     }
-    if (arguments.markdown) {
-        table.print_markdown(std::cout);
-    } else {
-        table.print(std::cout);
-    }
+    arguments.markdown ? table.print_markdown(std::cout) : table.print(std::cout);
     return tools::exit_done;
 }
 

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <ctime>
 #include <exception>
 #include <map>
 #include <stdexcept>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "clients/cpp/disparity_client.hpp"
+#include "proto/monotonic_clock.h"
 #include "tools/command_line/program.h"
 
 namespace disparityd::handover {
@@ -22,12 +22,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
-
-std::int64_t monotonic_now_ns() {
-    timespec now{};
-    ::clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 /// What a client does at least with a frame: it reads each depth once.
 std::uint64_t sum_of(const std::uint8_t* bytes, std::size_t size) {
@@ -92,16 +86,21 @@ std::int64_t published_ns(const disparity::FrameInfo& of_shared_memory) {
     return of_shared_memory.monotonic_ns + of_shared_memory.age_ns;
 }
 
+/// Of a frame that `reader` may have given.
+Arrival arrival(disparity::ReadResult result, const disparity::SharedMemoryReader& reader,
+                const disparity::FrameInfo& frame) {
+    const std::int64_t now = proto::monotonic_ns();
+    check(result, reader.why_gone());
+    return result == disparity::ReadResult::frame ? Arrival{now, published_ns(frame)} : Arrival{};
+}
+
 Seen read_copies(const ReaderOptions& options) {
     Seen seen;
     disparity::Frame frame;
     disparity::SharedMemoryReader reader(options.name);
-    const auto read = [&]() -> Arrival {
-        const disparity::ReadResult result = reader.read(frame, 500ms);
-        check(result, reader.why_gone());
-        return result == disparity::ReadResult::frame ? Arrival{monotonic_now_ns(), published_ns(frame)} : Arrival{};
-    };
-    read_frames(options, seen, frame, read, [&] { add_up_depth(frame); });
+    read_frames(
+        options, seen, frame, [&] { return arrival(reader.read(frame, 500ms), reader, frame); },
+        [&] { add_up_depth(frame); });
     return seen;
 }
 
@@ -109,15 +108,12 @@ Seen read_borrowed(const ReaderOptions& options) {
     Seen seen;
     disparity::BorrowedFrame frame;
     disparity::SharedMemoryReader reader(options.name);
-    const auto read = [&]() -> Arrival {
-        const disparity::ReadResult result = reader.borrow(frame, 500ms);
-        check(result, reader.why_gone());
-        return result == disparity::ReadResult::frame ? Arrival{monotonic_now_ns(), published_ns(frame)} : Arrival{};
-    };
-    read_frames(options, seen, frame, read, [&] {
+    const auto use = [&] {
         add_up_depth(frame);
         seen.torn += frame.whole() ? 0U : 1U;
-    });
+    };
+    read_frames(
+        options, seen, frame, [&] { return arrival(reader.borrow(frame, 500ms), reader, frame); }, use);
     return seen;
 }
 
@@ -166,7 +162,7 @@ Seen read_socket(const ReaderOptions& options) {
     client.subscribe(subscription);
     const auto read = [&]() -> Arrival {
         const disparity::ReadResult result = client.read(frame, 500ms);
-        const std::int64_t now = monotonic_now_ns();
+        const std::int64_t now = proto::monotonic_ns();
         check(result, client.why_gone());
         return result == disparity::ReadResult::frame ? Arrival{now, times.of(frame.publish_index)} : Arrival{};
     };

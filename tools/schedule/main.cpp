@@ -80,11 +80,7 @@ int print_schedule(const Arguments& arguments) {
                    tools::fixed(one / simulated, 2), tools::fixed(100 * one / simulated / workers, 0),
                    tools::fixed(volume_gigabytes(frame) / (simulated * 1e-6), 0)});
     }
-    if (arguments.markdown) {
-        table.print_markdown(std::cout);
-    } else {
-        table.print(std::cout);
-    }
+    arguments.markdown ? table.print_markdown(std::cout) : table.print(std::cout);
     return tools::exit_done;
 }
 

@@ -47,10 +47,7 @@ public:
             result[now] = {exchange, used_[exchange.low] == 0, used_[exchange.high] == 0};
             take(exchange.low, now + 1, after_low_[chosen]);
             take(exchange.high, now + 1, after_high_[chosen]);
-            if (count_ > registers_) {
-                lose_the_oldest();
-            }
-            if (count_ > registers_) {
+            while (count_ > registers_) {
                 lose_the_oldest();
             }
         }

@@ -42,11 +42,7 @@ void print_reliability(const std::vector<NamedReliability>& all, bool markdown, 
         }
         table.add(line);
     }
-    if (markdown) {
-        table.print_markdown(to);
-    } else {
-        table.print(to);
-    }
+    markdown ? table.print_markdown(to) : table.print(to);
 }
 
 nlohmann::ordered_json reliability_json(const std::vector<NamedReliability>& all) {
