@@ -32,8 +32,20 @@ class Trouble(Exception):
 
 def run(command, **options):
     """subprocess.run() in a session of its own, all of which ends when this program is interrupted."""
-    with subprocess.Popen(command, start_new_session=True, **options) as process:
+    # An interrupt that came before Popen has returned would leave the program running, with nobody who knows it.
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, (signal.SIGINT, signal.SIGTERM))
+
+    def listen_again():
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+    try:
+        process = subprocess.Popen(command, start_new_session=True, preexec_fn=listen_again, **options)
+    except BaseException:
+        listen_again()
+        raise
+    with process:
         try:
+            listen_again()
             output, _ = process.communicate()
         except BaseException:
             with contextlib.suppress(ProcessLookupError):
