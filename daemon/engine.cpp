@@ -15,6 +15,7 @@
 #include "daemon/huge_pages.h"
 #include "daemon/log.h"
 #include "daemon/product_planes.h"
+#include "daemon/scan_record.h"
 #include "daemon/sensor_message.h"
 #include "proto/text.h"
 
@@ -96,14 +97,24 @@ StreamLayout make_layout(const Config& config, const calibration::Rectification&
     geometry.width = to_u32(rectification.width);
     geometry.height = to_u32(rectification.height);
     layout.products = configured_products(config);
+    layout.scan_sectors = to_u32(config.scan.options.sectors);
     return layout;
+}
+
+std::optional<ScanOptions> scan_options(const Config& config) {
+    if (!config.scan.enabled) {
+        return std::nullopt;
+    }
+    ScanOptions options = config.scan.options;
+    options.subpixel_error_px = config.match.subpixel_error_px;
+    return options;
 }
 
 pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
     const bool newest_wins =
         config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
     return {newest_wins ? pipeline::Policy::live : pipeline::Policy::replay, config.pipeline.slots, config.match.depth,
-            config.rectify.colour};
+            config.rectify.colour, scan_options(config)};
 }
 
 }  // namespace
@@ -201,12 +212,20 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     first_frame_ = false;
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
-        frame.planes[i] = product_plane(slot.view, layout_.products[i]);
+        const v1::Product product = layout_.products[i];
+        frame.planes[i] = product == v1::SCAN ? scan_plane(slot) : product_plane(slot.view, product);
     }
     sink_(frame);
     if (self_calibrator_) {
         self_calibrator_->offer(slot);
     }
+}
+
+/// Returns the bytes of a frame's scan, valid until the next call. Called by the publish thread.
+Plane<const std::uint8_t> Engine::scan_plane(const pipeline::FrameSlot& slot) {
+    put_scan(slot.scan, config_.scan.options, scan_bytes_);
+    const int size = static_cast<int>(scan_bytes_.size());
+    return {scan_bytes_.data(), size, 1, size};
 }
 
 /// Called by the publish thread. Only it writes geometry_, so it reads it without the lock.

@@ -95,6 +95,7 @@ public:
 private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
+    Plane<const std::uint8_t> scan_plane(const pipeline::FrameSlot& slot);
     void make_self_calibrator();
     void note_rectification(const calibration::Rectification& used);
     void fill_self_calibration(v1::Status& status) const;
@@ -116,6 +117,7 @@ private:
     bool stopped_ = false;          ///< of the thread that calls stop()
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
     bool first_frame_ = true;
+    std::vector<std::uint8_t> scan_bytes_;  ///< of the frame that is being published
     std::atomic<std::int64_t> last_activity_ns_{0};
     bool memory_checked_ = false;  ///< of the thread that calls check_memory()
     mutable std::mutex mutex_;     ///< the two below

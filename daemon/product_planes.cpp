@@ -20,10 +20,15 @@ Plane<const std::uint8_t> bytes_of(const FrameView& view) {
     return {reinterpret_cast<const std::uint8_t*>(plane.data), plane.width * size, plane.height, plane.stride * size};
 }
 
+/// A record is made of a frame by the engine.
+Plane<const std::uint8_t> no_plane(const FrameView& /*view*/) {
+    return {};
+}
+
 /// In the order of proto::products.
-constexpr std::array planes{&bytes_of<&FrameView::disparity>, &bytes_of<&FrameView::confidence>,
-                            &bytes_of<&FrameView::depth>, &bytes_of<&FrameView::left>,
-                            &bytes_of<&FrameView::left_colour>};
+constexpr std::array planes{&bytes_of<&FrameView::disparity>,   &bytes_of<&FrameView::confidence>,
+                            &bytes_of<&FrameView::depth>,       &bytes_of<&FrameView::left>,
+                            &bytes_of<&FrameView::left_colour>, &no_plane};
 static_assert(planes.size() == proto::products.size(), "a product has no plane");
 
 bool is_on(const Config& config, std::string_view key_name) {

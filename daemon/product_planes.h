@@ -16,7 +16,7 @@ namespace disparityd::daemon {
 std::vector<v1::Product> configured_products(const Config& config);
 
 /// The plane of a product as bytes: width and stride are counted in bytes. A view of what `view` shows. An empty plane
-/// where the frame does not have it. Throws std::out_of_range for a number that is no product's.
+/// where the frame does not have it, and for a record. Throws std::out_of_range for a number that is no product's.
 Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product);
 
 }  // namespace disparityd::daemon

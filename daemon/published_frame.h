@@ -11,15 +11,11 @@
 #include "kernels/image.h"
 #include "proto/frame_message.h"
 #include "proto/products.h"
+#include "proto/scan.h"
 
 namespace disparityd::daemon {
 
 inline constexpr std::size_t product_count = proto::products.size();
-
-/// Returns the bytes of one pixel of a product. Throws std::out_of_range for a number that is no product's.
-constexpr std::uint32_t product_bytes(v1::Product product) {
-    return proto::product_info(product).bytes_per_pixel;
-}
 
 /// Bit of a product in a set of products.
 constexpr std::uint32_t product_bit(v1::Product product) {
@@ -31,7 +27,30 @@ struct StreamLayout {
     proto::FrameInfo geometry{};        ///< its geometry fields; those of a single frame are 0
     std::vector<v1::Product> products;  ///< in the order of their numbers
     std::string shared_memory;          ///< name of the object, empty when off
+    std::uint32_t scan_sectors = 0;     ///< of the product SCAN
 };
+
+/// The size of a product's plane. A record is a row of bytes.
+struct ProductShape {
+    std::uint32_t width;
+    std::uint32_t height;
+    std::uint32_t bytes_per_pixel;
+
+    std::size_t bytes() const { return std::size_t{width} * height * bytes_per_pixel; }
+};
+
+constexpr bool is_record(v1::Product product) {
+    return proto::product_info(product).bytes_per_pixel == 0;
+}
+
+/// Returns the size of a product's plane in the frames of a layout. Throws std::out_of_range for a number that is no
+/// product's.
+inline ProductShape product_shape(const StreamLayout& layout, v1::Product product) {
+    if (is_record(product)) {
+        return {static_cast<std::uint32_t>(proto::scan_bytes(layout.scan_sectors)), 1, 1};
+    }
+    return {layout.geometry.width, layout.geometry.height, proto::product_info(product).bytes_per_pixel};
+}
 
 /// One finished frame on its way to the publishers: a view, valid during the call it is passed to.
 struct PublishedFrame {

@@ -23,7 +23,10 @@ proto::ShmLayout to_shm(const StreamLayout& layout) {
     shm.width = layout.geometry.width;
     shm.height = layout.geometry.height;
     for (const v1::Product product : layout.products) {
-        shm.planes.push_back({static_cast<std::uint32_t>(product), product_bytes(product)});
+        const ProductShape shape = product_shape(layout, product);
+        const auto number = static_cast<std::uint32_t>(product);
+        shm.planes.push_back(is_record(product) ? proto::ShmLayout::Plane{number, 0, shape.bytes()}
+                                                : proto::ShmLayout::Plane{number, shape.bytes_per_pixel, 0});
     }
     return shm;
 }
@@ -65,7 +68,8 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
 }
 
 void SharedMemoryPublisher::relayout(const StreamLayout& layout) {
-    const bool same = layout.products == layout_.products && layout.geometry.width == layout_.geometry.width &&
+    const bool same = layout.products == layout_.products && layout.scan_sectors == layout_.scan_sectors &&
+                      layout.geometry.width == layout_.geometry.width &&
                       layout.geometry.height == layout_.geometry.height;
     if (!same) {
         writer_.relayout(to_shm(layout));

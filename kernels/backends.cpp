@@ -4,12 +4,14 @@
 #include <string>
 
 #include "kernels/cpu/backend.h"
+#include "kernels/cpu/step_kernels.h"
 #ifdef DISPARITYD_WITH_CUDA
 #include "kernels/cuda/backend.h"
 #endif
 #include "kernels/fallback_matcher.h"
 #include "kernels/matcher.h"
 #include "kernels/reference/steps.h"
+#include "kernels/scan/obstacle_scanner.h"
 #include "kernels/step_matcher.h"
 
 namespace disparityd {
@@ -70,6 +72,10 @@ std::string available_names() {
 }
 
 }  // namespace
+
+const FrameSteps& fastest_frame_steps() {
+    return cpu::available() ? cpu::frame_steps(cpu::instruction_sets().front().target) : reference::steps.frame;
+}
 
 std::span<const Backend> backends() {
     return table;

@@ -11,6 +11,7 @@
 #include "kernels/options.h"
 #include "kernels/parallel.h"
 #include "kernels/raw_image.h"
+#include "kernels/scan/scan_counts.h"
 
 namespace disparityd {
 
@@ -74,6 +75,8 @@ struct FrameSteps {
     /// Step 13.
     void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
                   Plane<std::uint16_t> depth, Rows rows);
+    /// Step 14, of a finished image.
+    scan::CountPixels* scan_counts;
 };
 
 /// A cost of CENSUS and SGM.

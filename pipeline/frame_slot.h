@@ -9,6 +9,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/matcher.h"
+#include "kernels/scan/scan.h"
 #include "pipeline/aligned_buffer.h"
 
 namespace disparityd::pipeline {
@@ -29,6 +30,7 @@ public:
     std::shared_ptr<const calibration::Rectification> rectification;  ///< the maps of this frame
     Rectifier rectifier;                                              ///< views of `rectification`
     FrameView view;                    ///< the planes of this slot, for the matcher and the sink
+    Scan scan;                         ///< for the sink; no sectors where none is made
     std::uint64_t dropped_before = 0;  ///< frames that source or pipeline lost since the previous published frame
 
     std::chrono::steady_clock::time_point captured;    ///< when the capture stage got it

@@ -50,7 +50,7 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
       matcher_(matcher),
       workers_(workers),
       sink_(std::move(sink)),
-      times_(static_cast<std::size_t>(steps_of(matcher)) + 3),
+      times_(static_cast<std::size_t>(steps_of(matcher)) + (config.scan ? 4 : 3)),
       heartbeats_(matcher.stages().size() + 2),
       finished_(heartbeats_.size()),
       free_slots_(std::make_unique<FreeSlots>(static_cast<std::size_t>(config.slots))) {
@@ -59,6 +59,11 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
     for (const StageInfo& stage : matcher.stages()) {
         first_step_.push_back(step_names_.size());
         step_names_.insert(step_names_.end(), stage.steps.begin(), stage.steps.end());
+    }
+    if (config.scan) {
+        step_names_.emplace_back("scan");
+        scanner_ = std::make_unique<ObstacleScanner>(matcher.config().width, matcher.config().height, *config.scan,
+                                                     fastest_frame_steps());
     }
     // Live: one waiting frame keeps a stage busy; more would only be older.
     const auto capacity = config.policy == Policy::live ? 1U : static_cast<std::size_t>(config.slots);
@@ -69,6 +74,9 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         slots_.push_back(std::make_unique<FrameSlot>(matcher, FrameSlot::Products{config.depth, config.left_colour},
                                                      step_names_.size()));
         slots_.back()->view.rectifier = &slots_.back()->rectifier;
+        if (scanner_) {
+            slots_.back()->scan = scanner_->empty_scan();
+        }
         free_slots_->put_back(slots_.back().get());
     }
     capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
@@ -264,6 +272,7 @@ void Pipeline::publish_loop() {
     name_this_thread(thread_name(thread));
     while (FrameSlot* slot = queues_.back()->take(heartbeats_[thread])) {
         if (!failed_.load(std::memory_order_relaxed)) {
+            make_scan(*slot);
             publish(*slot);
         }
         free_slots_->put_finished(slot);
@@ -274,6 +283,18 @@ void Pipeline::publish_loop() {
         ended_ = true;
     }
     ended_changed_.notify_all();
+}
+
+void Pipeline::make_scan(FrameSlot& slot) {
+    if (!scanner_) {
+        return;
+    }
+    const auto start = steady_clock::now();
+    const calibration::Rectification& used = *slot.rectification;
+    scanner_->scan({slot.view.disparity, slot.view.confidence},
+                   {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan);
+    slot.step_times.back() = steady_clock::now() - start;
+    times_[step_names_.size() - 1].record(slot.step_times.back());
 }
 
 void Pipeline::publish(const FrameSlot& slot) {

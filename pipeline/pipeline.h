@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -18,6 +19,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/matcher.h"
+#include "kernels/scan/obstacle_scanner.h"
 #include "pipeline/frame_slot.h"
 #include "pipeline/heartbeat.h"
 #include "pipeline/histogram.h"
@@ -39,9 +41,10 @@ enum class Policy {
 
 struct PipelineConfig {
     Policy policy = Policy::replay;
-    int slots = 4;             ///< frames in flight, 2 .. 32
-    bool depth = true;         ///< compute depth
-    bool left_colour = false;  ///< also rectify the left image in colour
+    int slots = 4;                                   ///< frames in flight, 2 .. 32
+    bool depth = true;                               ///< compute depth
+    bool left_colour = false;                        ///< also rectify the left image in colour
+    std::optional<ScanOptions> scan = std::nullopt;  ///< also make an obstacle scan, in the publish thread
 };
 
 /// Counters since the start.
@@ -58,7 +61,7 @@ struct PipelineStatus {
         std::string name;
         HistogramSummary time;  ///< microseconds
     };
-    std::vector<Step> steps;  ///< "capture" (waiting excluded), then the matcher's, then "publish" and "total"
+    std::vector<Step> steps;  ///< those of Pipeline::steps() ("capture" without waiting), then "publish" and "total"
 };
 
 /// Takes frames from a source through a matcher to a sink: one thread per stage, a lock-free queue in front of each.
@@ -97,7 +100,8 @@ public:
     /// Returns a snapshot. Any thread.
     PipelineStatus status() const;
 
-    /// Returns the names of the times in FrameSlot::step_times: "capture", then the matcher's steps in order.
+    /// Returns the names of the times in FrameSlot::step_times: "capture", the matcher's steps in order, then "scan"
+    /// where one is made.
     const std::vector<std::string>& steps() const;
 
     /// Returns the name of a stage thread whose last heartbeat is older than `limit`; empty when there is none. A
@@ -122,6 +126,7 @@ private:
     void stage_loop(std::size_t stage);
     void work(std::size_t stage, FrameSlot& slot);
     void publish_loop();
+    void make_scan(FrameSlot& slot);
     void publish(const FrameSlot& slot);
 
     const std::unique_ptr<RectificationSchedule> own_rectifications_;  ///< where the caller has one rectification only
@@ -131,6 +136,7 @@ private:
     WorkerPool& workers_;
     const Sink sink_;
 
+    std::unique_ptr<ObstacleScanner> scanner_;  ///< null where no scan is made
     std::vector<std::string> step_names_;
     std::vector<std::size_t> first_step_;      ///< per matcher stage, an index of step_names_
     std::vector<Histogram> times_;             ///< per step, then "publish" and "total"

@@ -15,8 +15,9 @@ namespace disparityd::proto {
 
 struct ProductInfo {
     v1::Product number;
-    std::string_view name;          ///< as Python's Frame has it
-    std::uint32_t bytes_per_pixel;  ///< all channels together
+    std::string_view name;  ///< as Python's Frame has it
+    /// All channels together; 0: a record that is no image. Its plane is one row of bytes, whatever the region.
+    std::uint32_t bytes_per_pixel;
     /// The key of the daemon's configuration that switches it on, "section.name"; empty: the daemon always makes it.
     std::string_view config_key;
 };
@@ -28,6 +29,7 @@ inline constexpr auto products = std::to_array<ProductInfo>({
     {v1::DEPTH, "depth", 2, "match.depth"},
     {v1::LEFT, "left", 1, ""},
     {v1::LEFT_COLOUR, "left_colour", 3, "rectify.colour"},
+    {v1::SCAN, "scan", 0, "scan.enabled"},
 });
 
 /// Throws std::out_of_range for a number that is no product's.

@@ -14,15 +14,17 @@
 namespace disparityd::proto {
 
 inline constexpr std::uint64_t shm_magic = 0x3159545241505344ULL;  // "DSPARTY1"
+/// Version 2 has at least one record; all else is version 1, which every reader knows.
 inline constexpr std::uint32_t shm_version = 1;
+inline constexpr std::uint32_t shm_version_with_records = 2;
 inline constexpr std::uint32_t shm_max_planes = 8;
 
 /// Values equal those of Product in disparity.proto.
 struct ShmPlane {
     std::uint32_t product;
-    std::uint32_t bytes_per_pixel;
-    std::uint64_t offset;  ///< from the start of a slot's payload
-    std::uint64_t bytes;   ///< dense: width * height * bytes_per_pixel
+    std::uint32_t bytes_per_pixel;  ///< 0: a record, no image
+    std::uint64_t offset;           ///< from the start of a slot's payload
+    std::uint64_t bytes;            ///< dense: width * height * bytes_per_pixel, or those of the record
 };
 
 struct ShmHeader {

@@ -14,6 +14,8 @@ constexpr std::uint64_t alignment = 64;
 constexpr std::uint32_t max_side = 16384;
 constexpr std::uint32_t max_slots = 64;
 constexpr std::uint32_t max_bytes_per_pixel = 8;
+/// As a client of the socket sees a record: a row of so many pixels of one byte at most.
+constexpr std::uint64_t max_record_bytes = 16384;
 
 std::uint64_t round_up(std::uint64_t value) {
     return (value + alignment - 1) / alignment * alignment;
@@ -44,13 +46,16 @@ std::string check_counts(const ShmView& view) {
         wrong = out_of_range("plane count", view.plane_count, 0, shm_max_planes);
     }
     for (std::uint32_t i = 0; wrong.empty() && i < view.plane_count; ++i) {
-        wrong = out_of_range("bytes per pixel", view.planes[i].bytes_per_pixel, 1, max_bytes_per_pixel);
+        const ShmPlane& plane = view.planes[i];
+        wrong = is_record(plane) ? out_of_range("record bytes", plane.bytes, 1, max_record_bytes)
+                                 : out_of_range("bytes per pixel", plane.bytes_per_pixel, 1, max_bytes_per_pixel);
     }
     return wrong;
 }
 
 std::uint64_t plane_bytes(const ShmView& view, const ShmPlane& plane) {
-    return std::uint64_t{view.width} * view.height * plane.bytes_per_pixel;
+    const PlaneShape shape = shape_of(view, plane);
+    return std::uint64_t{shape.width} * shape.height * shape.bytes_per_pixel;
 }
 
 /// Whether everything that the offsets reach lies inside the object. No sum in it can overflow.
@@ -94,8 +99,10 @@ std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, Sh
         shm_magic) {
         return "was not made by disparityd";
     }
-    if (const std::uint32_t version = load(header.version); version != shm_version) {
+    if (const std::uint32_t version = load(header.version);
+        version != shm_version && version != shm_version_with_records) {
         return "has layout version " + std::to_string(version) + ", this program knows " + std::to_string(shm_version) +
+               " and " + std::to_string(shm_version_with_records) +
                ": use the client library that came with the daemon";
     }
     view.total_bytes = load(header.total_bytes);

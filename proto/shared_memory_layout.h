@@ -23,6 +23,22 @@ struct ShmView {
     std::array<ShmPlane, shm_max_planes> planes{};
 };
 
+/// A plane as clients see it: a record is a row of bytes.
+struct PlaneShape {
+    std::uint32_t width;
+    std::uint32_t height;
+    std::uint32_t bytes_per_pixel;
+};
+
+inline bool is_record(const ShmPlane& plane) {
+    return plane.bytes_per_pixel == 0;
+}
+
+inline PlaneShape shape_of(const ShmView& view, const ShmPlane& plane) {
+    return is_record(plane) ? PlaneShape{static_cast<std::uint32_t>(plane.bytes), 1, 1}
+                            : PlaneShape{view.width, view.height, plane.bytes_per_pixel};
+}
+
 /// Returns the POSIX name "/disparityd.<name>". Throws std::invalid_argument for a name that is empty, longer than 64
 /// characters or has characters other than A-Z a-z 0-9 . _ -
 std::string shm_object_name(const std::string& name);
@@ -31,9 +47,9 @@ std::string shm_object_name(const std::string& name);
 /// mapped. Returns an empty string when the header can be used, otherwise what is wrong, without the object's name.
 std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, ShmView& view);
 
-/// Computes offsets and sizes of slots and planes. The caller has set product and bytes_per_pixel of each plane,
-/// plane_count, width, height and slot_count. Throws std::invalid_argument when they are outside the limits of
-/// check_header().
+/// Computes offsets and sizes of slots and planes. The caller has set product and bytes_per_pixel of each plane, bytes
+/// of each record, plane_count, width, height and slot_count. Throws std::invalid_argument when they are outside the
+/// limits of check_header().
 void lay_out(ShmView& view);
 
 inline const ShmSlot& slot_at(const ShmHeader& header, const ShmView& view, std::uint64_t index) {

@@ -132,6 +132,7 @@ ShmView view_of(const ShmLayout& layout, std::uint32_t slot_count) {
     for (std::size_t i = 0; i < layout.planes.size(); ++i) {
         view.planes[i].product = layout.planes[i].product;
         view.planes[i].bytes_per_pixel = layout.planes[i].bytes_per_pixel;
+        view.planes[i].bytes = layout.planes[i].record_bytes;
     }
     lay_out(view);
     return view;
@@ -214,7 +215,9 @@ private:
 
     void fill(const ShmView& view, std::uint32_t generation) {
         auto* header = new (memory_) ShmHeader{};
-        header->version = shm_version;
+        header->version = std::any_of(view.planes.begin(), view.planes.begin() + view.plane_count, is_record)
+                              ? shm_version_with_records
+                              : shm_version;
         header->header_bytes = sizeof(ShmHeader);
         header->total_bytes = view.total_bytes;
         header->slot_count = view.slot_count;
@@ -322,7 +325,8 @@ void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSo
                 sources[i] = &source;
             }
         }
-        const std::size_t row = std::size_t{view_.width} * view_.planes[i].bytes_per_pixel;
+        const PlaneShape shape = shape_of(view_, view_.planes[i]);
+        const std::size_t row = std::size_t{shape.width} * shape.bytes_per_pixel;
         if (sources[i] == nullptr || sources[i]->data == nullptr || sources[i]->row_bytes != row ||
             sources[i]->stride < row) {
             throw std::invalid_argument("shared memory " + object_name_ + ": the plane of product " +
@@ -339,7 +343,8 @@ void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSo
         for (std::uint32_t i = 0; i < view_.plane_count; ++i) {
             SharedPacker packer(const_cast<std::uint64_t*>(plane_words(slot, view_, view_.planes[i])));
             const auto* data = static_cast<const std::uint8_t*>(sources[i]->data);
-            for (std::uint32_t y = 0; y < view_.height; ++y) {
+            const std::uint32_t rows = shape_of(view_, view_.planes[i]).height;
+            for (std::uint32_t y = 0; y < rows; ++y) {
                 packer.append(data + y * sources[i]->stride, sources[i]->row_bytes);
             }
             packer.flush();

@@ -18,8 +18,9 @@ namespace disparityd::proto {
 /// Says what a shared-memory object holds: the size of the rectified image and the planes of every frame.
 struct ShmLayout {
     struct Plane {
-        std::uint32_t product = 0;  ///< a Product of disparity.proto, each at most once
-        std::uint32_t bytes_per_pixel = 0;
+        std::uint32_t product = 0;          ///< a Product of disparity.proto, each at most once
+        std::uint32_t bytes_per_pixel = 0;  ///< 0: a record
+        std::uint64_t record_bytes = 0;     ///< of a record
     };
     std::uint32_t width = 0;
     std::uint32_t height = 0;

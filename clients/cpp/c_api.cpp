@@ -30,7 +30,8 @@ struct disparity_frame {
 namespace {
 
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
-                  sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104,
+                  sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
+                  sizeof(disparity_scan_info) == 40 && sizeof(disparity_scan_sector) == 40,
               "part of the binary interface");
 
 std::string& error_text() {
@@ -145,6 +146,36 @@ disparity_sensor_sample in_c(const disparity::SensorSample& from) {
     return to;
 }
 
+disparity_scan_info in_c(const disparity::Scan& from) {
+    disparity_scan_info to{};
+    to.sectors = static_cast<std::uint32_t>(from.sectors.size());
+    to.ground = static_cast<std::uint32_t>(from.ground);
+    to.ground_age = from.ground_age;
+    to.ground_height_m = static_cast<float>(from.ground_height_m);
+    to.ground_slope_ahead = static_cast<float>(from.ground_slope_ahead);
+    to.ground_slope_left = static_cast<float>(from.ground_slope_left);
+    to.low_m = static_cast<float>(from.low_m);
+    to.high_m = static_cast<float>(from.high_m);
+    to.min_m = static_cast<float>(from.min_m);
+    to.max_m = static_cast<float>(from.max_m);
+    return to;
+}
+
+disparity_scan_sector in_c(const disparity::ScanSector& from) {
+    disparity_scan_sector to{};
+    to.from_deg = static_cast<float>(from.from_deg);
+    to.to_deg = static_cast<float>(from.to_deg);
+    to.distance_m = static_cast<float>(from.distance_m);
+    to.sigma_m = static_cast<float>(from.sigma_m);
+    to.free_m = static_cast<float>(from.free_m);
+    to.low_m = static_cast<float>(from.low_m);
+    to.high_m = static_cast<float>(from.high_m);
+    to.pixels = from.pixels;
+    to.state = static_cast<std::uint32_t>(from.state);
+    to.confidence = from.confidence;
+    return to;
+}
+
 }  // namespace
 
 const char* disparity_last_error(void) {
@@ -199,6 +230,26 @@ int disparity_frame_is_whole(const disparity_frame* frame) {
     }
     const auto* borrowed = std::get_if<disparity::BorrowedFrame>(&frame->frame);
     return borrowed == nullptr || borrowed->whole() ? 1 : 0;
+}
+
+int disparity_frame_get_scan(const disparity_frame* frame, disparity_scan_info* info, size_t info_bytes,
+                             disparity_scan_sector* sectors, size_t sector_bytes, size_t capacity) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        const auto scan = std::visit([](const auto& has) { return has.scan(); }, given(frame, "frame").frame);
+        if (!scan) {
+            return 0;
+        }
+        if (info != nullptr) {
+            const disparity_scan_info all = in_c(*scan);
+            std::memcpy(info, &all, std::min(info_bytes, sizeof all));
+        }
+        auto* to = reinterpret_cast<unsigned char*>(sectors);
+        for (std::size_t i = 0; to != nullptr && i < std::min(capacity, scan->sectors.size()); ++i) {
+            const disparity_scan_sector sector = in_c(scan->sectors[i]);
+            std::memcpy(to + i * sector_bytes, &sector, std::min(sector_bytes, sizeof sector));
+        }
+        return 1;
+    });
 }
 
 disparity_shared_memory* disparity_shared_memory_open(const char* name) {

@@ -23,11 +23,12 @@ extern "C" {
 
 /** Products, with the type of a pixel. */
 enum {
-    DISPARITY_PRODUCT_DISPARITY = 1,  /**< int16_t, 1/16 px; disparity_frame_info.invalid = rejected */
-    DISPARITY_PRODUCT_CONFIDENCE = 2, /**< uint8_t, 1 to 255; 0 = rejected or interpolated */
-    DISPARITY_PRODUCT_DEPTH = 3,      /**< uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
-    DISPARITY_PRODUCT_LEFT = 4,       /**< uint8_t, rectified left image */
-    DISPARITY_PRODUCT_LEFT_COLOUR = 5 /**< 3 x uint8_t, rectified left image, BGR */
+    DISPARITY_PRODUCT_DISPARITY = 1,   /**< int16_t, 1/16 px; disparity_frame_info.invalid = rejected */
+    DISPARITY_PRODUCT_CONFIDENCE = 2,  /**< uint8_t, 1 to 255; 0 = rejected or interpolated */
+    DISPARITY_PRODUCT_DEPTH = 3,       /**< uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
+    DISPARITY_PRODUCT_LEFT = 4,        /**< uint8_t, rectified left image */
+    DISPARITY_PRODUCT_LEFT_COLOUR = 5, /**< 3 x uint8_t, rectified left image, BGR */
+    DISPARITY_PRODUCT_SCAN = 6         /**< no image: disparity_frame_get_scan() reads it */
 };
 
 /** Bits of disparity_frame_info.flags. */
@@ -113,6 +114,56 @@ DISPARITY_API int disparity_frame_plane_at(const disparity_frame* frame, uint32_
 /** Returns 1 when all that was read from the planes until now belongs to this frame: always for a copied frame, and for
  * a borrowed one until the daemon writes over it; 0 after that. NULL gives 0. */
 DISPARITY_API int disparity_frame_is_whole(const disparity_frame* frame);
+
+/** What a sector of an obstacle scan shows. A program takes every other value for unknown. */
+enum {
+    DISPARITY_SECTOR_UNKNOWN = 0, /**< as good as nothing is known: it may hold an obstacle at any distance */
+    DISPARITY_SECTOR_FREE = 1,    /**< no obstacle up to free_m; what lies beyond is unknown */
+    DISPARITY_SECTOR_OCCUPIED = 2 /**< the nearest obstacle is at distance_m */
+};
+
+/** Where the ground's plane of a scan comes from. */
+enum {
+    DISPARITY_GROUND_CONFIGURED = 0, /**< the plane z = 0 of the configured mounting */
+    DISPARITY_GROUND_FITTED = 1,     /**< fitted to this frame */
+    DISPARITY_GROUND_HELD = 2        /**< fitted to an earlier frame, ground_age frames ago */
+};
+
+/** One sector of an obstacle scan. Distances are horizontal, from the camera, in metres. As for disparity_frame_info,
+ * fields are only added at the end. */
+typedef struct disparity_scan_sector {
+    float from_deg;      /**< bearing of the right edge; 0 is the robot's x axis, left is positive */
+    float to_deg;        /**< bearing of the left edge */
+    float distance_m;    /**< of an occupied sector: to the nearest obstacle */
+    float sigma_m;       /**< one-sigma error of distance_m */
+    float free_m;        /**< no obstacle is nearer than this, whatever the state; at most distance_m where occupied */
+    float low_m;         /**< of the obstacle, its lowest part above the ground's plane */
+    float high_m;        /**< its highest part */
+    uint32_t pixels;     /**< that show the obstacle; 65535 = so many or more */
+    uint32_t state;      /**< DISPARITY_SECTOR_... */
+    uint32_t confidence; /**< mean of those pixels, 0 to 255 */
+} disparity_scan_sector;
+
+/** What is common to the sectors of an obstacle scan. The frame of reference is the robot's: the origin is on the
+ * ground below the camera, x ahead, y left, z up. Fields are only added at the end. */
+typedef struct disparity_scan_info {
+    uint32_t sectors;         /**< how many there are, by bearing, the right-most first */
+    uint32_t ground;          /**< DISPARITY_GROUND_... */
+    uint32_t ground_age;      /**< frames since the plane was fitted */
+    float ground_height_m;    /**< the plane is z = ground_height_m + ground_slope_ahead x + ground_slope_left y */
+    float ground_slope_ahead; /**< see ground_height_m */
+    float ground_slope_left;  /**< see ground_height_m */
+    float low_m;              /**< obstacles lie between these heights above the plane */
+    float high_m;             /**< the upper one */
+    float min_m;              /**< nothing nearer is reported */
+    float max_m;              /**< nothing beyond is reported */
+} disparity_scan_info;
+
+/** Reads the obstacle scan of a frame. Fills the first info_bytes bytes of *info and writes up to `capacity` sectors of
+ * sector_bytes bytes each; pass the sizes of the structures. info and sectors may be NULL. Returns 1, 0 when the frame
+ * carries no scan, or DISPARITY_ERROR for one of another version. */
+DISPARITY_API int disparity_frame_get_scan(const disparity_frame* frame, disparity_scan_info* info, size_t info_bytes,
+                                           disparity_scan_sector* sectors, size_t sector_bytes, size_t capacity);
 
 /** Maps /disparityd.NAME read-only; name NULL = "default". Returns NULL on failure. */
 DISPARITY_API disparity_shared_memory* disparity_shared_memory_open(const char* name);

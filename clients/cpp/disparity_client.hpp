@@ -21,11 +21,12 @@ namespace disparity {
 
 /// What a plane holds, with the type of a pixel.
 enum class Product : std::uint32_t {
-    disparity = 1,   ///< int16, 1/16 px; Frame::invalid = rejected
-    confidence = 2,  ///< uint8, 1 to 255; 0 = rejected or interpolated
-    depth = 3,       ///< uint16, mm; 0 = unknown, 65535 = beyond 65.534 m
-    left = 4,        ///< uint8, rectified left image
-    left_colour = 5  ///< 3 x uint8, rectified left image, BGR
+    disparity = 1,    ///< int16, 1/16 px; Frame::invalid = rejected
+    confidence = 2,   ///< uint8, 1 to 255; 0 = rejected or interpolated
+    depth = 3,        ///< uint16, mm; 0 = unknown, 65535 = beyond 65.534 m
+    left = 4,         ///< uint8, rectified left image
+    left_colour = 5,  ///< 3 x uint8, rectified left image, BGR
+    scan = 6          ///< no image: Frame::scan() reads it
 };
 
 /// Bits of Frame::flags.
@@ -71,12 +72,61 @@ struct FrameInfo {
     std::uint32_t region_y = 0;        ///< the row of the whole image where the planes begin
 };
 
+/// What a sector of an obstacle scan shows.
+enum class SectorState : std::uint8_t {
+    unknown = 0,  ///< as good as nothing is known: it may hold an obstacle at any distance
+    free = 1,     ///< no obstacle up to ScanSector::free_m; what lies beyond is unknown
+    occupied = 2  ///< the nearest obstacle is at ScanSector::distance_m
+};
+
+/// One sector of an obstacle scan. Distances are horizontal, from the camera.
+struct ScanSector {
+    double from_deg = 0;                       ///< bearing of the right edge; 0 is the robot's x axis, left is positive
+    double to_deg = 0;                         ///< bearing of the left edge
+    SectorState state = SectorState::unknown;  ///< a program that knows no other value takes it for unknown
+    double distance_m = 0;                     ///< of an occupied sector: to the nearest obstacle
+    double sigma_m = 0;                        ///< one-sigma error of distance_m
+    /// No obstacle is nearer than this, whatever the state. Of an occupied sector it is at most distance_m, and less
+    /// where something may hide in front of the obstacle.
+    double free_m = 0;
+    double low_m = 0;             ///< of the obstacle, its lowest part above the ground's plane
+    double high_m = 0;            ///< its highest part
+    std::uint32_t pixels = 0;     ///< that show the obstacle; 65535 = so many or more
+    std::uint8_t confidence = 0;  ///< mean of those pixels, as Product::confidence
+};
+
+/// Where the ground's plane of a scan comes from.
+enum class GroundSource : std::uint8_t {
+    configured = 0,  ///< the plane z = 0 of the configured mounting
+    fitted = 1,      ///< fitted to this frame
+    held = 2         ///< fitted to an earlier frame, Scan::ground_age frames ago
+};
+
+/// An obstacle scan: by bearing, what is near. The frame of reference is the robot's: the origin is on the ground below
+/// the camera, x ahead, y left, z up.
+struct Scan {
+    GroundSource ground = GroundSource::configured;  ///< where the plane comes from
+    std::uint32_t ground_age = 0;                    ///< frames since it was fitted
+    double ground_height_m = 0;                      ///< the plane is z = ground_height_m + ground_slope_ahead x
+    double ground_slope_ahead = 0;                   ///< + ground_slope_left y
+    double ground_slope_left = 0;                    ///< see ground_slope_ahead
+    double low_m = 0;                                ///< obstacles lie between these heights above the plane
+    double high_m = 0;                               ///< the upper one
+    double min_m = 0;                                ///< nothing nearer is reported
+    double max_m = 0;                                ///< nothing beyond is reported
+    std::vector<ScanSector> sectors;                 ///< by bearing, the right-most first
+};
+
 /// A frame that was copied.
 struct DISPARITY_API Frame : FrameInfo {
     std::vector<PlaneData> planes;  ///< one for each product that the frame carries
 
     /// Returns the plane of a product, or nullptr when the frame does not carry it.
     const PlaneData* plane(Product product) const;
+
+    /// Returns the obstacle scan, or nothing when the frame does not carry one. Throws std::runtime_error for one of
+    /// another version.
+    std::optional<Scan> scan() const;
 };
 
 /// Bytes in memory that belongs to somebody else.
@@ -128,6 +178,9 @@ public:
 
     /// Returns the plane of a product, or nullptr when the frame does not carry it.
     const BorrowedPlane* plane(Product product) const;
+
+    /// As Frame::scan(). Ask whole() afterwards.
+    std::optional<Scan> scan() const;
 
     std::vector<BorrowedPlane> planes;  ///< all that the daemon serves
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clients/cpp/disparity_client.hpp"
+#include "clients/cpp/scan_record.h"
 
 namespace disparity {
 namespace {
@@ -22,6 +23,16 @@ const PlaneData* Frame::plane(Product product) const {
 
 const BorrowedPlane* BorrowedFrame::plane(Product product) const {
     return find(planes, product);
+}
+
+std::optional<Scan> Frame::scan() const {
+    const PlaneData* record = plane(Product::scan);
+    return record == nullptr ? std::nullopt : std::optional(read_scan(record->bytes.data(), record->bytes.size()));
+}
+
+std::optional<Scan> BorrowedFrame::scan() const {
+    const BorrowedPlane* record = plane(Product::scan);
+    return record == nullptr ? std::nullopt : std::optional(read_scan(record->bytes.data(), record->bytes.size()));
 }
 
 }  // namespace disparity

@@ -38,9 +38,10 @@ public:
         }
         PlaneData& out = frame_.planes[used_++];
         out.product = product;
-        out.width = view_.width;
-        out.height = view_.height;
-        out.bytes_per_pixel = plane.bytes_per_pixel;
+        const proto::PlaneShape shape = proto::shape_of(view_, plane);
+        out.width = shape.width;
+        out.height = shape.height;
+        out.bytes_per_pixel = shape.bytes_per_pixel;
         out.bytes.resize(plane.bytes);
         return out.bytes.data();
     }
@@ -110,10 +111,11 @@ public:
                 const proto::ShmPlane& plane = slot.view.planes[i];
                 const auto* bytes =
                     reinterpret_cast<const std::uint8_t*>(proto::plane_words(*slot.slot, slot.view, plane));
+                const proto::PlaneShape shape = proto::shape_of(slot.view, plane);
                 frame.planes.push_back({static_cast<Product>(plane.product),
-                                        slot.view.width,
-                                        slot.view.height,
-                                        plane.bytes_per_pixel,
+                                        shape.width,
+                                        shape.height,
+                                        shape.bytes_per_pixel,
                                         {bytes, plane.bytes}});
             }
             take_over(frame, head, slot.view);

@@ -103,6 +103,9 @@ std::optional<ConfigValue> to_value(const toml::node& node) {
     if (const auto* flag = node.as_boolean()) {
         return flag->get();
     }
+    if (const auto* number = node.as_floating_point()) {
+        return number->get();
+    }
     const auto* array = node.as_array();
     if (array == nullptr) {
         return std::nullopt;
@@ -123,11 +126,7 @@ std::string found_text(const toml::node& node) {
         return to_text(*value);
     }
     std::ostringstream text;
-    if (const auto* number = node.as_floating_point()) {
-        text << *number << ", which is no whole number";
-    } else {
-        text << "a value of type " << node.type();
-    }
+    text << "a value of type " << node.type();
     return text.str();
 }
 
@@ -204,7 +203,10 @@ Assignment to_assignment(const Override& given) {
 
 void apply(Config& config, const Assignment& assignment) {
     if (!assignment.key->set(config, assignment.value)) {
-        refuse_value(assignment.where, *assignment.key, to_text(assignment.value));
+        const bool not_whole = std::holds_alternative<double>(assignment.value) &&
+                               std::holds_alternative<std::int64_t>(assignment.key->example);
+        refuse_value(assignment.where, *assignment.key,
+                     to_text(assignment.value) + (not_whole ? ", which is no whole number" : ""));
     }
 }
 
@@ -236,6 +238,10 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
     const std::string match_problem = validate(config.match.options);
     if (!match_problem.empty()) {
         refuse(file + ": [match]: " + match_problem);
+    }
+    const std::string scan_problem = validate(config.scan.options);
+    if (!scan_problem.empty()) {
+        refuse(file + ": [scan] " + scan_problem);
     }
     const auto& geometry = config.rectify.geometry;
     if ((geometry.width == 0) != (geometry.height == 0)) {

@@ -9,6 +9,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/options.h"
+#include "kernels/scan/scan_options.h"
 
 namespace disparityd::daemon {
 
@@ -43,7 +44,13 @@ struct Config {
         std::optional<Preset> preset = Preset::obstacles;  ///< sgm: what the defaults of the options are; none: its own
         MatchOptions options = preset_options(Preset::obstacles);
         bool depth = true;
+        double subpixel_error_px = ScanOptions{}.subpixel_error_px;  ///< one sigma of a disparity
     } match;
+
+    struct ObstacleScan {
+        bool enabled = false;
+        ScanOptions options;  ///< but for subpixel_error_px
+    } scan;
 
     struct Pipeline {
         int slots = 4;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -13,6 +14,18 @@ namespace {
 
 std::string in_quotes(std::string_view text) {
     return '"' + std::string(text) + '"';
+}
+
+std::string number_text(double number) {
+    std::ostringstream text;
+    text << number;
+    return text.str();
+}
+
+/// As TOML has it: with a point, so that it is no whole number.
+std::string toml_text(double number) {
+    const std::string text = number_text(number);
+    return text + (text.find_first_not_of("-0123456789") == std::string::npos ? ".0" : "");
 }
 
 /// Makes a key for the field of the configuration that `field` returns.
@@ -73,6 +86,29 @@ template <typename Field>
 ConfigKey range_key(std::string_view section, std::string_view name, int least, int most, Field field) {
     return int_key(section, name, std::to_string(least) + " .. " + std::to_string(most), field,
                    [least, most](std::int64_t number) { return number >= least && number <= most; });
+}
+
+/// Makes a key for a number that need not be whole.
+template <typename Field>
+ConfigKey number_key(std::string_view section, std::string_view name, double least, double most, Field field) {
+    return {section,
+            name,
+            number_text(least) + " .. " + number_text(most),
+            0.0,
+            [field, least, most](Config& config, const ConfigValue& value) {
+                const auto* whole = std::get_if<std::int64_t>(&value);
+                const auto* real = std::get_if<double>(&value);
+                if (whole == nullptr && real == nullptr) {
+                    return false;
+                }
+                const double number = whole != nullptr ? static_cast<double>(*whole) : *real;
+                if (!(number >= least && number <= most)) {  // refuses what is no number, too
+                    return false;
+                }
+                field(config) = number;
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
 }
 
 template <typename Field>
@@ -229,6 +265,28 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
     keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
+    keys.push_back(number_key("match", "subpixel_error_px", 0.01, 4, FIELD(match.subpixel_error_px)));
+}
+
+void add_scan_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(bool_key("scan", "enabled", FIELD(scan.enabled)));
+    keys.push_back(range_key("scan", "sectors", 1, max_scan_sectors, FIELD(scan.options.sectors)));
+    keys.push_back(number_key("scan", "from_deg", -180, 180, FIELD(scan.options.from_deg)));
+    keys.push_back(number_key("scan", "to_deg", -180, 180, FIELD(scan.options.to_deg)));
+    keys.push_back(number_key("scan", "camera_height_m", -10, 30, FIELD(scan.options.camera_height_m)));
+    keys.push_back(number_key("scan", "pitch_deg", -45, 45, FIELD(scan.options.pitch_deg)));
+    keys.push_back(number_key("scan", "roll_deg", -45, 45, FIELD(scan.options.roll_deg)));
+    keys.push_back(number_key("scan", "yaw_deg", -180, 180, FIELD(scan.options.yaw_deg)));
+    keys.push_back(name_key<GroundMode>("scan", "ground",
+                                        {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}},
+                                        FIELD(scan.options.ground)));
+    keys.push_back(number_key("scan", "low_m", -30, 30, FIELD(scan.options.low_m)));
+    keys.push_back(number_key("scan", "high_m", -30, 30, FIELD(scan.options.high_m)));
+    keys.push_back(number_key("scan", "min_m", 0.01, 60, FIELD(scan.options.min_m)));
+    keys.push_back(number_key("scan", "max_m", 0.02, 65, FIELD(scan.options.max_m)));
+    keys.push_back(number_key("scan", "object_m", 0.01, 10, FIELD(scan.options.object_m)));
+    keys.push_back(number_key("scan", "max_error_m", 0.001, 65, FIELD(scan.options.max_error_m)));
+    keys.push_back(range_key("scan", "min_confidence", 1, 255, FIELD(scan.options.min_confidence)));
 }
 
 void add_output_keys(std::vector<ConfigKey>& keys) {
@@ -280,6 +338,7 @@ const std::vector<ConfigKey>& config_keys() {
         std::vector<ConfigKey> list;
         add_input_keys(list);
         add_match_keys(list);
+        add_scan_keys(list);
         add_output_keys(list);
         return list;
     }();
@@ -295,6 +354,9 @@ std::string to_text(const ConfigValue& value) {
     }
     if (const auto* flag = std::get_if<bool>(&value)) {
         return *flag ? "true" : "false";
+    }
+    if (const auto* number = std::get_if<double>(&value)) {
+        return toml_text(*number);
     }
     std::string list;
     for (const auto number : std::get<std::vector<std::int64_t>>(value)) {

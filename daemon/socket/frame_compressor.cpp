@@ -30,11 +30,11 @@ std::chrono::nanoseconds thread_time() {
 
 std::uint64_t FrameCompressor::Request::cost() const {
     const bool whole = selection.region.width == 0;
-    const std::uint64_t pixels = whole ? std::uint64_t{frame->info.width} * frame->info.height
-                                       : std::uint64_t{selection.region.width} * selection.region.height;
+    const std::uint64_t part = std::uint64_t{selection.region.width} * selection.region.height;
     std::uint64_t cost = 0;
     for (const v1::Product product : selection.products) {
-        cost += pixels * product_bytes(product) + bytes_per_plane;
+        const ProductShape& shape = frame->shapes[static_cast<std::size_t>(product)];
+        cost += (whole || is_record(product) ? shape.bytes() : part * shape.bytes_per_pixel) + bytes_per_plane;
     }
     return cost;
 }

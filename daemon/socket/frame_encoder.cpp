@@ -30,20 +30,30 @@ struct Rectangle {
     }
 };
 
-Rectangle rectangle_of(const FrameCopy& frame, v1::Product product, const Selection::Region& region) {
-    const std::size_t pixel = product_bytes(product);
-    const std::size_t stride = frame.info.width * pixel;
-    const std::uint8_t* plane = frame.planes[static_cast<std::size_t>(product)].data();
-    return {plane + region.y * stride + region.x * pixel, region.width * pixel, stride, region.height};
+/// Returns what a selection's region cuts out of a plane: all of a record, and all where there is no region.
+Selection::Region part_of(const ProductShape& shape, v1::Product product, const Selection::Region& region) {
+    const bool all = is_record(product) || region.width == 0;
+    return all ? Selection::Region{0, 0, shape.width, shape.height} : region;
 }
 
-v1::PlaneInfo plane_info(v1::Product product, const Selection::Region& region, v1::Encoding encoding,
-                         std::size_t bytes) {
+Rectangle rectangle_of(const FrameCopy& frame, v1::Product product, const Selection::Region& region) {
+    const ProductShape& shape = frame.shapes[static_cast<std::size_t>(product)];
+    const Selection::Region part = part_of(shape, product, region);
+    const std::size_t pixel = shape.bytes_per_pixel;
+    const std::size_t stride = shape.width * pixel;
+    const std::uint8_t* plane = frame.planes[static_cast<std::size_t>(product)].data();
+    return {plane + part.y * stride + part.x * pixel, part.width * pixel, stride, part.height};
+}
+
+v1::PlaneInfo plane_info(const FrameCopy& frame, v1::Product product, const Selection::Region& region,
+                         v1::Encoding encoding, std::size_t bytes) {
+    const ProductShape& shape = frame.shapes[static_cast<std::size_t>(product)];
+    const Selection::Region part = part_of(shape, product, region);
     v1::PlaneInfo plane;
     plane.set_product(product);
-    plane.set_width(region.width);
-    plane.set_height(region.height);
-    plane.set_bytes_per_pixel(product_bytes(product));
+    plane.set_width(part.width);
+    plane.set_height(part.height);
+    plane.set_bytes_per_pixel(shape.bytes_per_pixel);
     plane.set_encoding(encoding);
     plane.set_payload_bytes(bytes);
     return plane;
@@ -54,7 +64,7 @@ EncodedPlanes raw_in_place(const FrameHandle& frame, const Selection& selection,
     std::vector<std::span<const std::uint8_t>> parts;
     for (const v1::Product product : selection.products) {
         parts.push_back(rectangle_of(*frame, product, region).span());
-        planes.push_back(plane_info(product, region, v1::RAW, parts.back().size()));
+        planes.push_back(plane_info(*frame, product, region, v1::RAW, parts.back().size()));
     }
     return {std::move(planes), Payload(std::move(parts), frame)};
 }
@@ -64,7 +74,7 @@ EncodedPlanes raw_cut(const FrameCopy& frame, const Selection& selection, const 
     std::size_t size = 0;
     for (const v1::Product product : selection.products) {
         const std::size_t bytes = rectangle_of(frame, product, region).size();
-        planes.push_back(plane_info(product, region, v1::RAW, bytes));
+        planes.push_back(plane_info(frame, product, region, v1::RAW, bytes));
         size += bytes;
     }
     std::vector<std::uint8_t> bytes;
@@ -129,11 +139,8 @@ std::string region_problem(const Selection::Region& region, std::uint32_t width,
 }
 
 EncodedPlanes FrameEncoder::encode(const FrameHandle& frame, const Selection& selection) {
-    Selection::Region region = selection.region;
-    if (region.width == 0) {
-        region = {0, 0, frame->info.width, frame->info.height};
-    }
-    const bool whole_rows = region.width == frame->info.width;
+    const Selection::Region& region = selection.region;
+    const bool whole_rows = region.width == 0 || region.width == frame->info.width;
     if (selection.encoding == v1::ZSTD) {
         return compress(*frame, selection, region, whole_rows);
     }
@@ -151,7 +158,7 @@ EncodedPlanes FrameEncoder::compress(const FrameCopy& frame, const Selection& se
             wanted.append_to(cut_);
         }
         const std::size_t plane_bytes = compressor_->append(whole_rows ? wanted.span() : cut_, bytes);
-        planes.push_back(plane_info(product, region, v1::ZSTD, plane_bytes));
+        planes.push_back(plane_info(frame, product, region, v1::ZSTD, plane_bytes));
     }
     return {std::move(planes), Payload(std::move(bytes))};
 }

@@ -12,8 +12,8 @@ FramePool::FramePool(const StreamLayout& layout, std::size_t frames)
     for (std::size_t i = 0; i < frames; ++i) {
         auto frame = std::make_unique<FrameCopy>();
         for (const v1::Product product : products_) {
-            frame->planes[static_cast<std::size_t>(product)].resize(std::size_t{layout.geometry.width} *
-                                                                    layout.geometry.height * product_bytes(product));
+            frame->shapes[static_cast<std::size_t>(product)] = product_shape(layout, product);
+            frame->planes[static_cast<std::size_t>(product)].resize(product_shape(layout, product).bytes());
         }
         state_->free.push_back(std::move(frame));
     }

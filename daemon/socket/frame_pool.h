@@ -19,6 +19,7 @@ struct FrameCopy {
     std::chrono::steady_clock::time_point published;
     std::uint32_t products = 0;                                       ///< product_bit()s of the planes that are filled
     std::array<std::vector<std::uint8_t>, product_count + 1> planes;  ///< by number of the product
+    std::array<ProductShape, product_count + 1> shapes{};             ///< of the planes
 };
 
 using FrameHandle = std::shared_ptr<const FrameCopy>;

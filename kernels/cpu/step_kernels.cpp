@@ -16,6 +16,7 @@
 #include "kernels/cpu/post/median-inl.h"
 #include "kernels/cpu/post/outputs-inl.h"
 #include "kernels/cpu/post/speckle-inl.h"
+#include "kernels/cpu/scan/scan_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
@@ -34,6 +35,7 @@ const FrameSteps& frame_steps() {
         .interpolate_scratch = interpolate_scratch,
         .guided_median = guided_median,
         .depth = depth,
+        .scan_counts = scan_counts,
     };
     return table;
 }

@@ -24,8 +24,10 @@ for number, product in disparity.frame.PRODUCTS.items():
         assert product.name in str(error), error
     else:
         raise AssertionError(f"an empty frame has {product.name}")
-    plane = disparity.frame.plane_array(number, 2, 1, bytes_per_pixel, bytes(2 * bytes_per_pixel))
+    size = max(bytes_per_pixel, 1)
+    plane = disparity.frame.plane_array(number, 2, 1, size, bytes(2 * size))
     frame.planes[number] = plane
-    assert getattr(frame, product.name) is plane
     assert plane.shape[:2] == (1, 2)
+    if product.channels > 0:  # a record is read, not shown
+        assert getattr(frame, product.name) is plane
     print(number, product.name, bytes_per_pixel)

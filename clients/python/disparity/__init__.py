@@ -21,10 +21,12 @@ from .frame import (
     INTERPOLATED,
     LEFT,
     LEFT_COLOUR,
+    SCAN,
     SYNTHETIC,
     UNRECTIFIED,
     Frame,
 )
+from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
 
@@ -35,14 +37,22 @@ __all__ = [
     "DISPARITY",
     "DROPPED_BEFORE",
     "DisparityError",
+    "FREE",
     "Frame",
+    "GROUND_CONFIGURED",
+    "GROUND_FITTED",
+    "GROUND_HELD",
     "Gone",
     "INTERPOLATED",
     "LEFT",
     "LEFT_COLOUR",
+    "OCCUPIED",
     "Refused",
+    "SCAN",
+    "Scan",
     "SharedMemoryReader",
     "SocketClient",
     "SYNTHETIC",
+    "UNKNOWN",
     "UNRECTIFIED",
 ]

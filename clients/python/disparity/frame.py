@@ -6,12 +6,15 @@ import typing
 
 import numpy as np
 
+from .scan import read_scan
+
 # Products.
 DISPARITY = 1
 CONFIDENCE = 2
 DEPTH = 3
 LEFT = 4
 LEFT_COLOUR = 5
+SCAN = 6
 
 # Bits of Frame.flags.
 UNRECTIFIED = 1
@@ -25,7 +28,8 @@ DEPTH_UNKNOWN = 0
 DEPTH_BEYOND = 65535
 
 class Product(typing.NamedTuple):
-    """Describes a product. name: the property of Frame. kind: the numpy type of one channel."""
+    """Describes a product. name: the property of Frame. kind: the numpy type of one channel. channels: 0 for a record,
+    which is no image but a row of bytes."""
 
     name: str
     kind: str
@@ -39,6 +43,7 @@ PRODUCTS = {
     DEPTH: Product("depth", "<u2", 1),
     LEFT: Product("left", "u1", 1),
     LEFT_COLOUR: Product("left_colour", "u1", 3),
+    SCAN: Product("scan", "u1", 0),
 }
 # Planes of products that this program does not know are bytes.
 _UNKNOWN = Product("", "u1", 1)
@@ -159,6 +164,11 @@ class Frame:
     def left_colour(self):
         """uint8, height x width x 3, BGR."""
         return self._plane(LEFT_COLOUR)
+
+    @property
+    def scan(self):
+        """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
+        return read_scan(self._plane(SCAN).tobytes())
 
     def points(self):
         """Returns a float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no

@@ -17,6 +17,7 @@
 #include "daemon/config/config.h"
 #include "daemon/config/config_keys.h"
 #include "kernels/pair_matcher.h"
+#include "kernels/scan/obstacle_scanner.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -34,6 +35,9 @@ std::vector<std::string> values_to_try(const ConfigKey& key) {
     }
     if (std::holds_alternative<std::int64_t>(key.example)) {
         return {"0", "1", "2", "3", "4", "5", "8", "30", "32", "40", "90", "99", "160"};
+    }
+    if (std::holds_alternative<double>(key.example)) {
+        return {"-30", "-5", "-0.5", "0", "0.05", "0.1", "0.25", "0.4", "0.5", "1", "2", "3", "5", "30"};
     }
     std::vector<std::string> words;
     for (std::size_t begin = key.allowed.find('"'); begin != std::string::npos;) {
@@ -135,7 +139,7 @@ bool has_effect(const ConfigKey& key, const Compute& compute) {
 TEST(ConfigEffect, EveryOptionOfTheMatcherChangesItsResult) {
     int keys = 0;
     for (const ConfigKey& key : config_keys()) {
-        if (key.section == "match" && key.name != "backend" && key.name != "depth") {
+        if (key.section == "match" && key.name != "backend" && key.name != "depth" && key.name != "subpixel_error_px") {
             EXPECT_TRUE(has_effect(key, [&](const Config& config) { return matched(config.match.options); }))
                 << full_name(key) << " changes nothing";
             ++keys;
@@ -153,6 +157,40 @@ TEST(ConfigEffect, EveryKeyOfTheGeometryChangesIt) {
         }
     }
     EXPECT_GE(keys, 3);
+}
+
+/// The scan of a floor 0.3 m below the camera with a step of 0.04 m and a post on it, and a hole in the image.
+std::vector<ScanSector> scanned(const Config& config) {
+    constexpr int rows = 120;
+    const scan::Camera camera{width, rows, 100, 80, 60, {16 * 100 * 120, 0}};
+    std::vector<std::int16_t> disparity(width * rows);
+    std::vector<std::uint8_t> confidence(width * rows);
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const bool post = x > 60 && x < 72 && y < 80;
+            const double down = (y - 60) / 100.0;
+            const double floor = x > 110 ? 300.0 - 40 : 300.0;
+            const double z = post ? 1500 : down > 0 ? std::min(floor / down, 12000.0) : 3000;
+            const std::size_t i = static_cast<std::size_t>(y * width + x);
+            disparity[i] = static_cast<std::int16_t>(16 * 100 * 120 / z);
+            confidence[i] = x > 20 && x < 32 && y > 50 && y < 62 ? 0 : x > 85 ? 200 : 50;
+        }
+    }
+    ObstacleScanner scanner(width, rows, config.scan.options, fastest_frame_steps());
+    Scan scan = scanner.empty_scan();
+    scanner.scan({{disparity.data(), width, rows, width}, {confidence.data(), width, rows, width}}, camera, scan);
+    return scan.sectors;
+}
+
+TEST(ConfigEffect, EveryKeyOfTheScanChangesIt) {
+    int keys = 0;
+    for (const ConfigKey& key : config_keys()) {
+        if (key.section == "scan" && key.name != "enabled") {
+            EXPECT_TRUE(has_effect(key, scanned)) << full_name(key) << " changes nothing";
+            ++keys;
+        }
+    }
+    EXPECT_EQ(keys, 15);
 }
 
 TEST(ConfigEffect, AKeyWithoutEffectIsFound) {

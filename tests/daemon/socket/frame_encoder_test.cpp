@@ -72,9 +72,11 @@ TEST_F(FrameEncoderTest, EverySelectionHasTheBytesOfPlanesThatAreCutOut) {
                 for (std::size_t i = 0; i < products.size(); ++i) {
                     const v1::PlaneInfo& plane = encoded.planes[i];
                     EXPECT_EQ(plane.product(), products[i]);
-                    EXPECT_EQ(plane.width(), region.width == 0 ? width : region.width);
-                    EXPECT_EQ(plane.height(), region.width == 0 ? height : region.height);
-                    EXPECT_EQ(plane.bytes_per_pixel(), daemon::product_bytes(products[i]));
+                    const bool record = daemon::is_record(products[i]);
+                    const auto shape = daemon::product_shape(feed_.layout(), products[i]);
+                    EXPECT_EQ(plane.width(), record || region.width == 0 ? shape.width : region.width);
+                    EXPECT_EQ(plane.height(), record || region.width == 0 ? shape.height : region.height);
+                    EXPECT_EQ(plane.bytes_per_pixel(), shape.bytes_per_pixel);
                     EXPECT_EQ(plane.encoding(), encoding);
                     described += plane.payload_bytes();
                 }
@@ -93,8 +95,9 @@ TEST_F(FrameEncoderTest, WholeRowsOfARawFrameAreNotCopied) {
         ASSERT_EQ(encoded.bytes.parts().size(), all.size());
         for (std::size_t i = 0; i < all.size(); ++i) {
             const auto& plane = held->planes.at(static_cast<std::size_t>(all[i]));
+            const std::size_t skipped = daemon::is_record(all[i]) ? 0 : region.y;
             EXPECT_EQ(encoded.bytes.parts()[i].data(),
-                      plane.data() + std::size_t{region.y} * width * daemon::product_bytes(all[i]));
+                      plane.data() + skipped * width * proto::product_info(all[i]).bytes_per_pixel);
         }
     }
     const auto narrow = encoder_.encode(held, {{v1::LEFT}, {1, 0, width - 1, height}, v1::RAW});

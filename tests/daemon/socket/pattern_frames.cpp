@@ -8,6 +8,7 @@ namespace {
 
 /// Rows of the feed are longer than the image, as those of a real source may be.
 constexpr std::uint32_t row_padding = 24;
+constexpr std::uint32_t scan_sectors = 5;
 
 std::uint8_t pattern(std::uint64_t n, v1::Product product, std::uint64_t x, std::uint64_t y) {
     return static_cast<std::uint8_t>(n * 31 + static_cast<std::uint64_t>(product) * 57 + x * 3 + y * 7 + x * y);
@@ -37,8 +38,10 @@ PatternFrames::PatternFrames(std::uint32_t width, std::uint32_t height, std::vec
     layout_.geometry.calibration_id = 0xfedcba9876543210;
     layout_.products = std::move(products);
     layout_.shared_memory = "/disparityd.feed";
+    layout_.scan_sectors = scan_sectors;
     for (const v1::Product product : layout_.products) {
-        planes_.emplace_back(std::size_t{width * daemon::product_bytes(product) + row_padding} * height);
+        const daemon::ProductShape shape = daemon::product_shape(layout_, product);
+        planes_.emplace_back(std::size_t{shape.width * shape.bytes_per_pixel + row_padding} * shape.height);
     }
 }
 
@@ -54,14 +57,15 @@ daemon::PublishedFrame PatternFrames::next() {
     frame.published = std::chrono::steady_clock::now();
     frame.captured = frame.published - std::chrono::milliseconds(5);
     for (std::size_t i = 0; i < planes_.size(); ++i) {
-        const std::uint32_t row = layout_.geometry.width * daemon::product_bytes(layout_.products[i]);
+        const daemon::ProductShape shape = daemon::product_shape(layout_, layout_.products[i]);
+        const std::uint32_t row = shape.width * shape.bytes_per_pixel;
         const std::uint32_t stride = row + row_padding;
-        for (std::uint32_t y = 0; y < layout_.geometry.height; ++y) {
+        for (std::uint32_t y = 0; y < shape.height; ++y) {
             for (std::uint32_t x = 0; x < row; ++x) {
                 planes_[i][std::size_t{y} * stride + x] = pattern(next_, layout_.products[i], x, y);
             }
         }
-        frame.planes[i] = {planes_[i].data(), static_cast<int>(row), static_cast<int>(layout_.geometry.height),
+        frame.planes[i] = {planes_[i].data(), static_cast<int>(row), static_cast<int>(shape.height),
                            static_cast<std::ptrdiff_t>(stride)};
     }
     ++next_;
@@ -71,7 +75,13 @@ daemon::PublishedFrame PatternFrames::next() {
 std::vector<std::uint8_t> PatternFrames::expected(std::uint64_t n, v1::Product product, std::uint32_t x,
                                                   std::uint32_t y, std::uint32_t width, std::uint32_t height) {
     std::vector<std::uint8_t> bytes;
-    const std::uint32_t pixel = daemon::product_bytes(product);
+    if (daemon::is_record(product)) {
+        for (std::uint32_t i = 0; i < proto::scan_bytes(scan_sectors); ++i) {
+            bytes.push_back(pattern(n, product, i, 0));
+        }
+        return bytes;
+    }
+    const std::uint32_t pixel = proto::product_info(product).bytes_per_pixel;
     for (std::uint32_t row = y; row < y + height; ++row) {
         for (std::uint32_t column = x * pixel; column < (x + width) * pixel; ++column) {
             bytes.push_back(pattern(n, product, column, row));

@@ -21,7 +21,7 @@ public:
     /// Valid until the next call.
     daemon::PublishedFrame next();
 
-    /// The dense bytes of a product's region in frame n.
+    /// The dense bytes of a product's region in frame n; all bytes of a record.
     static std::vector<std::uint8_t> expected(std::uint64_t n, v1::Product product, std::uint32_t x, std::uint32_t y,
                                               std::uint32_t width, std::uint32_t height);
 

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Defines an obstacle scan: by bearing, what is near."""
+import dataclasses
+
+import numpy as np
+
+from .errors import DisparityError
+
+# States of a sector. Take every other value for UNKNOWN.
+UNKNOWN = 0
+FREE = 1
+OCCUPIED = 2
+
+# Where the ground's plane comes from: the configured mounting, a fit to this frame, a fit to an earlier one.
+GROUND_CONFIGURED = 0
+GROUND_FITTED = 1
+GROUND_HELD = 2
+
+_VERSION = 1
+# The bytes of a scan; docs/protocol.md explains each field. proto/scan.h has the same.
+_HEAD = np.dtype(
+    [
+        ("version", "<u2"),
+        ("sectors", "<u2"),
+        ("ground", "u1"),
+        ("reserved", "u1"),
+        ("ground_age", "<u2"),
+        ("ground_mm", "<i2"),
+        ("ground_slope_ahead", "<i2"),
+        ("ground_slope_left", "<i2"),
+        ("low_mm", "<i2"),
+        ("high_mm", "<i2"),
+        ("least_mm", "<u2"),
+        ("most_mm", "<u2"),
+        ("reserved_words", "<u2", 5),
+    ]
+)
+_SECTOR = np.dtype(
+    [
+        ("from_cdeg", "<i2"),
+        ("to_cdeg", "<i2"),
+        ("state", "u1"),
+        ("confidence", "u1"),
+        ("distance_mm", "<u2"),
+        ("sigma_mm", "<u2"),
+        ("free_mm", "<u2"),
+        ("low_mm", "<i2"),
+        ("high_mm", "<i2"),
+        ("pixels", "<u2"),
+    ]
+)
+
+
+@dataclasses.dataclass
+class Scan:
+    """Has one element per sector in each array, by bearing, the right-most first. Lengths in metres, distances horizontal
+    from the camera; bearings in degrees, 0 is the robot's x axis, left is positive.
+
+    The frame of reference is the robot's: the origin is on the ground below the camera, x ahead, y left, z up. The ground
+    is the plane z = ground_height_m + ground_slope_ahead x + ground_slope_left y.
+    """
+
+    ground: int  # GROUND_CONFIGURED, GROUND_FITTED or GROUND_HELD
+    ground_age: int  # frames since the plane was fitted
+    ground_height_m: float
+    ground_slope_ahead: float
+    ground_slope_left: float
+    band_m: tuple  # obstacles lie between these two heights above the plane
+    range_m: tuple  # nothing is reported nearer than the first or beyond the second
+    from_deg: np.ndarray  # the right edge
+    to_deg: np.ndarray  # the left edge
+    state: np.ndarray  # UNKNOWN, FREE up to free_m, or OCCUPIED at distance_m
+    distance_m: np.ndarray  # to the nearest obstacle of an occupied sector, else NaN
+    sigma_m: np.ndarray  # one-sigma error of distance_m, else NaN
+    free_m: np.ndarray  # no obstacle is nearer, whatever the state; at most distance_m
+    low_m: np.ndarray  # the obstacle's lowest part above the ground, else NaN
+    high_m: np.ndarray  # its highest part
+    pixels: np.ndarray  # that show it
+    confidence: np.ndarray  # mean of those pixels
+
+
+def read_scan(data):
+    """Returns the Scan that bytes hold. Raises DisparityError when they have another version or length."""
+    if len(data) < _HEAD.itemsize:
+        raise DisparityError(f"the scan has {len(data)} bytes, its head alone has {_HEAD.itemsize}")
+    head = np.frombuffer(data, _HEAD, 1)[0]
+    if head["version"] != _VERSION:
+        raise DisparityError(
+            f"the scan has version {head['version']}, this program knows {_VERSION}: use the client that came with the daemon"
+        )
+    count = int(head["sectors"])
+    if len(data) != _HEAD.itemsize + count * _SECTOR.itemsize:
+        raise DisparityError(f"the scan has {len(data)} bytes, which is not the length of {count} sectors")
+    sectors = np.frombuffer(data, _SECTOR, count, _HEAD.itemsize)
+    occupied = sectors["state"] == OCCUPIED
+
+    def of_obstacles(name):
+        return np.where(occupied, sectors[name] / 1000, np.nan)
+
+    return Scan(
+        ground=int(head["ground"]),
+        ground_age=int(head["ground_age"]),
+        ground_height_m=float(head["ground_mm"]) / 1000,
+        ground_slope_ahead=float(head["ground_slope_ahead"]) / 10000,
+        ground_slope_left=float(head["ground_slope_left"]) / 10000,
+        band_m=(float(head["low_mm"]) / 1000, float(head["high_mm"]) / 1000),
+        range_m=(float(head["least_mm"]) / 1000, float(head["most_mm"]) / 1000),
+        from_deg=sectors["from_cdeg"] / 100,
+        to_deg=sectors["to_cdeg"] / 100,
+        state=sectors["state"].copy(),
+        distance_m=of_obstacles("distance_mm"),
+        sigma_m=of_obstacles("sigma_mm"),
+        free_m=sectors["free_mm"] / 1000,
+        low_m=of_obstacles("low_mm"),
+        high_m=of_obstacles("high_mm"),
+        pixels=sectors["pixels"].astype(np.int32),
+        confidence=sectors["confidence"].copy(),
+    )

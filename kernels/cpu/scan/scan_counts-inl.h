@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Step 14 of docs/algorithm.md, the part that looks at every pixel: bins of a row in vectors, then counted one by one.
+#if defined(DISPARITYD_CPU_SCAN_SCAN_COUNTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef DISPARITYD_CPU_SCAN_SCAN_COUNTS_INL_H_
+#undef DISPARITYD_CPU_SCAN_SCAN_COUNTS_INL_H_
+#else
+#define DISPARITYD_CPU_SCAN_SCAN_COUNTS_INL_H_
+#endif
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "hwy/highway.h"
+#include "kernels/reference/steps.h"
+#include "kernels/scan/scan_counts.h"
+#include "kernels/steps.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace disparityd::cpu::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// Sorts the pixels of one row into bins.
+class ScanBins {
+    using Numbers = hn::ScalableTag<std::int16_t>;
+    using Words = hn::RebindToUnsigned<Numbers>;
+    using Bytes = hn::Rebind<std::uint8_t, Numbers>;
+    using V = hn::Vec<Numbers>;
+    using Mask = hn::Mask<Numbers>;
+
+public:
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
+
+    ScanBins(const scan::Geometry& geometry, const scan::Band& band)
+        : band_(band),
+          offset_(number(std::clamp(geometry.camera().scale.offset16, -32768, 32767))),
+          too_unsure_(number(geometry.options().min_confidence - 1)),
+          too_far_(number(geometry.limits().seen - 1)),
+          no_obstacle_(number(geometry.limits().obstacle - 1)),
+          too_near_(number(geometry.limits().nearest + 1)) {}
+
+    /// Writes the bin of each pixel, and adds 1 to `seen` where it was measured. Returns whether any has a bin.
+    HWY_INLINE bool row(const scan::Pixels& pixels, const std::uint16_t* weights, int y, std::uint8_t* bins,
+                        std::uint8_t* seen) const {
+        const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
+        const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
+        const int width = pixels.disparity.width;
+        bool any = false;
+        for (int begin = 0; begin < width; begin += lanes) {
+            const int x = std::min(begin, width - lanes);
+            const V n = hn::SaturatedAdd(hn::LoadU(Numbers(), pixels.disparity.row(y) + x), offset_);
+            const V confidence = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), pixels.confidence.row(y) + x));
+            const V positive = hn::Min(hn::Max(n, hn::Zero(Numbers())), hn::Set(Numbers(), 16383));
+            const V weight = hn::BitCast(Numbers(), hn::LoadU(Words(), weights + x));
+            const V at_distance = hn::MulFixedPoint15(hn::Add(positive, positive), weight);
+            const Mask measured = hn::And(hn::Gt(confidence, too_unsure_),
+                                          hn::And(hn::Gt(at_distance, too_far_), hn::Gt(too_near_, at_distance)));
+            // The last vector overlaps the one before it: what that has counted is not counted again.
+            const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)),
+                                      hn::Set(Numbers(), static_cast<std::int16_t>(begin - 1)));
+            const V one = hn::IfThenElseZero(hn::And(measured, fresh), hn::Set(Numbers(), 1));
+            const V count = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), seen + x));
+            hn::StoreU(hn::DemoteTo(Bytes(), hn::Add(count, one)), Bytes(), seen + x);
+
+            const V low = hn::Add(hn::LoadU(Numbers(), band_.low_of_columns() + x), low_of_row);
+            const V high = hn::Add(hn::LoadU(Numbers(), band_.high_of_columns() + x), high_of_row);
+            const Mask below_high = band_.above() ? hn::Lt(n, high) : hn::Gt(n, high);
+            const Mask in_band = hn::And(below_high, hn::Not(hn::Gt(low, n)));
+            const Mask counts = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
+            const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
+            hn::StoreU(hn::DemoteTo(Bytes(), bin), Bytes(), bins + x);
+            any = any || !hn::AllFalse(Numbers(), counts);
+        }
+        return any;
+    }
+
+private:
+    static HWY_INLINE V number(int value) { return hn::Set(Numbers(), static_cast<std::int16_t>(value)); }
+
+    static HWY_INLINE V bin_of(V sixteenths) {
+        const V quarters = hn::Min(hn::ShiftRight<2>(sixteenths), hn::Set(Numbers(), scan::largest_quarters));
+        static_assert(scan::max_shift == 6);
+        V bin = quarters;
+        bin = hn::Min(bin, hn::Add(hn::ShiftRight<1>(quarters), hn::Set(Numbers(), 32)));
+        bin = hn::Min(bin, hn::Add(hn::ShiftRight<2>(quarters), hn::Set(Numbers(), 64)));
+        bin = hn::Min(bin, hn::Add(hn::ShiftRight<3>(quarters), hn::Set(Numbers(), 96)));
+        bin = hn::Min(bin, hn::Add(hn::ShiftRight<4>(quarters), hn::Set(Numbers(), 128)));
+        bin = hn::Min(bin, hn::Add(hn::ShiftRight<5>(quarters), hn::Set(Numbers(), 160)));
+        return hn::Min(bin, hn::Add(hn::ShiftRight<6>(quarters), hn::Set(Numbers(), 192)));
+    }
+
+    const scan::Band& band_;
+    V offset_;
+    V too_unsure_;
+    V too_far_;
+    V no_obstacle_;
+    V too_near_;
+};
+
+/// Where the counters of each column's sector begin; columns without a sector have those that nobody reads.
+inline void find_counters(const scan::Geometry& geometry, int group, int width, std::uint32_t* counters) {
+    const std::int16_t* edges = geometry.edges(group);
+    const auto none = static_cast<std::uint32_t>(geometry.sectors() * scan::bins);
+    std::fill_n(counters, width, none);
+    for (int s = 0; s < geometry.sectors(); ++s) {
+        std::fill(counters + edges[s + 1], counters + edges[s], static_cast<std::uint32_t>(s * scan::bins));
+    }
+}
+
+inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
+                        scan::Counts& counts) {
+    const int width = pixels.disparity.width;
+    if (width < ScanBins::lanes) {
+        reference::scan_counts(pixels, geometry, band, counts);
+        return;
+    }
+    std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
+    const ScanBins row_bins(geometry, band);
+    std::array<std::uint8_t, max_side> bins;
+    std::array<std::uint8_t, max_side> seen;
+    std::array<std::uint32_t, max_side> counters;
+    std::uint32_t* count = counts.obstacle.data();
+    for (int group = 0; group < counts.groups; ++group) {
+        find_counters(geometry, group, width, counters.data());
+        std::fill_n(seen.data(), width, std::uint8_t{0});
+        for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
+            if (row_bins.row(pixels, geometry.weights(group), y, bins.data(), seen.data())) {
+                for (int x = 0; x < width; ++x) {
+                    ++count[counters[static_cast<std::size_t>(x)] + bins[static_cast<std::size_t>(x)]];
+                }
+            }
+        }
+        const std::int16_t* edges = geometry.edges(group);
+        for (int s = 0; s < counts.sectors; ++s) {
+            std::uint32_t sum = 0;
+            for (int x = edges[s + 1]; x < edges[s]; ++x) {
+                sum += seen[static_cast<std::size_t>(x)];
+            }
+            counts.seen_of(s, group) = sum;
+        }
+    }
+}
+
+}  // namespace disparityd::cpu::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "kernels/reference/steps.h"
+
+namespace disparityd::reference {
+
+void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
+                 scan::Counts& counts) {
+    std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
+    std::fill(counts.seen.begin(), counts.seen.end(), 0);
+    const auto& limits = geometry.limits();
+    const int offset = std::clamp(geometry.camera().scale.offset16, -32768, 32767);
+    for (int group = 0; group < counts.groups; ++group) {
+        const std::int16_t* edges = geometry.edges(group);
+        for (int s = 0; s < counts.sectors; ++s) {
+            for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
+                for (int x = edges[s + 1]; x < edges[s]; ++x) {
+                    const int n = std::clamp(pixels.disparity.at(x, y) + offset, -32768, 32767);
+                    const int rounded = (2 * std::clamp(n, 0, 16383) * geometry.weights(group)[x] + (1 << 14)) >> 15;
+                    const bool measured = pixels.confidence.at(x, y) >= geometry.options().min_confidence &&
+                                          rounded >= limits.seen && rounded <= limits.nearest;
+                    if (!measured) {
+                        continue;
+                    }
+                    ++counts.seen_of(s, group);
+                    if (rounded >= limits.obstacle && band.contains(x, y, n)) {
+                        ++counts.obstacle_of(s)[scan::bin_of(rounded)];
+                    }
+                }
+            }
+        }
+    }
+}
+
+}  // namespace disparityd::reference

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/scan/band.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace disparityd::scan {
+namespace {
+
+/// Two of them have a sum that 16 bits hold.
+std::int16_t limited(double value) {
+    constexpr double most = 16000;
+    return static_cast<std::int16_t>(std::floor(std::clamp(value, -most, most) + 0.5));
+}
+
+void fill(std::vector<std::int16_t>& of_columns, std::vector<std::int16_t>& of_rows, const Linear& rise, double factor,
+          double margin) {
+    for (std::size_t x = 0; x < of_columns.size(); ++x) {
+        of_columns[x] = limited(factor * rise.per_x * static_cast<double>(x));
+    }
+    for (std::size_t y = 0; y < of_rows.size(); ++y) {
+        of_rows[y] = limited(factor * (rise.at_origin + rise.per_y * static_cast<double>(y)) + margin);
+    }
+}
+
+}  // namespace
+
+Band::Band(int width, int height)
+    : low_x_(static_cast<std::size_t>(width)),
+      low_y_(static_cast<std::size_t>(height)),
+      high_x_(static_cast<std::size_t>(width)),
+      high_y_(static_cast<std::size_t>(height)) {}
+
+void Band::set(const Geometry& geometry, const GroundPlane& ground) {
+    const ScanOptions& options = geometry.options();
+    const Rays& rays = geometry.rays();
+    const auto combined = [&](double up, double ahead, double left) {
+        return up - ground.slope_ahead * ahead - ground.slope_left * left;
+    };
+    // What a ray rises above the ground's plane.
+    const Linear rise{combined(rays.up.at_origin, rays.ahead.at_origin, rays.left.at_origin),
+                      combined(rays.up.per_x, rays.ahead.per_x, rays.left.per_x),
+                      combined(rays.up.per_y, rays.ahead.per_y, rays.left.per_y)};
+    // A point with n sixteenths lies at the height h + k rise / n, h being the camera's. So it is at least low when
+    // n >= -k rise / (h - low), and less than high when n > k rise / (high - h), or n < that where high < h.
+    const auto k = static_cast<double>(geometry.camera().scale.k);
+    const double h = 1000 * (options.camera_height_m - ground.height_m);
+    const double above_low = std::max(h - 1000 * options.low_m, 1.0);
+    const double to_high = 1000 * options.high_m - h;
+    above_ = to_high < 0;
+    // The ground's own noise is not to reach above the limit.
+    const double margin = 3 * 16 * options.subpixel_error_px;
+    fill(low_x_, low_y_, rise, -k / above_low, margin);
+    fill(high_x_, high_y_, rise, k / (above_ ? std::min(to_high, -1.0) : std::max(to_high, 1.0)), 0);
+}
+
+}  // namespace disparityd::scan

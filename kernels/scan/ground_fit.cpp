@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/scan/ground_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace disparityd::scan {
+namespace {
+
+/// So many pixels are looked at, at most, and so many of them judge a random plane.
+constexpr int grid_rows = 96;
+constexpr int grid_columns = 64;
+constexpr std::size_t sample_size = 512;
+constexpr int tries = 48;
+/// A ground has at least so many pixels of the grid, and this part of those that may show it.
+constexpr int least_inliers = 80;
+constexpr double least_share = 0.25;
+
+/// Numerical Recipes' generator: its high bits are random enough to pick points with.
+class Random {
+public:
+    std::size_t below(std::size_t limit) {
+        state_ = state_ * 1664525U + 1013904223U;
+        return static_cast<std::size_t>((std::uint64_t{state_} * limit) >> 32);
+    }
+
+private:
+    std::uint32_t state_ = 1;
+};
+
+using Row = std::array<double, 4>;  ///< three coefficients and the right-hand side
+
+/// Solves three equations; false where they have no single solution.
+bool solve(std::array<Row, 3>& m) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        std::size_t pivot = i;
+        for (std::size_t j = i + 1; j < 3; ++j) {
+            pivot = std::abs(m[j][i]) > std::abs(m[pivot][i]) ? j : pivot;
+        }
+        std::swap(m[i], m[pivot]);
+        if (!(std::abs(m[i][i]) > 1e-9)) {
+            return false;
+        }
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (j != i) {
+                const double factor = m[j][i] / m[i][i];
+                for (std::size_t k = i; k < 4; ++k) {
+                    m[j][k] -= factor * m[i][k];
+                }
+            }
+        }
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        m[i][3] /= m[i][i];
+    }
+    return true;
+}
+
+}  // namespace
+
+GroundFit::GroundFit(const Geometry& /*geometry*/) {
+    points_.reserve(std::size_t{2} * grid_rows * 2 * grid_columns);
+    sample_.reserve(2 * sample_size);
+}
+
+void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
+    points_.clear();
+    sample_.clear();
+    const Camera& camera = geometry.camera();
+    const Rays& rays = geometry.rays();
+    const int step_y = std::max(camera.height / grid_rows, 1);
+    const int step_x = std::max(camera.width / grid_columns, 1);
+    const auto k = static_cast<double>(camera.scale.k);
+    const double h = 1000 * geometry.options().camera_height_m;
+    const double step = std::min(1000 * max_ground_step_m, 0.4 * std::abs(h));
+    for (int y = step_y / 2; y < camera.height; y += step_y) {
+        for (int x = step_x / 2; x < camera.width; x += step_x) {
+            const double n = pixels.disparity.at(x, y) + camera.scale.offset16;
+            const bool measured = pixels.confidence.at(x, y) >= geometry.options().min_confidence &&
+                                  n * geometry.weights(y / group_rows)[x] >= geometry.limits().seen * weight_one;
+            if (!measured) {
+                continue;
+            }
+            const double up = rays.up(x, y);
+            const double ahead = rays.ahead(x, y);
+            const double left = rays.left(x, y);
+            // n times the height above the configured ground, against n times what slope and step allow there.
+            const double horizontal = std::sqrt(ahead * ahead + left * left);
+            if (std::abs(h * n + k * up) <= step * n + 1.5 * max_ground_slope * k * horizontal) {
+                points_.push_back({static_cast<float>(n), static_cast<float>(-k * up), static_cast<float>(k * ahead),
+                                   static_cast<float>(k * left)});
+            }
+        }
+    }
+    const std::size_t every = std::max<std::size_t>(points_.size() / sample_size, 1);
+    for (std::size_t i = every / 2; i < points_.size(); i += every) {
+        sample_.push_back(points_[i]);
+    }
+}
+
+int GroundFit::score(const Parameters& plane, float tolerance) const {
+    const auto p = static_cast<float>(plane.p);
+    const auto q = static_cast<float>(plane.q);
+    const auto t = static_cast<float>(plane.t);
+    int score = 0;
+    for (const Point& point : sample_) {
+        const float above = point.n - (point.up * p + point.ahead * q + point.left * t);
+        // What is seen below a plane speaks against it.
+        score += (std::abs(above) <= tolerance ? 2 : 0) - (above < -2 * tolerance ? 1 : 0);
+    }
+    return score;
+}
+
+std::optional<GroundFit::Parameters> GroundFit::through(std::size_t a, std::size_t b, std::size_t c) const {
+    std::array<Row, 3> m{};
+    std::size_t i = 0;
+    for (const std::size_t index : {a, b, c}) {
+        const Point& point = sample_[index];
+        m[i++] = {point.up, point.ahead, point.left, point.n};
+    }
+    if (!solve(m)) {
+        return std::nullopt;
+    }
+    return Parameters{m[0][3], m[1][3], m[2][3]};
+}
+
+std::optional<GroundFit::Parameters> GroundFit::least_squares(const Parameters& plane, float tolerance,
+                                                              int& inliers) const {
+    std::array<Row, 3> m{};
+    inliers = 0;
+    for (const Point& point : points_) {
+        const std::array<double, 4> row{point.up, point.ahead, point.left, point.n};
+        const double above = row[3] - (row[0] * plane.p + row[1] * plane.q + row[2] * plane.t);
+        if (std::abs(above) > tolerance) {
+            continue;
+        }
+        ++inliers;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 4; ++j) {
+                m[i][j] += row[i] * row[j];
+            }
+        }
+    }
+    if (!solve(m)) {
+        return std::nullopt;
+    }
+    return Parameters{m[0][3], m[1][3], m[2][3]};
+}
+
+bool GroundFit::allowed(const Parameters& plane, double h) const {
+    if (!(plane.p > 0)) {
+        return false;
+    }
+    const double height = h - 1 / plane.p;
+    return std::abs(height) <= std::min(1000 * max_ground_step_m, 0.4 * std::abs(h)) &&
+           std::abs(plane.q / plane.p) <= max_ground_slope && std::abs(plane.t / plane.p) <= max_ground_slope;
+}
+
+std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near) {
+    collect(pixels, geometry);
+    if (points_.size() < least_inliers) {
+        return std::nullopt;
+    }
+    const double h = 1000 * geometry.options().camera_height_m;
+    const auto tolerance = static_cast<float>(std::max(8.0, 2.5 * 16 * geometry.options().subpixel_error_px));
+    const double p = 1 / (h - 1000 * near.height_m);
+    Parameters best{p, p * near.slope_ahead, p * near.slope_left};
+    int best_score = score(best, tolerance);
+    Random random;
+    for (int i = 0; i < tries; ++i) {
+        const std::size_t a = random.below(sample_.size());
+        const std::size_t b = random.below(sample_.size());
+        const std::size_t c = random.below(sample_.size());
+        const auto plane = through(a, b, c);
+        if (!plane || !allowed(*plane, h)) {
+            continue;
+        }
+        const int found = score(*plane, tolerance);
+        if (found > best_score) {
+            best_score = found;
+            best = *plane;
+        }
+    }
+    int inliers = 0;
+    for (int i = 0; i < 3; ++i) {
+        const auto better = least_squares(best, tolerance, inliers);
+        if (!better || !allowed(*better, h)) {
+            return std::nullopt;
+        }
+        best = *better;
+    }
+    if (inliers < least_inliers || inliers < least_share * static_cast<double>(points_.size())) {
+        return std::nullopt;
+    }
+    return GroundPlane{(h - 1 / best.p) / 1000, best.q / best.p, best.t / best.p};
+}
+
+}  // namespace disparityd::scan

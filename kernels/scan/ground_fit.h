@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "kernels/scan/scan.h"
+#include "kernels/scan/scan_counts.h"
+#include "kernels/scan/scan_geometry.h"
+
+namespace disparityd::scan {
+
+/// The slopes of a ground's plane are at most this: 12.5 degrees.
+inline constexpr double max_ground_slope = 0.2217;
+/// Its height below the camera is off from the configured one by at most this, and by at most 0.4 of it.
+inline constexpr double max_ground_step_m = 0.15;
+
+/// Finds the plane of the ground in one frame: random samples, then least squares. The same input gives the same
+/// result.
+class GroundFit {
+public:
+    /// Reserves all memory.
+    explicit GroundFit(const Geometry& geometry);
+
+    /// Returns the plane that most of the pixels near the configured ground lie on; nothing where too few do. `near`: a
+    /// plane that is tried first.
+    std::optional<GroundPlane> fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near);
+
+private:
+    /// A pixel that may show the ground: its disparity n, and what that is per unit of the plane's three parameters.
+    struct Point {
+        float n, up, ahead, left;
+    };
+    /// n = p up + q ahead + t left on the plane: p = 1 / (h - height), q = p slope_ahead, t = p slope_left.
+    struct Parameters {
+        double p, q, t;
+    };
+
+    void collect(const Pixels& pixels, const Geometry& geometry);
+    int score(const Parameters& plane, float tolerance) const;
+    std::optional<Parameters> through(std::size_t a, std::size_t b, std::size_t c) const;
+    std::optional<Parameters> least_squares(const Parameters& plane, float tolerance, int& inliers) const;
+    bool allowed(const Parameters& plane, double h) const;
+
+    std::vector<Point> points_;
+    std::vector<Point> sample_;  ///< some of them, evenly
+};
+
+}  // namespace disparityd::scan

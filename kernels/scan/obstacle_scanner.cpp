@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/scan/obstacle_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace disparityd {
+namespace {
+
+/// A plane that was fitted holds for so many frames without ground.
+constexpr int hold_frames = 30;
+/// Planes that differ by less are the same ground, measured twice: their mean has less noise.
+constexpr double same_height_m = 0.02;
+constexpr double same_slope = 0.0175;
+
+const ScanOptions& checked(const ScanOptions& options) {
+    if (const std::string wrong = validate(options); !wrong.empty()) {
+        throw std::invalid_argument(wrong);
+    }
+    return options;
+}
+
+bool same(const GroundPlane& a, const GroundPlane& b) {
+    return std::abs(a.height_m - b.height_m) < same_height_m && std::abs(a.slope_ahead - b.slope_ahead) < same_slope &&
+           std::abs(a.slope_left - b.slope_left) < same_slope;
+}
+
+GroundPlane mean(const GroundPlane& a, const GroundPlane& b) {
+    return {(a.height_m + b.height_m) / 2, (a.slope_ahead + b.slope_ahead) / 2, (a.slope_left + b.slope_left) / 2};
+}
+
+}  // namespace
+
+ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps)
+    : steps_(steps),
+      geometry_(width, height, checked(options)),
+      band_(width, height),
+      counts_(options.sectors, geometry_.groups()),
+      ground_fit_(geometry_),
+      decision_(geometry_) {}
+
+Scan ObstacleScanner::empty_scan() const {
+    Scan scan;
+    scan.sectors.resize(static_cast<std::size_t>(geometry_.sectors()));
+    return scan;
+}
+
+void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan) {
+    if (!(camera == geometry_.camera())) {
+        geometry_.set(camera);
+        decision_.set(geometry_);
+        band_set_ = false;
+    }
+    if (!camera.metric()) {
+        std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
+        return;
+    }
+    find_ground(pixels, scan);
+    if (!band_set_ || !(scan.ground == band_ground_)) {
+        band_.set(geometry_, scan.ground);
+        band_ground_ = scan.ground;
+        band_set_ = true;
+    }
+    steps_.scan_counts(pixels, geometry_, band_, counts_);
+    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+}
+
+void ObstacleScanner::find_ground(const scan::Pixels& pixels, Scan& scan) {
+    scan.ground_source = GroundSource::configured;
+    scan.ground_age = 0;
+    scan.ground = {};
+    if (geometry_.options().ground == GroundMode::configured) {
+        return;
+    }
+    if (const auto fitted = ground_fit_.fit(pixels, geometry_, ground_known_ ? ground_ : GroundPlane{})) {
+        ground_ = ground_known_ && same(*fitted, ground_) ? mean(*fitted, ground_) : *fitted;
+        ground_known_ = true;
+        ground_age_ = 0;
+        scan.ground_source = GroundSource::fitted;
+    } else if (ground_known_ && ground_age_ < hold_frames) {
+        ++ground_age_;
+        scan.ground_source = GroundSource::held;
+    } else {
+        ground_known_ = false;
+        return;
+    }
+    scan.ground_age = ground_age_;
+    scan.ground = ground_;
+}
+
+}  // namespace disparityd

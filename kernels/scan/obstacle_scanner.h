@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "kernels/scan/ground_fit.h"
+#include "kernels/scan/scan.h"
+#include "kernels/scan/scan_counts.h"
+#include "kernels/scan/scan_geometry.h"
+#include "kernels/scan/scan_options.h"
+#include "kernels/scan/sector_decision.h"
+#include "kernels/steps.h"
+
+namespace disparityd {
+
+/// Makes an obstacle scan of each frame: step 14 of docs/algorithm.md. One thread at a time; it remembers the ground's
+/// plane from frame to frame. All memory is allocated by the constructor.
+class ObstacleScanner {
+public:
+    /// `steps`: those of a back end, or of the reference; it outlives this. Throws std::invalid_argument with
+    /// validate()'s line for bad options.
+    ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps);
+
+    /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
+    /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
+    void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan);
+
+    Scan empty_scan() const;
+
+    const ScanOptions& options() const { return geometry_.options(); }
+
+private:
+    void find_ground(const scan::Pixels& pixels, Scan& scan);
+
+    const FrameSteps& steps_;
+    scan::Geometry geometry_;
+    scan::Band band_;
+    scan::Counts counts_;
+    scan::GroundFit ground_fit_;
+    scan::SectorDecision decision_;
+    bool band_set_ = false;
+    GroundPlane band_ground_;  ///< of band_
+    GroundPlane ground_;       ///< the plane of the frame before
+    int ground_age_ = 0;       ///< frames since a plane was fitted
+    bool ground_known_ = false;
+};
+
+/// The steps of the fastest back end of the processor.
+const FrameSteps& fastest_frame_steps();
+
+}  // namespace disparityd

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "kernels/matcher.h"
+#include "kernels/scan/scan.h"
+#include "kernels/scan/scan_options.h"
+
+namespace disparityd::scan {
+
+/// Rows that share their sectors' edges and weights.
+inline constexpr int group_rows = 8;
+/// A weight of 1.
+inline constexpr int weight_one = 1 << 14;
+
+/// The rectified left camera.
+struct Camera {
+    int width = 0;
+    int height = 0;
+    double f = 0;  ///< px; 0: unknown, nothing can be scanned
+    double cx = 0;
+    double cy = 0;
+    DepthScale scale;
+
+    bool metric() const { return f > 0 && scale.k > 0; }
+    friend bool operator==(const Camera& a, const Camera& b) {
+        return a.width == b.width && a.height == b.height && a.f == b.f && a.cx == b.cx && a.cy == b.cy &&
+               a.scale.k == b.scale.k && a.scale.offset16 == b.scale.offset16;
+    }
+};
+
+/// A value that changes linearly over the image: at_origin + per_x x + per_y y.
+struct Linear {
+    double at_origin = 0;
+    double per_x = 0;
+    double per_y = 0;
+
+    double operator()(double x, double y) const { return at_origin + per_x * x + per_y * y; }
+};
+
+/// The ray of pixel (x, y) in the robot's frame, scaled so that a point on it lies at depth Z times these.
+struct Rays {
+    Linear ahead;
+    Linear left;
+    Linear up;
+};
+
+Rays make_rays(const Camera& camera, const ScanOptions& options);
+
+/// Everything about sectors that follows from camera and options alone. Memory is allocated by the constructor only.
+class Geometry {
+public:
+    Geometry(int width, int height, const ScanOptions& options);
+
+    /// Computes all tables for another camera of the same size.
+    void set(const Camera& camera);
+
+    const Camera& camera() const { return camera_; }
+    const ScanOptions& options() const { return options_; }
+    const Rays& rays() const { return rays_; }
+    int sectors() const { return options_.sectors; }
+    int groups() const { return groups_; }
+    /// The last row of a group, plus one.
+    int group_end(int group) const;
+
+    /// The bearing of an edge in degrees, 0 .. sectors().
+    double edge_deg(int edge) const;
+
+    /// Sixteenths of disparity to those at the horizontal distance, times weight_one; one per column.
+    const std::uint16_t* weights(int group) const {
+        return &weights_[static_cast<std::size_t>(group) * static_cast<std::size_t>(camera_.width)];
+    }
+    /// Sector s has the columns [edges(group)[s + 1], edges(group)[s]).
+    const std::int16_t* edges(int group) const {
+        return &edges_[static_cast<std::size_t>(group) * (static_cast<std::size_t>(sectors()) + 1)];
+    }
+    /// What a ray rises per horizontal metre, in the middle of a sector at the upper edge of a group, 0 .. groups().
+    double rise(int sector, int group_edge) const {
+        return rises_[static_cast<std::size_t>(sector) * (static_cast<std::size_t>(groups_) + 1) +
+                      static_cast<std::size_t>(group_edge)];
+    }
+    double bearing_cos(int sector) const { return cos_[static_cast<std::size_t>(sector)]; }
+    double bearing_sin(int sector) const { return sin_[static_cast<std::size_t>(sector)]; }
+
+    /// Disparities in sixteenths at the horizontal distance: those from `seen` to `nearest` count as measured, those
+    /// from `obstacle` on as obstacles.
+    struct Limits {
+        int seen = 0;
+        int obstacle = 0;
+        int nearest = 0;
+    };
+    const Limits& limits() const { return limits_; }
+
+private:
+    void set_limits();
+    void set_group(int group);
+    void set_rises();
+
+    ScanOptions options_;
+    Camera camera_;
+    Rays rays_;
+    int groups_;
+    double from_deg_ = 0;
+    double to_deg_ = 0;
+    Limits limits_;
+    std::vector<std::uint16_t> weights_;
+    std::vector<std::int16_t> edges_;
+    std::vector<double> rises_;
+    std::vector<double> cos_;  ///< of the middle of each sector
+    std::vector<double> sin_;
+};
+
+}  // namespace disparityd::scan

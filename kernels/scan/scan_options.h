@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace disparityd {
+
+/// Where the ground's plane comes from.
+enum class GroundMode : std::uint8_t {
+    configured,  ///< the plane z = 0 of the mounting
+    fitted,      ///< fitted to each frame, near the configured one
+};
+
+/// How an obstacle scan is made: step 14 of docs/algorithm.md. Angles in degrees, lengths in metres.
+struct ScanOptions {
+    int sectors = 72;  ///< 1 .. max_scan_sectors
+    /// The bearings of the right-most and of the left-most edge, left positive; both 0: the field of view.
+    double from_deg = 0;
+    double to_deg = 0;
+
+    // The mounting of the left camera on the robot, whose x axis points ahead, y left, z up.
+    double camera_height_m = 0.3;  ///< above the ground; more than low_m
+    double pitch_deg = 0;          ///< positive: looks down; -45 .. 45
+    double roll_deg = 0;           ///< positive: its right side is lower; -45 .. 45
+    double yaw_deg = 0;            ///< positive: looks left; -180 .. 180
+
+    GroundMode ground = GroundMode::fitted;
+    double low_m = 0.08;  ///< what is lower above the ground's plane is ground
+    double high_m = 1.0;  ///< what is higher is overhead
+    double min_m = 0.2;   ///< what is nearer is unknown: a part of the robot, or too near for the range of disparities
+    double max_m = 20;    ///< neither obstacles nor freedom are reported beyond
+
+    double object_m = 0.1;            ///< side of the smallest obstacle that counts, and that freedom excludes
+    double max_error_m = 1;           ///< a disparity whose one-sigma depth error is larger counts as unknown
+    double subpixel_error_px = 0.25;  ///< one sigma of a disparity
+    int min_confidence = 1;           ///< 1 .. 255
+};
+
+inline constexpr int max_scan_sectors = 360;
+
+/// Returns one line about the first option that is out of range, empty when all are allowed.
+std::string validate(const ScanOptions& options);
+
+}  // namespace disparityd

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/scan/sector_decision.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace disparityd::scan {
+namespace {
+
+/// Pixels that agree on a distance lie in so many bins: 1 px, or an eighth of the disparity.
+constexpr int window = 4;
+/// An obstacle shows itself by this part of the pixels that the smallest one has, in 256ths, and by so many at least.
+constexpr std::uint32_t support_share = 77;
+constexpr std::uint32_t least_support = 8;
+/// A group of rows of a sector is seen when this part of it was measured.
+constexpr std::uint32_t seen_numerator = 1;
+constexpr std::uint32_t seen_denominator = 2;
+
+std::size_t index(int value) {
+    return static_cast<std::size_t>(value);
+}
+
+/// The pixels that an obstacle needs where the smallest one has this side, in 1/16 px, seen on so many columns.
+std::uint32_t support(std::uint32_t side, std::uint32_t columns) {
+    const std::uint32_t wide = std::min(side, 16 * columns);
+    return std::max(static_cast<std::uint32_t>((std::uint64_t{wide} * side * support_share) >> 16), least_support);
+}
+
+template <typename T>
+T rounded(double value) {
+    using Limits = std::numeric_limits<T>;
+    return static_cast<T>(std::floor(std::clamp(value, double{Limits::min()}, double{Limits::max()}) + 0.5));
+}
+
+}  // namespace
+
+SectorDecision::SectorDecision(const Geometry& geometry)
+    : windows_(index(geometry.sectors()) * bins),
+      object_side_(bins),
+      columns_(index(geometry.sectors())),
+      resolved_(index(geometry.sectors())),
+      area_(index(geometry.sectors()) * index(geometry.groups())),
+      found_(index(geometry.sectors())) {}
+
+void SectorDecision::set(const Geometry& geometry) {
+    if (!geometry.camera().metric()) {
+        return;
+    }
+    // At k / m mm a side of s mm has f s m / k pixels; f B = k / 16.
+    const auto k = static_cast<double>(geometry.camera().scale.k);
+    const double side_mm = 1000 * geometry.options().object_m;
+    for (int b = 0; b < bins; ++b) {
+        const double pixels = geometry.camera().f * side_mm * bin_begin(std::min(b, used_bins)) / k;
+        object_side_[index(b)] = static_cast<std::uint32_t>(std::min(16 * pixels, 1e6));
+    }
+    for (int s = 0; s < geometry.sectors(); ++s) {
+        int least = std::numeric_limits<int>::max();
+        for (int group = 0; group < geometry.groups(); ++group) {
+            const std::int16_t* edges = geometry.edges(group);
+            const int columns = edges[s] - edges[s + 1];
+            const int rows = geometry.group_end(group) - group * group_rows;
+            area_[index(s * geometry.groups() + group)] = static_cast<std::uint32_t>(columns * rows);
+            least = columns > 0 ? std::min(least, columns) : least;
+        }
+        columns_[index(s)] = least == std::numeric_limits<int>::max() ? 0 : least;
+        // The farthest bin in which the share, and not the least number, is what an obstacle needs.
+        int b = 0;
+        while (b < used_bins &&
+               support(object_side_[index(b)], static_cast<std::uint32_t>(columns_[index(s)])) <= least_support) {
+            ++b;
+        }
+        resolved_[index(s)] = k / std::max(bin_begin(b), 1);
+    }
+}
+
+void SectorDecision::sum_windows(const Counts& counts) {
+    for (int s = 0; s < counts.sectors; ++s) {
+        const std::uint32_t* count = counts.obstacle_of(s);
+        std::uint32_t* sum = &windows_[index(s) * bins];
+        for (int b = 0; b < window - 1; ++b) {
+            sum[b] = 0;
+            for (int i = 0; i <= b; ++i) {
+                sum[b] += count[i];
+            }
+        }
+        for (int b = window - 1; b < used_bins; ++b) {
+            sum[b] = count[b] + count[b - 1] + count[b - 2] + count[b - 3];
+        }
+    }
+}
+
+/// Returns the nearest bin at which one sector, or two together, have the support for an obstacle; -1: none.
+int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other, int columns) const {
+    for (int b = used_bins - 1; b >= 0; --b) {
+        const std::uint32_t pixels = one[b] + (other == nullptr ? 0 : other[b]);
+        if (pixels >= least_support && pixels >= support(object_side_[index(b)], static_cast<std::uint32_t>(columns))) {
+            return b;
+        }
+    }
+    return -1;
+}
+
+void SectorDecision::find_obstacles(const Geometry& geometry) {
+    const int sectors = geometry.sectors();
+    for (int s = 0; s < sectors; ++s) {
+        found_[index(s)].last = nearest(&windows_[index(s) * bins], nullptr, columns_[index(s)]);
+    }
+    // What stands on the edge of two sectors may have too few pixels in each.
+    for (int s = 0; s + 1 < sectors; ++s) {
+        const std::uint32_t* right = &windows_[index(s) * bins];
+        const std::uint32_t* left = &windows_[index(s + 1) * bins];
+        const int b = nearest(right, left, columns_[index(s)] + columns_[index(s + 1)]);
+        if (b < 0) {
+            continue;
+        }
+        const std::uint32_t part = (right[b] + left[b]) / 4;
+        if (right[b] >= part) {
+            found_[index(s)].last = std::max(found_[index(s)].last, b);
+        }
+        if (left[b] >= part) {
+            found_[index(s + 1)].last = std::max(found_[index(s + 1)].last, b);
+        }
+    }
+    // The first window with enough pixels holds the near end of the obstacle only: its middle is where most are.
+    for (int s = 0; s < sectors; ++s) {
+        Found& found = found_[index(s)];
+        const std::uint32_t* sum = &windows_[index(s) * bins];
+        for (int b = found.last - 1, end = std::max(found.last - window, 0); b >= end; --b) {
+            found.last = sum[b] > sum[found.last] ? b : found.last;
+        }
+        found.first = std::max(found.last - window + 1, 0);
+    }
+}
+
+/// Returns the distance in mm up to which no obstacle of the smallest size can hide where nothing was measured.
+double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
+                                     int sector) const {
+    const ScanOptions& options = geometry.options();
+    const double h = 1000 * (options.camera_height_m - ground.height_m);
+    const double above = 1000 * options.high_m - h;  // of the band, above the camera
+    const double below = h - 1000 * options.low_m;
+    const double side = std::min(1000 * options.object_m, above + below);
+    const double slope =
+        ground.slope_ahead * geometry.bearing_cos(sector) + ground.slope_left * geometry.bearing_sin(sector);
+    const double least = 1000 * options.min_m;
+    double free = std::min({1000 * options.max_m, resolved_[index(sector)],
+                            static_cast<double>(geometry.camera().scale.k) / geometry.limits().seen});
+    bool any = false;
+    int begin = -1;
+    for (int group = 0; group <= geometry.groups(); ++group) {
+        const std::uint32_t area = group < geometry.groups() ? area_[index(sector * geometry.groups() + group)] : 0;
+        any = any || area > 0;
+        const bool hidden = area > 0 && counts.seen_of(sector, group) * seen_denominator < area * seen_numerator;
+        if (hidden) {
+            begin = begin < 0 ? group : begin;
+            continue;
+        }
+        if (begin >= 0) {
+            // Rows that fall from `top` to `bottom` per horizontal mm show, at distance r, the heights r top to r
+            // bottom below the camera; an obstacle hides when as much of that is in the band as its side.
+            const double top = slope - geometry.rise(sector, begin);
+            const double bottom = slope - geometry.rise(sector, group);
+            double from = std::max(least, bottom > top ? side / (bottom - top) : 1e9);
+            double to = 1e9;
+            const auto limit = [&](double per_mm, double most) {  // per_mm r <= most
+                if (per_mm > 0) {
+                    to = std::min(to, most / per_mm);
+                } else if (per_mm < 0) {
+                    from = std::max(from, most / per_mm);
+                } else if (most < 0) {
+                    to = 0;
+                }
+            };
+            limit(-bottom, above - side);
+            limit(top, below - side);
+            if (from <= to) {
+                free = std::min(free, from);
+            }
+            begin = -1;
+        }
+    }
+    return any ? free : 0;
+}
+
+/// Fills in the distance of an obstacle and its error.
+void SectorDecision::describe(const Geometry& geometry, const Counts& counts, int sector, ScanSector& out) const {
+    const Found& found = found_[index(sector)];
+    const std::uint32_t* count = counts.obstacle_of(sector);
+    double sum = 0;
+    std::uint32_t pixels = 0;
+    for (int b = found.first; b <= found.last; ++b) {
+        pixels += count[b];
+        sum += count[b] * ((bin_begin(b) + bin_begin(b + 1) - 1) / 2.0);
+    }
+    const double m = std::max(sum / pixels, 1.0);
+    const auto k = static_cast<double>(geometry.camera().scale.k);
+    out.state = SectorState::occupied;
+    out.pixels = rounded<std::uint16_t>(pixels);
+    out.distance_mm = rounded<std::uint16_t>(k / m);
+    out.sigma_mm = rounded<std::uint16_t>(k * 16 * geometry.options().subpixel_error_px / (m * m));
+}
+
+/// Fills in heights and confidence of an obstacle, from one row of each group.
+void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, const Band& band,
+                                const GroundPlane& ground, int sector, ScanSector& out) const {
+    const Found& found = found_[index(sector)];
+    const int least = bin_begin(found.first);
+    const int most = bin_begin(found.last + 1) - 1;
+    const int offset = geometry.camera().scale.offset16;
+    const auto k = static_cast<double>(geometry.camera().scale.k);
+    const double h = 1000 * (geometry.options().camera_height_m - ground.height_m);
+    const Rays& rays = geometry.rays();
+    double low = 1e9;
+    double high = -1e9;
+    int confidence = 0;
+    int seen = 0;
+    for (int group = 0; group < geometry.groups(); ++group) {
+        const int y = std::min(group * group_rows + group_rows / 2, geometry.camera().height - 1);
+        const std::int16_t* edges = geometry.edges(group);
+        const std::uint16_t* weights = geometry.weights(group);
+        for (int x = edges[sector + 1]; x < edges[sector]; ++x) {
+            const int n = pixels.disparity.at(x, y) + offset;
+            const int m = (2 * std::clamp(n, 0, 16383) * weights[x] + (1 << 14)) >> 15;
+            if (m < least || m > most || pixels.confidence.at(x, y) < geometry.options().min_confidence ||
+                !band.contains(x, y, n)) {
+                continue;
+            }
+            const double rise =
+                rays.up(x, y) - ground.slope_ahead * rays.ahead(x, y) - ground.slope_left * rays.left(x, y);
+            const double height = h + k * rise / n;
+            low = std::min(low, height);
+            high = std::max(high, height);
+            confidence += pixels.confidence.at(x, y);
+            ++seen;
+        }
+    }
+    if (seen > 0) {
+        out.low_mm = rounded<std::int16_t>(low);
+        out.high_mm = rounded<std::int16_t>(high);
+        out.confidence = static_cast<std::uint8_t>(confidence / seen);
+    }
+}
+
+void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
+                            const Counts& counts, std::span<ScanSector> sectors) {
+    sum_windows(counts);
+    find_obstacles(geometry);
+    for (int s = 0; s < geometry.sectors(); ++s) {
+        ScanSector& out = sectors[index(s)];
+        out = {};
+        out.from_cdeg = rounded<std::int16_t>(100 * geometry.edge_deg(s));
+        out.to_cdeg = rounded<std::int16_t>(100 * geometry.edge_deg(s + 1));
+        const double free = free_distance(geometry, ground, counts, s);
+        if (found_[index(s)].last >= 0) {
+            describe(geometry, counts, s, out);
+            add_extent(pixels, geometry, band, ground, s, out);
+            out.free_mm = std::min(rounded<std::uint16_t>(free), out.distance_mm);
+        } else {
+            out.free_mm = rounded<std::uint16_t>(free);
+            out.state = free > 1000 * geometry.options().min_m ? SectorState::free : SectorState::unknown;
+        }
+    }
+}
+
+}  // namespace disparityd::scan

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/scan/band.h"
+#include "kernels/scan/scan.h"
+#include "kernels/scan/scan_counts.h"
+#include "kernels/scan/scan_geometry.h"
+
+namespace disparityd::scan {
+
+/// Decides what each sector shows, from the counts of its pixels: step 14, the part per sector. Memory is allocated by
+/// the constructor only.
+class SectorDecision {
+public:
+    explicit SectorDecision(const Geometry& geometry);
+
+    /// Computes what follows from the geometry alone; to be called after Geometry::set().
+    void set(const Geometry& geometry);
+
+    /// Fills in all sectors. `sectors` has geometry.sectors() elements.
+    void decide(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
+                const Counts& counts, std::span<ScanSector> sectors);
+
+private:
+    /// The bins in which an obstacle was found: [first, last], last < 0: none.
+    struct Found {
+        int first = 0;
+        int last = -1;
+    };
+
+    void sum_windows(const Counts& counts);
+    int nearest(const std::uint32_t* one, const std::uint32_t* other, int columns) const;
+    void find_obstacles(const Geometry& geometry);
+    double free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts, int sector) const;
+    void describe(const Geometry& geometry, const Counts& counts, int sector, ScanSector& out) const;
+    void add_extent(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
+                    int sector, ScanSector& out) const;
+
+    std::vector<std::uint32_t> windows_;      ///< by sector and bin: the pixels in it and the three before it
+    std::vector<std::uint32_t> object_side_;  ///< by bin: the side of the smallest obstacle, 1/16 px
+    std::vector<int> columns_;                ///< of each sector, the least over the groups that show it
+    std::vector<double> resolved_;            ///< by sector: the smallest obstacle has pixels enough up to here, mm
+    std::vector<std::uint32_t> area_;         ///< by sector and group, px
+    std::vector<Found> found_;
+};
+
+}  // namespace disparityd::scan

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// The bytes of the product SCAN: one ScanHead, then ScanHead::sectors times ScanSector, little endian, without gaps.
+/// docs/protocol.md gives the offsets to other languages; step 14 of docs/algorithm.md says how the values come about.
+///
+/// The frame of reference is the robot's: the origin is on the ground below the camera, x ahead, y left, z up.
+/// A bearing is counted from x towards y, so that left is positive; distances are horizontal, from the camera.
+namespace disparityd::proto {
+
+inline constexpr std::uint16_t scan_version = 1;
+inline constexpr std::uint32_t scan_max_sectors = 360;
+
+enum class SectorState : std::uint8_t {
+    unknown = 0,   ///< nothing is known beyond free_mm, which is less than the scan's least distance
+    free = 1,      ///< no obstacle up to free_mm; what lies beyond is unknown
+    occupied = 2,  ///< the nearest obstacle is at distance_mm
+};
+
+enum class GroundSource : std::uint8_t {
+    configured = 0,  ///< the plane z = 0 of the configured mounting
+    fitted = 1,      ///< fitted to this frame
+    held = 2,        ///< fitted to an earlier frame, ground_age frames ago; this one shows too little ground
+};
+
+struct ScanHead {
+    std::uint16_t version;  ///< scan_version
+    std::uint16_t sectors;  ///< 1 .. scan_max_sectors
+    std::uint8_t ground;    ///< GroundSource
+    std::uint8_t reserved;  ///< 0
+    std::uint16_t ground_age;
+    std::int16_t ground_mm;           ///< height of the ground's plane at the origin
+    std::int16_t ground_slope_ahead;  ///< of the plane along x, in 1/10000
+    std::int16_t ground_slope_left;   ///< along y
+    std::int16_t low_mm;              ///< obstacles are what lies between these heights above the ground's plane
+    std::int16_t high_mm;             ///< the upper one
+    std::uint16_t least_mm;           ///< the least distance that the scan reports
+    std::uint16_t most_mm;            ///< the largest one; farther obstacles and freedom are cut there
+    std::uint16_t reserved_words[5];  ///< 0
+};
+
+/// Ordered by bearing, the right-most first; sectors may leave gaps.
+struct ScanSector {
+    std::int16_t from_cdeg;     ///< the right edge, 1/100 degree
+    std::int16_t to_cdeg;       ///< the left edge
+    std::uint8_t state;         ///< SectorState
+    std::uint8_t confidence;    ///< mean of the obstacle's pixels, as the product CONFIDENCE; 0 where none is reported
+    std::uint16_t distance_mm;  ///< to the nearest obstacle; 0 where none is reported
+    std::uint16_t sigma_mm;     ///< one-sigma error of that distance
+    /// There is no obstacle nearer than this: 0 .. most_mm. Of an occupied sector it is at most distance_mm, and less
+    /// where something may hide in front of the obstacle.
+    std::uint16_t free_mm;
+    std::int16_t low_mm;   ///< the obstacle's lowest and highest part above the ground's plane, within the band
+    std::int16_t high_mm;  ///< the highest one
+    std::uint16_t pixels;  ///< that show the obstacle; 65535 = so many or more
+};
+
+static_assert(sizeof(ScanHead) == 32 && sizeof(ScanSector) == 18, "docs/protocol.md gives the sizes");
+
+/// The bytes of a scan.
+constexpr std::size_t scan_bytes(std::size_t sectors) {
+    return sizeof(ScanHead) + sectors * sizeof(ScanSector);
+}
+
+}  // namespace disparityd::proto
