@@ -18,13 +18,16 @@ void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, con
                 for (int x = edges[s + 1]; x < edges[s]; ++x) {
                     const int n = std::clamp(pixels.disparity.at(x, y) + offset, -32768, 32767);
                     const int rounded = (2 * std::clamp(n, 0, 16383) * geometry.weights(group)[x] + (1 << 14)) >> 15;
-                    const bool measured = pixels.confidence.at(x, y) >= geometry.options().min_confidence &&
-                                          rounded >= limits.seen && rounded <= limits.nearest;
-                    if (!measured) {
+                    const int confidence = pixels.confidence.at(x, y);
+                    if (confidence == 0 || rounded < limits.seen || rounded > limits.nearest) {
                         continue;
                     }
-                    ++counts.seen_of(s, group);
-                    if (rounded >= limits.obstacle && band.contains(x, y, n)) {
+                    const bool obstacle = rounded >= limits.obstacle && band.contains(x, y, n);
+                    const bool sure = confidence >= geometry.options().min_confidence;
+                    if (!obstacle || sure) {
+                        ++counts.seen_of(s, group);
+                    }
+                    if (obstacle && sure) {
                         ++counts.obstacle_of(s)[scan::bin_of(rounded)];
                     }
                 }

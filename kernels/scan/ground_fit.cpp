@@ -77,7 +77,7 @@ void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
     for (int y = step_y / 2; y < camera.height; y += step_y) {
         for (int x = step_x / 2; x < camera.width; x += step_x) {
             const double n = pixels.disparity.at(x, y) + camera.scale.offset16;
-            const bool measured = pixels.confidence.at(x, y) >= geometry.options().min_confidence &&
+            const bool measured = pixels.confidence.at(x, y) > 0 &&
                                   n * geometry.weights(y / group_rows)[x] >= geometry.limits().seen * weight_one;
             if (!measured) {
                 continue;

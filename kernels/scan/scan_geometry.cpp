@@ -11,6 +11,8 @@ namespace {
 constexpr double per_degree = std::numbers::pi / 180;
 /// Rays that are steeper belong to no sector: less than half of their length is horizontal.
 constexpr double least_horizontal = 0.5;
+/// An image without texture has the disparity 0: what was measured is larger by so many sigmas.
+constexpr double sigmas_above_nothing = 4;
 
 std::size_t index(int value) {
     return static_cast<std::size_t>(value);
@@ -95,8 +97,9 @@ void Geometry::set_limits() {
     const auto sixteenths = [](double value) { return static_cast<int>(std::clamp(std::ceil(value), 1.0, 32767.0)); };
     const double sigma = 16 * options_.subpixel_error_px;
     // One sigma of the distance k / m is k sigma / m^2.
-    limits_.seen = sixteenths(std::sqrt(k * sigma / (1000 * options_.max_error_m)));
-    limits_.obstacle = std::max(limits_.seen, sixteenths(k / (1000 * options_.max_m)));
+    limits_.sure = sixteenths(std::sqrt(k * sigma / (1000 * options_.max_error_m)));
+    limits_.seen = std::min(limits_.sure, sixteenths(sigmas_above_nothing * sigma));
+    limits_.obstacle = std::max(limits_.sure, sixteenths(k / (1000 * options_.max_m)));
     limits_.nearest = std::min(sixteenths(k / (1000 * options_.min_m)), 32766);
 }
 

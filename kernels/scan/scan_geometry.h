@@ -85,9 +85,11 @@ public:
     double bearing_sin(int sector) const { return sin_[static_cast<std::size_t>(sector)]; }
 
     /// Disparities in sixteenths at the horizontal distance: those from `seen` to `nearest` count as measured, those
-    /// from `obstacle` on as obstacles.
+    /// from `obstacle` on as obstacles. The distance is sure enough from `sure` on; what is less is farther away, but
+    /// nobody knows how far.
     struct Limits {
         int seen = 0;
+        int sure = 0;
         int obstacle = 0;
         int nearest = 0;
     };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace disparityd::scan {
 namespace {
@@ -13,9 +14,11 @@ constexpr int window = 4;
 /// An obstacle shows itself by this part of the pixels that the smallest one has, in 256ths, and by so many at least.
 constexpr std::uint32_t support_share = 77;
 constexpr std::uint32_t least_support = 8;
+/// It has this part of all obstacle pixels there: fewer are the near end of the spread of a surface.
+constexpr std::uint32_t least_part = 16;
 /// A group of rows of a sector is seen when this part of it was measured.
-constexpr std::uint32_t seen_numerator = 1;
-constexpr std::uint32_t seen_denominator = 2;
+constexpr std::uint32_t seen_numerator = 2;
+constexpr std::uint32_t seen_denominator = 3;
 
 std::size_t index(int value) {
     return static_cast<std::size_t>(value);
@@ -37,6 +40,7 @@ T rounded(double value) {
 
 SectorDecision::SectorDecision(const Geometry& geometry)
     : windows_(index(geometry.sectors()) * bins),
+      all_(index(geometry.sectors())),
       object_side_(bins),
       columns_(index(geometry.sectors())),
       resolved_(index(geometry.sectors())),
@@ -78,6 +82,7 @@ void SectorDecision::sum_windows(const Counts& counts) {
     for (int s = 0; s < counts.sectors; ++s) {
         const std::uint32_t* count = counts.obstacle_of(s);
         std::uint32_t* sum = &windows_[index(s) * bins];
+        all_[index(s)] = std::accumulate(count, count + used_bins, std::uint32_t{0});
         for (int b = 0; b < window - 1; ++b) {
             sum[b] = 0;
             for (int i = 0; i <= b; ++i) {
@@ -91,10 +96,12 @@ void SectorDecision::sum_windows(const Counts& counts) {
 }
 
 /// Returns the nearest bin at which one sector, or two together, have the support for an obstacle; -1: none.
-int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other, int columns) const {
+int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other, int columns,
+                            std::uint32_t all) const {
+    const std::uint32_t least = std::max(least_support, all / least_part);
     for (int b = used_bins - 1; b >= 0; --b) {
         const std::uint32_t pixels = one[b] + (other == nullptr ? 0 : other[b]);
-        if (pixels >= least_support && pixels >= support(object_side_[index(b)], static_cast<std::uint32_t>(columns))) {
+        if (pixels >= least && pixels >= support(object_side_[index(b)], static_cast<std::uint32_t>(columns))) {
             return b;
         }
     }
@@ -104,13 +111,14 @@ int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other
 void SectorDecision::find_obstacles(const Geometry& geometry) {
     const int sectors = geometry.sectors();
     for (int s = 0; s < sectors; ++s) {
-        found_[index(s)].last = nearest(&windows_[index(s) * bins], nullptr, columns_[index(s)]);
+        found_[index(s)].last = nearest(&windows_[index(s) * bins], nullptr, columns_[index(s)], all_[index(s)]);
     }
     // What stands on the edge of two sectors may have too few pixels in each.
     for (int s = 0; s + 1 < sectors; ++s) {
         const std::uint32_t* right = &windows_[index(s) * bins];
         const std::uint32_t* left = &windows_[index(s + 1) * bins];
-        const int b = nearest(right, left, columns_[index(s)] + columns_[index(s + 1)]);
+        const int b =
+            nearest(right, left, columns_[index(s)] + columns_[index(s + 1)], all_[index(s)] + all_[index(s + 1)]);
         if (b < 0) {
             continue;
         }
@@ -145,7 +153,7 @@ double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane
         ground.slope_ahead * geometry.bearing_cos(sector) + ground.slope_left * geometry.bearing_sin(sector);
     const double least = 1000 * options.min_m;
     double free = std::min({1000 * options.max_m, resolved_[index(sector)],
-                            static_cast<double>(geometry.camera().scale.k) / geometry.limits().seen});
+                            static_cast<double>(geometry.camera().scale.k) / geometry.limits().sure});
     bool any = false;
     int begin = -1;
     for (int group = 0; group <= geometry.groups(); ++group) {

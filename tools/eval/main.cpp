@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/number_text.h"
 #include "capture/scene/scene_source.h"
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
@@ -26,6 +29,7 @@
 #include "tools/eval/paper.h"
 #include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
+#include "tools/eval/scan/scan_report.h"
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
 #include "tools/eval/summary.h"
@@ -50,6 +54,7 @@ struct EvalArguments {
     bool fair = false;
     bool fractions = false;
     bool confidence = false;
+    bool scan = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;
@@ -322,6 +327,35 @@ void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments)
     print_summary(summary, arguments.markdown, std::cout);
 }
 
+/// Returns the seed in "courses:SEED".
+std::uint32_t seed_of_courses(const EvalArguments& arguments) {
+    const std::string prefix = "courses:";
+    const std::string& data = arguments.data.front();
+    const bool courses = arguments.data.size() == 1 && data.starts_with(prefix);
+    const std::optional<double> seed = courses ? base::parse_number(data.substr(prefix.size())) : std::nullopt;
+    constexpr double most = 1000000;
+    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed)) {
+        throw std::invalid_argument("--scan: DATA: found '" + data +
+                                    "', allowed: courses:SEED, SEED 0 .. 1000000, such as courses:1");
+    }
+    return static_cast<std::uint32_t>(*seed);
+}
+
+int evaluate_scans(const EvalArguments& arguments) {
+    constexpr int disparities = 64;
+    ScanEvaluation evaluation;
+    evaluation.seed = seed_of_courses(arguments);
+    evaluation.match =
+        options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
+    evaluation.backend = backends_of(arguments).front();
+    evaluation.courses_per_kind = arguments.repeat.value_or(evaluation.courses_per_kind);
+    evaluation.pictures = arguments.pictures;
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    report_scans(evaluation, workers, arguments.markdown);
+    return tools::exit_done;
+}
+
 int evaluate(EvalArguments arguments) {
     if (arguments.methods.empty()) {
         arguments.methods = {arguments.paper ? "all" : "sgm"};
@@ -335,6 +369,9 @@ int evaluate(EvalArguments arguments) {
         if (error) {
             throw std::runtime_error(arguments.pictures + ": " + error.message());
         }
+    }
+    if (arguments.scan) {
+        return evaluate_scans(arguments);
     }
     Evaluation evaluation(arguments);
     evaluation.run();
@@ -377,6 +414,16 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         .add_flag("--confidence", arguments.confidence,
                   "how often pixels of each confidence are right (off by at most 1 px), instead; of each half with "
                   "--halves")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes(opencv);
+    program
+        .add_flag(
+            "--scan", arguments.scan,
+            "what obstacle scans show of made-up courses, instead: DATA is courses:SEED, other seeds give other "
+            "courses; --repeat says how many of each kind, default 8; the preset is obstacles unless --preset says "
+            "otherwise")
         ->excludes(paper)
         ->excludes(fair)
         ->excludes(fractions)

@@ -54,23 +54,26 @@ public:
             const V positive = hn::Min(hn::Max(n, hn::Zero(Numbers())), hn::Set(Numbers(), 16383));
             const V weight = hn::BitCast(Numbers(), hn::LoadU(Words(), weights + x));
             const V at_distance = hn::MulFixedPoint15(hn::Add(positive, positive), weight);
-            const Mask measured = hn::And(hn::Gt(confidence, too_unsure_),
+            const Mask measured = hn::And(hn::Gt(confidence, hn::Zero(Numbers())),
                                           hn::And(hn::Gt(at_distance, too_far_), hn::Gt(too_near_, at_distance)));
-            // The last vector overlaps the one before it: what that has counted is not counted again.
-            const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)),
-                                      hn::Set(Numbers(), static_cast<std::int16_t>(begin - 1)));
-            const V one = hn::IfThenElseZero(hn::And(measured, fresh), hn::Set(Numbers(), 1));
-            const V count = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), seen + x));
-            hn::StoreU(hn::DemoteTo(Bytes(), hn::Add(count, one)), Bytes(), seen + x);
-
             const V low = hn::Add(hn::LoadU(Numbers(), band_.low_of_columns() + x), low_of_row);
             const V high = hn::Add(hn::LoadU(Numbers(), band_.high_of_columns() + x), high_of_row);
             const Mask below_high = band_.above() ? hn::Lt(n, high) : hn::Gt(n, high);
             const Mask in_band = hn::And(below_high, hn::Not(hn::Gt(low, n)));
-            const Mask counts = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
+            const Mask obstacle = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
+            const Mask counts = hn::And(obstacle, hn::Gt(confidence, too_unsure_));
             const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
             hn::StoreU(hn::DemoteTo(Bytes(), bin), Bytes(), bins + x);
             any = any || !hn::AllFalse(Numbers(), counts);
+
+            // What may be an obstacle, but is unsure, says nothing. The last vector overlaps the one before it: what
+            // that has counted is not counted again.
+            const Mask known = hn::Or(counts, hn::AndNot(obstacle, measured));
+            const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)),
+                                      hn::Set(Numbers(), static_cast<std::int16_t>(begin - 1)));
+            const V one = hn::IfThenElseZero(hn::And(known, fresh), hn::Set(Numbers(), 1));
+            const V count = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), seen + x));
+            hn::StoreU(hn::DemoteTo(Bytes(), hn::Add(count, one)), Bytes(), seen + x);
         }
         return any;
     }

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// Made-up courses of obstacles for a robot, of which everything is known. Lengths in metres, in the robot's frame: x
+/// ahead, y left, z up, the origin on the ground below the camera.
+namespace disparityd::eval {
+
+struct Point {
+    double x = 0;
+    double y = 0;
+    double z = 0;
+
+    friend Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+    friend Point operator*(double s, Point p) { return {s * p.x, s * p.y, s * p.z}; }
+};
+
+/// What a surface looks like.
+struct Surface {
+    enum class Kind : std::uint8_t { rough, plain, striped };
+    Kind kind = Kind::rough;
+    double luma = 120;
+    double contrast = 60;
+    double grain_m = 0.03;  ///< of the coarsest structure; the period of stripes
+};
+
+/// An upright box or cylinder, or a level wire.
+struct Obstacle {
+    enum class Shape : std::uint8_t { box, post, wire };
+    Shape shape = Shape::box;
+    Point centre;
+    Point half;  ///< box: half its sizes; post: x the radius, z half the height; wire: x the radius, y half its length
+    Surface surface;
+};
+
+struct Course {
+    std::string kind;  ///< "pole", "slope": what the table names it
+    std::string name;
+    std::vector<Obstacle> obstacles;
+    Surface ground;
+    Surface wall;            ///< far ahead
+    double wall_m = 14;      ///< its distance
+    double slope_ahead = 0;  ///< of the ground
+    double slope_left = 0;
+    double pitch_deg = 0;  ///< of the camera beyond what the scan is told
+    double roll_deg = 0;
+    double noise = 1.5;  ///< sigma, grey levels
+    double light = 1;    ///< factor of all lumas
+    std::uint32_t seed = 0;
+};
+
+/// The camera of a course: rectified, looking along x but for Course::pitch_deg and roll_deg.
+struct CourseCamera {
+    int width = 640;
+    int height = 480;
+    double f = 350;
+    double baseline_m = 0.12;
+    double height_m = 0.3;
+};
+
+/// Courses of every kind, `count` of each. Other seeds give other courses.
+std::vector<Course> make_courses(std::uint32_t seed, int count);
+
+/// What the left camera sees: for each pixel the nearest surface.
+struct CourseView {
+    std::vector<std::uint8_t> left;
+    std::vector<std::uint8_t> right;
+    std::vector<std::int16_t> object;  ///< index of Course::obstacles; -1 ground, -2 wall, -3 nothing
+    std::vector<Point> point;          ///< in the robot's frame
+    std::vector<std::uint8_t> both;    ///< 1 where the right camera sees the point, too
+};
+
+/// Draws a course. The same everywhere but for the last digits of floating point.
+CourseView draw(const Course& course, const CourseCamera& camera);
+
+}  // namespace disparityd::eval
