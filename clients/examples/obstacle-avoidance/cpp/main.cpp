@@ -25,6 +25,8 @@ using std::chrono::milliseconds;
 
 // A read takes no longer, so that a signal is obeyed soon.
 constexpr double longest_read_s = 0.2;
+// The robot brakes while the program connects: to wait for it does no harm.
+constexpr milliseconds connect_timeout{1000};
 // Passes before the next attempt to reach a daemon that refused or does not answer.
 constexpr milliseconds retry_interval{200};
 
@@ -46,7 +48,7 @@ public:
     /// Throws std::invalid_argument for an address that cannot be right, another exception when the daemon refuses
     /// or sends nonsense. The next call connects again.
     ReadResult read(disparity::Frame& frame, milliseconds timeout) {
-        if (!is_open() && !open(timeout)) {
+        if (!is_open() && !open()) {
             return ReadResult::gone;
         }
         try {
@@ -64,10 +66,10 @@ public:
 
 private:
     /// Returns false when there is no daemon that answers.
-    bool open(milliseconds timeout) {
+    bool open() {
         try {
             if (over_socket()) {
-                client_.emplace(address_, "obstacle-avoidance-cpp", timeout);
+                client_.emplace(address_, "obstacle-avoidance-cpp", connect_timeout);
                 client_->subscribe({.products = {disparity::Product::scan}});
             } else {
                 memory_.emplace(address_, disparity::SharedMemoryOptions{.may_be_absent = true});

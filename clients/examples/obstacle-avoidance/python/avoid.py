@@ -20,6 +20,8 @@ import decision
 PROGRAM = "avoid.py"
 # A read takes no longer, so that a signal is obeyed soon.
 LONGEST_READ_S = 0.2
+# The robot brakes while the program connects: to wait for it does no harm.
+CONNECT_TIMEOUT_S = 1.0
 # Passes before the next attempt to reach a daemon that refused or does not answer.
 RETRY_INTERVAL_S = 0.2
 
@@ -105,7 +107,7 @@ class Source:
         """Returns a frame, or None when none came in time. Raises Gone without a daemon, DisparityError or ValueError
         when it refuses or sends nonsense. The next call connects again."""
         if self._reader is None:
-            self._open(timeout)
+            self._open()
         try:
             if self.over_socket:
                 return self._reader.read(timeout)
@@ -120,13 +122,13 @@ class Source:
     def is_open(self):
         return self._reader is not None
 
-    def _open(self, timeout):
+    def _open(self):
         """Raises Gone when there is no daemon that answers."""
         try:
             if not self.over_socket:
                 self._reader = disparity.SharedMemoryReader(self._address, may_be_absent=True)
                 return
-            reader = disparity.SocketClient(self._address, client_name=PROGRAM, timeout=timeout)
+            reader = disparity.SocketClient(self._address, client_name=PROGRAM, timeout=CONNECT_TIMEOUT_S)
         except disparity.DisparityError as error:
             raise disparity.Gone(str(error)) from None
         reader.subscribe([disparity.SCAN])
