@@ -28,7 +28,7 @@ constexpr double longest_read_s = 0.2;
 // The robot brakes while the program connects: to wait for it does no harm.
 constexpr milliseconds connect_timeout{1000};
 // Passes before the next attempt to reach a daemon that refused or does not answer.
-constexpr milliseconds retry_interval{200};
+constexpr milliseconds retry_interval{500};
 
 volatile std::sig_atomic_t stopped = 0;
 

@@ -23,7 +23,7 @@ LONGEST_READ_S = 0.2
 # The robot brakes while the program connects: to wait for it does no harm.
 CONNECT_TIMEOUT_S = 1.0
 # Passes before the next attempt to reach a daemon that refused or does not answer.
-RETRY_INTERVAL_S = 0.2
+RETRY_INTERVAL_S = 0.5
 
 
 class Stopped(BaseException):
