@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Decides how fast a robot may drive straight ahead, from obstacle scans and from what is missing. Reads no clock and
+// does no I/O: the caller says what came and when. python/decision.py is the same in Python.
+//
+// Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the camera, which looks ahead
+// from the middle of the robot's width.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <string>
+
+#include <disparity_client.hpp>
+
+namespace avoid {
+
+/// Describes the robot, and how careful it is.
+struct Options {
+    double width_m = 0.5;            ///< of the corridor: the robot's width with some room on both sides
+    double margin_m = 0.5;           ///< the robot stands still this far before an obstacle
+    double speed_mps = 1.0;          ///< on a free way
+    double deceleration_mps2 = 1.0;  ///< of a full brake
+    double reaction_s = 0.2;         ///< from a decision until the brakes work
+    double max_age_s = 0.25;         ///< an older frame is danger
+    int good_frames = 3;             ///< so many in a row end a brake
+    bool synthetic = false;          ///< frames that no camera saw count, too: for tests
+};
+
+/// Below this speed the robot stands still.
+inline constexpr double least_speed_mps = 0.05;
+
+enum class State { drive, slow, brake };
+
+/// Why the robot brakes. A change of it is worth a line.
+enum class Cause { start, daemon, age, frame, gap, view, stop };
+
+struct Decision {
+    State state = State::brake;
+    double speed_mps = 0;  ///< the robot may drive this fast now
+    Cause cause = Cause::start;
+    std::string reason = "no frame yet";
+    double ahead_m = std::numeric_limits<double>::quiet_NaN();  ///< the way is free so far; NaN: not known
+};
+
+inline const char* name_of(State state) {
+    return state == State::drive ? "DRIVE" : state == State::slow ? "SLOW" : "BRAKE";
+}
+
+/// Formats a number as printf() does; Python prints the same.
+inline std::string text(const char* format, double value) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, format, value);
+    return buffer;
+}
+
+/// Returns the line that people read.
+inline std::string line_of(const Decision& decision) {
+    const std::string speed = decision.state == State::brake ? "" : text("%.2f m/s, ", decision.speed_mps);
+    return std::string(name_of(decision.state)) + ' ' + speed + decision.reason;
+}
+
+/// Says what limits the way ahead.
+struct Limit {
+    double ahead_m = std::numeric_limits<double>::infinity();  ///< along the robot's x axis
+    std::string reason;
+};
+
+inline std::string at_bearing(double bearing_deg) {
+    return ", bearing " + std::to_string(static_cast<int>(std::floor(bearing_deg + 0.5))) + " deg";
+}
+
+/// Returns how far the corridor is free in the bearings of a sector; nothing where the sector does not limit it.
+///
+/// At the bearing b a ray leaves the corridor at the distance width / 2 / sin |b|. What is farther away does not
+/// matter, and the edge nearer to the axis decides for the sector. Something may be at the distance free_m, anywhere in
+/// the part of the sector that lies in the corridor there; the bearing farthest from the axis brings it nearest.
+///
+/// A sector whose part of the corridor lies within the margin counts only where it shows an obstacle: a camera sees
+/// little so near to its side. What is there now was ahead before.
+inline std::optional<Limit> limit_of(const disparity::ScanSector& sector, const Options& options) {
+    constexpr double radians = std::numbers::pi / 180;
+    const double half = options.width_m / 2;
+    const double from = std::max(sector.from_deg, -90.0) * radians;
+    const double to = std::min(sector.to_deg, 90.0) * radians;
+    if (from >= to) {
+        return std::nullopt;  // behind
+    }
+    const bool ahead = from <= 0 && to >= 0;
+    const double inner = std::min(std::abs(from), std::abs(to));
+    const double outer = std::max(std::abs(from), std::abs(to));
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double reach = ahead ? infinity : half / std::sin(inner);
+    if (sector.free_m >= reach) {
+        return std::nullopt;
+    }
+    const bool obstacle = sector.state == disparity::SectorState::occupied && sector.distance_m < reach;
+    const double exit = ahead ? infinity : half / std::tan(inner);
+    if (!obstacle && exit <= options.margin_m) {
+        return std::nullopt;
+    }
+    const double widest = sector.free_m > half ? std::asin(half / sector.free_m) : std::numbers::pi / 2;
+    Limit limit;
+    limit.ahead_m = sector.free_m * std::cos(std::min(outer, widest));
+    limit.reason = obstacle && sector.free_m >= sector.distance_m ? "obstacle at " + text("%.2f m", sector.distance_m)
+                                                                  : "unknown beyond " + text("%.2f m", sector.free_m);
+    limit.reason += at_bearing((sector.from_deg + sector.to_deg) / 2);
+    return limit;
+}
+
+/// Returns the first bearing of the corridor that no sector covers, from the margin on; nothing when all are covered.
+inline std::optional<double> uncovered(const disparity::Scan& scan, const Options& options) {
+    const double end = std::atan2(options.width_m / 2, options.margin_m) * 180 / std::numbers::pi;
+    double covered = -end;
+    for (const disparity::ScanSector& sector : scan.sectors) {
+        if (sector.from_deg <= covered + 0.005 && sector.to_deg > covered) {  // edges have steps of 0.01
+            covered = sector.to_deg;
+        }
+    }
+    return covered < end ? std::optional(covered) : std::nullopt;
+}
+
+/// Returns what limits the corridor. Sectors that are not there limit it at 0.
+inline Limit way_ahead(const disparity::Scan& scan, const Options& options) {
+    if (const auto bearing = uncovered(scan, options)) {
+        return {0, "no sector" + at_bearing(*bearing)};
+    }
+    Limit nearest;
+    for (const disparity::ScanSector& sector : scan.sectors) {
+        const auto limit = limit_of(sector, options);
+        if (limit && limit->ahead_m < nearest.ahead_m) {
+            nearest = *limit;
+        }
+    }
+    return nearest;
+}
+
+/// Returns the time that passes before the brakes work: what a frame shows may be as old as the limit.
+inline double delay_s(const Options& options) {
+    return options.reaction_s + options.max_age_s;
+}
+
+/// Returns the way that the robot needs to stop.
+inline double stopping_distance(double speed_mps, const Options& options) {
+    return speed_mps * delay_s(options) + speed_mps * speed_mps / (2 * options.deceleration_mps2);
+}
+
+/// Returns the speed from which the robot stops within `room_m` with half of its deceleration, at most that on a free
+/// way. The other half is what a full brake has left for what appears suddenly.
+inline double speed_for(double room_m, const Options& options) {
+    const double deceleration = options.deceleration_mps2 / 2;
+    const double delay = delay_s(options);
+    const double speed = deceleration * (std::sqrt(delay * delay + 2 * std::max(0.0, room_m) / deceleration) - delay);
+    return std::min(speed, options.speed_mps);
+}
+
+/// Estimates how much later than others a frame arrived over a socket: a frame's age_ns does not know the time in the
+/// network. The clocks of the two machines differ by an unknown constant, so the fastest frame is the measure. The
+/// measure rises slowly, as clocks drift apart.
+class NetworkDelay {
+public:
+    /// Returns the seconds to add to the age. `sent_s` is by the daemon's clock, `arrived_s` by this machine's.
+    double of(double sent_s, double arrived_s) {
+        constexpr double drift = 2e-4;
+        const double difference = arrived_s - sent_s;
+        const double before = least_ + drift * (arrived_s - arrived_before_s_);
+        least_ = known_ ? std::min(before, difference) : difference;
+        arrived_before_s_ = arrived_s;
+        known_ = true;
+        return difference - least_;
+    }
+
+    /// Forgets the measure: the next frame is from another connection, or its clock has jumped.
+    void reset() { known_ = false; }
+
+private:
+    bool known_ = false;
+    double least_ = 0;
+    double arrived_before_s_ = 0;
+};
+
+/// What the decision takes from a frame.
+struct FrameFacts {
+    double age_s = 0;                       ///< when it arrived
+    std::uint32_t flags = 0;                ///< disparity::FrameFlags
+    const disparity::Scan* scan = nullptr;  ///< none: the frame has no scan
+};
+
+/// Three states: drive, slow, brake. One bad event brakes; several good frames in a row end a brake. `now_s` is of a
+/// steady clock.
+class Decider {
+public:
+    explicit Decider(const Options& options) : options_(options) {}
+
+    const Decision& decision() const { return decision_; }
+
+    /// Returns how long the caller may wait for the next frame before it calls wait().
+    double patience_s(double now_s) const {
+        return decision_.state == State::brake ? options_.max_age_s
+                                               : std::max(0.0, options_.max_age_s - newest_age_s(now_s));
+    }
+
+    /// A frame has arrived.
+    const Decision& see(const FrameFacts& frame, double now_s) {
+        if (has_frame_) {
+            wait(now_s);  // the frame before may have become too old while nobody asked
+        }
+        has_frame_ = true;
+        age_s_ = frame.age_s;
+        arrived_s_ = now_s;
+        if (!(frame.age_s >= 0)) {
+            return brake(Cause::frame, "frame has a negative age");
+        }
+        if (frame.age_s > options_.max_age_s) {
+            return too_old(now_s);
+        }
+        if ((frame.flags & disparity::synthetic) != 0 && !options_.synthetic) {
+            return brake(Cause::frame, "frame is synthetic: no camera saw it; --synthetic accepts it");
+        }
+        if (frame.scan == nullptr) {
+            return brake(Cause::frame, "no scan: set enabled = true in [scan] of the daemon's configuration");
+        }
+        if ((frame.flags & disparity::discontinuity) != 0) {
+            return brake(Cause::gap, "gap in the frames: the source was interrupted");
+        }
+        return judge(way_ahead(*frame.scan, options_));
+    }
+
+    /// No frame has arrived for a while.
+    const Decision& wait(double now_s) {
+        return has_frame_ && newest_age_s(now_s) > options_.max_age_s ? too_old(now_s) : decision_;
+    }
+
+    /// There is no daemon.
+    const Decision& gone(const std::string& why) { return brake(Cause::daemon, "no daemon: " + why); }
+
+    /// The daemon refuses, or sends what cannot be read.
+    const Decision& fail(const std::string& why) { return brake(Cause::frame, "no scan: " + why); }
+
+    /// The program ends.
+    const Decision& stop() { return brake(Cause::stop, "stopped by a signal"); }
+
+private:
+    double newest_age_s(double now_s) const { return age_s_ + (now_s - arrived_s_); }
+
+    const Decision& too_old(double now_s) {
+        return brake(Cause::age, "frame is " + text("%.0f ms old", newest_age_s(now_s) * 1000));
+    }
+
+    const Decision& brake(Cause cause, const std::string& reason) {
+        good_ = 0;
+        decision_ = Decision();
+        decision_.cause = cause;
+        decision_.reason = reason;
+        return decision_;
+    }
+
+    /// Judges a frame that can be trusted. Brakes when the robot cannot stop before the limit at the speed that it was
+    /// allowed.
+    const Decision& judge(const Limit& limit) {
+        const double room = limit.ahead_m - options_.margin_m;
+        const double speed = speed_for(room, options_);
+        if (speed < least_speed_mps || room < stopping_distance(decision_.speed_mps, options_)) {
+            brake(Cause::view, limit.reason);
+            decision_.ahead_m = limit.ahead_m;
+            return decision_;
+        }
+        decision_.ahead_m = limit.ahead_m;
+        if (decision_.state == State::brake && ++good_ < options_.good_frames) {
+            return decision_;
+        }
+        const bool full = speed >= options_.speed_mps;
+        decision_.state = full ? State::drive : State::slow;
+        decision_.speed_mps = speed;
+        decision_.reason = full ? "free up to " + text("%.1f m", limit.ahead_m) : limit.reason;
+        return decision_;
+    }
+
+    Options options_;
+    Decision decision_;
+    bool has_frame_ = false;
+    double age_s_ = 0;      ///< of the newest frame when it arrived
+    double arrived_s_ = 0;  ///< when that was
+    int good_ = 0;          ///< good frames in a row since the brake began
+};
+
+/// Returns whether `now` is worth a line after `before`.
+inline bool is_change(const Decision& before, const Decision& now) {
+    return now.state != before.state || (now.state == State::brake && now.cause != before.cause);
+}
+
+}  // namespace avoid

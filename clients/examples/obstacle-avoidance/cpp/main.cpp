@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Says how fast a robot may drive straight ahead, and brakes when it does not know. See docs/howto/avoid-obstacles.md.
+//   obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | unix:PATH]
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <disparity_client.hpp>
+
+#include "arguments.hpp"
+#include "decision.hpp"
+
+namespace {
+
+using disparity::ReadResult;
+using std::chrono::milliseconds;
+
+// A read takes no longer, so that a signal is obeyed soon.
+constexpr double longest_read_s = 0.2;
+// The robot brakes while the program connects: to wait for it does no harm.
+constexpr milliseconds connect_timeout{1000};
+// Passes before the next attempt to reach a daemon that refused or does not answer.
+constexpr milliseconds retry_interval{500};
+
+volatile std::sig_atomic_t stopped = 0;
+
+void stop(int) {
+    stopped = 1;
+}
+
+double now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Reads scans from shared memory or a socket.
+class Source {
+public:
+    explicit Source(const std::string& address) : address_(address) {}
+
+    /// Throws std::invalid_argument for an address that cannot be right, another exception when the daemon refuses
+    /// or sends nonsense. The next call connects again.
+    ReadResult read(disparity::Frame& frame, milliseconds timeout) {
+        if (!is_open() && !open()) {
+            return ReadResult::gone;
+        }
+        try {
+            return client_ ? client_->read(frame, timeout) : memory_->read(frame, timeout, {disparity::Product::scan});
+        } catch (...) {
+            client_.reset();
+            memory_.reset();
+            throw;
+        }
+    }
+
+    std::string why_gone() const { return client_ ? client_->why_gone() : memory_ ? memory_->why_gone() : why_closed_; }
+    bool is_open() const { return client_ || memory_; }
+    bool over_socket() const { return address_.starts_with("tcp:") || address_.starts_with("unix:"); }
+
+private:
+    /// Returns false when there is no daemon that answers.
+    bool open() {
+        try {
+            if (over_socket()) {
+                client_.emplace(address_, "obstacle-avoidance-cpp", connect_timeout);
+                client_->subscribe({.products = {disparity::Product::scan}});
+            } else {
+                memory_.emplace(address_, disparity::SharedMemoryOptions{.may_be_absent = true});
+            }
+            return true;
+        } catch (const std::runtime_error& error) {
+            why_closed_ = error.what();
+            client_.reset();
+            return false;
+        }
+    }
+
+    std::string address_;
+    std::string why_closed_;
+    std::optional<disparity::SocketClient> client_;
+    std::optional<disparity::SharedMemoryReader> memory_;
+};
+
+/// Returns a text between quotes, as JSON has it.
+std::string quoted(const std::string& plain) {
+    std::string out = "\"";
+    for (const char c : plain) {
+        if (c == '"' || c == '\\') {
+            out += '\\';
+        }
+        out += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+    }
+    return out + '"';
+}
+
+/// Prints decisions. This is the place where a robot's program commands its motors.
+class Output {
+public:
+    explicit Output(bool json) : json_(json) {}
+
+    /// Prints a line for a change, or for each decision in JSON. `sequence` is the frame's; negative: no frame came.
+    void show(const avoid::Decision& decision, long long sequence = -1) {
+        if (json_) {
+            const std::string ahead = std::isfinite(decision.ahead_m) ? avoid::text("%.3f", decision.ahead_m) : "null";
+            std::printf("{\"state\":\"%s\",\"speed_mps\":%.3f,\"ahead_m\":%s,\"sequence\":%s,\"reason\":%s}\n",
+                        avoid::name_of(decision.state), decision.speed_mps, ahead.c_str(),
+                        sequence < 0 ? "null" : std::to_string(sequence).c_str(), quoted(decision.reason).c_str());
+        } else if (first_ || avoid::is_change(last_, decision)) {
+            std::puts(avoid::line_of(decision).c_str());
+        }
+        if (std::fflush(stdout) != 0) {
+            throw std::runtime_error("standard output cannot be written");
+        }
+        last_ = decision;
+        first_ = false;
+    }
+
+private:
+    bool json_;
+    bool first_ = true;
+    avoid::Decision last_;
+};
+
+/// Judges a frame that has just arrived.
+void judge(avoid::Decider& decider, avoid::NetworkDelay& delay, const disparity::Frame& frame, bool over_socket) {
+    const double arrived_s = now_s();
+    avoid::FrameFacts facts;
+    facts.age_s = static_cast<double>(frame.age_ns) / 1e9;
+    facts.flags = frame.flags;
+    if (over_socket) {
+        if ((frame.flags & disparity::discontinuity) != 0) {
+            delay.reset();  // the times of a recording begin anew
+        }
+        facts.age_s += delay.of(static_cast<double>(frame.monotonic_ns) / 1e9 + facts.age_s, arrived_s);
+    }
+    try {
+        const auto scan = frame.scan();
+        facts.scan = scan ? &*scan : nullptr;
+        decider.see(facts, arrived_s);
+    } catch (const std::runtime_error& error) {
+        decider.fail(error.what());
+    }
+}
+
+/// Waits for what comes next. Returns the sequence of the frame that came, or -1 where none did. Throws
+/// std::invalid_argument for an address that cannot be right.
+long long step(Source& source, avoid::Decider& decider, avoid::NetworkDelay& delay, disparity::Frame& frame) {
+    const double patience = std::min(decider.patience_s(now_s()), longest_read_s);
+    try {
+        switch (source.read(frame, milliseconds(std::lround(std::ceil(patience * 1000))))) {
+            case ReadResult::frame:
+                judge(decider, delay, frame, source.over_socket());
+                return static_cast<long long>(frame.sequence);
+            case ReadResult::timeout: decider.wait(now_s()); break;
+            case ReadResult::gone:
+                delay.reset();
+                decider.gone(source.why_gone());
+                break;
+        }
+    } catch (const std::invalid_argument&) {
+        throw;
+    } catch (const std::exception& error) {
+        delay.reset();
+        decider.fail(error.what());
+    }
+    return -1;
+}
+
+void run(const avoid::Arguments& arguments) {
+    Source source(arguments.source);
+    avoid::Decider decider(arguments.options);
+    avoid::NetworkDelay delay;
+    Output output(arguments.json);
+    disparity::Frame frame;
+    output.show(decider.decision());  // brakes until frames say something else
+    while (stopped == 0) {
+        const long long sequence = step(source, decider, delay, frame);
+        output.show(decider.decision(), sequence);
+        if (sequence < 0 && !source.is_open()) {
+            std::this_thread::sleep_for(retry_interval);
+        }
+    }
+    output.show(decider.stop());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGINT, stop);
+    std::signal(SIGTERM, stop);
+    try {
+        const auto arguments = avoid::parse(argc, argv);
+        if (!arguments) {
+            std::fputs(avoid::help, stdout);
+            return 0;
+        }
+        run(*arguments);
+        return 0;
+    } catch (const std::invalid_argument& error) {
+        std::fprintf(stderr, "obstacle-avoidance-cpp: error: %s\n", error.what());
+        return 2;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "obstacle-avoidance-cpp: error: %s\n", error.what());
+        return 1;
+    }
+}

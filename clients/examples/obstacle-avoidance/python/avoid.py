@@ -1,0 +1,223 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Says how fast a robot may drive straight ahead, and brakes when it does not know. See docs/howto/avoid-obstacles.md.
+
+Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket, tcp:HOST:PORT or
+unix:PATH. Prints a line for each change of state.
+"""
+import argparse
+import json
+import math
+import re
+import signal
+import sys
+import time
+
+import disparity
+
+import decision
+
+PROGRAM = "avoid.py"
+# A read takes no longer, so that a signal is obeyed soon.
+LONGEST_READ_S = 0.2
+# The robot brakes while the program connects: to wait for it does no harm.
+CONNECT_TIMEOUT_S = 1.0
+# Passes before the next attempt to reach a daemon that refused or does not answer.
+RETRY_INTERVAL_S = 0.5
+
+
+class Stopped(BaseException):
+    """SIGINT or SIGTERM has come. No "except Exception" of another module takes it."""
+
+
+def stop(*_):
+    # The second one must not interrupt what the first one has begun.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    raise Stopped
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{PROGRAM}: error: {message}\n")
+
+
+def number(least, most, kind=float):
+    """Returns a type for argparse: a number from least to most."""
+
+    def convert(text):
+        try:
+            value = kind(text)
+        except ValueError:
+            value = math.nan
+        if not least <= value <= most:
+            whole = "whole numbers " if kind is int else ""
+            raise argparse.ArgumentTypeError(f'found "{text}", allowed: {whole}{least:g} .. {most:g}')
+        return value
+
+    return convert
+
+
+def check_source(text):
+    """Raises ArgumentTypeError for a source that cannot be right."""
+    if text.startswith(("tcp:", "unix:")):
+        host, _, port = text[4:].rpartition(":")
+        if text == "unix:" or text.startswith("tcp:") and not (
+            host and port.isascii() and port.isdigit() and 1 <= int(port) <= 65535
+        ):
+            raise argparse.ArgumentTypeError(f'"{text}": expected tcp:HOST:PORT or unix:PATH')
+    elif not re.fullmatch(r"[A-Za-z0-9._-]{1,64}", text):
+        raise argparse.ArgumentTypeError(
+            f'shared memory name "{text}": 1 to 64 characters are allowed, of A-Z a-z 0-9 . _ -'
+        )
+    return text
+
+
+def parse_arguments():
+    parser = Parser(prog=PROGRAM, description=__doc__, allow_abbrev=False,
+                    formatter_class=argparse.RawDescriptionHelpFormatter)
+    usual = decision.Options()
+    for name, default, kind, text in (
+        ("--width-m", usual.width_m, number(0.01, 10), "width of the corridor"),
+        ("--margin-m", usual.margin_m, number(0.05, 10),
+         "the robot stands still this far before an obstacle, counted from the camera"),
+        ("--speed-mps", usual.speed_mps, number(0.05, 20), "speed on a free way"),
+        ("--deceleration-mps2", usual.deceleration_mps2, number(0.05, 20), "of a full brake"),
+        ("--reaction-s", usual.reaction_s, number(0, 10), "from a decision until the brakes work"),
+        ("--max-age-ms", usual.max_age_s * 1000, number(10, 10000), "brake when the newest frame is older"),
+        ("--good-frames", usual.good_frames, number(1, 1000, int), "so many in a row end a brake"),
+    ):
+        parser.add_argument(name, default=default, type=kind, metavar="N", help=f"{text} ({default:g})")
+    parser.add_argument("--synthetic", action="store_true", help="accept frames that no camera saw: for tests")
+    parser.add_argument("--json", action="store_true",
+                        help="print a line of JSON for each frame, and whenever none came")
+    parser.add_argument("source", nargs="?", default="default", type=check_source)
+    return parser.parse_args()
+
+
+class Source:
+    """Reads scans from shared memory or a socket."""
+
+    def __init__(self, address):
+        self._address = address
+        self._reader = None
+        self.over_socket = address.startswith(("tcp:", "unix:"))
+
+    def read(self, timeout):
+        """Returns a frame, or None when none came in time. Raises Gone without a daemon, DisparityError or ValueError
+        when it refuses or sends nonsense. The next call connects again."""
+        if self._reader is None:
+            self._open()
+        try:
+            if self.over_socket:
+                return self._reader.read(timeout)
+            return self._reader.read(timeout, products=[disparity.SCAN])
+        except disparity.Gone:
+            raise  # the reader looks for the daemon by itself
+        except (disparity.DisparityError, ValueError):
+            self._reader.close()
+            self._reader = None
+            raise
+
+    def is_open(self):
+        return self._reader is not None
+
+    def _open(self):
+        """Raises Gone when there is no daemon that answers."""
+        try:
+            if not self.over_socket:
+                self._reader = disparity.SharedMemoryReader(self._address, may_be_absent=True)
+                return
+            reader = disparity.SocketClient(self._address, client_name=PROGRAM, timeout=CONNECT_TIMEOUT_S)
+        except disparity.DisparityError as error:
+            raise disparity.Gone(str(error)) from None
+        reader.subscribe([disparity.SCAN])
+        self._reader = reader
+
+
+class Output:
+    """Prints decisions. This is the place where a robot's program commands its motors."""
+
+    def __init__(self, as_json):
+        self._json = as_json
+        self._last = None
+
+    def show(self, now, sequence=None):
+        """Prints a line for a change, or for each decision in JSON. sequence: the frame's; None: no frame came."""
+        if self._json:
+            print(json.dumps({
+                "state": now.state,
+                "speed_mps": round(now.speed_mps, 3),
+                "ahead_m": round(now.ahead_m, 3) if math.isfinite(now.ahead_m) else None,
+                "sequence": sequence,
+                "reason": now.reason,
+            }), flush=True)
+        elif self._last is None or decision.is_change(self._last, now):
+            print(now.line(), flush=True)
+        self._last = now
+
+
+def judge(decider, delay, frame, over_socket):
+    """Judges a frame that has just arrived."""
+    arrived_s = time.monotonic()
+    age_s = frame.age_ns / 1e9
+    if over_socket:
+        if frame.flags & disparity.DISCONTINUITY:
+            delay.reset()  # the times of a recording begin anew
+        age_s += delay.of(frame.monotonic_ns / 1e9 + age_s, arrived_s)
+    try:
+        scan = frame.scan if disparity.SCAN in frame.planes else None
+    except disparity.DisparityError as error:
+        decider.fail(str(error))
+    else:
+        decider.see(age_s, frame.flags, scan, arrived_s)
+
+
+def step(source, decider, delay):
+    """Waits for what comes next. Returns the sequence of the frame that came, or None where none did."""
+    try:
+        frame = source.read(min(decider.patience_s(time.monotonic()), LONGEST_READ_S))
+    except disparity.Gone as error:
+        delay.reset()
+        decider.gone(error)
+    except (disparity.DisparityError, ValueError) as error:
+        delay.reset()
+        decider.fail(str(error))
+    else:
+        if frame is not None:
+            judge(decider, delay, frame, source.over_socket)
+            return frame.sequence
+        decider.wait(time.monotonic())
+    return None
+
+
+def run(source, decider, output):
+    delay = decision.NetworkDelay()
+    while True:
+        sequence = step(source, decider, delay)
+        output.show(decider.decision, sequence)
+        if sequence is None and not source.is_open():
+            time.sleep(RETRY_INTERVAL_S)
+
+
+def main():
+    arguments = parse_arguments()
+    options = decision.Options(
+        arguments.width_m, arguments.margin_m, arguments.speed_mps, arguments.deceleration_mps2, arguments.reaction_s,
+        arguments.max_age_ms / 1000, arguments.good_frames, arguments.synthetic,
+    )
+    decider, output = decision.Decider(options), Output(arguments.json)
+    try:
+        signal.signal(signal.SIGINT, stop)
+        signal.signal(signal.SIGTERM, stop)
+        output.show(decider.decision)  # brakes until frames say something else
+        run(Source(arguments.source), decider, output)
+    except Stopped:
+        output.show(decider.stop())
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (disparity.DisparityError, OSError, ValueError) as error:
+        sys.exit(f"{PROGRAM}: error: {error}")

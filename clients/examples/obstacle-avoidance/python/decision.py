@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Decides how fast a robot may drive straight ahead, from obstacle scans and from what is missing.
+
+Reads no clock and does no I/O: the caller says what came and when. cpp/decision.hpp is the same in C++, with more
+comments. Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the camera, which looks
+ahead from the middle of the robot's width.
+"""
+import dataclasses
+import math
+
+DRIVE, SLOW, BRAKE = "DRIVE", "SLOW", "BRAKE"
+
+# As the package disparity has them; this file needs nothing of it.
+_OCCUPIED = 2
+_DISCONTINUITY = 8
+_SYNTHETIC = 16
+
+# Below this speed the robot stands still.
+LEAST_SPEED_MPS = 0.05
+
+
+@dataclasses.dataclass
+class Options:
+    """Describes the robot, and how careful it is."""
+
+    width_m: float = 0.5  # of the corridor: the robot's width with some room on both sides
+    margin_m: float = 0.5  # the robot stands still this far before an obstacle
+    speed_mps: float = 1.0  # on a free way
+    deceleration_mps2: float = 1.0  # of a full brake
+    reaction_s: float = 0.2  # from a decision until the brakes work
+    max_age_s: float = 0.25  # an older frame is danger
+    good_frames: int = 3  # so many in a row end a brake
+    synthetic: bool = False  # frames that no camera saw count, too: for tests
+
+
+@dataclasses.dataclass(frozen=True)
+class Decision:
+    state: str = BRAKE
+    speed_mps: float = 0.0  # the robot may drive this fast now
+    cause: str = "start"  # why the robot brakes: start, daemon, age, frame, gap, view or stop
+    reason: str = "no frame yet"
+    ahead_m: float = math.nan  # the way is free so far; NaN: not known
+
+    def line(self):
+        """Returns the line that people read."""
+        speed = "" if self.state == BRAKE else f"{self.speed_mps:.2f} m/s, "
+        return f"{self.state} {speed}{self.reason}"
+
+
+def is_change(before, now):
+    """Returns whether `now` is worth a line after `before`."""
+    return now.state != before.state or (now.state == BRAKE and now.cause != before.cause)
+
+
+def _at_bearing(bearing_deg):
+    return f", bearing {math.floor(bearing_deg + 0.5)} deg"
+
+
+def limit_of(from_deg, to_deg, state, distance_m, free_m, options):
+    """Returns (metres ahead, reason): how far the corridor is free in a sector; None where it does not limit it.
+
+    At the bearing b a ray leaves the corridor at the distance width / 2 / sin |b|. What is farther away does not
+    matter. A sector whose part of the corridor lies within the margin counts only where it shows an obstacle: a camera
+    sees little so near to its side.
+    """
+    half = options.width_m / 2
+    start, end = math.radians(max(from_deg, -90.0)), math.radians(min(to_deg, 90.0))
+    if start >= end:
+        return None  # behind
+    ahead = start <= 0 <= end
+    inner, outer = sorted((abs(start), abs(end)))
+    reach = math.inf if ahead else half / math.sin(inner)
+    if free_m >= reach:
+        return None
+    obstacle = state == _OCCUPIED and distance_m < reach
+    leaves_at = math.inf if ahead else half / math.tan(inner)
+    if not obstacle and leaves_at <= options.margin_m:
+        return None
+    widest = math.asin(half / free_m) if free_m > half else math.pi / 2
+    if obstacle and free_m >= distance_m:
+        what = f"obstacle at {distance_m:.2f} m"
+    else:
+        what = f"unknown beyond {free_m:.2f} m"
+    return free_m * math.cos(min(outer, widest)), what + _at_bearing((from_deg + to_deg) / 2)
+
+
+def uncovered(scan, options):
+    """Returns the first bearing of the corridor that no sector covers, from the margin on; None when all are."""
+    end = math.atan2(options.width_m / 2, options.margin_m) * 180 / math.pi
+    covered = -end
+    for start, to in zip(scan.from_deg, scan.to_deg):
+        if start <= covered + 0.005 and to > covered:  # edges have steps of 0.01
+            covered = float(to)
+    return covered if covered < end else None
+
+
+def way_ahead(scan, options):
+    """Returns (metres ahead, reason): what limits the corridor. Sectors that are not there limit it at 0."""
+    bearing = uncovered(scan, options)
+    if bearing is not None:
+        return 0.0, "no sector" + _at_bearing(bearing)
+    nearest = (math.inf, "")
+    for sector in zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m):
+        limit = limit_of(*map(float, sector), options)
+        if limit is not None and limit[0] < nearest[0]:
+            nearest = limit
+    return nearest
+
+
+def delay_s(options):
+    """Returns the time that passes before the brakes work: what a frame shows may be as old as the limit."""
+    return options.reaction_s + options.max_age_s
+
+
+def stopping_distance(speed_mps, options):
+    """Returns the way that the robot needs to stop."""
+    return speed_mps * delay_s(options) + speed_mps * speed_mps / (2 * options.deceleration_mps2)
+
+
+def speed_for(room_m, options):
+    """Returns the speed from which the robot stops within room_m with half of its deceleration, at most that on a free
+    way. The other half is what a full brake has left for what appears suddenly."""
+    deceleration, delay = options.deceleration_mps2 / 2, delay_s(options)
+    speed = deceleration * (math.sqrt(delay * delay + 2 * max(0.0, room_m) / deceleration) - delay)
+    return min(speed, options.speed_mps)
+
+
+class NetworkDelay:
+    """Estimates how much later than others a frame arrived over a socket: age_ns does not know the time in the network.
+
+    The clocks of the two machines differ by an unknown constant, so the fastest frame is the measure. The measure rises
+    slowly, as clocks drift apart."""
+
+    _DRIFT = 2e-4
+
+    def __init__(self):
+        self._least = None
+        self._before = 0.0
+
+    def of(self, sent_s, arrived_s):
+        """Returns the seconds to add to the age. sent_s is by the daemon's clock, arrived_s by this machine's."""
+        difference = arrived_s - sent_s
+        if self._least is None:
+            self._least = difference
+        else:
+            self._least = min(self._least + self._DRIFT * (arrived_s - self._before), difference)
+        self._before = arrived_s
+        return difference - self._least
+
+    def reset(self):
+        """Forgets the measure: the next frame is from another connection, or its clock has jumped."""
+        self._least = None
+
+
+class Decider:
+    """Three states: drive, slow, brake. One bad event brakes; several good frames in a row end a brake. now_s is of a
+    steady clock."""
+
+    def __init__(self, options):
+        self.decision = Decision()
+        self._options = options
+        self._has_frame = False
+        self._age_s = 0.0  # of the newest frame when it arrived
+        self._arrived_s = 0.0  # when that was
+        self._good = 0  # good frames in a row since the brake began
+
+    def patience_s(self, now_s):
+        """Returns how long the caller may wait for the next frame before it calls wait()."""
+        if self.decision.state == BRAKE:
+            return self._options.max_age_s
+        return max(0.0, self._options.max_age_s - self._newest_age_s(now_s))
+
+    def see(self, age_s, flags, scan, now_s):
+        """A frame has arrived. age_s: when it did. scan: a disparity.Scan, or None where the frame has none."""
+        if self._has_frame:
+            self.wait(now_s)  # the frame before may have become too old while nobody asked
+        self._has_frame, self._age_s, self._arrived_s = True, age_s, now_s
+        if not age_s >= 0:
+            return self._brake("frame", "frame has a negative age")
+        if age_s > self._options.max_age_s:
+            return self._too_old(now_s)
+        if flags & _SYNTHETIC and not self._options.synthetic:
+            return self._brake("frame", "frame is synthetic: no camera saw it; --synthetic accepts it")
+        if scan is None:
+            return self._brake("frame", "no scan: set enabled = true in [scan] of the daemon's configuration")
+        if flags & _DISCONTINUITY:
+            return self._brake("gap", "gap in the frames: the source was interrupted")
+        return self._judge(*way_ahead(scan, self._options))
+
+    def wait(self, now_s):
+        """No frame has arrived for a while."""
+        if self._has_frame and self._newest_age_s(now_s) > self._options.max_age_s:
+            return self._too_old(now_s)
+        return self.decision
+
+    def gone(self, why):
+        """There is no daemon."""
+        return self._brake("daemon", f"no daemon: {why}")
+
+    def fail(self, why):
+        """The daemon refuses, or sends what cannot be read."""
+        return self._brake("frame", f"no scan: {why}")
+
+    def stop(self):
+        """The program ends."""
+        return self._brake("stop", "stopped by a signal")
+
+    def _newest_age_s(self, now_s):
+        return self._age_s + (now_s - self._arrived_s)
+
+    def _too_old(self, now_s):
+        return self._brake("age", f"frame is {self._newest_age_s(now_s) * 1000:.0f} ms old")
+
+    def _brake(self, cause, reason, ahead_m=math.nan):
+        self._good = 0
+        self.decision = Decision(cause=cause, reason=reason, ahead_m=ahead_m)
+        return self.decision
+
+    def _judge(self, ahead_m, reason):
+        """Judges a frame that can be trusted. Brakes when the robot cannot stop before the limit at the speed that it
+        was allowed."""
+        options = self._options
+        room = ahead_m - options.margin_m
+        speed = speed_for(room, options)
+        if speed < LEAST_SPEED_MPS or room < stopping_distance(self.decision.speed_mps, options):
+            return self._brake("view", reason, ahead_m)
+        if self.decision.state == BRAKE:
+            self._good += 1
+            if self._good < options.good_frames:
+                self.decision = dataclasses.replace(self.decision, ahead_m=ahead_m)
+                return self.decision
+        if speed >= options.speed_mps:
+            self.decision = Decision(DRIVE, speed, "", f"free up to {ahead_m:.1f} m", ahead_m)
+        else:
+            self.decision = Decision(SLOW, speed, "", reason, ahead_m)
+        return self.decision
