@@ -29,7 +29,8 @@ public:
     bool contains(int x, int y, int sixteenths) const {
         const int low = low_x_[static_cast<std::size_t>(x)] + low_of_row(y);
         const int high = high_x_[static_cast<std::size_t>(x)] + high_of_row(y);
-        return sixteenths >= low && (above_ ? sixteenths < high : sixteenths > high);
+        const bool below_high = above_ ? sixteenths < high : sixteenths > high;
+        return (static_cast<int>(sixteenths >= low) & static_cast<int>(below_high)) != 0;
     }
 
 private:

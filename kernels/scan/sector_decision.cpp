@@ -219,6 +219,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
     const auto k = static_cast<double>(geometry.camera().scale.k);
     const double h = 1000 * (geometry.options().camera_height_m - ground.height_m);
     const Rays& rays = geometry.rays();
+    const int sure = geometry.options().min_confidence;
     double low = 1e9;
     double high = -1e9;
     int confidence = 0;
@@ -227,20 +228,28 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
         const int y = std::min(group * group_rows + group_rows / 2, geometry.camera().height - 1);
         const std::int16_t* edges = geometry.edges(group);
         const std::uint16_t* weights = geometry.weights(group);
+        const std::int16_t* disparity = pixels.disparity.row(y);
+        const std::uint8_t* sureness = pixels.confidence.row(y);
+        int sum_of_n = 0;
+        int count = 0;
         for (int x = edges[sector + 1]; x < edges[sector]; ++x) {
-            const int n = pixels.disparity.at(x, y) + offset;
+            const int n = disparity[x] + offset;
             const int m = (2 * std::clamp(n, 0, 16383) * weights[x] + (1 << 14)) >> 15;
-            if (m < least || m > most || pixels.confidence.at(x, y) < geometry.options().min_confidence ||
-                !band.contains(x, y, n)) {
-                continue;
-            }
+            // Without branches, which would be guessed wrongly at every edge.
+            const int in = static_cast<int>(m >= least) & static_cast<int>(m <= most) &
+                           static_cast<int>(sureness[x] >= sure) & static_cast<int>(band.contains(x, y, n));
+            sum_of_n += in * n;
+            confidence += in * sureness[x];
+            count += in;
+        }
+        if (count > 0) {
+            const double x = (edges[sector + 1] + edges[sector] - 1) / 2.0;
             const double rise =
                 rays.up(x, y) - ground.slope_ahead * rays.ahead(x, y) - ground.slope_left * rays.left(x, y);
-            const double height = h + k * rise / n;
+            const double height = h + k * rise * count / sum_of_n;
             low = std::min(low, height);
             high = std::max(high, height);
-            confidence += pixels.confidence.at(x, y);
-            ++seen;
+            seen += count;
         }
     }
     if (seen > 0) {

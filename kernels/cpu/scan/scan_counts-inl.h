@@ -21,7 +21,7 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sorts the pixels of one row into bins.
+/// Sorts the pixels of a row into bins and counts them.
 class ScanBins {
     using Numbers = hn::ScalableTag<std::int16_t>;
     using Words = hn::RebindToUnsigned<Numbers>;
@@ -40,13 +40,13 @@ public:
           no_obstacle_(number(geometry.limits().obstacle - 1)),
           too_near_(number(geometry.limits().nearest + 1)) {}
 
-    /// Writes the bin of each pixel, and adds 1 to `seen` where it was measured. Returns whether any has a bin.
-    HWY_INLINE bool row(const scan::Pixels& pixels, const std::uint16_t* weights, int y, std::uint8_t* bins,
-                        std::uint8_t* seen) const {
+    /// Adds the pixels of a row to `count`, at the counters of their columns, and adds 1 to `seen` where one is known.
+    HWY_INLINE void row(const scan::Pixels& pixels, const std::uint16_t* weights, int y, const std::uint32_t* counters,
+                        std::uint32_t* count, std::int16_t* seen) const {
         const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
         const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
         const int width = pixels.disparity.width;
-        bool any = false;
+        HWY_ALIGN std::array<std::uint8_t, lanes> bins;
         for (int begin = 0; begin < width; begin += lanes) {
             const int x = std::min(begin, width - lanes);
             const V n = hn::SaturatedAdd(hn::LoadU(Numbers(), pixels.disparity.row(y) + x), offset_);
@@ -62,20 +62,24 @@ public:
             const Mask in_band = hn::And(below_high, hn::Not(hn::Gt(low, n)));
             const Mask obstacle = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
             const Mask counts = hn::And(obstacle, hn::Gt(confidence, too_unsure_));
-            const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
-            hn::StoreU(hn::DemoteTo(Bytes(), bin), Bytes(), bins + x);
-            any = any || !hn::AllFalse(Numbers(), counts);
 
-            // What may be an obstacle, but is unsure, says nothing. The last vector overlaps the one before it: what
-            // that has counted is not counted again.
-            const Mask known = hn::Or(counts, hn::AndNot(obstacle, measured));
-            const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)),
-                                      hn::Set(Numbers(), static_cast<std::int16_t>(begin - 1)));
-            const V one = hn::IfThenElseZero(hn::And(known, fresh), hn::Set(Numbers(), 1));
-            const V count = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), seen + x));
-            hn::StoreU(hn::DemoteTo(Bytes(), hn::Add(count, one)), Bytes(), seen + x);
+            // What may be an obstacle, but is unsure, says nothing.
+            Mask known = hn::Or(counts, hn::AndNot(obstacle, measured));
+            if (x < begin) {
+                // The last vector overlaps the one before it: what that has counted is not counted again.
+                const V columns = hn::Iota(Numbers(), static_cast<std::int16_t>(x));
+                known = hn::And(known, hn::Gt(columns, number(begin - 1)));
+            }
+            hn::StoreU(hn::Sub(hn::LoadU(Numbers(), seen + x), hn::VecFromMask(Numbers(), known)), Numbers(), seen + x);
+
+            if (!hn::AllFalse(Numbers(), counts)) {
+                const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
+                hn::Store(hn::DemoteTo(Bytes(), bin), Bytes(), bins.data());
+                for (int i = begin - x; i < lanes; ++i) {
+                    ++count[counters[x + i] + bins[static_cast<std::size_t>(i)]];
+                }
+            }
         }
-        return any;
     }
 
 private:
@@ -120,27 +124,22 @@ inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geomet
     }
     std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
     const ScanBins row_bins(geometry, band);
-    std::array<std::uint8_t, max_side> bins;
-    std::array<std::uint8_t, max_side> seen;
+    std::array<std::int16_t, max_side> seen;
     std::array<std::uint32_t, max_side> counters;
     std::uint32_t* count = counts.obstacle.data();
     for (int group = 0; group < counts.groups; ++group) {
         find_counters(geometry, group, width, counters.data());
-        std::fill_n(seen.data(), width, std::uint8_t{0});
+        std::fill_n(seen.data(), width, std::int16_t{0});
         for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
-            if (row_bins.row(pixels, geometry.weights(group), y, bins.data(), seen.data())) {
-                for (int x = 0; x < width; ++x) {
-                    ++count[counters[static_cast<std::size_t>(x)] + bins[static_cast<std::size_t>(x)]];
-                }
-            }
+            row_bins.row(pixels, geometry.weights(group), y, counters.data(), count, seen.data());
         }
         const std::int16_t* edges = geometry.edges(group);
         for (int s = 0; s < counts.sectors; ++s) {
-            std::uint32_t sum = 0;
+            int sum = 0;
             for (int x = edges[s + 1]; x < edges[s]; ++x) {
                 sum += seen[static_cast<std::size_t>(x)];
             }
-            counts.seen_of(s, group) = sum;
+            counts.seen_of(s, group) = static_cast<std::uint32_t>(sum);
         }
     }
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Every function of FrameSteps but rectification: what an instruction set's table has against the reference's.
+#include <cmath>
+
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/parallel.h"
+#include "kernels/scan/scan_counts.h"
 #include "tests/kernels/check/kernel_case.h"
 
 namespace disparityd::test {
@@ -174,6 +177,62 @@ Bound bind_depth(const Data& data, const FrameSteps&) {
             {}};
 }
 
+/// Any mounting, sectors and limits; of a bench those of a robot.
+ScanOptions scan_options(StepData& data) {
+    ScanOptions options;
+    if (!data.input.hostile) {
+        options.min_confidence = 100;
+        return options;
+    }
+    const auto any = [&data](int least, int most) { return static_cast<double>(pick(data.random, least, most)); };
+    options.sectors = pick(data.random, 1, 360);
+    if (pick(data.random, 0, 1) == 0) {
+        options.from_deg = any(-180, 100);
+        options.to_deg = options.from_deg + any(1, 80);
+    }
+    options.pitch_deg = any(-45, 45);
+    options.roll_deg = any(-45, 45);
+    options.yaw_deg = any(-180, 180);
+    options.low_m = any(-100, 100) / 100;
+    options.high_m = options.low_m + any(1, 300) / 100;
+    options.camera_height_m = options.low_m + any(2, 400) / 100;
+    options.min_m = any(1, 100) / 100;
+    options.max_m = options.min_m + any(1, 60);
+    options.min_confidence = pick(data.random, 1, 255);
+    options.subpixel_error_px = any(1, 100) / 100;
+    return options;
+}
+
+Bound bind_scan_counts(const Data& data, const FrameSteps&) {
+    const int width = data->input.width;
+    const int height = data->input.height;
+    const auto disparity = std::make_shared<Image<std::int16_t>>(data->disparities());
+    const auto confidence = std::make_shared<Image<std::uint8_t>>(noise(data->random, width, height));
+    const ScanOptions options = scan_options(*data);
+    const auto geometry = std::make_shared<scan::Geometry>(width, height, options);
+    scan::Camera camera{width,       height,       width * 0.55,
+                        width / 2.0, height / 2.0, {std::lround(width * 0.55 * 16 * 120), 3}};
+    if (data->input.hostile) {
+        camera.scale = {pick(data->random, 1, 100000000), pick(data->random, -40000, 40000)};
+    }
+    geometry->set(camera);
+    const auto band = std::make_shared<scan::Band>(width, height);
+    band->set(*geometry, {pick(data->random, -10, 10) / 100.0, pick(data->random, -20, 20) / 100.0, 0.05});
+    const auto counts = std::make_shared<scan::Counts>(options.sectors, geometry->groups());
+    const auto obstacles =
+        data->buffers.memory<std::uint32_t>(static_cast<std::size_t>(options.sectors) * scan::used_bins, true);
+    const auto seen = data->buffers.memory<std::uint32_t>(counts->seen.size(), true);
+    return {[=](const FrameSteps& steps) {
+                steps.scan_counts({disparity->plane(), confidence->plane()}, *geometry, *band, *counts);
+                for (int s = 0; s < counts->sectors; ++s) {
+                    std::copy_n(counts->obstacle_of(s), scan::used_bins,
+                                &obstacles[static_cast<std::size_t>(s) * scan::used_bins]);
+                }
+                std::copy(counts->seen.begin(), counts->seen.end(), seen.begin());
+            },
+            {}};
+}
+
 }  // namespace
 
 std::vector<KernelCase> step_cases() {
@@ -187,6 +246,7 @@ std::vector<KernelCase> step_cases() {
         step_case("finish_confidence", bind_finish_confidence<false>),
         step_case("calibrated_confidence", bind_finish_confidence<true>),
         step_case("depth", bind_depth),
+        step_case("scan_counts", bind_scan_counts),
     };
     for (KernelCase& kernel : cases) {
         kernel.per_pixel = true;
