@@ -36,7 +36,7 @@ struct BridgeSettings {
     std::uint8_t component_id = 196;
     double rate = 15;                            ///< scans per second at most
     std::chrono::milliseconds max_age{300};      ///< an older scan is not sent
-    DistanceLimits limits;                       ///< of obstacles
+    DistanceLimits limits = {};                  ///< of obstacles
     bool send_3d = false;                        ///< OBSTACLE_DISTANCE_3D beside OBSTACLE_DISTANCE
     std::optional<double> camera_height_m = {};  ///< above the ground, for OBSTACLE_DISTANCE_3D
 };

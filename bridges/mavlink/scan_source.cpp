@@ -16,6 +16,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds pause_after_error{1000};
+constexpr const char* refused_hint = "; where it serves no scan, set [scan] enabled = true in its configuration";
 
 class SharedMemorySource : public ScanSource {
 public:
@@ -60,6 +61,7 @@ private:
         disparity::SocketClient client(address_, "disparity-mavlink", milliseconds(1000));
         client.subscribe({.products = {Product::scan}, .max_rate = max_rate_});
         client_.emplace(std::move(client));
+        served_ = false;
     }
     void disconnect() override { client_.reset(); }
     std::string why_gone() const override { return client_->why_gone(); }
@@ -68,12 +70,20 @@ private:
         if (!client_) {
             connect();
         }
-        return client_->read(frame, timeout);
+        try {
+            const ReadResult result = client_->read(frame, timeout);
+            served_ = served_ || result == ReadResult::frame;
+            return result;
+        } catch (const std::runtime_error& error) {
+            // A daemon refuses a subscription to what it does not serve when it reads it, that is, here.
+            throw std::runtime_error(error.what() + std::string(served_ ? "" : refused_hint));
+        }
     }
 
     std::string address_;
     double max_rate_;
     std::optional<disparity::SocketClient> client_;
+    bool served_ = false;  ///< a frame has come over this connection
 };
 
 }  // namespace
