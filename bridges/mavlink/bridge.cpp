@@ -58,6 +58,7 @@ void Bridge::step() {
     link_.drain();
     send_heartbeat();
     if (const auto timed = source_.next(wait_for_scan)) {
+        last_came_ = Clock::now();
         note_scan(*timed);
         send_scan(*timed);
     } else {
@@ -82,32 +83,41 @@ void Bridge::send_scan(const TimedScan& timed) {
     if (!link_.open() || !limit_.pass(now)) {
         return;
     }
-    const auto deadline = timed.captured + settings_.max_age;
+    const Until until{timed.captured + settings_.max_age, settings_.max_age};
     const SectorDistances distances = sector_distances(timed.scan, settings_.limits);
     const auto time_us = static_cast<std::uint64_t>(since_start<std::chrono::microseconds>(timed.captured));
-    if (!send_in_time(obstacle_distance(distances, settings_.limits, time_us), deadline)) {
+    if (!send_in_time(obstacle_distance(distances, settings_.limits, time_us), until)) {
         return;
     }
     last_scan_ = Clock::now();
     notes_.say("scan", "scans are sent to " + link_.name(), Notes::Repeat::never);
     if (settings_.send_3d) {
-        const auto time_ms = static_cast<std::uint32_t>(time_us / 1000);
-        const auto messages = obstacles_3d(timed.scan, settings_.limits, settings_.camera_height_m, time_ms);
-        static_cast<void>(std::all_of(messages.begin(), messages.end(), [&](const Message& message) {
-            return send_in_time(message, deadline);  // the nearest first, as many as the link takes in time
-        }));
+        send_3d(timed, static_cast<std::uint32_t>(time_us / 1000));
     }
 }
 
-/// Sends a message that is to leave the link before the deadline; returns whether it does.
-bool Bridge::send_in_time(const Message& message, Clock::time_point deadline) {
-    if (Clock::now() + link_.time_for(message.payload.size() + around_payload) > deadline) {
+/// Sends the nearest obstacles first, as many as leave before the next scan is due: that one is not to wait behind
+/// them.
+void Bridge::send_3d(const TimedScan& timed, std::uint32_t time_ms) {
+    const Until until{timed.captured + settings_.max_age,
+                      std::min<Clock::duration>(settings_.max_age, limit_.period())};
+    for (const Message& message : obstacles_3d(timed.scan, settings_.limits, settings_.camera_height_m, time_ms)) {
+        if (!send_in_time(message, until)) {
+            return;
+        }
+    }
+}
+
+/// Sends a message if it leaves the link in time; returns whether it does.
+bool Bridge::send_in_time(const Message& message, const Until& until) {
+    const auto needed = link_.time_for(message.payload.size() + around_payload);
+    if (needed > until.on_the_line || Clock::now() + needed > until.deadline) {
         notes_.say("speed", link_.name() +
-                                ": not all messages leave within --max-age-ms, the rest is not sent; use a "
-                                "faster link, a lower --rate or no --3d");
+                                ": not all messages leave in time, the rest is not sent; use a faster link, a "
+                                "lower --rate, a higher --max-age-ms or no --3d");
         return false;
     }
-    return link_.send(writer_.frame(message), deadline);
+    return link_.send(writer_.frame(message), until.deadline);
 }
 
 void Bridge::send_heartbeat() {
@@ -124,8 +134,12 @@ void Bridge::send_heartbeat() {
 }
 
 void Bridge::note_source() {
+    const auto now = Clock::now();
     if (!source_.problem().empty()) {
         notes_.say("scan", "no scan: " + source_.problem());
+    } else if (now - last_came_ > silence) {
+        notes_.say("scan",
+                   "no scan: the daemon lives, but nothing has come for a second; disparityctl status says why");
     }
 }
 

@@ -25,6 +25,8 @@ public:
     /// Returns whether one may pass now, and counts it if it may.
     bool pass(Clock::time_point now);
 
+    Clock::duration period() const { return period_; }
+
 private:
     Clock::duration period_;
     Clock::time_point due_{};
@@ -56,8 +58,15 @@ public:
     void step();
 
 private:
+    /// Until when a message must have left the link.
+    struct Until {
+        Clock::time_point deadline;
+        Clock::duration on_the_line;  ///< the longest time that it may wait and be sent there
+    };
+
     void send_scan(const TimedScan& timed);
-    bool send_in_time(const Message& message, Clock::time_point deadline);
+    void send_3d(const TimedScan& timed, std::uint32_t time_ms);
+    bool send_in_time(const Message& message, const Until& until);
     void send_heartbeat();
     void note_source();
     void note_scan(const TimedScan& timed);
@@ -68,6 +77,7 @@ private:
     Notes& notes_;
     FrameWriter writer_;
     RateLimit limit_;
+    Clock::time_point last_came_ = Clock::now();  ///< when a scan came, sent or not
     std::optional<Clock::time_point> last_scan_;  ///< when one was sent
     std::optional<SystemState> told_;             ///< what the last HEARTBEAT said
     Clock::time_point next_heartbeat_{};

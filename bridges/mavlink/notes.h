@@ -16,7 +16,7 @@ public:
     using Write = std::function<void(const std::string& line)>;
 
     enum class Repeat {
-        never,         ///< a line that is said again only after another one about its topic
+        never,         ///< said again only after another line about the topic
         every_minute,  ///< what somebody has to mend
     };
 

@@ -177,6 +177,7 @@ std::vector<Message> obstacles_3d(const disparity::Scan& scan, const DistanceLim
     std::stable_sort(places.begin(), places.end(),
                      [](const Place& a, const Place& b) { return a.distance() < b.distance(); });
     std::vector<Message> messages;
+    messages.reserve(places.size());
     for (const Place& place : places) {
         messages.push_back(obstacle_3d(place, limits, time_ms));
     }

@@ -190,11 +190,30 @@ TEST_F(BridgeTest, CountsTheTimeOnTheLineAsAge) {
     source_.add(1000);
     bridge.step();
     EXPECT_EQ(ids(link_.sent()), (std::vector<std::uint32_t>{0, 330})) << "no OBSTACLE_DISTANCE_3D";
-    EXPECT_THAT(lines_, Contains(HasSubstr("not all messages leave within --max-age-ms")));
+    EXPECT_THAT(lines_, Contains(HasSubstr("not all messages leave in time")));
     link_.needs = [](std::size_t) { return nanoseconds(hours(2)); };
     source_.add(1000);
     bridge.step();
     EXPECT_THAT(ids(link_.sent()), Not(Contains(330U)));
+}
+
+TEST_F(BridgeTest, ObstaclesIn3dDoNotKeepTheNextScanWaiting) {
+    settings_.send_3d = true;
+    settings_.rate = 10;
+    Bridge bridge(settings_, source_, link_, notes_);
+    link_.needs = [](std::size_t) { return milliseconds(101); };
+    source_.add(1000);
+    bridge.step();
+    EXPECT_EQ(ids(link_.sent()), (std::vector<std::uint32_t>{0, 330}));
+}
+
+TEST_F(BridgeTest, SaysThatADaemonThatLivesSendsNothing) {
+    Bridge bridge(settings_, source_, link_, notes_);
+    const auto deadline = Bridge::Clock::now() + patience;
+    while (lines_.size() < 2 && Bridge::Clock::now() < deadline) {
+        bridge.step();
+    }
+    EXPECT_THAT(lines_, Contains(HasSubstr("no scan: the daemon lives")));
 }
 
 TEST_F(BridgeTest, SendsObstaclesIn3dWhenAsked) {

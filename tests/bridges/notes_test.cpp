@@ -46,6 +46,13 @@ TEST_F(NotesTest, LinesThatAlternateComeOnceASecond) {
     EXPECT_EQ(lines_.size(), 4U);
 }
 
+TEST_F(NotesTest, ALineOfOtherNumbersIsTheSame) {
+    for (int second = 0; second <= 60; ++second) {
+        say("gone for " + std::to_string(second) + " s", seconds(second));
+    }
+    EXPECT_EQ(lines_, (Lines{"gone for 0 s", "gone for 60 s"}));
+}
+
 TEST_F(NotesTest, TopicsAreApart) {
     say("a", seconds(0));
     notes_.say("other", "b", Notes::Repeat::never, start_);

@@ -14,7 +14,7 @@ namespace {
 using disparity::ScanSector;
 using disparity::SectorState;
 
-constexpr DistanceLimits limits{20, 800};
+constexpr DistanceLimits limits_3d{20, 800};
 
 ScanSector obstacle(double middle, double distance_m, double low_m = 0.1, double high_m = 0.5) {
     return {.from_deg = middle - 1,
@@ -29,7 +29,7 @@ std::vector<test::DecodedFrame> sent(std::vector<ScanSector> sectors, std::optio
     disparity::Scan scan;
     scan.sectors = std::move(sectors);
     std::vector<test::DecodedFrame> frames;
-    for (const Message& message : obstacles_3d(scan, limits, camera_height_m, 123456)) {
+    for (const Message& message : obstacles_3d(scan, limits_3d, camera_height_m, 123456)) {
         frames.push_back({0, 0, 0, message.kind.id, message.payload});
     }
     return frames;
