@@ -197,6 +197,30 @@ TEST_F(BridgeTest, CountsTheTimeOnTheLineAsAge) {
     EXPECT_THAT(ids(link_.sent()), Not(Contains(330U)));
 }
 
+TEST_F(BridgeTest, TellsAnotherStateAtOnce) {
+    Bridge bridge(settings_, source_, link_, notes_);
+    bridge.step();
+    source_.add(1000);
+    bridge.step();
+    link_.sent();
+    bridge.step();
+    EXPECT_THAT(ids(link_.sent()), Contains(0U)) << "though the last HEARTBEAT was just sent";
+}
+
+TEST_F(BridgeTest, SendsNoMoreScansThanAllowed) {
+    settings_.rate = 0.001;
+    Bridge bridge(settings_, source_, link_, notes_);
+    int scans = 0;
+    for (int i = 0; i < 10; ++i) {
+        source_.add(1000);
+        bridge.step();
+        for (const std::uint32_t id : ids(link_.sent())) {
+            scans += id == 330 ? 1 : 0;
+        }
+    }
+    EXPECT_EQ(scans, 1);
+}
+
 TEST_F(BridgeTest, ObstaclesIn3dDoNotKeepTheNextScanWaiting) {
     settings_.send_3d = true;
     settings_.rate = 10;
