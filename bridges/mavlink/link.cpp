@@ -155,18 +155,18 @@ bool Link::write_all(std::span<const std::uint8_t> bytes, Clock::time_point dead
     bool refused = false;
     while (!bytes.empty()) {
         const ssize_t written = ::write(descriptor(), bytes.data(), bytes.size());
-        if (written >= 0) {
+        const int error = written < 0 ? errno : EAGAIN;
+        if (written > 0) {
             bytes = bytes.subspan(static_cast<std::size_t>(written));
-        } else if (errno == ECONNREFUSED && !refused) {
+        } else if (error == ECONNREFUSED && !refused) {
             refused = true;  // this is about an earlier datagram, and this one was not sent
-        } else if (errno == EAGAIN) {
+        } else if (error == EAGAIN) {
             if (!wait_for_room(descriptor(), deadline)) {
                 forget_waiting();
                 problem_ = name() + ": there was no room for a message in time; use a faster link or a lower --rate";
                 return false;
             }
-        } else if (errno != EINTR) {
-            const int error = errno;
+        } else if (error != EINTR) {
             problem_ = name() + ": " + std::generic_category().message(error) + "; " + advice();
             if (!outlives(error)) {
                 fail(std::generic_category().message(error));
