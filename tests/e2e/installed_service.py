@@ -42,6 +42,11 @@ class InstalledService(unittest.TestCase):
                 installed = list(root.rglob("disparityd.toml"))
                 self.assertEqual(installed, [root / configuration.lstrip("/")])
                 self.assertRegex(installed[0].read_text(encoding="utf-8"), r'(?m)^uri = "v4l2:auto"$')
+                units = list(root.rglob("disparity-mavlink.service"))
+                self.assertEqual(len(units), 1)
+                unit = units[0].read_text(encoding="utf-8")
+                self.assertIn(f"\nExecStart={prefix}/bin/disparity-mavlink $DISPARITY_MAVLINK_OPTIONS\n", unit)
+                self.assertIn(f"\nEnvironmentFile=-/{Path(configuration).parent.relative_to('/')}/mavlink.conf\n", unit)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+
+#include "bridges/mavlink/heartbeat.h"
+#include "bridges/mavlink/link.h"
+#include "bridges/mavlink/mavlink_frame.h"
+#include "bridges/mavlink/notes.h"
+#include "bridges/mavlink/obstacle_message.h"
+#include "bridges/mavlink/scan_source.h"
+
+namespace disparityd::mavlink {
+
+/// Lets at most so many through in a second, on the average; what comes a little early is let through, so that a source
+/// of just that rate loses none.
+class RateLimit {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    explicit RateLimit(double per_second);
+
+    /// Returns whether one may pass now, and counts it if it may.
+    bool pass(Clock::time_point now);
+
+    Clock::duration period() const { return period_; }
+
+private:
+    Clock::duration period_;
+    Clock::time_point due_{};
+};
+
+/// What the bridge sends, and when it does not.
+struct BridgeSettings {
+    std::uint8_t system_id = 1;
+    std::uint8_t component_id = 196;
+    double rate = 15;                            ///< scans per second at most
+    std::chrono::milliseconds max_age{300};      ///< an older scan is not sent
+    DistanceLimits limits = {};                  ///< of obstacles
+    bool send_3d = false;                        ///< OBSTACLE_DISTANCE_3D beside OBSTACLE_DISTANCE
+    std::optional<double> camera_height_m = {};  ///< above the ground, for OBSTACLE_DISTANCE_3D
+};
+
+/// Sends the scans of a source over a link, and a HEARTBEAT every second. One thread uses it.
+class Bridge {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// The source and the link outlive the bridge. Notes get what a person should know.
+    Bridge(const BridgeSettings& settings, ScanSource& source, Link& link, Notes& notes);
+
+    /// Runs until `stop` is true, which it sees within a tenth of a second while neither side blocks.
+    void run(const std::atomic<bool>& stop);
+
+    /// Waits for one scan, at most a tenth of a second, and sends what is to be sent.
+    void step();
+
+private:
+    /// Until when a message must have left the link.
+    struct Until {
+        Clock::time_point deadline;
+        Clock::duration on_the_line;  ///< the longest time that it may wait and be sent there
+    };
+
+    void send_scan(const TimedScan& timed);
+    void send_3d(const TimedScan& timed, std::uint32_t time_ms);
+    bool send_in_time(const Message& message, const Until& until);
+    void send_heartbeat();
+    void note_source();
+    void note_scan(const TimedScan& timed);
+
+    BridgeSettings settings_;
+    ScanSource& source_;
+    Link& link_;
+    Notes& notes_;
+    FrameWriter writer_;
+    RateLimit limit_;
+    Clock::time_point last_came_ = Clock::now();  ///< when a scan came, sent or not
+    std::optional<Clock::time_point> last_scan_;  ///< when one was sent
+    std::optional<SystemState> told_;             ///< what the last HEARTBEAT said
+    Clock::time_point next_heartbeat_{};
+};
+
+}  // namespace disparityd::mavlink

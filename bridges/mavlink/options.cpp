@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/mavlink/options.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+
+namespace disparityd::mavlink {
+namespace {
+
+/// What every system's serial ports know.
+constexpr std::array baud_rates{9600U,   19200U,  38400U,   57600U,   115200U,  230400U,  460800U, 500000U,
+                                576000U, 921600U, 1000000U, 1152000U, 1500000U, 2000000U, 3000000U};
+
+/// Refuses what is outside, and what is no number ("nan" is not between others).
+CLI::Validator between(double least, double most) {
+    std::ostringstream allowed;
+    allowed << "allowed: " << least << " .. " << most;
+    return CLI::Validator(
+        [least, most, text = allowed.str()](const std::string& value) {
+            double number = 0;
+            const bool good = CLI::detail::lexical_cast(value, number) && number >= least && number <= most;
+            return good ? std::string() : "found " + value + ", " + text;
+        },
+        "", "");
+}
+
+/// "left:number" as the user wrote it.
+struct Pair {
+    std::string left;
+    unsigned number = 0;
+};
+
+Pair split(const std::string& option, const std::string& text, const std::string& form) {
+    const std::size_t colon = text.rfind(':');
+    Pair pair;
+    if (colon != std::string::npos && colon > 0) {
+        pair.left = text.substr(0, colon);
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, pair.number);
+        if (error == std::errc() && stop == end) {
+            return pair;
+        }
+    }
+    throw std::invalid_argument(option + ": found \"" + text + "\", expected " + form);
+}
+
+std::unique_ptr<Link> make_udp(const std::string& text) {
+    Pair to = split("--udp", text, "HOST:PORT, such as 127.0.0.1:14550");
+    if (to.number < 1 || to.number > 65535) {
+        throw std::invalid_argument("--udp: found port " + std::to_string(to.number) + ", allowed: 1 .. 65535");
+    }
+    if (to.left.size() > 2 && to.left.front() == '[' && to.left.back() == ']') {
+        to.left = to.left.substr(1, to.left.size() - 2);
+    }
+    return udp_link(to.left, static_cast<std::uint16_t>(to.number));
+}
+
+std::unique_ptr<Link> make_serial(const std::string& text) {
+    const Pair to = split("--serial", text, "DEVICE:BAUD, such as /dev/ttyACM0:921600");
+    if (!is_baud_rate(to.number)) {
+        std::string allowed;
+        for (const unsigned baud : baud_rates) {
+            allowed += (allowed.empty() ? "" : ", ") + std::to_string(baud);
+        }
+        throw std::invalid_argument("--serial: found " + std::to_string(to.number) + " baud, allowed: " + allowed);
+    }
+    return serial_link(to.left, to.number);
+}
+
+/// Returns the limits of the message in whole cm: not narrower than the user's, and at least one apart.
+DistanceLimits limits_of(const Options& options) {
+    DistanceLimits limits;
+    limits.min_cm = static_cast<std::uint16_t>(std::floor(options.min_distance_m * 100 + 1e-6));
+    limits.max_cm = static_cast<std::uint16_t>(std::ceil(options.max_distance_m * 100 - 1e-6));
+    if (limits.min_cm >= limits.max_cm) {
+        std::ostringstream text;
+        text << "--min-distance-m: found " << options.min_distance_m
+             << ", allowed: less than --max-distance-m, which is " << options.max_distance_m;
+        throw std::invalid_argument(text.str());
+    }
+    return limits;
+}
+
+void add_daemon(CLI::App& app, Options& options) {
+    const std::string group = "Which daemon";
+    app.add_option("--name", options.name, "Name of its shared memory, on this machine")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--socket", options.socket, "tcp:HOST:PORT or unix:PATH instead of shared memory")
+        ->type_name("ADDRESS")
+        ->group(group);
+}
+
+void add_autopilot(CLI::App& app, Options& options) {
+    const std::string group = "Which autopilot";
+    CLI::Option* const udp = app.add_option("--udp", options.udp, "Send datagrams to HOST:PORT");
+    udp->type_name("HOST:PORT")->group(group);
+    app.add_option("--serial", options.serial, "Send to a serial device, such as /dev/ttyACM0:921600")
+        ->type_name("DEVICE:BAUD")
+        ->excludes(udp)
+        ->group(group);
+    app.add_option("--system-id", options.system_id, "MAVLink system that this is a part of: the vehicle's")
+        ->type_name("NUMBER")
+        ->check(between(1, 255))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--component-id", options.component_id, "MAVLink component that this is; 196 avoids obstacles")
+        ->type_name("NUMBER")
+        ->check(between(1, 255))
+        ->capture_default_str()
+        ->group(group);
+}
+
+void add_contents(CLI::App& app, Options& options) {
+    const std::string group = "What is sent";
+    app.add_option("--rate", options.rate, "Scans per second at most")
+        ->type_name("NUMBER")
+        ->check(between(0.1, 100))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--max-age-ms", options.max_age_ms, "A scan that is older than this is not sent")
+        ->type_name("NUMBER")
+        ->check(between(10, 2000))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option(
+           "--max-distance-m", options.max_distance_m,
+           "A sector is sent as free when it is free up to here, with less as unknown; obstacles beyond are not sent")
+        ->type_name("NUMBER")
+        ->check(between(0.5, 650))
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--min-distance-m", options.min_distance_m,
+                   "Obstacles that are nearer are sent as at this distance: autopilots ignore nearer ones")
+        ->type_name("NUMBER")
+        ->check(between(01, 100))
+        ->capture_default_str()
+        ->group(group);
+    app.add_flag("--3d", options.send_3d, "Also send OBSTACLE_DISTANCE_3D, one for each occupied sector (ArduPilot)")
+        ->group(group);
+    app.add_option("--camera-height-m", options.camera_height_m,
+                   "With --3d: the camera's height above the ground, [scan] camera_height_m of the daemon; default: "
+                   "obstacles are sent as level with the camera")
+        ->type_name("NUMBER")
+        ->check(between(-10, 100))
+        ->group(group);
+}
+
+}  // namespace
+
+bool is_baud_rate(unsigned baud) {
+    return std::find(baud_rates.begin(), baud_rates.end(), baud) != baud_rates.end();
+}
+
+void Options::add_to(CLI::App& app) {
+    add_daemon(app, *this);
+    add_autopilot(app, *this);
+    add_contents(app, *this);
+}
+
+BridgeSettings Options::settings() const {
+    return {.system_id = static_cast<std::uint8_t>(system_id),
+            .component_id = static_cast<std::uint8_t>(component_id),
+            .rate = rate,
+            .max_age = std::chrono::milliseconds(max_age_ms),
+            .limits = limits_of(*this),
+            .send_3d = send_3d,
+            .camera_height_m = camera_height_m};
+}
+
+std::unique_ptr<Link> Options::make_link() const {
+    if (udp.empty() == serial.empty()) {
+        throw std::invalid_argument("found no autopilot, expected --udp HOST:PORT or --serial DEVICE:BAUD");
+    }
+    return udp.empty() ? make_serial(serial) : make_udp(udp);
+}
+
+std::unique_ptr<ScanSource> Options::make_source() const {
+    // A little more than is sent, so that none of the right moment is missing.
+    return socket.empty() ? shared_memory_source(name) : socket_source(socket, 2 * rate);
+}
+
+}  // namespace disparityd::mavlink

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "clients/cpp/disparity_client.hpp"
+
+namespace disparityd::mavlink {
+
+/// A scan and when it was measured.
+struct TimedScan {
+    disparity::Scan scan;
+    /// When its frame was captured, or earlier: the time that it may have waited unread counts as age.
+    std::chrono::steady_clock::time_point captured;
+    bool synthetic = false;  ///< the frame was rendered
+};
+
+/// Reads scans of a daemon that may be away, come and go. One thread uses it.
+class ScanSource {
+public:
+    virtual ~ScanSource() = default;
+    ScanSource(const ScanSource&) = delete;
+    ScanSource& operator=(const ScanSource&) = delete;
+
+    /// Returns the newest scan that was not returned before; older ones are left out. Waits for one until the timeout,
+    /// and longer when a connection is made anew: up to a second. Throws nothing that a daemon does: problem() says it.
+    std::optional<TimedScan> next(std::chrono::milliseconds timeout);
+
+    /// Returns one line: why the last next() returned none, and what to do; empty when there was just no new frame.
+    const std::string& problem() const { return problem_; }
+
+protected:
+    ScanSource() = default;
+
+    /// As SharedMemoryReader::read() and SocketClient::read(); makes the reader first where there is none.
+    virtual disparity::ReadResult read(disparity::Frame& frame, std::chrono::milliseconds timeout) = 0;
+    virtual std::string why_gone() const = 0;
+    virtual void disconnect() = 0;  ///< after an error: the next read() begins anew
+
+private:
+    bool read_newest(std::chrono::milliseconds timeout);
+    std::optional<TimedScan> scan_of(std::chrono::steady_clock::time_point captured);
+    void fail(const std::string& reason);
+
+    disparity::Frame frame_;
+    disparity::Frame newer_;
+    std::string problem_;
+    std::chrono::steady_clock::time_point last_look_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point next_try_{};
+    std::chrono::nanoseconds age_{};
+};
+
+/// Returns a source that reads shared memory of this name. Throws std::invalid_argument for a name that is not allowed.
+std::unique_ptr<ScanSource> shared_memory_source(const std::string& name);
+
+/// Returns a source that reads a socket, "tcp:HOST:PORT" or "unix:PATH", and asks for at most so many frames per
+/// second. Throws std::invalid_argument for an address of another form.
+std::unique_ptr<ScanSource> socket_source(const std::string& address, double max_rate);
+
+}  // namespace disparityd::mavlink
