@@ -34,9 +34,9 @@ struct ScanOptions {
     double object_m = 0.1;            ///< side of the smallest obstacle that counts, and that freedom excludes
     double max_error_m = 1;           ///< a disparity whose one-sigma depth error is larger counts as unknown
     double subpixel_error_px = 0.25;  ///< one sigma of a disparity
-    /// Obstacle pixels with less are unsure: they count neither as obstacle nor as seen. 1 .. 255; 168 of a calibrated
-    /// confidence are two thirds.
-    int min_confidence = 168;
+    /// Obstacle pixels with less are unsure: they count neither as obstacle nor as seen. 1 .. 255; 200 of a calibrated
+    /// confidence are four fifths.
+    int min_confidence = 200;
 };
 
 inline constexpr int max_scan_sectors = 360;

@@ -27,6 +27,9 @@ public:
 
     /// Options for a method; `disparities` candidates where --disparities is not given. Throws std::invalid_argument
     /// with one line when they do not fit together.
+    /// Makes `usual` the preset that options() begin with where the command line has none.
+    void set_usual(Preset usual) { usual_ = usual; }
+
     MatchOptions options(Method method, int disparities) const;
 
     /// Throws std::invalid_argument with one line when an option is given that none of the methods uses.

@@ -371,6 +371,7 @@ int evaluate(EvalArguments arguments) {
         }
     }
     if (arguments.scan) {
+        arguments.match.set_usual(Preset::obstacles);
         return evaluate_scans(arguments);
     }
     Evaluation evaluation(arguments);
