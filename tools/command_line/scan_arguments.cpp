@@ -123,6 +123,7 @@ ScanOptions ScanArguments::options(bool calibrated) const {
 
 std::vector<std::string_view> scan_keys() {
     std::vector<std::string_view> names;
+    names.reserve(scan_key_table.size());
     for (const ScanKey& key : scan_key_table) {
         names.push_back(key.name);
     }

@@ -93,6 +93,7 @@ TEST(Radar, FitsEverySize) {
 
 TEST(Radar, LosesNoNarrowObstacle) {
     std::vector<Sector> sectors;
+    sectors.reserve(360);
     for (int i = 0; i < 360; ++i) {
         sectors.push_back(unknown(-45 + i / 4.0, -45 + (i + 1) / 4.0));
     }

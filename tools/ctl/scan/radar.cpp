@@ -113,6 +113,11 @@ private:
         return column >= 0 && column < plot_.columns && row >= 0 && row < plot_.rows;
     }
 
+    std::size_t index_of(int column, int row) const {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(plot_.columns) +
+               static_cast<std::size_t>(column);
+    }
+
     void put(int column, int row, std::string_view text, RadarInk ink) {
         if (inside(column, row)) {
             plot_.at(column, row) = {std::string(text), ink};
@@ -186,8 +191,7 @@ private:
                 if (inside(whole(column), whole(row))) {
                     const unsigned right = column >= whole(column) ? 1 : 0;
                     const unsigned lower = row >= whole(row) ? 2 : 0;
-                    blocks[static_cast<std::size_t>(whole(row) * plot_.columns + whole(column))] |= 1U
-                                                                                                    << (right + lower);
+                    blocks[index_of(whole(column), whole(row))] |= 1U << (right + lower);
                 }
             });
         }

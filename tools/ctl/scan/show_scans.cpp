@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
 #include <chrono>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +8,7 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/no_frame.h"
 #include "tools/ctl/scan/live_screen.h"
+#include "tools/ctl/scan/rate_limit.h"
 #include "tools/ctl/scan/scan_feed.h"
 #include "tools/ctl/scan/scan_view.h"
 
@@ -25,24 +25,6 @@ struct ShowScansArguments {
     bool plot = false;
     bool line = false;
     bool json = false;
-};
-
-/// Lets at most `rate` events a second through.
-class RateLimit {
-public:
-    explicit RateLimit(std::optional<double> rate) : interval_(rate ? 1 / *rate : 0) {}
-
-    bool allows(ScanClock::time_point now) {
-        if (now < next_) {
-            return false;
-        }
-        next_ = std::max(next_ + std::chrono::duration_cast<ScanClock::duration>(interval_), now);
-        return true;
-    }
-
-private:
-    std::chrono::duration<double> interval_;
-    ScanClock::time_point next_;
 };
 
 /// Notices when no scan comes, and asks why once a second.
