@@ -92,6 +92,23 @@ TEST_F(BadInputTest, OptionsThatDoNotExist) {
     expect_refused(run(DISPARITYCTL, {}), HasSubstr("--help"));
 }
 
+TEST_F(BadInputTest, OptionsOfScanThatAreNotAllowed) {
+    const auto scan = [this](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"scan", "--socket", "unix:" + path("nobody.sock")});
+        return run(DISPARITYCTL, arguments);
+    };
+    expect_refused(scan({"--count", "0"}), AllOf(HasSubstr("--count"), HasSubstr("found '0'")));
+    expect_refused(scan({"--rate", "0"}), AllOf(HasSubstr("--rate"), HasSubstr("from 0.01 to 1000")));
+    expect_refused(scan({"--rate", "often"}), AllOf(HasSubstr("--rate"), HasSubstr("often")));
+    expect_refused(scan({"--range", "66"}), AllOf(HasSubstr("--range"), HasSubstr("from 0.5 to 65")));
+    expect_refused(scan({"--json", "--plot"}), AllOf(HasSubstr("--json"), HasSubstr("--plot")));
+    expect_refused(scan({"--json", "--line"}), AllOf(HasSubstr("--json"), HasSubstr("--line")));
+    expect_refused(scan({"--line", "--plot"}), AllOf(HasSubstr("--line"), HasSubstr("--plot")));
+    expect_refused(scan({"--json", "--ascii"}), AllOf(HasSubstr("--json"), HasSubstr("--ascii")));
+    expect_refused(scan({"--line", "--range", "5"}), AllOf(HasSubstr("--line"), HasSubstr("--range")));
+    expect_refused(scan({"--sizzle"}), HasSubstr("--sizzle"));
+}
+
 TEST_F(BadInputTest, SourceThatIsNotThere) {
     expect_refused(process({path("nothing.mkv")}), HasSubstr("nothing.mkv"));
     std::filesystem::create_directory(path("empty"));
@@ -101,7 +118,7 @@ TEST_F(BadInputTest, SourceThatIsNotThere) {
 }
 
 TEST_F(BadInputTest, NoDaemonIsExitCode1) {
-    for (const char* command : {"status", "watch", "snapshot", "record"}) {
+    for (const char* command : {"status", "watch", "scan", "snapshot", "record"}) {
         std::vector<std::string> arguments{command, "--socket", "unix:" + path("nobody.sock")};
         if (std::string(command) == "snapshot") {
             arguments.insert(arguments.end(), {"-o", path("x.png")});
@@ -129,7 +146,8 @@ TEST_F(BadInputTest, VersionsAreTold) {
 }
 
 TEST_F(BadInputTest, EveryHelpHasAnExample) {
-    for (const char* command : {"status", "watch", "snapshot", "record", "process", "camera", "sensors", "sources"}) {
+    for (const char* command :
+         {"status", "watch", "scan", "snapshot", "record", "process", "camera", "sensors", "sources"}) {
         const Outcome outcome = run(DISPARITYCTL, {command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0);
         EXPECT_THAT(outcome.out, HasSubstr(std::string("disparityctl ") + command)) << "an example";

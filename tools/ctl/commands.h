@@ -13,6 +13,7 @@ namespace disparityd::tools {
 
 void add_status(CLI::App& program, Action& action);
 void add_watch(CLI::App& program, Action& action);
+void add_scan(CLI::App& program, Action& action);
 void add_snapshot(CLI::App& program, Action& action);
 void add_record(CLI::App& program, Action& action);
 void add_process(CLI::App& program, Action& action);

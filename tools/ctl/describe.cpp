@@ -251,6 +251,25 @@ Json to_json(const MatchOptions& options) {
     return json;
 }
 
+Json to_json(const ScanOptions& options) {
+    return {{"sectors", options.sectors},
+            {"from_deg", options.from_deg},
+            {"to_deg", options.to_deg},
+            {"camera_height_m", options.camera_height_m},
+            {"pitch_deg", options.pitch_deg},
+            {"roll_deg", options.roll_deg},
+            {"yaw_deg", options.yaw_deg},
+            {"ground", options.ground == GroundMode::fitted ? "fitted" : "configured"},
+            {"low_m", options.low_m},
+            {"high_m", options.high_m},
+            {"min_m", options.min_m},
+            {"max_m", options.max_m},
+            {"object_m", options.object_m},
+            {"max_error_m", options.max_error_m},
+            {"min_confidence", options.min_confidence},
+            {"subpixel_error_px", options.subpixel_error_px}};
+}
+
 std::string hexadecimal(std::uint64_t id) {
     char text[17];
     std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(id));

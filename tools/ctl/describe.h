@@ -9,6 +9,7 @@
 #include "capture/camera/camera_survey.h"
 #include "capture/frame_source.h"
 #include "kernels/options.h"
+#include "kernels/scan/scan_options.h"
 #include "proto/disparity.pb.h"
 
 /// Converts the project's types to JSON, with the keys in the order in which people read them.
@@ -27,6 +28,7 @@ Json to_json(const capture::SourceInfo& source);
 Json to_json(const calibration::StereoCalibration& calibration);
 Json to_json(const calibration::Rectification& rectification);
 Json to_json(const MatchOptions& options);
+Json to_json(const ScanOptions& options);
 
 /// Returns 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.
 std::string hexadecimal(std::uint64_t id);

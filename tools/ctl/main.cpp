@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     Action action;
     add_status(program, action);
     add_watch(program, action);
+    add_scan(program, action);
     add_snapshot(program, action);
     add_record(program, action);
     add_process(program, action);
@@ -30,8 +31,8 @@ int main(int argc, char** argv) {
     return run_program(program, argc, argv, [&action] {
         if (!action) {
             throw std::invalid_argument(
-                "found no sub-command, allowed: status, watch, snapshot, record, process, calibrate, rows, camera, "
-                "sensors, sources; see disparityctl --help");
+                "found no sub-command, allowed: status, watch, scan, snapshot, record, process, calibrate, rows, "
+                "camera, sensors, sources; see disparityctl --help");
         }
         return action();
     });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <iostream>
 #include <span>
 #include <stdexcept>
@@ -17,12 +18,15 @@
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/progress.h"
+#include "tools/command_line/scan_arguments.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/limited_source.h"
+#include "tools/ctl/output_file.h"
 #include "tools/ctl/process_output.h"
+#include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/images/disparity_file.h"
 
@@ -41,6 +45,8 @@ struct ProcessArguments {
     std::string size;
     std::string region;
     std::string colours;
+    std::string scan;  ///< file of the obstacle scans; empty: none
+    ScanArguments scan_options;
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
@@ -237,12 +243,50 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
     return exit_done;
 }
 
+/// What a run fills.
+struct RunFiles {
+    std::optional<ProcessOutput> folder;
+    std::optional<ScanCsv> scans;
+};
+
 /// Writes a frame's files. A lack of memory gets a message of its own.
-void write(ProcessOutput& output, const pipeline::FrameSlot& slot) {
+void write(RunFiles& files, const pipeline::FrameSlot& slot) {
     try {
-        output.write(slot);
+        const std::uint64_t frame = files.folder->frames();
+        files.folder->write(slot);
+        if (files.scans) {
+            files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, slot.scan);
+        }
     } catch (const std::exception& error) {
         throw std::runtime_error(base::failure_text(error));
+    }
+}
+
+/// The folder of a file must be there, or be the one that is made.
+void check_parent(const std::string& file, const std::string& folder) {
+    namespace fs = std::filesystem;
+    const fs::path parent = fs::absolute(file).lexically_normal().parent_path();
+    std::error_code error;
+    if (!fs::is_directory(parent, error) && parent != (fs::absolute(folder) / "").lexically_normal().parent_path()) {
+        throw std::invalid_argument("--scan: " + file + ": there is no folder " + parent.string());
+    }
+}
+
+/// Returns the options of the scan; nothing where none is wanted.
+std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match) {
+    if (arguments.scan.empty()) {
+        return std::nullopt;
+    }
+    check_output(arguments.scan, arguments.force);
+    check_parent(arguments.scan, arguments.folder);
+    return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
+}
+
+/// Without them every sector would be unknown.
+void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
+    if (!arguments.scan.empty() && !(rectification.f > 0 && rectification.baseline_mm > 0)) {
+        throw std::invalid_argument("--scan: " + arguments.source +
+                                    " has no calibration, so no distance is known; give one with --calibration");
     }
 }
 
@@ -258,6 +302,7 @@ int process(ProcessArguments arguments) {
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
+    config.scan = scan_of(arguments, options);
 
     SourceNews news;
     const auto source = open(arguments, config.slots + 2, news);
@@ -265,6 +310,7 @@ int process(ProcessArguments arguments) {
     config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
     const Schedule schedule = schedule_of(arguments, info, options.range);
     const calibration::Rectification& rectification = schedule.frames->factory();
+    check_metres(arguments, rectification);
     if (rectification.unrectified) {
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
@@ -272,19 +318,23 @@ int process(ProcessArguments arguments) {
     const std::string substitute(matcher->substitute());
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
 
-    std::optional<ProcessOutput> output;
+    RunFiles files;
     pipeline::Pipeline pipeline(config, *source, *matcher, workers, *schedule.frames,
-                                [&output](const pipeline::FrameSlot& slot) { write(*output, slot); });
-    output.emplace(arguments.folder, arguments.force, formats_of(arguments, options.range), info, options,
-                   substitute.empty() ? std::string(chosen.name) : substitute, rectification, pipeline.steps());
+                                [&files](const pipeline::FrameSlot& slot) { write(files, slot); });
+    files.folder.emplace(arguments.folder, arguments.force, formats_of(arguments, options.range), info, options,
+                         config.scan, substitute.empty() ? std::string(chosen.name) : substitute, rectification,
+                         pipeline.steps());
+    if (config.scan) {
+        files.scans.emplace(arguments.scan, arguments.force);
+    }
     const auto start = std::chrono::steady_clock::now();
     run(pipeline, info.frame_count);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    output->close();
+    files.folder->close();
     if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
         print_note(trouble);
     }
-    return report(arguments, pipeline.status(), schedule.calibrating, news, output->frames(), elapsed.count());
+    return report(arguments, pipeline.status(), schedule.calibrating, news, files.folder->frames(), elapsed.count());
 }
 
 }  // namespace
@@ -324,7 +374,12 @@ void add_process(CLI::App& program, Action& action) {
     CLI::Option* const colour =
         command.add_flag("--colour", arguments->colour, "also write pictures: left image, coloured disparity, scale");
     add_colour_range(command, arguments->colours)->needs(colour);
-    command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR");
+    CLI::Option* const scan =
+        command.add_option("--scan", arguments->scan, "also write obstacle scans: a line per frame and sector")
+            ->type_name("FILE.csv")
+            ->check([](const std::string& name) { return name.empty() ? "found no name" : std::string(); });
+    arguments->scan_options.add_to(command)->needs(scan);
+    command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out and go on; they are listed, exit status 1");
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
@@ -339,7 +394,8 @@ void add_process(CLI::App& program, Action& action) {
         "the frames before it are processed, exit status 1. After Ctrl-C the frames in flight are finished, exit\n"
         "status 130. One process at a time may fill DIR.\n"
         "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
-        "          disparityctl process left.png right.png -o out");
+        "          disparityctl process left.png right.png -o out\n"
+        "          disparityctl process walk.mkv -o out --scan walk.csv --scan-set camera_height_m=0.4");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
 }
 

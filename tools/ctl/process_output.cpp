@@ -178,8 +178,9 @@ void ProcessOutput::check(const std::string& folder, bool force) {
 }
 
 ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
-                             const MatchOptions& options, const std::string& backend,
-                             const calibration::Rectification& rectification, const std::vector<std::string>& steps)
+                             const MatchOptions& options, const std::optional<ScanOptions>& scan,
+                             const std::string& backend, const calibration::Rectification& rectification,
+                             const std::vector<std::string>& steps)
     : folder_(std::move(folder)),
       source_name_(name_of_source(source.name)),
       synthetic_(source.synthetic),
@@ -192,8 +193,11 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
     match["backend"] = backend;
     Json rectified = to_json(rectification);
     rectified["invalid"] = invalid_disparity(options.range);
-    const Json geometry{
-        {"source", to_json(source)}, {"rectified", rectified}, {"match", match}, {"files", files_of(formats)}};
+    Json geometry{{"source", to_json(source)}, {"rectified", rectified}, {"match", match}};
+    if (scan) {
+        geometry["scan"] = to_json(*scan);
+    }
+    geometry["files"] = files_of(formats);
     const std::string text = to_text(geometry, 2) + '\n';
     images::write_file(folder_ + '/' + geometry_name,
                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});

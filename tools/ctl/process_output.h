@@ -3,12 +3,14 @@
 
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/options.h"
+#include "kernels/scan/scan_options.h"
 #include "pipeline/frame_slot.h"
 #include "tools/ctl/frame_names.h"
 #include "tools/images/picture.h"
@@ -49,7 +51,7 @@ public:
     /// Makes the folder; files of an earlier run in it are removed. Throws as check() does, and std::runtime_error when
     /// the system refuses.
     ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
-                  const MatchOptions& options, const std::string& backend,
+                  const MatchOptions& options, const std::optional<ScanOptions>& scan, const std::string& backend,
                   const calibration::Rectification& rectification, const std::vector<std::string>& steps);
 
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.

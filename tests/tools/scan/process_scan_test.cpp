@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `process --scan`: the file of obstacle scans, its options, and what is refused.
+#include <algorithm>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+#include "tools/ctl/csv.h"
+#include "tools/ctl/scan/scan_csv.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* scene = "scene:vga?width=160&height=120&frames=3";
+
+class ProcessScanTest : public FolderTest {
+protected:
+    Outcome process(const std::string& folder, std::vector<std::string> more) const {
+        more.insert(more.begin(), {"process", scene, "-o", path(folder), "--disparities", "32"});
+        return run(DISPARITYCTL, more);
+    }
+
+    std::vector<std::vector<std::string>> rows(const std::string& name) const {
+        std::istringstream text(read_file(path(name)));
+        std::vector<std::vector<std::string>> rows;
+        for (std::string line; std::getline(text, line);) {
+            rows.push_back(tools::csv_fields(line));
+        }
+        return rows;
+    }
+
+    nlohmann::json scan_options(const std::string& folder) const {
+        return nlohmann::json::parse(read_file(path(folder + "/geometry.json")))["scan"];
+    }
+
+    void expect_refused(const Outcome& outcome, const testing::Matcher<std::string>& says) const {
+        EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+        EXPECT_THAT(outcome.err, says);
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+        EXPECT_FALSE(std::filesystem::exists(path("refused")));
+    }
+};
+
+TEST_F(ProcessScanTest, ARowPerFrameAndSectorAndTheSameBytesTwice) {
+    for (const char* name : {"one", "two"}) {
+        const Outcome outcome = process(name, {"--scan", path(std::string(name) + ".csv"), "--scan-set", "sectors=12",
+                                               "--workers", name == std::string("one") ? "1" : "3"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    EXPECT_EQ(read_file(path("one.csv")), read_file(path("two.csv")));
+    const auto table = rows("one.csv");
+    ASSERT_EQ(table.size(), 1U + 3 * 12);
+    for (const auto& row : table) {
+        EXPECT_EQ(row.size(), table.front().size());
+    }
+    EXPECT_EQ(table[12][0], "0");
+    EXPECT_EQ(table[13][0], "1") << "12 sectors of each frame";
+    EXPECT_EQ(table[1][4], table[2][3]) << "the left edge of a sector is the right edge of the next";
+    const bool any = std::any_of(table.begin(), table.end(), [](const auto& row) { return row[5] == "occupied"; });
+    EXPECT_TRUE(any) << "the scene has obstacles";
+}
+
+TEST_F(ProcessScanTest, TheOptionsAreKeptBesideTheFrames) {
+    ASSERT_EQ(process("sgm", {"--scan", path("sgm/scan.csv"), "--scan-set", "camera_height_m=0.5", "--scan-set",
+                              "ground=configured"})
+                  .exit_code,
+              0)
+        << "the file may lie in the folder that is made";
+    EXPECT_EQ(scan_options("sgm")["camera_height_m"], 0.5);
+    EXPECT_EQ(scan_options("sgm")["ground"], "configured");
+    EXPECT_EQ(scan_options("sgm")["min_confidence"], 200) << "a chance";
+    ASSERT_EQ(process("sad", {"--scan", path("sad.csv"), "--method", "sad"}).exit_code, 0);
+    EXPECT_EQ(scan_options("sad")["min_confidence"], 1) << "a ratio of costs";
+    ASSERT_EQ(process("paper", {"--scan", path("paper.csv"), "--preset", "paper", "--scan-set", "min_confidence=7"})
+                  .exit_code,
+              0);
+    EXPECT_EQ(scan_options("paper")["min_confidence"], 7) << "as given";
+    ASSERT_EQ(process("none", {}).exit_code, 0);
+    EXPECT_TRUE(scan_options("none").is_null());
+}
+
+TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
+    const std::vector<std::pair<std::string, std::string>> wrong{
+        {"sectrs=3", "allowed: KEY=VALUE, where KEY is one of sectors"},
+        {"sectors", "allowed: KEY=VALUE"},
+        {"sectors=", "allowed: a whole number"},
+        {"sectors=3.5", "allowed: a whole number"},
+        {"sectors=99999999999999999999", "allowed: a whole number"},
+        {"sectors=0", "sectors = 0: allowed is 1 to 360"},
+        {"sectors=361", "sectors = 361: allowed is 1 to 360"},
+        {"max_m=far", "allowed: a number"},
+        {"max_m=nan", "allowed: a number"},
+        {"max_m=66", "max_m = 66: allowed is 0.02 to 65"},
+        {"pitch_deg=-46", "pitch_deg = -46: allowed is -45 to 45"},
+        {"ground=flat", "allowed: fitted or configured"},
+        {"min_confidence=0", "min_confidence = 0: allowed is 1 to 255"},
+        {"high_m=0", "high_m = 0: allowed is more than low_m"},
+        {"", "allowed: KEY=VALUE"},
+    };
+    for (const auto& [setting, allowed] : wrong) {
+        expect_refused(process("refused", {"--scan", path("scan.csv"), "--scan-set", setting}),
+                       AllOf(HasSubstr("--scan-set"), HasSubstr(allowed)));
+    }
+    expect_refused(process("refused", {"--scan-set", "sectors=3"}), HasSubstr("--scan-set requires --scan"));
+    expect_refused(process("refused", {"--scan", ""}), HasSubstr("--scan"));
+    expect_refused(process("refused", {"--scan", path("nowhere/scan.csv")}),
+                   AllOf(HasSubstr("there is no folder"), HasSubstr("nowhere")));
+    EXPECT_FALSE(std::filesystem::exists(path("scan.csv")));
+}
+
+TEST_F(ProcessScanTest, AFileThatIsThereIsLeftAlone) {
+    write_text(path("scan.csv"), "somebody's");
+    expect_refused(process("refused", {"--scan", path("scan.csv")}),
+                   AllOf(HasSubstr("scan.csv"), HasSubstr("--force")));
+    EXPECT_EQ(read_file(path("scan.csv")), "somebody's");
+    ASSERT_EQ(process("out", {"--scan", path("scan.csv"), "--force"}).exit_code, 0);
+    EXPECT_THAT(read_file(path("scan.csv")), Not(HasSubstr("somebody")));
+}
+
+TEST_F(ProcessScanTest, FramesWithoutACalibrationAreRefused) {
+    make_kitti_folder(path("in"), 1, 64, 32);
+    expect_refused(run(DISPARITYCTL, {"process", path("in"), "-o", path("refused"), "--scan", path("scan.csv")}),
+                   AllOf(HasSubstr("no calibration"), HasSubstr("--calibration")));
+}
+
+TEST(ScanCsv, HasEmptyFieldsForWhatIsNotKnown) {
+    Scan scan;
+    scan.ground_source = GroundSource::held;
+    scan.ground_age = 4;
+    scan.ground = {-0.0123, 0.01999, -0.00001};
+    scan.sectors = {{-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535},
+                    {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
+                    {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
+    std::istringstream rows(tools::scan_csv_rows({7, 8, 9}, scan));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(rows, line);) {
+        lines.push_back(line);
+    }
+    EXPECT_THAT(
+        lines,
+        ElementsAre("7,8,9,-10.00,-0.05,occupied,1.234,0.056,1.000,-0.020,0.900,65535,200,held,4,-0.012,0.0200,0.0000",
+                    "7,8,9,-0.05,10.00,free,,,2.500,,,,,held,4,-0.012,0.0200,0.0000",
+                    "7,8,9,10.00,20.00,unknown,,,0.000,,,,,held,4,-0.012,0.0200,0.0000"));
+    EXPECT_EQ(tools::csv_fields(tools::scan_csv_head()).size(), tools::csv_fields(lines[0]).size());
+}
+
+}  // namespace
+}  // namespace disparityd::test

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/command_line/scan_arguments.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <stdexcept>
+#include <variant>
+
+#include <CLI/CLI.hpp>
+
+#include "base/number_text.h"
+
+namespace disparityd::tools {
+namespace {
+
+using ScanField = std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*>;
+
+struct ScanKey {
+    std::string_view name;
+    ScanField field;
+};
+
+constexpr std::array scan_key_table{
+    ScanKey{"sectors", &ScanOptions::sectors},
+    ScanKey{"from_deg", &ScanOptions::from_deg},
+    ScanKey{"to_deg", &ScanOptions::to_deg},
+    ScanKey{"camera_height_m", &ScanOptions::camera_height_m},
+    ScanKey{"pitch_deg", &ScanOptions::pitch_deg},
+    ScanKey{"roll_deg", &ScanOptions::roll_deg},
+    ScanKey{"yaw_deg", &ScanOptions::yaw_deg},
+    ScanKey{"ground", &ScanOptions::ground},
+    ScanKey{"low_m", &ScanOptions::low_m},
+    ScanKey{"high_m", &ScanOptions::high_m},
+    ScanKey{"min_m", &ScanOptions::min_m},
+    ScanKey{"max_m", &ScanOptions::max_m},
+    ScanKey{"object_m", &ScanOptions::object_m},
+    ScanKey{"max_error_m", &ScanOptions::max_error_m},
+    ScanKey{"min_confidence", &ScanOptions::min_confidence},
+    ScanKey{"subpixel_error_px", &ScanOptions::subpixel_error_px},
+};
+
+[[noreturn]] void refuse_setting(const std::string& setting, const std::string& allowed) {
+    throw std::invalid_argument("--scan-set: found '" + setting + "', allowed: " + allowed);
+}
+
+std::string all_scan_keys() {
+    std::string list;
+    for (const ScanKey& key : scan_key_table) {
+        list += (list.empty() ? "" : ", ") + std::string(key.name);
+    }
+    return list;
+}
+
+int whole_number(const std::string& setting, std::string_view value) {
+    int number = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    if (error != std::errc() || end != value.data() + value.size()) {
+        refuse_setting(setting, "a whole number");
+    }
+    return number;
+}
+
+double real_number(const std::string& setting, std::string_view value) {
+    const auto number = base::parse_number(value);
+    if (!number) {
+        refuse_setting(setting, "a number");
+    }
+    return *number;
+}
+
+GroundMode ground_mode(const std::string& setting, std::string_view value) {
+    if (value != "fitted" && value != "configured") {
+        refuse_setting(setting, "fitted or configured");
+    }
+    return value == "fitted" ? GroundMode::fitted : GroundMode::configured;
+}
+
+/// Stores the value of one KEY=VALUE.
+void apply_setting(const std::string& setting, ScanOptions& options) {
+    const std::string_view text = setting;
+    const std::size_t equals = text.find('=');
+    const auto* const key = std::find_if(scan_key_table.begin(), scan_key_table.end(), [&](const ScanKey& candidate) {
+        return candidate.name == text.substr(0, equals);
+    });
+    if (key == scan_key_table.end() || equals == std::string_view::npos) {
+        refuse_setting(setting, "KEY=VALUE, where KEY is one of " + all_scan_keys());
+    }
+    const std::string_view value = text.substr(equals + 1);
+    if (const auto* const whole = std::get_if<int ScanOptions::*>(&key->field)) {
+        options.*(*whole) = whole_number(setting, value);
+    } else if (const auto* const real = std::get_if<double ScanOptions::*>(&key->field)) {
+        options.*(*real) = real_number(setting, value);
+    } else {
+        options.*(std::get<GroundMode ScanOptions::*>(key->field)) = ground_mode(setting, value);
+    }
+}
+
+}  // namespace
+
+CLI::Option* ScanArguments::add_to(CLI::App& app) {
+    return app
+        .add_option(
+            "--scan-set", settings_,
+            "an option of the scan, such as camera_height_m=0.4; may be given several times: " + all_scan_keys())
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+}
+
+ScanOptions ScanArguments::options(bool calibrated) const {
+    ScanOptions options;
+    if (!calibrated) {
+        options.min_confidence = 1;
+    }
+    for (const std::string& setting : settings_) {
+        apply_setting(setting, options);
+    }
+    if (const std::string wrong = validate(options); !wrong.empty()) {
+        throw std::invalid_argument("--scan-set: " + wrong);
+    }
+    return options;
+}
+
+std::vector<std::string_view> scan_keys() {
+    std::vector<std::string_view> names;
+    names.reserve(scan_key_table.size());
+    for (const ScanKey& key : scan_key_table) {
+        names.push_back(key.name);
+    }
+    return names;
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/scan/scan_csv.h"
+
+#include <cerrno>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/error_text.h"
+#include "base/file_lock.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/output_file.h"
+#include "tools/ctl/scan/scan_words.h"
+
+namespace disparityd::tools {
+namespace {
+
+/// A whole number of thousandths and the like, as a decimal. It has no "-0.000".
+std::string decimal(long number, int decimals) {
+    return fixed(static_cast<double>(number) / std::pow(10, decimals), decimals);
+}
+
+std::string rounded(double number, int decimals) {
+    return decimal(std::lround(number * std::pow(10, decimals)), decimals);
+}
+
+std::string sector_fields(const ScanSector& sector) {
+    const bool occupied = sector.state == SectorState::occupied;
+    std::string fields =
+        decimal(sector.from_cdeg, 2) + ',' + decimal(sector.to_cdeg, 2) + ',' + sector_word(sector.state) + ',';
+    fields += occupied ? decimal(sector.distance_mm, 3) + ',' + decimal(sector.sigma_mm, 3) + ',' : ",,";
+    fields += decimal(sector.free_mm, 3) + ',';
+    if (!occupied) {
+        return fields + ",,,";
+    }
+    return fields + decimal(sector.low_mm, 3) + ',' + decimal(sector.high_mm, 3) + ',' + std::to_string(sector.pixels) +
+           ',' + std::to_string(sector.confidence);
+}
+
+std::string ground_fields(const Scan& scan) {
+    return ground_word(scan.ground_source) + (',' + std::to_string(scan.ground_age)) + ',' +
+           rounded(scan.ground.height_m, 3) + ',' + rounded(scan.ground.slope_ahead, 4) + ',' +
+           rounded(scan.ground.slope_left, 4);
+}
+
+[[noreturn]] void refuse_csv(const std::string& path) {
+    throw std::runtime_error(path + ": cannot be written: " + base::error_text(errno));
+}
+
+/// Opens the file, locks it and empties it. The lock comes first: another process may be writing it.
+std::FILE* open_locked(const std::string& path, bool force) {
+    check_output(path, force);
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (force ? 0 : O_EXCL), 0666);
+    std::FILE* const file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
+    if (file == nullptr) {
+        refuse_csv(path);
+    }
+    try {
+        base::lock_for_writing(descriptor, path);
+    } catch (...) {
+        std::fclose(file);
+        throw;
+    }
+    static_cast<void>(::ftruncate(descriptor, 0));  // a pipe or a device has no length
+    return file;
+}
+
+}  // namespace
+
+std::string scan_csv_head() {
+    return "frame,sequence,monotonic_ns,from_deg,to_deg,state,distance_m,sigma_m,free_m,low_m,high_m,pixels,confidence,"
+           "ground,ground_age,ground_height_m,ground_slope_ahead,ground_slope_left\n";
+}
+
+std::string scan_csv_rows(const ScanMoment& moment, const Scan& scan) {
+    const std::string begin = std::to_string(moment.frame) + ',' + std::to_string(moment.sequence) + ',' +
+                              std::to_string(moment.monotonic_ns) + ',';
+    const std::string end = ',' + ground_fields(scan) + '\n';
+    std::string rows;
+    for (const ScanSector& sector : scan.sectors) {
+        rows += begin;
+        rows += sector_fields(sector);
+        rows += end;
+    }
+    return rows;
+}
+
+ScanCsv::ScanCsv(std::string path, bool force) : path_(std::move(path)), file_(open_locked(path_, force)) {
+    put(scan_csv_head());
+}
+
+void ScanCsv::write(const ScanMoment& moment, const Scan& scan) {
+    put(scan_csv_rows(moment, scan));
+}
+
+void ScanCsv::put(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0) {
+        refuse_csv(path_);
+    }
+}
+
+}  // namespace disparityd::tools

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/scan/scan_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/message_text.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/scan/scan_words.h"
+
+namespace disparityd::tools {
+namespace {
+
+constexpr double second_ns = 1e9;
+
+bool has_metres(const ScanReading& reading) {
+    return reading.frame.f > 0 && reading.frame.baseline_mm > 0;
+}
+
+std::string age_text(const ScanReading& reading) {
+    const double seconds = static_cast<double>(reading.age_ns) / second_ns;
+    return seconds < 1 ? fixed(1000 * seconds, 0) + " ms" : fixed(seconds, 1) + " s";
+}
+
+std::string percent(double share) {
+    return fixed(100 * share, 0) + " %";
+}
+
+std::string bearing_text(const disparity::ScanSector& sector) {
+    const double bearing = bearing_of(sector);
+    const std::string degrees = fixed(std::abs(bearing), 0);
+    return degrees == "0" ? "ahead" : degrees + " deg " + (bearing > 0 ? "left" : "right");
+}
+
+std::string ground_text(const disparity::Scan& scan) {
+    const std::string word = std::string("ground ") + ground_word(scan.ground);
+    return scan.ground == disparity::GroundSource::held ? word + " from " + std::to_string(scan.ground_age) +
+                                                              (scan.ground_age == 1 ? " frame ago" : " frames ago")
+                                                        : word;
+}
+
+Json sector_json(const disparity::ScanSector& sector) {
+    const bool occupied = sector.state == disparity::SectorState::occupied;
+    const auto of_obstacle = [occupied](auto value) { return occupied ? Json(value) : Json(); };
+    return {{"from_deg", sector.from_deg},
+            {"to_deg", sector.to_deg},
+            {"state", sector_word(sector.state)},
+            {"distance_m", of_obstacle(sector.distance_m)},
+            {"sigma_m", of_obstacle(sector.sigma_m)},
+            {"free_m", sector.free_m},
+            {"low_m", of_obstacle(sector.low_m)},
+            {"high_m", of_obstacle(sector.high_m)},
+            {"pixels", of_obstacle(sector.pixels)},
+            {"confidence", of_obstacle(sector.confidence)}};
+}
+
+Json nearest_json(const ScanSummary& summary) {
+    if (!summary.nearest) {
+        return {};
+    }
+    return {{"distance_m", summary.nearest->distance_m},
+            {"bearing_deg", bearing_of(*summary.nearest)},
+            {"low_m", summary.nearest->low_m},
+            {"high_m", summary.nearest->high_m}};
+}
+
+}  // namespace
+
+ScanSummary summary_of(const disparity::Scan& scan) {
+    ScanSummary summary;
+    int free = 0;
+    int occupied = 0;
+    for (const disparity::ScanSector& sector : scan.sectors) {
+        free += sector.state == disparity::SectorState::free ? 1 : 0;
+        occupied += sector.state == disparity::SectorState::occupied ? 1 : 0;
+        if (sector.state == disparity::SectorState::occupied &&
+            (!summary.nearest || sector.distance_m < summary.nearest->distance_m)) {
+            summary.nearest = sector;
+        }
+    }
+    const int all = static_cast<int>(scan.sectors.size());
+    if (all > 0) {
+        summary.free = static_cast<double>(free) / all;
+        summary.occupied = static_cast<double>(occupied) / all;
+        summary.unknown = static_cast<double>(all - free - occupied) / all;
+    }
+    return summary;
+}
+
+double bearing_of(const disparity::ScanSector& sector) {
+    return std::round(50 * (sector.from_deg + sector.to_deg)) / 100;  // edges have hundredths
+}
+
+std::vector<std::string> scan_parts(const ScanReading& reading) {
+    const ScanSummary seen = summary_of(reading.scan);
+    std::vector<std::string> parts{
+        "frame " + std::to_string(reading.frame.sequence),
+        (static_cast<double>(reading.age_ns) < second_ns ? "age " : "OLD: ") + age_text(reading)};
+    parts.push_back((reading.rate ? fixed(*reading.rate, 1) : "-") + "/s");
+    if (!has_metres(reading)) {
+        parts.emplace_back("no calibration: nothing is known");
+    } else if (seen.nearest) {
+        parts.push_back("nearest " + fixed(seen.nearest->distance_m, 2) + " m " + bearing_text(*seen.nearest));
+        parts.push_back(fixed(seen.nearest->low_m, 2) + " to " + fixed(seen.nearest->high_m, 2) + " m high");
+    } else {
+        parts.emplace_back("no obstacle seen");
+    }
+    parts.push_back(percent(seen.free) + " free");
+    parts.push_back(percent(seen.unknown) + " unknown");
+    parts.push_back(ground_text(reading.scan));
+    if ((reading.frame.flags & disparity::FrameFlags::synthetic) != 0) {
+        parts.emplace_back("synthetic");
+    }
+    return parts;
+}
+
+std::vector<std::string> wrapped(const std::vector<std::string>& parts, int columns) {
+    const auto most = static_cast<std::size_t>(std::max(columns, 4));
+    std::vector<std::string> lines;
+    for (const std::string& part : parts) {
+        const std::string text = base::printable(part, most);
+        if (!lines.empty() && lines.back().size() + 3 + text.size() <= most) {  // with the comma behind it
+            lines.back() += ", " + text;
+        } else {
+            if (!lines.empty()) {
+                lines.back() += ',';
+            }
+            lines.push_back(text);
+        }
+    }
+    return lines;
+}
+
+std::string scan_heading() {
+    return "    frame     age  scans/s  nearest  bearing         height  free  occupied  unknown  ground";
+}
+
+std::string scan_line(const ScanReading& reading) {
+    const ScanSummary seen = summary_of(reading.scan);
+    std::string distance = "-", bearing = "-", height = "-";
+    if (seen.nearest) {
+        distance = fixed(seen.nearest->distance_m, 2) + " m";
+        bearing = fixed(bearing_of(*seen.nearest), 1);
+        height = fixed(seen.nearest->low_m, 2) + " to " + fixed(seen.nearest->high_m, 2);
+    }
+    char text[200];
+    std::snprintf(text, sizeof text, "%9llu %7s %8s %8s %8s %14s %5s %9s %8s  %s%s%s",
+                  static_cast<unsigned long long>(reading.frame.sequence), age_text(reading).c_str(),
+                  reading.rate ? fixed(*reading.rate, 1).c_str() : "-", distance.c_str(), bearing.c_str(),
+                  height.c_str(), percent(seen.free).c_str(), percent(seen.occupied).c_str(),
+                  percent(seen.unknown).c_str(), ground_word(reading.scan.ground),
+                  has_metres(reading) ? "" : ", no calibration",
+                  (reading.frame.flags & disparity::FrameFlags::synthetic) != 0 ? ", synthetic" : "");
+    return text;
+}
+
+std::string no_scan_line(const std::string& why) {
+    return "no scan: " + why;
+}
+
+Json scan_json(const ScanReading& reading) {
+    const ScanSummary seen = summary_of(reading.scan);
+    const disparity::Scan& scan = reading.scan;
+    Json json{{"sequence", reading.frame.sequence},
+              {"monotonic_ns", reading.frame.monotonic_ns},
+              {"realtime_ns", reading.frame.realtime_ns},
+              {"age_ms", static_cast<double>(reading.age_ns) / 1e6},
+              {"scans_per_second", reading.rate ? Json(*reading.rate) : Json()},
+              {"dropped", reading.frame.dropped_before},
+              {"missed", reading.frame.missed},
+              {"calibrated", has_metres(reading)},
+              {"synthetic", (reading.frame.flags & disparity::FrameFlags::synthetic) != 0},
+              {"nearest", nearest_json(seen)},
+              {"free", seen.free},
+              {"occupied", seen.occupied},
+              {"unknown", seen.unknown}};
+    json["ground"] = {{"source", ground_word(scan.ground)},
+                      {"age", scan.ground_age},
+                      {"height_m", scan.ground_height_m},
+                      {"slope_ahead", scan.ground_slope_ahead},
+                      {"slope_left", scan.ground_slope_left}};
+    json.update({{"low_m", scan.low_m}, {"high_m", scan.high_m}, {"min_m", scan.min_m}, {"max_m", scan.max_m}});
+    json["sectors"] = Json::array();
+    for (const disparity::ScanSector& sector : scan.sectors) {
+        json["sectors"].push_back(sector_json(sector));
+    }
+    return json;
+}
+
+Json no_scan_json(const std::string& why) {
+    return {{"sequence", nullptr}, {"why", why}};
+}
+
+}  // namespace disparityd::tools

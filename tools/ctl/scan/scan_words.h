@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// The words for what a scan holds, in lines, JSON and CSV. `Enum`: that of kernels/scan or that of the client library,
+/// which have the same numbers.
+namespace disparityd::tools {
+
+/// Returns "unknown" for every number that has no word, as docs/protocol.md asks for.
+template <typename Enum>
+const char* sector_word(Enum state) {
+    return state == Enum::occupied ? "occupied" : state == Enum::free ? "free" : "unknown";
+}
+
+/// Returns where the ground's plane comes from.
+template <typename Enum>
+const char* ground_word(Enum source) {
+    return source == Enum::fitted ? "fitted" : source == Enum::held ? "held" : "configured";
+}
+
+}  // namespace disparityd::tools
