@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/engine.h"
 
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -110,11 +112,23 @@ std::optional<ScanOptions> scan_options(const Config& config) {
     return options;
 }
 
+/// Returns one sigma of a disparity in 1/256 px where the depth error is served.
+std::optional<int> subpixel_error(const Config& config) {
+    constexpr int steps_of_px = 256;
+    return config.match.depth_error
+               ? std::optional(static_cast<int>(std::lround(steps_of_px * config.match.subpixel_error_px)))
+               : std::nullopt;
+}
+
 pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
     const bool newest_wins =
         config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
-    return {newest_wins ? pipeline::Policy::live : pipeline::Policy::replay, config.pipeline.slots, config.match.depth,
-            config.rectify.colour, scan_options(config)};
+    return {.policy = newest_wins ? pipeline::Policy::live : pipeline::Policy::replay,
+            .slots = config.pipeline.slots,
+            .depth = config.match.depth,
+            .left_colour = config.rectify.colour,
+            .depth_error = subpixel_error(config),
+            .scan = scan_options(config)};
 }
 
 }  // namespace

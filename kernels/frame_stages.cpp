@@ -89,7 +89,7 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
     }
 }
 
-// Steps 11 and 12, and the depth of what they change.
+// Steps 11 and 12, and the depth of what they change. Confidence is finished before.
 void FrameStages::fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
     const PostOptions& post = config_.options.post;
     if (post.interpolate) {
@@ -110,6 +110,11 @@ void FrameStages::fill(const FrameView& frame, const FrameScratch& scratch, Para
 void FrameStages::write_depth(const FrameView& frame, Rows rows) const {
     if (frame.depth) {
         steps_.depth(frame.disparity, invalid_disparity(config_.options.range), frame.depth_scale, frame.depth, rows);
+    }
+    if (frame.depth_error) {
+        const DepthErrorScale scale =
+            depth_error_scale(frame.depth_scale.k, frame.depth_scale.offset16, frame.subpixel_error);
+        steps_.depth_error(frame.disparity, frame.confidence, scale, frame.depth_error, rows);
     }
 }
 

@@ -56,7 +56,10 @@ struct FrameView {
     Plane<std::int16_t> disparity;    ///< 1/16 px; rejected = invalid_disparity(range)
     Plane<std::uint8_t> confidence;   ///< 1 .. 255; 0 = rejected or interpolated
     Plane<std::uint16_t> depth;       ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
-    std::span<std::byte> scratch;     ///< Matcher::scratch_bytes(), aligned to 64
+    /// One sigma of depth in mm; 0 = unknown, or not measured; 65535 = 65.535 m or more; optional.
+    Plane<std::uint16_t> depth_error;
+    int subpixel_error = 0;        ///< for depth_error: one sigma of a disparity in 1/256 px, 1 .. 1024
+    std::span<std::byte> scratch;  ///< Matcher::scratch_bytes(), aligned to 64
 };
 
 /// The value that marks a rejected pixel: (d_min - 1) * 16, as OpenCV has it.

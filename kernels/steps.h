@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "kernels/depth_error.h"
 #include "kernels/image.h"
 #include "kernels/matcher.h"
 #include "kernels/options.h"
@@ -75,6 +76,9 @@ struct FrameSteps {
     /// Step 13.
     void (*depth)(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale,
                   Plane<std::uint16_t> depth, Rows rows);
+    /// Step 13, of a finished image: 0 where the confidence is 0.
+    void (*depth_error)(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> confidence,
+                        const DepthErrorScale& scale, Plane<std::uint16_t> error, Rows rows);
     /// Step 14, of a finished image.
     scan::CountPixels* scan_counts;
 };

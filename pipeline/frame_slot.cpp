@@ -23,6 +23,10 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t step
     if (products.depth) {
         view.depth = allocate<std::uint16_t>(depth_, width, height);
     }
+    if (products.depth_error) {
+        view.depth_error = allocate<std::uint16_t>(depth_error_, width, height);
+        view.subpixel_error = *products.depth_error;
+    }
     if (products.left_colour) {
         view.left_colour = allocate<std::uint8_t>(left_colour_, 3 * width, height);
     }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "calibration/rectification.h"
@@ -22,6 +23,8 @@ public:
     struct Products {
         bool depth = true;
         bool left_colour = false;
+        /// The depth error, and for it one sigma of a disparity in 1/256 px.
+        std::optional<int> depth_error = std::nullopt;
     };
 
     FrameSlot(const Matcher& matcher, Products products, std::size_t steps);
@@ -37,7 +40,7 @@ public:
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    AlignedBuffer left_, right_, left_colour_, disparity_, confidence_, depth_, scratch_;
+    AlignedBuffer left_, right_, left_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
 };
 
 }  // namespace disparityd::pipeline

@@ -30,6 +30,7 @@ inline constexpr auto products = std::to_array<ProductInfo>({
     {v1::LEFT, "left", 1, ""},
     {v1::LEFT_COLOUR, "left_colour", 3, "rectify.colour"},
     {v1::SCAN, "scan", 0, "scan.enabled"},
+    {v1::DEPTH_ERROR, "depth_error", 2, "match.depth_error"},
 });
 
 /// Throws std::out_of_range for a number that is no product's.

@@ -28,7 +28,8 @@ enum {
     DISPARITY_PRODUCT_DEPTH = 3,       /**< uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
     DISPARITY_PRODUCT_LEFT = 4,        /**< uint8_t, rectified left image */
     DISPARITY_PRODUCT_LEFT_COLOUR = 5, /**< 3 x uint8_t, rectified left image, BGR */
-    DISPARITY_PRODUCT_SCAN = 6         /**< no image: disparity_frame_get_scan() reads it */
+    DISPARITY_PRODUCT_SCAN = 6,        /**< no image: disparity_frame_get_scan() reads it */
+    DISPARITY_PRODUCT_DEPTH_ERROR = 7  /**< uint16_t, one sigma of depth, mm; 0 = unknown, 65535 = 65.535 m or more */
 };
 
 /** Bits of disparity_frame_info.flags. */

@@ -26,7 +26,8 @@ enum class Product : std::uint32_t {
     depth = 3,        ///< uint16, mm; 0 = unknown, 65535 = beyond 65.534 m
     left = 4,         ///< uint8, rectified left image
     left_colour = 5,  ///< 3 x uint8, rectified left image, BGR
-    scan = 6          ///< no image: Frame::scan() reads it
+    scan = 6,         ///< no image: Frame::scan() reads it
+    depth_error = 7   ///< uint16, one sigma of depth, mm; 0 = unknown, 65535 = 65.535 m or more
 };
 
 /// Bits of Frame::flags.

@@ -44,6 +44,7 @@ struct Config {
         std::optional<Preset> preset = Preset::obstacles;  ///< sgm: what the defaults of the options are; none: its own
         MatchOptions options = preset_options(Preset::obstacles);
         bool depth = true;
+        bool depth_error = false;
         double subpixel_error_px = ScanOptions{}.subpixel_error_px;  ///< one sigma of a disparity
     } match;
 

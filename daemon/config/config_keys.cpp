@@ -265,6 +265,7 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
     keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
+    keys.push_back(bool_key("match", "depth_error", FIELD(match.depth_error)));
     keys.push_back(number_key("match", "subpixel_error_px", 0.01, 4, FIELD(match.subpixel_error_px)));
 }
 

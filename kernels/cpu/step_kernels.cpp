@@ -10,6 +10,7 @@
 #include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/post/depth_error-inl.h"
 #include "kernels/cpu/post/guided_median-inl.h"
 #include "kernels/cpu/post/interpolate-inl.h"
 #include "kernels/cpu/post/left_right-inl.h"
@@ -35,6 +36,7 @@ const FrameSteps& frame_steps() {
         .interpolate_scratch = interpolate_scratch,
         .guided_median = guided_median,
         .depth = depth,
+        .depth_error = depth_error,
         .scan_counts = scan_counts,
     };
     return table;

@@ -108,12 +108,38 @@ __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     }
 }
 
+/// Returns the depth error of step 13 in millimetres.
+__device__ std::uint16_t depth_error_of(const DepthErrorScale& scale, std::uint8_t confidence, std::int16_t disparity) {
+    if (confidence == 0 || !scale.known) {
+        return 0;
+    }
+    const std::int64_t found = disparity + scale.offset16;
+    const std::int64_t n = found < max_error_disparity ? found : max_error_disparity;
+    const std::int64_t millimetres = n <= 0 ? 65535 : (scale.numerator + n * n / 2) / (n * n);
+    return static_cast<std::uint16_t>(millimetres < 1 ? 1 : millimetres > 65535 ? 65535 : millimetres);
+}
+
+__global__ void depth_error_kernel(DepthErrorJob job) {
+    const int x = static_cast<int>(blockIdx.x * lanes + threadIdx.x);
+    const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
+    if (x < job.width && y < job.height) {
+        const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(y) * job.width + x;
+        job.error[i] = depth_error_of(job.scale, job.confidence[i], job.disparity[i]);
+    }
+}
+
 }  // namespace
 
 void interpolate_depth(const InterpolateDepthJob& job, cudaStream_t stream) {
     const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),
                       dim3(lanes, block_height)};
     launch("interpolate and depth", shape, stream, interpolate_depth_kernel, job);
+}
+
+void depth_error(const DepthErrorJob& job, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),
+                      dim3(lanes, block_height)};
+    launch("depth error", shape, stream, depth_error_kernel, job);
 }
 
 }  // namespace disparityd::cuda

@@ -101,7 +101,11 @@ void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) 
     gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>());
     gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>());
     const auto gathered = steady_clock::now();
-    start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16});
+    if (frame.depth_error && depth_error_.size() == 0) {
+        depth_error_ = PinnedBuffer(pixels_ * sizeof(std::uint16_t), "the depth errors");
+    }
+    start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16,
+           static_cast<bool>(frame.depth_error), frame.subpixel_error});
     stream_.wait("matching");
     const auto matched = steady_clock::now();
     download(frame);
@@ -228,6 +232,13 @@ void MatchStage::post_process(const Output& output) {
                 stream_.get());
     }
     mark();
+    fill_and_finish(output);
+    start_downloads(output);
+}
+
+// Steps 11 to 13.
+void MatchStage::fill_and_finish(const Output& output) {
+    const PostOptions& post = config_.options.post;
     const bool guided = post.guided_median > 0;
     const DepthJob scale{output.depth_k, output.offset16};
     auto* const depth = output.depth ? depth_.device<std::uint16_t>() : nullptr;
@@ -243,11 +254,24 @@ void MatchStage::post_process(const Output& output) {
                        image(0), scale, disparity_.device<std::int16_t>(), depth},
                       stream_.get());
     }
+    if (output.depth_error) {
+        depth_error({config_.width, config_.height, disparity_.device<const std::int16_t>(),
+                     confidence_.device<const std::uint8_t>(),
+                     depth_error_scale(output.depth_k, output.offset16, output.subpixel_error),
+                     depth_error_.device<std::uint16_t>()},
+                    stream_.get());
+    }
     mark();
+}
+
+void MatchStage::start_downloads(const Output& output) {
     disparity_.to_host(stream_);
     confidence_.to_host(stream_);
     if (output.depth) {
         depth_.to_host(stream_);
+    }
+    if (output.depth_error) {
+        depth_error_.to_host(stream_);
     }
     mark();
 }
@@ -257,6 +281,9 @@ void MatchStage::download(const FrameView& frame) const {
     scatter(confidence_.host<const std::uint8_t>(), frame.confidence);
     if (frame.depth) {
         scatter(depth_.host<const std::uint16_t>(), frame.depth);
+    }
+    if (frame.depth_error) {
+        scatter(depth_error_.host<const std::uint16_t>(), frame.depth_error);
     }
 }
 

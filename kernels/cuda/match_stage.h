@@ -16,7 +16,7 @@
 namespace disparityd::cuda {
 
 /// All that comes after rectification, on the device: rectified pair in, disparity, confidence and depth out. All
-/// memory is taken when it is made.
+/// memory is taken when it is made, but for the depth error.
 class MatchStage {
 public:
     /// Throws std::runtime_error when the device has too little memory.
@@ -33,6 +33,8 @@ private:
         bool depth;
         std::int64_t depth_k;
         int offset16;
+        bool depth_error;
+        int subpixel_error;
         bool operator==(const Output&) const = default;
     };
 
@@ -42,6 +44,8 @@ private:
     void upload();
     void find_winners();
     void post_process(const Output& output);
+    void fill_and_finish(const Output& output);
+    void start_downloads(const Output& output);
     void download(const FrameView& frame) const;
     void mark();
 
@@ -74,6 +78,7 @@ private:
     PinnedBuffer disparity_;
     PinnedBuffer confidence_;
     PinnedBuffer depth_;
+    PinnedBuffer depth_error_;            // has memory from the first frame on that wants it
     std::optional<Output> graph_output_;  // what the graph is for
     Graph graph_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes

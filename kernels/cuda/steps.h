@@ -6,6 +6,7 @@
 
 #include "kernels/calibrated_confidence.h"
 #include "kernels/cuda/view.h"
+#include "kernels/depth_error.h"
 
 /// The steps of docs/algorithm.md as launches. All pointers are the device's; planes without a pitch are dense. Each
 /// puts its kernels on `stream` and returns; std::runtime_error when a launch was refused. C++17: the CUDA compiler
@@ -208,5 +209,16 @@ struct GuidedMedianJob {
     std::uint16_t* depth;     ///< null: not wanted
 };
 void guided_median(const GuidedMedianJob& job, cudaStream_t stream);
+
+/// The depth error of step 13, of finished planes.
+struct DepthErrorJob {
+    int width;
+    int height;
+    const std::int16_t* disparity;
+    const std::uint8_t* confidence;
+    DepthErrorScale scale;
+    std::uint16_t* error;
+};
+void depth_error(const DepthErrorJob& job, cudaStream_t stream);
 
 }  // namespace disparityd::cuda

@@ -32,6 +32,7 @@ const KernelSteps steps = {
             .interpolate_scratch = interpolate_scratch,
             .guided_median = guided_median,
             .depth = depth,
+            .depth_error = depth_error,
             .scan_counts = scan_counts,
         },
     .matching =

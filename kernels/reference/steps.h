@@ -49,6 +49,8 @@ void guided_median(Plane<const std::int16_t> in, Plane<const std::uint8_t> guide
                    Plane<std::int16_t> out, Rows rows);
 void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale scale, Plane<std::uint16_t> depth,
            Rows rows);
+void depth_error(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> confidence,
+                 const DepthErrorScale& scale, Plane<std::uint16_t> error, Rows rows);
 void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
                  scan::Counts& counts);
 

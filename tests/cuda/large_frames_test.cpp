@@ -29,8 +29,7 @@ TEST_P(CudaLargeFrames, EqualThoseOfTheProcessorEveryTime) {
                 Frame frame(*matcher, pair.left, pair.right);
                 match_pair(*matcher, frame.view, serial);
                 // Not ASSERT_EQ: a million numbers would be printed.
-                ASSERT_TRUE((Result{frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()}) ==
-                            expected)
+                ASSERT_TRUE(Result(frame) == expected)
                     << "frame " << i << ", P2 " << p2 << (adaptive ? ", adaptive" : "");
             }
         }

@@ -165,10 +165,14 @@ TEST_F(CudaDevice, DepthFollowsTheScaleOfEachFrame) {
             for (Frame* frame : {&found, &expected}) {
                 frame->view.depth_scale = scale;
                 frame->view.depth = depth ? frame->view.depth : Plane<std::uint16_t>{};
+                frame->view.depth_error =
+                    depth == (scale.k > 1000000) ? frame->view.depth_error : Plane<std::uint16_t>{};
+                frame->view.subpixel_error = 64 + scale.offset16;
             }
             match_pair(*cuda, found.view, serial);
             match_pair(*reference, expected.view, serial);
             ASSERT_EQ(found.depth.pixels(), expected.depth.pixels()) << scale.k << ' ' << scale.offset16;
+            ASSERT_EQ(found.depth_error.pixels(), expected.depth_error.pixels()) << scale.k << ' ' << scale.offset16;
             ASSERT_EQ(found.disparity.pixels(), expected.disparity.pixels());
         }
     }
@@ -181,8 +185,10 @@ TEST_F(CudaDevice, DepthMayBeMissing) {
     const auto matcher = backend("cuda").create({30, 12, default_options(Method::sgm, {0, 16})});
     Frame frame(*matcher, pair.left, pair.right);
     frame.view.depth = {};
+    frame.view.depth_error = {};
     match_pair(*matcher, frame.view, serial);
     EXPECT_EQ(frame.depth.pixels(), std::vector<std::uint16_t>(360, 4321));
+    EXPECT_EQ(frame.depth_error.pixels(), std::vector<std::uint16_t>(360, 5432));
 }
 
 TEST_F(CudaDevice, EveryStepIsTimed) {

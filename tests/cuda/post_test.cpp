@@ -236,6 +236,39 @@ TEST_F(CudaPost, GuidedMedianAndItsDepthEqualTheReference) {
     }
 }
 
+void expect_errors_of_the_reference(const Disparities& disparity, const Image<std::uint8_t>& confidence,
+                                    const DepthErrorScale& scale) {
+    const int width = disparity.width();
+    const int height = disparity.height();
+    const cuda::Stream stream;
+    const OnDevice<std::int16_t> in(disparity);
+    const OnDevice<std::uint8_t> measured(confidence);
+    const OnDevice<std::uint16_t> error(Image<std::uint16_t>(width, height, 77));
+    cuda::depth_error({width, height, in.at(stream), measured.at(stream), scale, error.at(stream)}, stream.get());
+    Image<std::uint16_t> expected(width, height);
+    reference::depth_error(disparity.plane(), confidence.plane(), scale, expected.plane(), {0, height});
+    ASSERT_EQ(error.found(stream), expected.pixels())
+        << width << 'x' << height << ", numerator " << scale.numerator << ", offset " << scale.offset16;
+}
+
+TEST_F(CudaPost, DepthErrorEqualsTheReference) {
+    Random random(95);
+    for (int round = 0; round < 60 / one_round_of; ++round) {
+        const Variation variation(round);
+        const Size size(random);
+        expect_errors_of_the_reference(disparities(random, size, any_range(random)),
+                                       noise(random, size.width, size.height, 0, round % 2 == 0 ? 1 : 255),
+                                       any_error_scale(random));
+        ASSERT_FALSE(HasFatalFailure()) << "round " << round;
+    }
+    const Disparities all = every_disparity();
+    for (int round = 0; round < (all_rounds ? 12 : 1); ++round) {
+        expect_errors_of_the_reference(all, Image<std::uint8_t>(all.width(), all.height(), 9),
+                                       error_scale_at_an_edge(random, round));
+        ASSERT_FALSE(HasFatalFailure()) << "round " << round;
+    }
+}
+
 TEST_F(CudaPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
     Random random(93);
     const Disparities all = every_disparity();

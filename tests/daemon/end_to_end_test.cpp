@@ -2,16 +2,21 @@
 //
 // The real daemon, from outside: what it serves, how it reloads, how it stops.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "clients/cpp/disparity_client.hpp"
+#include "kernels/scan/scan_options.h"
 #include "tests/daemon/daemon_fixture.h"
 
 namespace disparityd::test {
@@ -36,13 +41,36 @@ rlim_t virtual_mib(pid_t pid) {
     return 0;
 }
 
+/// Says whether the depth errors are those of step 13 of docs/algorithm.md.
+void expect_depth_errors(const disparity::Frame& frame) {
+    const std::vector<std::uint8_t>& measured = frame.plane(disparity::Product::confidence)->bytes;
+    std::vector<std::int16_t> d16(measured.size());
+    std::vector<std::uint16_t> error(measured.size());
+    std::memcpy(d16.data(), frame.plane(disparity::Product::disparity)->bytes.data(), 2 * d16.size());
+    std::memcpy(error.data(), frame.plane(disparity::Product::depth_error)->bytes.data(), 2 * error.size());
+    const double k = std::round(16 * frame.f * frame.baseline_mm);
+    const double sigma = 16 * ScanOptions{}.subpixel_error_px;
+    int compared = 0;
+    for (std::size_t i = 0; i < measured.size(); ++i) {
+        const double n = d16[i] + std::round(16 * frame.disparity_offset);
+        if (measured[i] == 0) {
+            ASSERT_EQ(error[i], 0) << "pixel " << i;
+        } else if (n > 0) {
+            const double wanted = std::clamp(k * sigma / (n * n), 1.0, 65535.0);
+            ASSERT_NEAR(error[i], wanted, 1 + wanted / 100) << "pixel " << i;  // sigma is rounded to 1/256 px
+            ++compared;
+        }
+    }
+    EXPECT_GT(compared, 1000);
+}
+
 TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
-    const auto daemon =
-        start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"), {"--set", "rectify.colour=true"});
+    const auto daemon = start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"),
+                                    {"--set", "rectify.colour=true", "--set", "match.depth_error=true"});
     disparity::SharedMemoryReader memory(shared_memory_name());
     disparity::Subscription all;
-    all.products = {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth,
-                    disparity::Product::left, disparity::Product::left_colour};
+    all.products = {disparity::Product::disparity, disparity::Product::confidence,  disparity::Product::depth,
+                    disparity::Product::left,      disparity::Product::left_colour, disparity::Product::depth_error};
     disparity::SocketClient tcp(daemon->address("tcp:"));
     tcp.subscribe(all);
     all.compressed = true;
@@ -104,6 +132,7 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
         EXPECT_GT(first.f, 0);
         EXPECT_GT(first.baseline_mm, 0);
         EXPECT_EQ(first.invalid, -16);
+        expect_depth_errors(first);
     }
     EXPECT_GE(compared, 5);
 }

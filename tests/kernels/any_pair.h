@@ -76,16 +76,23 @@ inline MatchOptions any_options(Random& random) {
 
 /// What a matcher says of a pair.
 struct Result {
+    explicit Result(const Frame& frame)
+        : disparity(frame.disparity.pixels()),
+          confidence(frame.confidence.pixels()),
+          depth(frame.depth.pixels()),
+          depth_error(frame.depth_error.pixels()) {}
+
     std::vector<std::int16_t> disparity;
     std::vector<std::uint8_t> confidence;
     std::vector<std::uint16_t> depth;
+    std::vector<std::uint16_t> depth_error;
     bool operator==(const Result&) const = default;
 };
 
 inline Result result_of(Matcher& matcher, const Pair& pair, Parallel& workers) {
     Frame frame(matcher, pair.left, pair.right);
     match_pair(matcher, frame.view, workers);
-    return {frame.disparity.pixels(), frame.confidence.pixels(), frame.depth.pixels()};
+    return Result(frame);
 }
 
 /// The same of a back end by name.
@@ -106,6 +113,7 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
     ASSERT_EQ(found.disparity, expected.disparity) << where();
     ASSERT_EQ(found.confidence, expected.confidence) << where();
     ASSERT_EQ(found.depth, expected.depth) << where();
+    ASSERT_EQ(found.depth_error, expected.depth_error) << where();
 }
 
 inline void expect_equal_to_reference(Matcher& matcher, const Pair& pair, Parallel& workers) {

@@ -66,6 +66,9 @@ TEST_P(EveryMethod, ConfidenceAndDepthFollowTheDisparity) {
             for (int x = 0; x < 60; ++x) {
                 const bool rejected = frame.disparity.at(x, y) == invalid_disparity(options.range);
                 const int d = frame.disparity.at(x, y) + 3;
+                // 64/256 px are 4/16 px.
+                const int error = d <= 0 ? 65535 : std::clamp((4 * 1600000 + d * d / 2) / (d * d), 1, 65535);
+                EXPECT_EQ(frame.depth_error.at(x, y), frame.confidence.at(x, y) == 0 ? 0 : error);
                 EXPECT_EQ(frame.depth.at(x, y), rejected ? 0 : d <= 0 ? 65535 : std::min((1600000 + d / 2) / d, 65535));
                 if (rejected) {
                     EXPECT_EQ(frame.confidence.at(x, y), 0);
@@ -107,10 +110,12 @@ TEST_P(EveryMethod, OptionalPlanesMayBeMissing) {
     Frame with(*matcher, pair.left, pair.right);
     Frame without(*matcher, pair.left, pair.right);
     without.view.depth = {};
+    without.view.depth_error = {};
     match_pair(*matcher, with.view, serial);
     match_pair(*matcher, without.view, serial);
     EXPECT_EQ(with.disparity.pixels(), without.disparity.pixels());
     EXPECT_EQ(without.depth.pixels(), std::vector<std::uint16_t>(600, 4321));
+    EXPECT_EQ(without.depth_error.pixels(), std::vector<std::uint16_t>(600, 5432));
 }
 
 TEST_P(EveryMethod, StagesStartWithRectifyAndTimeEveryStep) {

@@ -106,6 +106,7 @@ public:
           disparity(left.width(), left.height(), 1234),
           confidence(left.width(), left.height(), 77),
           depth(left.width(), left.height(), 4321),
+          depth_error(left.width(), left.height(), 5432),
           scratch_(matcher.scratch_bytes() + 64, std::byte{0xa5}) {
         view.left = left.plane();
         view.right = right.plane();
@@ -113,6 +114,8 @@ public:
         view.confidence = confidence.plane();
         view.depth = depth.plane();
         view.depth_scale = {1600000, 3};
+        view.depth_error = depth_error.plane();
+        view.subpixel_error = 64;
         void* start = scratch_.data();
         std::size_t space = scratch_.size();
         view.scratch = {static_cast<std::byte*>(std::align(64, matcher.scratch_bytes(), start, space)),
@@ -122,7 +125,7 @@ public:
     Image<std::uint8_t> left, right;
     Image<std::int16_t> disparity;
     Image<std::uint8_t> confidence;
-    Image<std::uint16_t> depth;
+    Image<std::uint16_t> depth, depth_error;
     FrameView view;
 
 private:

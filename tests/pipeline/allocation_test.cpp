@@ -45,10 +45,11 @@ public:
         const auto height = static_cast<std::uint32_t>(rectification_.height);
         memory_ = std::make_unique<proto::SharedMemoryWriter>(
             "allocation-test-" + std::to_string(getpid()),
-            proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}}});
+            proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
         pipeline_ = std::make_unique<Pipeline>(
-            PipelineConfig{.policy = Policy::live, .slots = slots, .depth = true, .left_colour = true}, *source_,
-            *matcher_, workers_, rectification_, [this](const FrameSlot& slot) { publish(slot); });
+            PipelineConfig{
+                .policy = Policy::live, .slots = slots, .depth = true, .left_colour = true, .depth_error = 64},
+            *source_, *matcher_, workers_, rectification_, [this](const FrameSlot& slot) { publish(slot); });
         pipeline_->start();
     }
 
@@ -76,9 +77,9 @@ private:
         frame.width = static_cast<std::uint32_t>(rectification_.width);
         frame.height = static_cast<std::uint32_t>(rectification_.height);
         const FrameView& view = slot.view;
-        const std::array<proto::PlaneSource, 5> planes{source_of(1, view.disparity), source_of(2, view.confidence),
-                                                       source_of(3, view.depth), source_of(4, view.left),
-                                                       source_of(5, view.left_colour)};
+        const std::array<proto::PlaneSource, 6> planes{source_of(1, view.disparity),   source_of(2, view.confidence),
+                                                       source_of(3, view.depth),       source_of(4, view.left),
+                                                       source_of(5, view.left_colour), source_of(7, view.depth_error)};
         memory_->publish(frame, planes);
         memory_->wake();
         memory_->heartbeat();

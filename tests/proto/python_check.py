@@ -49,6 +49,10 @@ def check_arrays(frame):
     assert abs(points[0, 0, 0] - points[0, 0, 2] * -0.5 / 500) < 1e-6
     frame.planes[disparity.DEPTH] = np.array([[0, 65535, 1500]], np.uint16)
     assert np.isnan(frame.depth_m[0, 0]) and np.isinf(frame.depth_m[0, 1]) and frame.depth_m[0, 2] == 1.5
+    frame.planes[disparity.DEPTH_ERROR] = np.array([[0, 65535, 250]], np.uint16)
+    assert frame.depth_error.dtype == np.uint16 and frame.depth_error[0, 2] == 250
+    errors = frame.depth_error_m
+    assert errors.dtype == np.float32 and np.isnan(errors[0, 0]) and np.isinf(errors[0, 1]) and errors[0, 2] == 0.25
 
 
 def check_fields():

@@ -140,6 +140,7 @@ TEST_F(DaemonTest, SnapshotWritesPictures) {
     EXPECT_EQ(ctl("snapshot", {"--disparity", path("d.pfm"), "--socket", "unix:" + socket_}).exit_code, 0);
     EXPECT_EQ(images::read_disparity_pfm(path("d.pfm")).height, 96);
     EXPECT_EQ(ctl("snapshot", {}).exit_code, 2) << "nothing to write";
+    EXPECT_THAT(ctl("snapshot", {"--depth-error", path("e.png")}).err, HasSubstr("set match.depth_error = true"));
 }
 
 TEST_F(DaemonTest, SnapshotOfADaemonThatHangsIsRefused) {
@@ -170,8 +171,8 @@ TEST_F(DaemonTest, HandoverMeasuresEveryWay) {
 TEST_F(DaemonTest, TheNameSaysTheFormat) {
     ASSERT_EQ(ctl("snapshot", {"-o", path("now.jpg"), "--colour-range", "frame"}).exit_code, 0);
     EXPECT_EQ(read_file(path("now.jpg")).substr(0, 3), "\xff\xd8\xff");
-    for (const auto& [option, file] :
-         {std::pair("-o", "now.bmp"), std::pair("--disparity", "d.jpg"), std::pair("--depth", "z.pfm")}) {
+    for (const auto& [option, file] : {std::pair("-o", "now.bmp"), std::pair("--disparity", "d.jpg"),
+                                       std::pair("--depth", "z.pfm"), std::pair("--depth-error", "e.pfm")}) {
         const Outcome refused = ctl("snapshot", {option, path(file)});
         EXPECT_EQ(refused.exit_code, 2);
         EXPECT_THAT(refused.err, testing::AllOf(HasSubstr(file), HasSubstr("allowed: .png")));

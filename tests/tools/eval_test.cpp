@@ -165,7 +165,8 @@ TEST_F(EvalTest, ConfidenceIsComparedWithWhatIsRight) {
     const std::vector<std::string> arguments{"--confidence", "--halves", "3", path("data")};
     const Outcome text = run(DISPARITY_EVAL, arguments);
     ASSERT_EQ(text.exit_code, 0) << text.err;
-    for (const std::string part : {"half a: pixels %", "half b: pixels %", "240 to 255", "sparsification area"}) {
+    for (const std::string part : {"half a: pixels %", "half b: pixels %", "240 to 255", "sparsification area",
+                                   "sigma px", "sigma of all, px"}) {
         EXPECT_THAT(text.out, HasSubstr(part));
     }
     const Outcome json = run(DISPARITY_EVAL, {"--confidence", "--json", path("data")});
@@ -175,6 +176,9 @@ TEST_F(EvalTest, ConfidenceIsComparedWithWhatIsRight) {
     EXPECT_EQ(all[0]["weight"].size(), 256U);
     EXPECT_EQ(all[0]["weight"][0], 0);
     EXPECT_GE(all[0]["calibration_error"], 0);
+    EXPECT_EQ(all[0]["sigma_px_of_bins"].size(), 16U);
+    EXPECT_GT(all[0]["sigma_px"], 0);
+    EXPECT_LT(all[0]["sigma_px"], 1);
 }
 
 TEST_F(EvalTest, MeansEndTheTable) {

@@ -3,10 +3,13 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tools/eval/confidence/error_spread.h"
 
 namespace disparityd::eval {
 namespace {
@@ -66,6 +69,48 @@ TEST(Reliability, SparsificationAreaIsThatBetweenTheOrderAndTheBestOne) {
     EXPECT_NEAR(sparsification_area(counted({10, 20}, {100, 100})), 0.5 - best, 2e-3);
     // 1 / 2 / (1 - f) up to f = 1/2, then 1: ln(2) / 2 + 1/2.
     EXPECT_NEAR(sparsification_area(counted({10, 20}, {100, 200})), std::log(2.0) / 2 + 0.5 - best, 2e-3);
+}
+
+/// Errors of pixels in a row, the truth of which is 10 px.
+ErrorSpread spread(const std::vector<float>& disparities, const std::vector<std::uint8_t>& confidence) {
+    const auto width = static_cast<int>(disparities.size());
+    ErrorSpread result;
+    result.add({width, 1, disparities}, confidence, {width, 1, std::vector<float>(disparities.size(), 10)});
+    return result;
+}
+
+TEST(ErrorSpread, SigmaOfANormalDistributionIsItsOwn) {
+    std::mt19937 random(5);
+    for (const float wanted : {0.1F, 0.25F, 0.3F}) {
+        std::normal_distribution<float> error(0, wanted);
+        std::vector<float> disparities(20000);
+        for (float& disparity : disparities) {
+            disparity = std::round(16 * (10 + error(random))) / 16;  // as disparities come
+        }
+        const ErrorSpread of = spread(disparities, std::vector<std::uint8_t>(disparities.size(), 250));
+        EXPECT_NEAR(of.sigma_px(), wanted, 0.02);
+        EXPECT_NEAR(of.sigma_px(15), wanted, 0.02);
+        EXPECT_NEAR(of.quantile_px(0.683), wanted, 0.02);
+        EXPECT_NEAR(of.quantile_px(0.954), 2 * wanted, 0.03);
+        EXPECT_TRUE(std::isnan(of.sigma_px(14)));
+    }
+}
+
+TEST(ErrorSpread, WrongMatchesAndUnknownPixelsDoNotCount) {
+    const ErrorSpread of = spread({10.25, 9.75, 11, 30, 15, NAN}, {100, 100, 100, 100, 0, 100});
+    EXPECT_DOUBLE_EQ(of.sigma_px(), 1.4826 * 0.25);  // the middle of a cell of 1/16 px
+    EXPECT_DOUBLE_EQ(of.sigma_px(6), of.sigma_px());
+    EXPECT_TRUE(std::isnan(spread({11}, {9}).sigma_px()));
+    EXPECT_TRUE(std::isnan(ErrorSpread().quantile_px(0.5)));
+    EXPECT_THROW(ErrorSpread().add({1, 1, {10}}, {}, {1, 1, {10}}), std::invalid_argument);
+}
+
+TEST(ErrorSpread, EachSceneCountsTheSame) {
+    ErrorSpread all = spread({10, 10, 10, 10, 10}, {8, 8, 8, 8, 8});
+    all.add(spread({10.5}, {8}));
+    all.add(spread({10.5}, {8}));
+    EXPECT_GT(all.quantile_px(0.5), 0.4);
+    EXPECT_LT(all.quantile_px(0.3), 0.1);
 }
 
 }  // namespace

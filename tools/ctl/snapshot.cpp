@@ -28,6 +28,7 @@ struct SnapshotArguments {
     std::string picture;
     std::string disparity;
     std::string depth;
+    std::string depth_error;
     std::string colours;
     std::optional<int> timeout_s;
 };
@@ -83,10 +84,23 @@ void write_disparity(const std::string& path, const images::DisparityMap& map) {
     images::write_disparity_png(path, map);
 }
 
+/// Writes depth or its errors, where there is a name for them.
+void write_millimetres(const std::string& path, const disparity::Frame& frame, Product product) {
+    if (!path.empty()) {
+        const disparity::PlaneData& plane = plane_of(frame, product);
+        const auto mm = numbers<std::uint16_t>(plane);
+        images::write_depth_png(path, view(mm, plane));
+        std::cout << path << '\n';
+    }
+}
+
 disparity::Frame next_frame(const SnapshotArguments& arguments) {
     std::vector<Product> products{Product::disparity, Product::left};
     if (!arguments.depth.empty()) {
         products.push_back(Product::depth);
+    }
+    if (!arguments.depth_error.empty()) {
+        products.push_back(Product::depth_error);
     }
     const auto frames = open_frames(arguments.daemon, products);
     const int timeout_s = arguments.timeout_s.value_or(10);
@@ -108,8 +122,10 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
 
 /// Refuses what could not be written before a frame is waited for.
 void check_names(const SnapshotArguments& arguments) {
-    if (arguments.picture.empty() && arguments.disparity.empty() && arguments.depth.empty()) {
-        throw std::invalid_argument("snapshot: nothing to write; give at least one of -o, --disparity, --depth");
+    if (arguments.picture.empty() && arguments.disparity.empty() && arguments.depth.empty() &&
+        arguments.depth_error.empty()) {
+        throw std::invalid_argument(
+            "snapshot: nothing to write; give at least one of -o, --disparity, --depth, --depth-error");
     }
     if (!arguments.picture.empty()) {
         images::check_picture_name(arguments.picture);
@@ -117,8 +133,10 @@ void check_names(const SnapshotArguments& arguments) {
     if (!arguments.disparity.empty()) {
         images::check_ending(arguments.disparity, {".png", ".pfm"});
     }
-    if (!arguments.depth.empty()) {
-        images::check_ending(arguments.depth, {".png"});
+    for (const std::string& path : {arguments.depth, arguments.depth_error}) {
+        if (!path.empty()) {
+            images::check_ending(path, {".png"});
+        }
     }
 }
 
@@ -142,12 +160,8 @@ int snapshot(const SnapshotArguments& arguments) {
         write_disparity(arguments.disparity, map);
         std::cout << arguments.disparity << '\n';
     }
-    if (!arguments.depth.empty()) {
-        const disparity::PlaneData& depth = plane_of(frame, Product::depth);
-        const auto mm = numbers<std::uint16_t>(depth);
-        images::write_depth_png(arguments.depth, view(mm, depth));
-        std::cout << arguments.depth << '\n';
-    }
+    write_millimetres(arguments.depth, frame, Product::depth);
+    write_millimetres(arguments.depth_error, frame, Product::depth_error);
     return exit_done;
 }
 
@@ -165,6 +179,10 @@ void add_snapshot(CLI::App& program, Action& action) {
                     "disparity as a 16-bit PNG (disparity x 256, 0 = rejected), or as PFM when FILE ends in .pfm")
         ->type_name("FILE");
     command.add_option("--depth", arguments->depth, "depth in mm as a 16-bit PNG (0 = unknown, 65535 = farther)")
+        ->type_name("FILE");
+    command
+        .add_option("--depth-error", arguments->depth_error,
+                    "one sigma of depth in mm as a 16-bit PNG (0 = unknown, 65535 = more)")
         ->type_name("FILE");
     add_integer(command, "--timeout", arguments->timeout_s, 1, 3600, "seconds to wait for a frame; default 10");
     add_colour_range(command, arguments->colours)->needs(picture);

@@ -171,9 +171,10 @@ public:
             const std::string name = one.matcher + half;
             auto found = std::find_if(all.begin(), all.end(), [&](const auto& has) { return has.name == name; });
             if (found == all.end()) {
-                found = all.insert(all.end(), {name, {}});
+                found = all.insert(all.end(), {name, {}, {}});
             }
             found->counted.add(one.counted);
+            found->errors.add(one.errors);
         }
         return all;
     }
@@ -192,6 +193,7 @@ private:
         std::string scene;
         std::string matcher;
         Reliability counted;
+        ErrorSpread errors;
     };
 
     void split(const std::vector<SceneToJudge>& scenes) {
@@ -267,8 +269,10 @@ private:
                                       measure_subpixel(disparity, scene.truth, scene.non_occluded)});
         }
         if (arguments_.confidence && !result.confidence.empty()) {
-            scene_reliability_.push_back({scene.name, method + " " + backend, {}});
-            scene_reliability_.back().counted.add(disparity, result.confidence, scene.truth);
+            SceneReliability one{scene.name, method + " " + backend, {}, {}};
+            one.counted.add(disparity, result.confidence, scene.truth);
+            one.errors.add(disparity, result.confidence, scene.truth);
+            scene_reliability_.push_back(std::move(one));
         }
         if (!arguments_.pictures.empty()) {
             std::string file = scene.name + '_' + method + '_' + backend + ".png";
@@ -412,9 +416,10 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number");
     fractions->excludes(paper);
     program
-        .add_flag("--confidence", arguments.confidence,
-                  "how often pixels of each confidence are right (off by at most 1 px), instead; of each half with "
-                  "--halves")
+        .add_flag(
+            "--confidence", arguments.confidence,
+            "how often pixels of each confidence are right (off by at most 1 px), and one sigma of the right ones in "
+            "px, instead; of each half with --halves")
         ->excludes(paper)
         ->excludes(fair)
         ->excludes(fractions)
@@ -449,10 +454,11 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "each run adds the same noise")
         ->type_name("SIGMA");
     program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
-    program.add_flag("--json", arguments.json,
-                     "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
-                     "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
-                     "sparsification_area, weight and right (256 numbers each)");
+    program.add_flag(
+        "--json", arguments.json,
+        "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
+        "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
+        "sparsification_area, sigma_px, sigma_px_of_bins (16 numbers), weight and right (256 numbers each)");
     program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
     arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
 }

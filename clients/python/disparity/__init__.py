@@ -15,6 +15,7 @@ from .errors import DisparityError, Gone, Refused
 from .frame import (
     CONFIDENCE,
     DEPTH,
+    DEPTH_ERROR,
     DISCONTINUITY,
     DISPARITY,
     DROPPED_BEFORE,
@@ -33,6 +34,7 @@ from .socket_client import SocketClient
 __all__ = [
     "CONFIDENCE",
     "DEPTH",
+    "DEPTH_ERROR",
     "DISCONTINUITY",
     "DISPARITY",
     "DROPPED_BEFORE",

@@ -15,6 +15,7 @@ DEPTH = 3
 LEFT = 4
 LEFT_COLOUR = 5
 SCAN = 6
+DEPTH_ERROR = 7
 
 # Bits of Frame.flags.
 UNRECTIFIED = 1
@@ -23,7 +24,7 @@ DROPPED_BEFORE = 4
 DISCONTINUITY = 8
 SYNTHETIC = 16
 
-# The value of rejected pixels of a depth image, and of valid ones that are farther away than the type can hold.
+# The value of unknown pixels of a depth image and of its errors, and of those that are more than the type can hold.
 DEPTH_UNKNOWN = 0
 DEPTH_BEYOND = 65535
 
@@ -44,6 +45,7 @@ PRODUCTS = {
     LEFT: Product("left", "u1", 1),
     LEFT_COLOUR: Product("left_colour", "u1", 3),
     SCAN: Product("scan", "u1", 0),
+    DEPTH_ERROR: Product("depth_error", "<u2", 1),
 }
 # Planes of products that this program does not know are bytes.
 _UNKNOWN = Product("", "u1", 1)
@@ -149,11 +151,17 @@ class Frame:
     @property
     def depth_m(self):
         """float32, metres, NaN where unknown, infinity where beyond 65.534 m."""
-        raw = self.depth
-        metres = raw.astype(np.float32) / np.float32(1000)
-        metres[raw == DEPTH_UNKNOWN] = np.nan
-        metres[raw == DEPTH_BEYOND] = np.inf
-        return metres
+        return _metres(self.depth)
+
+    @property
+    def depth_error(self):
+        """uint16, one sigma of depth, mm; 0 = unknown (also where interpolated), 65535 = 65.535 m or more."""
+        return self._plane(DEPTH_ERROR)
+
+    @property
+    def depth_error_m(self):
+        """float32, one sigma of depth, metres, NaN where unknown, infinity where 65.535 m or more."""
+        return _metres(self.depth_error)
 
     @property
     def left(self):
@@ -185,6 +193,14 @@ class Frame:
         x = np.arange(width, dtype=np.float32) + np.float32(self.region_x - self.cx)
         y = np.arange(height, dtype=np.float32)[:, None] + np.float32(self.region_y - self.cy)
         return np.stack([x * z / np.float32(self.f), y * z / np.float32(self.f), z], axis=-1)
+
+
+def _metres(raw):
+    """Returns millimetres of 16 bits as float32 metres."""
+    metres = raw.astype(np.float32) / np.float32(1000)
+    metres[raw == DEPTH_UNKNOWN] = np.nan
+    metres[raw == DEPTH_BEYOND] = np.inf
+    return metres
 
 
 def _remade(numbers, planes):

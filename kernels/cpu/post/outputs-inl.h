@@ -79,6 +79,22 @@ inline void finish_confidence(Plane<const std::int16_t> disparity, std::int16_t 
     }
 }
 
+/// The least number that does not fit into 16 bits.
+constexpr int beyond_words = 65536;
+
+/// Returns floor(numerator / divisor) where `near` differs from it by one at most, and a number above 65535 where that
+/// is above 65535. `near`, numerator and twice the divisor are below 2^31. A product that does not fit wraps; the rest
+/// that is computed with it does not.
+template <typename V>
+HWY_INLINE V corrected_quotient(V near, V numerator, V divisor) {
+    const hn::DFromV<V> numbers;
+    const V quotient = hn::Min(near, hn::Set(numbers, beyond_words + 1));  // one less is still beyond
+    const V rest = hn::Sub(numerator, hn::Mul(quotient, divisor));
+    const V one_less = hn::VecFromMask(numbers, hn::Lt(rest, hn::Zero(numbers)));
+    const V one_more = hn::VecFromMask(numbers, hn::Gt(rest, hn::Sub(divisor, hn::Set(numbers, 1))));
+    return hn::Sub(hn::Add(quotient, one_less), one_more);
+}
+
 /// Depth from disparity: floor((k + floor(n / 2)) / n) with n = d16 + offset16, divided in single precision.
 ///
 /// `small`: numerators below 2^24 are exact in single precision, and the quotient is too far from the next integer to
@@ -134,19 +150,9 @@ private:
         const V numerator = hn::Add(number(k_), hn::ShiftRight<1>(n));
         const V quotient =
             hn::ConvertTo(Numbers(), hn::Div(hn::ConvertTo(Real(), numerator), hn::ConvertTo(Real(), n)));
-        const V known = hn::Max(small ? quotient : put_right(quotient, numerator, n), number(1));
-        return hn::IfThenElse(hn::Gt(found, number(0)), known, number(far));
+        const V known = hn::Max(small ? quotient : corrected_quotient(quotient, numerator, n), number(1));
+        return hn::IfThenElse(hn::Gt(found, number(0)), known, number(beyond_words - 1));
     }
-
-    static HWY_INLINE V put_right(V near, V numerator, V n) {
-        const V quotient = hn::Min(near, number(far + 2));  // products stay below 2^31; one less is still far
-        const V rest = hn::Sub(numerator, hn::Mul(quotient, n));
-        const V one_less = hn::VecFromMask(Numbers(), hn::Lt(rest, number(0)));
-        const V one_more = hn::VecFromMask(Numbers(), hn::Gt(rest, hn::Sub(n, number(1))));
-        return hn::Sub(hn::Add(quotient, one_less), one_more);
-    }
-
-    static constexpr int far = 65535;
 
     std::int16_t invalid_;
     std::int32_t k_;

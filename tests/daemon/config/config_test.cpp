@@ -104,6 +104,7 @@ d_min = -16
 disparities = 128
 median = 5
 depth = false
+depth_error = true
 [socket]
 tcp = "[::1]:0"
 unix = ""
@@ -124,6 +125,8 @@ target = "journal"
     EXPECT_EQ(config.match.options.range.count, 128);
     EXPECT_EQ(config.match.options.post.median, 5);
     EXPECT_FALSE(config.match.depth);
+    EXPECT_TRUE(config.match.depth_error);
+    EXPECT_FALSE(daemon::Config{}.match.depth_error);
     EXPECT_EQ(config.socket.tcp, "[::1]:0");
     EXPECT_EQ(config.socket.unix_path, "");
     EXPECT_EQ(config.log.level, daemon::LogLevel::warning);

@@ -233,6 +233,24 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
             {}};
 }
 
+Bound bind_depth_error(const Data& data, const FrameSteps&) {
+    const auto disparity = std::make_shared<Image<std::int16_t>>(data->disparities());
+    const auto confidence =
+        std::make_shared<Image<std::uint8_t>>(noise(data->random, data->input.width, data->input.height));
+    const auto error = data->buffers.result<std::uint16_t>(data->input.width, data->input.height);
+    DepthErrorScale scale = depth_error_scale(672000, 3, 64);
+    if (data->input.hostile) {
+        scale = depth_error_scale(pick(data->random, 0, 3) * std::int64_t{1} * pick(data->random, 0, 100000000),
+                                  pick(data->random, -3000, 3000), pick(data->random, 1, 1024));
+    }
+    return {[=](const FrameSteps& steps) {
+                over_parts(data->input, [&](Rows rows) {
+                    steps.depth_error(disparity->plane(), confidence->plane(), scale, error, rows);
+                });
+            },
+            {}};
+}
+
 }  // namespace
 
 std::vector<KernelCase> step_cases() {
@@ -247,6 +265,7 @@ std::vector<KernelCase> step_cases() {
         step_case("calibrated_confidence", bind_finish_confidence<true>),
         step_case("depth", bind_depth),
         step_case("scan_counts", bind_scan_counts),
+        step_case("depth_error", bind_depth_error),
     };
     for (KernelCase& kernel : cases) {
         kernel.per_pixel = true;

@@ -58,6 +58,19 @@ protected:
         step(Rows{middle, height});
         step(Rows{0, middle});
     }
+
+    void expect_errors_of_the_reference(const Image<std::int16_t>& disparity, const Image<std::uint8_t>& confidence,
+                                        const DepthErrorScale& scale) {
+        const int width = disparity.width();
+        const int height = disparity.height();
+        const Both<std::uint16_t> error(Image<std::uint16_t>(width, height, 4321).plane());
+        reference::depth_error(disparity.plane(), confidence.plane(), scale, error.expected.plane(), {0, height});
+        in_parts(height, [&](Rows rows) {
+            steps().depth_error(disparity.plane(), confidence.plane(), scale, error.found.plane(), rows);
+        });
+        ASSERT_TRUE(same(error.found, error.expected))
+            << width << 'x' << height << ", numerator " << scale.numerator << ", offset " << scale.offset16;
+    }
 };
 
 TEST_P(CpuPost, LeftRightEqualsTheReference) {
@@ -246,6 +259,28 @@ TEST_P(CpuPost, DepthEqualsTheReferenceForEveryDisparityAtTheEdges) {
         reference::depth(all.plane(), -16, scale, depth.expected.plane(), {0, 256});
         steps().depth(all.plane(), -16, scale, depth.found.plane(), {0, 256});
         ASSERT_TRUE(same(depth.found, depth.expected)) << "k " << scale.k << ", offset " << scale.offset16;
+    }
+}
+
+TEST_P(CpuPost, DepthErrorEqualsTheReference) {
+    Random random(86);
+    for (int round = 0; round < 2 * rounds; ++round) {
+        const Size size(random);
+        expect_errors_of_the_reference(disparities(random, size, any_range(random)),
+                                       noise(random, size.width, size.height, 0, pick(random, 0, 1) == 0 ? 1 : 255),
+                                       any_error_scale(random));
+        ASSERT_FALSE(HasFatalFailure()) << "round " << round;
+    }
+}
+
+// Numerators around the limits of each way to divide, with disparities around the clamped ones.
+TEST_P(CpuPost, DepthErrorEqualsTheReferenceForEveryDisparityAtTheEdges) {
+    const Image<std::int16_t> all = every_disparity();
+    const Image<std::uint8_t> measured(256, 256, 1);
+    Random random(87);
+    for (int round = 0; round < 80; ++round) {
+        expect_errors_of_the_reference(all, measured, error_scale_at_an_edge(random, round));
+        ASSERT_FALSE(HasFatalFailure()) << "round " << round;
     }
 }
 

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 
+#include "kernels/depth_error.h"
 #include "tests/kernels/support.h"
 
 // What the steps after matching are tested with, on every back end.
@@ -76,6 +78,25 @@ inline DepthScale scale_at_an_edge(Random& random, int round) {
     const std::int64_t k = std::max<std::int64_t>(1, std::int64_t{n} * quotient - n / 2 + pick(random, -1, 1));
     const int most = round % 3 == 0 ? (1 << 24) + pick(random, -70000, 9) : (1 << 30) + pick(random, -70000, 9);
     return {std::min<std::int64_t>(k, most), pick(random, -20, 8000)};
+}
+
+/// The scale of depth errors of any scale of depth, and offsets that no calibration has.
+inline DepthErrorScale any_error_scale(Random& random) {
+    constexpr std::array<int, 4> special = {std::numeric_limits<int>::max(), std::numeric_limits<int>::min(),
+                                            (1 << 30) - 1, 1 << 30};
+    const DepthScale scale = any_scale(random);
+    const int offset16 =
+        pick(random, 0, 9) == 0 ? special[static_cast<std::size_t>(pick(random, 0, 3))] : scale.offset16;
+    return depth_error_scale(scale.k, offset16, pick(random, 0, 1) == 0 ? 64 : pick(random, 1, 1024));
+}
+
+/// Where a quotient in single precision is nearest to the next integer, and the limits of the ways to divide.
+inline DepthErrorScale error_scale_at_an_edge(Random& random, int round) {
+    const std::int64_t n = pick(random, 1, round % 4 == 0 ? 5000 : 400);
+    const int quotient = round % 2 == 0 ? pick(random, 65530, 65540) : pick(random, 1, 65536);
+    const std::int64_t numerator = std::max<std::int64_t>(0, n * n * quotient - n * n / 2 + pick(random, -1, 1));
+    const int most = round % 3 == 0 ? (1 << 23) + pick(random, -9, 9) : (1 << 30) + pick(random, -9, 9);
+    return {true, std::min<std::int64_t>(numerator, most), pick(random, -20, 8000)};
 }
 
 inline Image<std::int16_t> every_disparity() {

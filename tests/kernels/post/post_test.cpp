@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <limits>
+
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "kernels/calibrated_confidence.h"
+#include "kernels/depth_error.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -314,6 +317,58 @@ TEST(Depth, FarIsNeverUnknownAndUnknownNeverFar) {
     EXPECT_EQ(depth_of(1, {65535, 0}), 65535);
     EXPECT_EQ(depth_of(4000, {1000, 0}), 1);  // nearer than half a millimetre is still known
     EXPECT_EQ(depth_of(1, {std::int64_t{1} << 50, 0}), 65535);
+}
+
+std::uint16_t error_of(std::int16_t disparity, DepthScale scale, int subpixel_error, std::uint8_t confidence = 200) {
+    Image<std::int16_t> in(1, 1, disparity);
+    Image<std::uint8_t> measured(1, 1, confidence);
+    Image<std::uint16_t> out(1, 1, 4321);
+    reference::depth_error(in.plane(), measured.plane(), depth_error_scale(scale.k, scale.offset16, subpixel_error),
+                           out.plane(), {0, 1});
+    return out.at(0, 0);
+}
+
+TEST(DepthError, IsRoundedMillimetres) {
+    // f = 350 px, B = 120 mm: K = 672000. A disparity of 10 px is 4200 mm, an error of 1/4 px a 40th of it.
+    EXPECT_EQ(error_of(160, {672000, 0}, 64), 105);
+    EXPECT_EQ(error_of(161, {672000, 0}, 64), 104);  // 103.70
+    EXPECT_EQ(error_of(163, {672000, 0}, 64), 101);  // 101.17
+    EXPECT_EQ(error_of(150, {672000, 10}, 64), 105);
+    EXPECT_EQ(error_of(-8, {672000, 168}, 64), 105);
+    EXPECT_EQ(error_of(160, {672000, 0}, 256), 420);
+    EXPECT_EQ(error_of(2, {10, 0}, 16), 3);  // 2.5
+    EXPECT_EQ(error_of(1, {5, 0}, 8), 3);    // K s / 16 is 2.5 and counts as 3
+}
+
+// The error of the depth is what moving the disparity by its error changes.
+TEST(DepthError, IsTheChangeOfDepthWithTheDisparity) {
+    constexpr DepthScale scale{100000000, 0};
+    for (const int n : {2000, 3000, 5000, 8000}) {
+        const auto depth = [&](int d16) { return depth_of(static_cast<std::int16_t>(d16), scale); };
+        const double change = (depth(n - 8) - depth(n + 8)) / 2.0;  // 8/16 px
+        EXPECT_NEAR(error_of(static_cast<std::int16_t>(n), scale, 128), change, 1.5) << n;
+    }
+}
+
+TEST(DepthError, UnknownIsWhatWasNotMeasured) {
+    EXPECT_EQ(error_of(160, {672000, 0}, 64, 0), 0);
+    EXPECT_EQ(error_of(0, {672000, 0}, 64, 0), 0);
+    EXPECT_EQ(error_of(160, {0, 0}, 64), 0);
+    EXPECT_EQ(error_of(160, {-672000, 0}, 64), 0);
+}
+
+TEST(DepthError, KnownIsNeverUnknownAndLargeNeverWraps) {
+    EXPECT_EQ(error_of(0, {672000, 0}, 64), 65535);
+    EXPECT_EQ(error_of(-5, {672000, 0}, 64), 65535);
+    EXPECT_EQ(error_of(6, {672000, 0}, 64), 65535);  // 74667 mm
+    EXPECT_EQ(error_of(4000, {672000, 0}, 64), 1);   // a sixth of a millimetre is still known
+    EXPECT_EQ(error_of(1, {65534, 0}, 16), 65534);
+    EXPECT_EQ(error_of(1, {65535, 0}, 16), 65535);
+    EXPECT_EQ(error_of(1, {1, 0}, 3), 1);
+    EXPECT_EQ(error_of(32767, {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<int>::max()}, 1024),
+              65535);
+    EXPECT_EQ(error_of(32767, {std::int64_t{1} << 30, std::numeric_limits<int>::max()}, 16), 1);
+    EXPECT_EQ(error_of(-32768, {672000, std::numeric_limits<int>::min()}, 64), 65535);
 }
 
 }  // namespace
