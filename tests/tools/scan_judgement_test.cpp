@@ -64,7 +64,7 @@ TEST(ScanJudgement, PerfectDisparitiesMissNothing) {
         const Course course = course_of(kind);
         const CourseView view = draw(course, camera);
         const ScanCounts counts = judge(scan_of(view, camera, options), options, view, course, camera, disparities);
-        EXPECT_GT(counts.obstacles, 20) << kind;
+        EXPECT_GT(counts.obstacles, 5) << kind;
         EXPECT_EQ(counts.missed, 0) << kind;
         EXPECT_EQ(counts.false_alarms, 0) << kind;
         EXPECT_EQ(counts.sectors, 72);
