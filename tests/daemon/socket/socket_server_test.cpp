@@ -39,7 +39,7 @@ TEST_F(SocketServerTest, WelcomeSaysWhatThereIs) {
         ASSERT_TRUE(answer && answer->has_welcome());
         const v1::Welcome& welcome = answer->welcome();
         EXPECT_EQ(welcome.protocol_version(), 1U);
-        EXPECT_EQ(welcome.products_size(), 6);
+        EXPECT_EQ(welcome.products_size(), static_cast<int>(proto::products.size()));
         EXPECT_EQ(welcome.geometry().width(), 64U);
         EXPECT_EQ(welcome.geometry().calibration_id(), 0xfedcba9876543210U);
         EXPECT_EQ(welcome.shared_memory(), "/disparityd.feed");
