@@ -81,6 +81,7 @@ MatchStage::MatchStage(const MatcherConfig& config)
     disparity_ = PinnedBuffer(pixels_ * sizeof(std::int16_t), "the disparities");
     confidence_ = PinnedBuffer(pixels_, "the confidences");
     depth_ = PinnedBuffer(pixels_ * sizeof(std::uint16_t), "the depths");
+    depth_error_ = PinnedBuffer(pixels_ * sizeof(std::uint16_t), "the depth errors");
 }
 
 void MatchStage::allocate_sgm() {
@@ -101,9 +102,6 @@ void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) 
     gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>());
     gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>());
     const auto gathered = steady_clock::now();
-    if (frame.depth_error && depth_error_.size() == 0) {
-        depth_error_ = PinnedBuffer(pixels_ * sizeof(std::uint16_t), "the depth errors");
-    }
     start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16,
            static_cast<bool>(frame.depth_error), frame.subpixel_error});
     stream_.wait("matching");

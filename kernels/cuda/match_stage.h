@@ -78,7 +78,7 @@ private:
     PinnedBuffer disparity_;
     PinnedBuffer confidence_;
     PinnedBuffer depth_;
-    PinnedBuffer depth_error_;            // has memory from the first frame on that wants it
+    PinnedBuffer depth_error_;
     std::optional<Output> graph_output_;  // what the graph is for
     Graph graph_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes
