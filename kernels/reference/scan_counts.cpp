@@ -17,7 +17,7 @@ void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, con
             for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
                 for (int x = edges[s + 1]; x < edges[s]; ++x) {
                     const int n = std::clamp(pixels.disparity.at(x, y) + offset, -32768, 32767);
-                    const int rounded = (2 * std::clamp(n, 0, 16383) * geometry.weights(group)[x] + (1 << 14)) >> 15;
+                    const int rounded = scan::at_horizontal_distance(n, geometry.weights(group)[x]);
                     const int confidence = pixels.confidence.at(x, y);
                     if (confidence == 0 || rounded < limits.seen || rounded > limits.nearest) {
                         continue;

@@ -34,14 +34,7 @@ Band::Band(int width, int height)
 
 void Band::set(const Geometry& geometry, const GroundPlane& ground) {
     const ScanOptions& options = geometry.options();
-    const Rays& rays = geometry.rays();
-    const auto combined = [&](double up, double ahead, double left) {
-        return up - ground.slope_ahead * ahead - ground.slope_left * left;
-    };
-    // What a ray rises above the ground's plane.
-    const Linear rise{combined(rays.up.at_origin, rays.ahead.at_origin, rays.left.at_origin),
-                      combined(rays.up.per_x, rays.ahead.per_x, rays.left.per_x),
-                      combined(rays.up.per_y, rays.ahead.per_y, rays.left.per_y)};
+    const Linear rise = rise_above(geometry.rays(), ground);
     // A point with n sixteenths lies at the height h + k rise / n, h being the camera's. So it is at least low when
     // n >= -k rise / (h - low), and less than high when n > k rise / (high - h), or n < that where high < h.
     const auto k = static_cast<double>(geometry.camera().scale.k);

@@ -29,6 +29,11 @@ private:
     std::uint32_t state_ = 1;
 };
 
+/// Returns how far the ground may be off from the configured one, mm, `h` mm below the camera.
+double largest_step(double h) {
+    return std::min(1000 * max_ground_step_m, 0.4 * std::abs(h));
+}
+
 using Row = std::array<double, 4>;  ///< three coefficients and the right-hand side
 
 /// Solves three equations; false where they have no single solution.
@@ -59,7 +64,7 @@ bool solve(std::array<Row, 3>& m) {
 
 }  // namespace
 
-GroundFit::GroundFit(const Geometry& /*geometry*/) {
+GroundFit::GroundFit() {
     points_.reserve(std::size_t{2} * grid_rows * 2 * grid_columns);
     sample_.reserve(2 * sample_size);
 }
@@ -73,7 +78,7 @@ void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
     const int step_x = std::max(camera.width / grid_columns, 1);
     const auto k = static_cast<double>(camera.scale.k);
     const double h = 1000 * geometry.options().camera_height_m;
-    const double step = std::min(1000 * max_ground_step_m, 0.4 * std::abs(h));
+    const double step = largest_step(h);
     for (int y = step_y / 2; y < camera.height; y += step_y) {
         for (int x = step_x / 2; x < camera.width; x += step_x) {
             const double n = pixels.disparity.at(x, y) + camera.scale.offset16;
@@ -153,8 +158,8 @@ bool GroundFit::allowed(const Parameters& plane, double h) const {
         return false;
     }
     const double height = h - 1 / plane.p;
-    return std::abs(height) <= std::min(1000 * max_ground_step_m, 0.4 * std::abs(h)) &&
-           std::abs(plane.q / plane.p) <= max_ground_slope && std::abs(plane.t / plane.p) <= max_ground_slope;
+    return std::abs(height) <= largest_step(h) && std::abs(plane.q / plane.p) <= max_ground_slope &&
+           std::abs(plane.t / plane.p) <= max_ground_slope;
 }
 
 std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near) {

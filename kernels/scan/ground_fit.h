@@ -21,7 +21,7 @@ inline constexpr double max_ground_step_m = 0.15;
 class GroundFit {
 public:
     /// Reserves all memory.
-    explicit GroundFit(const Geometry& geometry);
+    GroundFit();
 
     /// Returns the plane that most of the pixels near the configured ground lie on; nothing where too few do. `near`: a
     /// plane that is tried first.

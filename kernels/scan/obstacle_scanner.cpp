@@ -37,7 +37,6 @@ ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& optio
       geometry_(width, height, checked(options)),
       band_(width, height),
       counts_(options.sectors, geometry_.groups()),
-      ground_fit_(geometry_),
       decision_(geometry_) {}
 
 Scan ObstacleScanner::empty_scan() const {
@@ -50,17 +49,16 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         decision_.set(geometry_);
-        band_set_ = false;
+        band_ground_.reset();
     }
     if (!camera.metric()) {
         std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
         return;
     }
     find_ground(pixels, scan);
-    if (!band_set_ || !(scan.ground == band_ground_)) {
+    if (band_ground_ != scan.ground) {
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
-        band_set_ = true;
     }
     steps_.scan_counts(pixels, geometry_, band_, counts_);
     decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
@@ -73,20 +71,19 @@ void ObstacleScanner::find_ground(const scan::Pixels& pixels, Scan& scan) {
     if (geometry_.options().ground == GroundMode::configured) {
         return;
     }
-    if (const auto fitted = ground_fit_.fit(pixels, geometry_, ground_known_ ? ground_ : GroundPlane{})) {
-        ground_ = ground_known_ && same(*fitted, ground_) ? mean(*fitted, ground_) : *fitted;
-        ground_known_ = true;
+    if (const auto fitted = ground_fit_.fit(pixels, geometry_, ground_.value_or(GroundPlane{}))) {
+        ground_ = ground_ && same(*fitted, *ground_) ? mean(*fitted, *ground_) : *fitted;
         ground_age_ = 0;
         scan.ground_source = GroundSource::fitted;
-    } else if (ground_known_ && ground_age_ < hold_frames) {
+    } else if (ground_ && ground_age_ < hold_frames) {
         ++ground_age_;
         scan.ground_source = GroundSource::held;
     } else {
-        ground_known_ = false;
+        ground_.reset();
         return;
     }
     scan.ground_age = ground_age_;
-    scan.ground = ground_;
+    scan.ground = *ground_;
 }
 
 }  // namespace disparityd

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "kernels/scan/ground_fit.h"
 #include "kernels/scan/scan.h"
 #include "kernels/scan/scan_counts.h"
@@ -36,11 +38,9 @@ private:
     scan::Counts counts_;
     scan::GroundFit ground_fit_;
     scan::SectorDecision decision_;
-    bool band_set_ = false;
-    GroundPlane band_ground_;  ///< of band_
-    GroundPlane ground_;       ///< the plane of the frame before
-    int ground_age_ = 0;       ///< frames since a plane was fitted
-    bool ground_known_ = false;
+    std::optional<GroundPlane> band_ground_;  ///< of band_, where that is computed
+    std::optional<GroundPlane> ground_;       ///< the plane of the frame before, where one was fitted
+    int ground_age_ = 0;                      ///< frames since it was fitted
 };
 
 /// The steps of the fastest back end of the processor.

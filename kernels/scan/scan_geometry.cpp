@@ -41,6 +41,13 @@ Rays make_rays(const Camera& camera, const ScanOptions& options) {
     return rays;
 }
 
+Linear rise_above(const Rays& rays, const GroundPlane& ground) {
+    const auto combined = [&](double Linear::*part) {
+        return rays.up.*part - ground.slope_ahead * (rays.ahead.*part) - ground.slope_left * (rays.left.*part);
+    };
+    return {combined(&Linear::at_origin), combined(&Linear::per_x), combined(&Linear::per_y)};
+}
+
 Geometry::Geometry(int width, int height, const ScanOptions& options)
     : options_(options),
       groups_((height + group_rows - 1) / group_rows),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -48,6 +49,15 @@ struct Rays {
 };
 
 Rays make_rays(const Camera& camera, const ScanOptions& options);
+
+/// What the rays rise above a plane of the ground.
+Linear rise_above(const Rays& rays, const GroundPlane& ground);
+
+/// A disparity in sixteenths, brought to the horizontal distance by its pixel's weight.
+inline int at_horizontal_distance(int sixteenths, std::uint16_t weight) {
+    constexpr int most = 16383;
+    return (2 * std::clamp(sixteenths, 0, most) * weight + weight_one) >> 15;
+}
 
 /// Everything about sectors that follows from camera and options alone. Memory is allocated by the constructor only.
 class Geometry {

@@ -30,6 +30,36 @@ std::uint32_t support(std::uint32_t side, std::uint32_t columns) {
     return std::max(static_cast<std::uint32_t>((std::uint64_t{wide} * side * support_share) >> 16), least_support);
 }
 
+/// The heights of the band from the camera on, and the side of the smallest obstacle in it, in mm.
+struct HidingRoom {
+    double above;
+    double below;
+    double side;
+};
+
+/// No obstacle hides at any distance.
+constexpr double nowhere = 1e9;
+
+/// Returns the least distance in mm, at least `least`, at which an obstacle can hide in rows that fall from `top` to
+/// `bottom` per horizontal mm. They show, at distance r, the heights r top to r bottom below the camera; an obstacle
+/// hides when as much of that is in the band as its side.
+double hiding_distance(double top, double bottom, const HidingRoom& room, double least) {
+    double from = std::max(least, bottom > top ? room.side / (bottom - top) : nowhere);
+    double to = nowhere;
+    const auto limit = [&](double per_mm, double most) {  // per_mm r <= most
+        if (per_mm > 0) {
+            to = std::min(to, most / per_mm);
+        } else if (per_mm < 0) {
+            from = std::max(from, most / per_mm);
+        } else if (most < 0) {
+            to = 0;
+        }
+    };
+    limit(-bottom, room.above - room.side);
+    limit(top, room.below - room.side);
+    return from <= to ? from : nowhere;
+}
+
 template <typename T>
 T rounded(double value) {
     using Limits = std::numeric_limits<T>;
@@ -146,9 +176,8 @@ double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane
                                      int sector) const {
     const ScanOptions& options = geometry.options();
     const double h = 1000 * (options.camera_height_m - ground.height_m);
-    const double above = 1000 * options.high_m - h;  // of the band, above the camera
-    const double below = h - 1000 * options.low_m;
-    const double side = std::min(1000 * options.object_m, above + below);
+    HidingRoom room{1000 * options.high_m - h, h - 1000 * options.low_m, 1000 * options.object_m};
+    room.side = std::min(room.side, room.above + room.below);
     const double slope =
         ground.slope_ahead * geometry.bearing_cos(sector) + ground.slope_left * geometry.bearing_sin(sector);
     const double least = 1000 * options.min_m;
@@ -165,26 +194,8 @@ double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane
             continue;
         }
         if (begin >= 0) {
-            // Rows that fall from `top` to `bottom` per horizontal mm show, at distance r, the heights r top to r
-            // bottom below the camera; an obstacle hides when as much of that is in the band as its side.
-            const double top = slope - geometry.rise(sector, begin);
-            const double bottom = slope - geometry.rise(sector, group);
-            double from = std::max(least, bottom > top ? side / (bottom - top) : 1e9);
-            double to = 1e9;
-            const auto limit = [&](double per_mm, double most) {  // per_mm r <= most
-                if (per_mm > 0) {
-                    to = std::min(to, most / per_mm);
-                } else if (per_mm < 0) {
-                    from = std::max(from, most / per_mm);
-                } else if (most < 0) {
-                    to = 0;
-                }
-            };
-            limit(-bottom, above - side);
-            limit(top, below - side);
-            if (from <= to) {
-                free = std::min(free, from);
-            }
+            free = std::min(free, hiding_distance(slope - geometry.rise(sector, begin),
+                                                  slope - geometry.rise(sector, group), room, least));
             begin = -1;
         }
     }
@@ -218,7 +229,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
     const int offset = geometry.camera().scale.offset16;
     const auto k = static_cast<double>(geometry.camera().scale.k);
     const double h = 1000 * (geometry.options().camera_height_m - ground.height_m);
-    const Rays& rays = geometry.rays();
+    const Linear rise = rise_above(geometry.rays(), ground);
     const int sure = geometry.options().min_confidence;
     double low = 1e9;
     double high = -1e9;
@@ -234,7 +245,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
         int count = 0;
         for (int x = edges[sector + 1]; x < edges[sector]; ++x) {
             const int n = disparity[x] + offset;
-            const int m = (2 * std::clamp(n, 0, 16383) * weights[x] + (1 << 14)) >> 15;
+            const int m = at_horizontal_distance(n, weights[x]);
             // Without branches, which would be guessed wrongly at every edge.
             const int in = static_cast<int>(m >= least) & static_cast<int>(m <= most) &
                            static_cast<int>(sureness[x] >= sure) & static_cast<int>(band.contains(x, y, n));
@@ -244,9 +255,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
         }
         if (count > 0) {
             const double x = (edges[sector + 1] + edges[sector] - 1) / 2.0;
-            const double rise =
-                rays.up(x, y) - ground.slope_ahead * rays.ahead(x, y) - ground.slope_left * rays.left(x, y);
-            const double height = h + k * rise * count / sum_of_n;
+            const double height = h + k * rise(x, y) * count / sum_of_n;
             low = std::min(low, height);
             high = std::max(high, height);
             seen += count;
