@@ -59,14 +59,9 @@ private:
 
     HWY_INLINE void pixels(const std::int16_t* disparity, const std::uint8_t* confidence, std::uint16_t* error) const {
         const hn::RebindToUnsigned<Words> out;
-        const hn::Half<Words> half;
-        const hn::Rebind<std::uint16_t, Numbers> half_out;
         const hn::Rebind<std::uint8_t, Words> bytes;
-        const auto value = hn::LoadU(Words(), disparity);
-        const V lower = millimetres(hn::PromoteTo(Numbers(), hn::LowerHalf(half, value)));
-        const V upper = millimetres(hn::PromoteTo(Numbers(), hn::UpperHalf(half, value)));
-        // Larger values become 65535.
-        const auto all = hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
+        const auto all =
+            wide_halves(hn::LoadU(Words(), disparity), [this](V d16) HWY_ATTR { return millimetres(d16); });
         const auto unknown = hn::Eq(hn::PromoteTo(out, hn::LoadU(bytes, confidence)), hn::Zero(out));
         hn::StoreU(hn::IfThenZeroElse(unknown, all), out, error);
     }

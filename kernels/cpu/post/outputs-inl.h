@@ -95,6 +95,19 @@ HWY_INLINE V corrected_quotient(V near, V numerator, V divisor) {
     return hn::Sub(hn::Add(quotient, one_less), one_more);
 }
 
+/// Applies `to_wide`, from 32 to 32 bits, to each half of a vector of 16-bit numbers. Results above 65535 become 65535.
+template <typename V, typename F>
+HWY_INLINE auto wide_halves(V value, const F& to_wide) {
+    const hn::DFromV<V> words;
+    const hn::Half<decltype(words)> half;
+    const hn::RepartitionToWide<decltype(words)> numbers;
+    const hn::RebindToUnsigned<decltype(words)> out;
+    const hn::Rebind<std::uint16_t, decltype(numbers)> half_out;
+    const auto lower = to_wide(hn::PromoteTo(numbers, hn::LowerHalf(half, value)));
+    const auto upper = to_wide(hn::PromoteTo(numbers, hn::UpperHalf(half, value)));
+    return hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
+}
+
 /// Depth from disparity: floor((k + floor(n / 2)) / n) with n = d16 + offset16, divided in single precision.
 ///
 /// `small`: numerators below 2^24 are exact in single precision, and the quotient is too far from the next integer to
@@ -133,13 +146,8 @@ private:
 
     HWY_INLINE void pixels(const std::int16_t* disparity, std::uint16_t* depth) const {
         const hn::RebindToUnsigned<Words> out;
-        const hn::Half<Words> half;
-        const hn::Rebind<std::uint16_t, Numbers> half_out;
         const auto value = hn::LoadU(Words(), disparity);
-        const V lower = millimetres(hn::PromoteTo(Numbers(), hn::LowerHalf(half, value)));
-        const V upper = millimetres(hn::PromoteTo(Numbers(), hn::UpperHalf(half, value)));
-        // Larger values become 65535.
-        const auto all = hn::Combine(out, hn::DemoteTo(half_out, upper), hn::DemoteTo(half_out, lower));
+        const auto all = wide_halves(value, [this](V d16) HWY_ATTR { return millimetres(d16); });
         const auto rejected = hn::VecFromMask(Words(), hn::Eq(value, hn::Set(Words(), invalid_)));
         hn::StoreU(hn::AndNot(hn::BitCast(out, rejected), all), out, depth);
     }
