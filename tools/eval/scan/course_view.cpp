@@ -83,31 +83,24 @@ void meet_box(Point o, Point d, const Obstacle& box, std::int16_t index, Hit& hi
     }
 }
 
+/// Returns where a ray first meets a cylinder of endless length; infinite where it passes by. (x, y) is across the
+/// axis: the ray's origin from there, and its direction.
+double to_cylinder(double x, double y, double dx, double dy, double radius) {
+    const double a = dx * dx + dy * dy;
+    const double b = x * dx + y * dy;
+    const double root = b * b - a * (x * x + y * y - radius * radius);
+    return root < 0 ? std::numeric_limits<double>::infinity() : (-b - std::sqrt(root)) / a;
+}
+
 void meet_post(Point o, Point d, const Obstacle& post, std::int16_t index, Hit& hit) {
-    const double a = d.x * d.x + d.y * d.y;
-    const double px = o.x - post.centre.x;
-    const double py = o.y - post.centre.y;
-    const double b = px * d.x + py * d.y;
-    const double root = b * b - a * (px * px + py * py - post.half.x * post.half.x);
-    if (root < 0) {
-        return;
-    }
-    const double t = (-b - std::sqrt(root)) / a;
+    const double t = to_cylinder(o.x - post.centre.x, o.y - post.centre.y, d.x, d.y, post.half.x);
     if (t > 0 && t < hit.distance && std::abs(o.z + t * d.z - post.centre.z) <= post.half.z) {
         hit = {t, index};
     }
 }
 
 void meet_wire(Point o, Point d, const Obstacle& wire, std::int16_t index, Hit& hit) {
-    const double a = d.x * d.x + d.z * d.z;
-    const double px = o.x - wire.centre.x;
-    const double pz = o.z - wire.centre.z;
-    const double b = px * d.x + pz * d.z;
-    const double root = b * b - a * (px * px + pz * pz - wire.half.x * wire.half.x);
-    if (root < 0) {
-        return;
-    }
-    const double t = (-b - std::sqrt(root)) / a;
+    const double t = to_cylinder(o.x - wire.centre.x, o.z - wire.centre.z, d.x, d.z, wire.half.x);
     if (t > 0 && t < hit.distance && std::abs(o.y + t * d.y - wire.centre.y) <= wire.half.y) {
         hit = {t, index};
     }
