@@ -16,7 +16,7 @@
 namespace disparityd::cuda {
 
 /// All that comes after rectification, on the device: rectified pair in, disparity, confidence and depth out. All
-/// memory is taken when it is made, but for the depth error.
+/// memory is taken when it is made.
 class MatchStage {
 public:
     /// Throws std::runtime_error when the device has too little memory.
