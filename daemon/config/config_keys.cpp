@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "capture/camera/camera_controls.h"
@@ -109,6 +110,21 @@ ConfigKey number_key(std::string_view section, std::string_view name, double lea
                 return true;
             },
             [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
+}
+
+/// Makes a key for a number of the obstacle scan's options, with the range that the scan allows.
+template <typename Field>
+ConfigKey scan_key(std::string_view section, std::string_view name, Field field) {
+    const auto rows = scan_fields();
+    const auto row = std::find_if(rows.begin(), rows.end(), [name](const ScanField& one) { return one.name == name; });
+    if (row == rows.end()) {
+        throw std::logic_error("the table of the scan's options has no " + std::string(name));
+    }
+    if constexpr (std::is_same_v<decltype(field(std::declval<Config&>())), int&>) {
+        return range_key(section, name, static_cast<int>(row->least), static_cast<int>(row->most), field);
+    } else {
+        return number_key(section, name, row->least, row->most, field);
+    }
 }
 
 template <typename Field>
@@ -266,28 +282,28 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
     keys.push_back(bool_key("match", "depth_error", FIELD(match.depth_error)));
-    keys.push_back(number_key("match", "subpixel_error_px", 0.01, 4, FIELD(match.subpixel_error_px)));
+    keys.push_back(scan_key("match", "subpixel_error_px", FIELD(match.subpixel_error_px)));
 }
 
 void add_scan_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("scan", "enabled", FIELD(scan.enabled)));
-    keys.push_back(range_key("scan", "sectors", 1, max_scan_sectors, FIELD(scan.options.sectors)));
-    keys.push_back(number_key("scan", "from_deg", -180, 180, FIELD(scan.options.from_deg)));
-    keys.push_back(number_key("scan", "to_deg", -180, 180, FIELD(scan.options.to_deg)));
-    keys.push_back(number_key("scan", "camera_height_m", -10, 30, FIELD(scan.options.camera_height_m)));
-    keys.push_back(number_key("scan", "pitch_deg", -45, 45, FIELD(scan.options.pitch_deg)));
-    keys.push_back(number_key("scan", "roll_deg", -45, 45, FIELD(scan.options.roll_deg)));
-    keys.push_back(number_key("scan", "yaw_deg", -180, 180, FIELD(scan.options.yaw_deg)));
+    keys.push_back(scan_key("scan", "sectors", FIELD(scan.options.sectors)));
+    keys.push_back(scan_key("scan", "from_deg", FIELD(scan.options.from_deg)));
+    keys.push_back(scan_key("scan", "to_deg", FIELD(scan.options.to_deg)));
+    keys.push_back(scan_key("scan", "camera_height_m", FIELD(scan.options.camera_height_m)));
+    keys.push_back(scan_key("scan", "pitch_deg", FIELD(scan.options.pitch_deg)));
+    keys.push_back(scan_key("scan", "roll_deg", FIELD(scan.options.roll_deg)));
+    keys.push_back(scan_key("scan", "yaw_deg", FIELD(scan.options.yaw_deg)));
     keys.push_back(name_key<GroundMode>("scan", "ground",
                                         {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}},
                                         FIELD(scan.options.ground)));
-    keys.push_back(number_key("scan", "low_m", -30, 30, FIELD(scan.options.low_m)));
-    keys.push_back(number_key("scan", "high_m", -30, 30, FIELD(scan.options.high_m)));
-    keys.push_back(number_key("scan", "min_m", 0.01, 60, FIELD(scan.options.min_m)));
-    keys.push_back(number_key("scan", "max_m", 0.02, 65, FIELD(scan.options.max_m)));
-    keys.push_back(number_key("scan", "object_m", 0.01, 10, FIELD(scan.options.object_m)));
-    keys.push_back(number_key("scan", "max_error_m", 0.001, 65, FIELD(scan.options.max_error_m)));
-    keys.push_back(range_key("scan", "min_confidence", 1, 255, FIELD(scan.options.min_confidence)));
+    keys.push_back(scan_key("scan", "low_m", FIELD(scan.options.low_m)));
+    keys.push_back(scan_key("scan", "high_m", FIELD(scan.options.high_m)));
+    keys.push_back(scan_key("scan", "min_m", FIELD(scan.options.min_m)));
+    keys.push_back(scan_key("scan", "max_m", FIELD(scan.options.max_m)));
+    keys.push_back(scan_key("scan", "object_m", FIELD(scan.options.object_m)));
+    keys.push_back(scan_key("scan", "max_error_m", FIELD(scan.options.max_error_m)));
+    keys.push_back(scan_key("scan", "min_confidence", FIELD(scan.options.min_confidence)));
 }
 
 void add_output_keys(std::vector<ConfigKey>& keys) {

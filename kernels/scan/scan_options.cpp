@@ -8,12 +8,33 @@
 namespace disparityd {
 namespace {
 
-struct Range {
-    const char* name;
-    double value;
-    double least;
-    double most;
+constexpr std::array fields{
+    ScanField{"sectors", &ScanOptions::sectors, 1, max_scan_sectors},
+    ScanField{"from_deg", &ScanOptions::from_deg, -180, 180},
+    ScanField{"to_deg", &ScanOptions::to_deg, -180, 180},
+    ScanField{"camera_height_m", &ScanOptions::camera_height_m, -10, 30},
+    ScanField{"pitch_deg", &ScanOptions::pitch_deg, -45, 45},
+    ScanField{"roll_deg", &ScanOptions::roll_deg, -45, 45},
+    ScanField{"yaw_deg", &ScanOptions::yaw_deg, -180, 180},
+    ScanField{"ground", &ScanOptions::ground},
+    ScanField{"low_m", &ScanOptions::low_m, -30, 30},
+    ScanField{"high_m", &ScanOptions::high_m, -30, 30},
+    ScanField{"min_m", &ScanOptions::min_m, 0.01, 60},
+    ScanField{"max_m", &ScanOptions::max_m, 0.02, 65},
+    ScanField{"object_m", &ScanOptions::object_m, 0.01, 10},
+    ScanField{"max_error_m", &ScanOptions::max_error_m, 0.001, 65},
+    ScanField{"min_confidence", &ScanOptions::min_confidence, 1, 255},
+    ScanField{"subpixel_error_px", &ScanOptions::subpixel_error_px, 0.01, 4},
 };
+
+/// Returns the value of a number; one that is in range for what is no number.
+double value_of(const ScanField& field, const ScanOptions& options) {
+    if (const auto* const whole = std::get_if<int ScanOptions::*>(&field.field)) {
+        return options.*(*whole);
+    }
+    const auto* const real = std::get_if<double ScanOptions::*>(&field.field);
+    return real != nullptr ? options.*(*real) : field.least;
+}
 
 std::string number(double value) {
     std::ostringstream text;
@@ -23,28 +44,16 @@ std::string number(double value) {
 
 }  // namespace
 
+std::span<const ScanField> scan_fields() {
+    return fields;
+}
+
 std::string validate(const ScanOptions& options) {
-    const std::array ranges{
-        Range{"sectors", static_cast<double>(options.sectors), 1, max_scan_sectors},
-        Range{"from_deg", options.from_deg, -180, 180},
-        Range{"to_deg", options.to_deg, -180, 180},
-        Range{"camera_height_m", options.camera_height_m, -10, 30},
-        Range{"pitch_deg", options.pitch_deg, -45, 45},
-        Range{"roll_deg", options.roll_deg, -45, 45},
-        Range{"yaw_deg", options.yaw_deg, -180, 180},
-        Range{"low_m", options.low_m, -30, 30},
-        Range{"high_m", options.high_m, -30, 30},
-        Range{"min_m", options.min_m, 0.01, 60},
-        Range{"max_m", options.max_m, 0.02, 65},
-        Range{"object_m", options.object_m, 0.01, 10},
-        Range{"max_error_m", options.max_error_m, 0.001, 65},
-        Range{"subpixel_error_px", options.subpixel_error_px, 0.01, 4},
-        Range{"min_confidence", static_cast<double>(options.min_confidence), 1, 255},
-    };
-    for (const Range& range : ranges) {
-        if (!(range.value >= range.least && range.value <= range.most)) {  // not a number fails, too
-            return std::string(range.name) + " = " + number(range.value) + ": allowed is " + number(range.least) +
-                   " to " + number(range.most);
+    for (const ScanField& field : fields) {
+        const double value = value_of(field, options);
+        if (!(value >= field.least && value <= field.most)) {  // not a number fails, too
+            return std::string(field.name) + " = " + number(value) + ": allowed is " + number(field.least) + " to " +
+                   number(field.most);
         }
     }
     const bool field_of_view = options.from_deg == 0 && options.to_deg == 0;

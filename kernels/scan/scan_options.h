@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 
 namespace disparityd {
 
@@ -40,6 +43,17 @@ struct ScanOptions {
 };
 
 inline constexpr int max_scan_sectors = 360;
+
+/// A row of the table of options.
+struct ScanField {
+    std::string_view name;  ///< as the configuration has it
+    std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*> field;
+    double least = 0;  ///< of a number
+    double most = 0;
+};
+
+/// Returns each option once, with the range of its numbers.
+std::span<const ScanField> scan_fields();
 
 /// Returns one line about the first option that is out of range, empty when all are allowed.
 std::string validate(const ScanOptions& options);

@@ -73,41 +73,34 @@ TEST(ScanJudgement, PerfectDisparitiesMissNothing) {
     EXPECT_GT(obstacles, 30);
 }
 
-TEST(ScanJudgement, WhatIsNotShownIsMissed) {
+/// What a course counts when every sector of its scan shows the same.
+ScanCounts judged_as(const std::string& kind, const ScanSector& shown) {
     const CourseCamera camera = small_camera();
     const ScanOptions options;
-    const Course course = course_of("boxes");
+    const Course course = course_of(kind);
     const CourseView view = draw(course, camera);
     Scan scan = scan_of(view, camera, options);
     for (ScanSector& sector : scan.sectors) {
-        sector.state = SectorState::unknown;
-        sector.distance_mm = 0;
-        sector.free_mm = 0;
+        const ScanSector was = sector;
+        sector = shown;
+        sector.from_cdeg = was.from_cdeg;
+        sector.to_cdeg = was.to_cdeg;
     }
-    const ScanCounts unknown = judge(scan, options, view, course, camera, disparities);
+    return judge(scan, options, view, course, camera, disparities);
+}
+
+TEST(ScanJudgement, WhatIsNotShownIsMissed) {
+    const ScanCounts unknown = judged_as("boxes", {.state = SectorState::unknown});
     EXPECT_EQ(unknown.missed, unknown.obstacles);
     EXPECT_EQ(unknown.declared_free, 0) << "unknown is not free";
     EXPECT_EQ(unknown.unknown, 72);
-    for (ScanSector& sector : scan.sectors) {
-        sector.state = SectorState::free;
-        sector.free_mm = 20000;
-    }
-    const ScanCounts free = judge(scan, options, view, course, camera, disparities);
+    const ScanCounts free = judged_as("boxes", {.state = SectorState::free, .free_mm = 20000});
     EXPECT_EQ(free.declared_free, free.obstacles);
 }
 
 TEST(ScanJudgement, WhatIsNotThereIsAFalseAlarm) {
-    const CourseCamera camera = small_camera();
-    const ScanOptions options;
-    const Course course = course_of("open floor");
-    const CourseView view = draw(course, camera);
-    Scan scan = scan_of(view, camera, options);
-    for (ScanSector& sector : scan.sectors) {
-        sector.state = SectorState::occupied;
-        sector.distance_mm = 2000;
-        sector.sigma_mm = 10;
-    }
-    EXPECT_EQ(judge(scan, options, view, course, camera, disparities).false_alarms, 72);
+    const ScanSector shown{.state = SectorState::occupied, .distance_mm = 2000, .sigma_mm = 10};
+    EXPECT_EQ(judged_as("open floor", shown).false_alarms, 72);
 }
 
 TEST(Courses, SameSeedGivesTheSameCourses) {

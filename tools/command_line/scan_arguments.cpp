@@ -2,7 +2,6 @@
 #include "tools/command_line/scan_arguments.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <stdexcept>
 #include <variant>
@@ -14,40 +13,14 @@
 namespace disparityd::tools {
 namespace {
 
-using ScanField = std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*>;
-
-struct ScanKey {
-    std::string_view name;
-    ScanField field;
-};
-
-constexpr std::array scan_key_table{
-    ScanKey{"sectors", &ScanOptions::sectors},
-    ScanKey{"from_deg", &ScanOptions::from_deg},
-    ScanKey{"to_deg", &ScanOptions::to_deg},
-    ScanKey{"camera_height_m", &ScanOptions::camera_height_m},
-    ScanKey{"pitch_deg", &ScanOptions::pitch_deg},
-    ScanKey{"roll_deg", &ScanOptions::roll_deg},
-    ScanKey{"yaw_deg", &ScanOptions::yaw_deg},
-    ScanKey{"ground", &ScanOptions::ground},
-    ScanKey{"low_m", &ScanOptions::low_m},
-    ScanKey{"high_m", &ScanOptions::high_m},
-    ScanKey{"min_m", &ScanOptions::min_m},
-    ScanKey{"max_m", &ScanOptions::max_m},
-    ScanKey{"object_m", &ScanOptions::object_m},
-    ScanKey{"max_error_m", &ScanOptions::max_error_m},
-    ScanKey{"min_confidence", &ScanOptions::min_confidence},
-    ScanKey{"subpixel_error_px", &ScanOptions::subpixel_error_px},
-};
-
 [[noreturn]] void refuse_setting(const std::string& setting, const std::string& allowed) {
     throw std::invalid_argument("--scan-set: found '" + setting + "', allowed: " + allowed);
 }
 
 std::string all_scan_keys() {
     std::string list;
-    for (const ScanKey& key : scan_key_table) {
-        list += (list.empty() ? "" : ", ") + std::string(key.name);
+    for (const ScanField& field : scan_fields()) {
+        list += (list.empty() ? "" : ", ") + std::string(field.name);
     }
     return list;
 }
@@ -80,10 +53,10 @@ GroundMode ground_mode(const std::string& setting, std::string_view value) {
 void apply_setting(const std::string& setting, ScanOptions& options) {
     const std::string_view text = setting;
     const std::size_t equals = text.find('=');
-    const auto* const key = std::find_if(scan_key_table.begin(), scan_key_table.end(), [&](const ScanKey& candidate) {
-        return candidate.name == text.substr(0, equals);
-    });
-    if (key == scan_key_table.end() || equals == std::string_view::npos) {
+    const auto fields = scan_fields();
+    const auto key = std::find_if(fields.begin(), fields.end(),
+                                  [&](const ScanField& candidate) { return candidate.name == text.substr(0, equals); });
+    if (key == fields.end() || equals == std::string_view::npos) {
         refuse_setting(setting, "KEY=VALUE, where KEY is one of " + all_scan_keys());
     }
     const std::string_view value = text.substr(equals + 1);
@@ -119,15 +92,6 @@ ScanOptions ScanArguments::options(bool calibrated) const {
         throw std::invalid_argument("--scan-set: " + wrong);
     }
     return options;
-}
-
-std::vector<std::string_view> scan_keys() {
-    std::vector<std::string_view> names;
-    names.reserve(scan_key_table.size());
-    for (const ScanKey& key : scan_key_table) {
-        names.push_back(key.name);
-    }
-    return names;
 }
 
 }  // namespace disparityd::tools

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "kernels/scan/scan_options.h"
@@ -28,8 +27,5 @@ public:
 private:
     std::vector<std::string> settings_;  ///< as typed
 };
-
-/// Returns the names of all keys, in the order of the configuration.
-std::vector<std::string_view> scan_keys();
 
 }  // namespace disparityd::tools
