@@ -46,10 +46,14 @@ public:
         memory_ = std::make_unique<proto::SharedMemoryWriter>(
             "allocation-test-" + std::to_string(getpid()),
             proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
-        pipeline_ = std::make_unique<Pipeline>(
-            PipelineConfig{
-                .policy = Policy::live, .slots = slots, .depth = true, .left_colour = true, .depth_error = 64},
-            *source_, *matcher_, workers_, rectification_, [this](const FrameSlot& slot) { publish(slot); });
+        pipeline_ = std::make_unique<Pipeline>(PipelineConfig{.policy = Policy::live,
+                                                              .slots = slots,
+                                                              .depth = true,
+                                                              .left_colour = true,
+                                                              .depth_error = 64,
+                                                              .scan = ScanOptions{}},
+                                               *source_, *matcher_, workers_, rectification_,
+                                               [this](const FrameSlot& slot) { publish(slot); });
         pipeline_->start();
     }
 
