@@ -69,4 +69,10 @@ bool device_is_integrated() {
     return integrated != 0 && mappable != 0;
 }
 
+int multiprocessors() {
+    int count = 0;
+    check(cudaDeviceGetAttribute(&count, cudaDevAttrMultiProcessorCount, 0), "properties of the device");
+    return count;
+}
+
 }  // namespace disparityd::cuda

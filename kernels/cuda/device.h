@@ -16,4 +16,7 @@ std::string device_problem();
 /// Whether the device shares the host's memory, as Jetsons do: then what both see is mapped, not copied.
 bool device_is_integrated();
 
+/// Multiprocessors of the device.
+int multiprocessors();
+
 }  // namespace disparityd::cuda

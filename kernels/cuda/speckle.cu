@@ -6,14 +6,14 @@ namespace disparityd::cuda {
 
 namespace {
 
+// An image is cut into tiles as wide as a warp, with a thread for each pixel.
+constexpr int tile_height = 16;
+constexpr int tile_pixels = lanes * tile_height;
+
 constexpr int block_threads = 256;
 
-__device__ std::uint32_t thread_index() {
-    return static_cast<std::uint32_t>(blockIdx.x) * block_threads + threadIdx.x;
-}
-
-__device__ std::uint32_t pixel_count(const SpeckleJob& job) {
-    return static_cast<std::uint32_t>(job.width) * static_cast<std::uint32_t>(job.height);
+__device__ int thread_index() {
+    return static_cast<int>(blockIdx.x) * block_threads + static_cast<int>(threadIdx.x);
 }
 
 // A region is a tree whose root is its smallest index: every pixel names one of its region that is smaller, or itself.
@@ -48,39 +48,140 @@ __device__ bool belong_together(const SpeckleJob& job, std::int16_t a, std::int1
     return a != job.invalid && b != job.invalid && difference <= job.max_step;
 }
 
-__global__ void begin_regions_kernel(SpeckleJob job) {
-    const std::uint32_t i = thread_index();
-    if (i < pixel_count(job)) {
-        job.labels[i] = i;
-        job.sizes[i] = 0;
+// The first lane of this lane's run in a row of a tile: `linked` has a bit for each lane that belongs to the one
+// before.
+__device__ int run_begin(unsigned linked) {
+    const unsigned up_to_this = all_lanes >> (lanes - 1 - static_cast<int>(threadIdx.x));
+    return lanes - 1 - __clz(static_cast<int>(~linked & up_to_this));
+}
+
+// How many lanes belong to the run that begins with this lane.
+__device__ unsigned run_length(unsigned linked) {
+    const unsigned later = ~linked & ~(all_lanes >> (lanes - 1 - static_cast<int>(threadIdx.x)));
+    return (later == 0 ? lanes : static_cast<unsigned>(__ffs(static_cast<int>(later))) - 1) - threadIdx.x;
+}
+
+// The regions inside each tile, joined in shared memory. Every pixel gets its root in the tile as label, and a root the
+// size of the region's part there; who is no root gets size 0.
+__global__ void __launch_bounds__(tile_pixels) join_in_tiles_kernel(SpeckleJob job) {
+    DISPARITYD_SHARED(std::int16_t, values, [tile_height][lanes]);
+    DISPARITYD_SHARED(std::uint32_t, labels, [tile_pixels]);
+    DISPARITYD_SHARED(std::uint32_t, sizes, [tile_pixels]);
+    const int lane = static_cast<int>(threadIdx.x);
+    const int row = static_cast<int>(threadIdx.y);
+    const int first_x = static_cast<int>(blockIdx.x) * lanes;
+    const int first_y = static_cast<int>(blockIdx.y) * tile_height;
+    const bool inside = first_x + lane < job.width && first_y + row < job.height;
+    const int pixel = (first_y + row) * job.width + first_x + lane;
+    const std::int16_t value = inside ? job.disparity[pixel] : job.invalid;
+    const auto left = static_cast<std::int16_t>(__shfl_up_sync(all_lanes, int{value}, 1));
+    const unsigned linked = __ballot_sync(all_lanes, static_cast<int>(lane > 0 && belong_together(job, left, value)));
+    const int begin = run_begin(linked);
+    const auto here = static_cast<std::uint32_t>(row * lanes + lane);
+    values[row][lane] = value;
+    labels[here] = static_cast<std::uint32_t>(row * lanes + begin);
+    sizes[here] = 0;
+    __syncthreads();
+
+    const std::int16_t above = row > 0 ? values[row - 1][lane] : job.invalid;
+    const std::int16_t left_above = row > 0 && lane > 0 ? values[row - 1][lane - 1] : job.invalid;
+    const bool joins = belong_together(job, above, value);
+    const unsigned joined = __ballot_sync(all_lanes, static_cast<int>(joins));
+    // The two rows' runs have been joined one lane further left.
+    const bool known = begin < lane && (joined >> (lane - 1) & 1) != 0 && belong_together(job, left_above, above);
+    if (joins && !known) {
+        join(labels, here, here - lanes);
+    }
+    __syncthreads();
+
+    const std::uint32_t root = root_of(labels, here);
+    if (begin == lane) {
+        atomicAdd(&sizes[root], run_length(linked));
+    }
+    __syncthreads();
+    if (inside) {
+        const auto x = first_x + static_cast<int>(root) % lanes;
+        const auto y = first_y + static_cast<int>(root) / lanes;
+        job.labels[pixel] = static_cast<std::uint32_t>(y * job.width + x);
+        job.sizes[pixel] = sizes[here];
     }
 }
 
-__global__ void join_regions_kernel(SpeckleJob job) {
-    const std::uint32_t i = thread_index();
-    if (i >= pixel_count(job)) {
+// Two neighbouring pixels of two tiles.
+struct BorderPair {
+    int pixel;
+    int neighbour;  // the one above, or on the left
+    int before;     // steps from either to the pixel before along the border; 0: the tile begins here
+};
+
+__host__ __device__ constexpr int rows_of_pairs(int height) {
+    return (height - 1) / tile_height;
+}
+__host__ __device__ constexpr int columns_of_pairs(int width) {
+    return (width - 1) / lanes;
+}
+__host__ __device__ constexpr int border_pairs(int width, int height) {
+    return rows_of_pairs(height) * width + columns_of_pairs(width) * height;
+}
+
+__device__ BorderPair border_pair(const SpeckleJob& job, int i) {
+    const int in_rows = rows_of_pairs(job.height) * job.width;
+    if (i < in_rows) {
+        const int x = i % job.width;
+        const int pixel = (i / job.width + 1) * tile_height * job.width + x;
+        return {pixel, pixel - job.width, x % lanes == 0 ? 0 : 1};
+    }
+    const int y = (i - in_rows) % job.height;
+    const int pixel = y * job.width + ((i - in_rows) / job.height + 1) * lanes;
+    return {pixel, pixel - 1, y % tile_height == 0 ? 0 : job.width};
+}
+
+// Regions of neighbouring tiles.
+__global__ void join_tiles_kernel(SpeckleJob job) {
+    const int i = thread_index();
+    if (i >= border_pairs(job.width, job.height)) {
         return;
     }
-    const auto width = static_cast<std::uint32_t>(job.width);
-    const std::int16_t value = job.disparity[i];
-    if (i % width + 1 < width && belong_together(job, value, job.disparity[i + 1])) {
-        join(job.labels, i, i + 1);
+    const BorderPair pair = border_pair(job, i);
+    const std::int16_t value = job.disparity[pair.pixel];
+    const std::int16_t neighbour = job.disparity[pair.neighbour];
+    if (!belong_together(job, value, neighbour)) {
+        return;
     }
-    if (i + width < pixel_count(job) && belong_together(job, value, job.disparity[i + width])) {
-        join(job.labels, i, i + width);
+    if (pair.before > 0) {
+        // What belongs together along the border has been joined there.
+        const std::int16_t value_before = job.disparity[pair.pixel - pair.before];
+        const std::int16_t neighbour_before = job.disparity[pair.neighbour - pair.before];
+        if (belong_together(job, value_before, value) && belong_together(job, neighbour_before, neighbour) &&
+            belong_together(job, value_before, neighbour_before)) {
+            return;
+        }
     }
+    join(job.labels, static_cast<std::uint32_t>(pair.pixel), static_cast<std::uint32_t>(pair.neighbour));
 }
 
-__global__ void count_regions_kernel(SpeckleJob job) {
-    const std::uint32_t i = thread_index();
-    if (i < pixel_count(job)) {
-        atomicAdd(&job.sizes[root_of(job.labels, i)], std::uint32_t{1});
+// The sizes of a region's parts, added to that of its root.
+__global__ void add_sizes_kernel(SpeckleJob job) {
+    const int i = thread_index();
+    if (i >= job.width * job.height) {
+        return;
+    }
+    const std::uint32_t size = job.sizes[i];
+    if (size == 0) {
+        return;
+    }
+    const auto part = static_cast<std::uint32_t>(i);
+    const std::uint32_t root = root_of(job.labels, part);
+    if (root != part) {
+        atomicAdd(&job.sizes[root], size);
+        job.labels[part] = root;  // a shorter way for who looks later
     }
 }
 
 __global__ void reject_regions_kernel(SpeckleJob job) {
-    const std::uint32_t i = thread_index();
-    if (i < pixel_count(job) && job.sizes[root_of(job.labels, i)] < static_cast<std::uint32_t>(job.min_size)) {
+    const int i = thread_index();
+    if (i < job.width * job.height && job.disparity[i] != job.invalid &&
+        job.sizes[root_of(job.labels, static_cast<std::uint32_t>(i))] < static_cast<std::uint32_t>(job.min_size)) {
         job.disparity[i] = job.invalid;
     }
 }
@@ -88,11 +189,17 @@ __global__ void reject_regions_kernel(SpeckleJob job) {
 }  // namespace
 
 void speckle(const SpeckleJob& job, cudaStream_t stream) {
-    const Shape shape{dim3(blocks_for(job.width * job.height, block_threads)), dim3(block_threads)};
-    launch("speckle: begin", shape, stream, begin_regions_kernel, job);
-    launch("speckle: join", shape, stream, join_regions_kernel, job);
-    launch("speckle: count", shape, stream, count_regions_kernel, job);
-    launch("speckle: reject", shape, stream, reject_regions_kernel, job);
+    const Shape tiles{dim3(blocks_for(job.width, lanes), blocks_for(job.height, tile_height)),
+                      dim3(lanes, tile_height)};
+    const Shape pixels{dim3(blocks_for(job.width * job.height, block_threads)), dim3(block_threads)};
+    const int pairs = border_pairs(job.width, job.height);
+    launch("speckle: join in tiles", tiles, stream, join_in_tiles_kernel, job);
+    if (pairs > 0) {
+        const Shape borders{dim3(blocks_for(pairs, block_threads)), dim3(block_threads)};
+        launch("speckle: join tiles", borders, stream, join_tiles_kernel, job);
+        launch("speckle: add sizes", pixels, stream, add_sizes_kernel, job);
+    }
+    launch("speckle: reject", pixels, stream, reject_regions_kernel, job);
 }
 
 }  // namespace disparityd::cuda

@@ -39,9 +39,10 @@ struct Work {
     double minima = 0;
 };
 
-Work work_of(const std::string& step, const Size& size) {
+Work work_of(const std::string& step, const Size& size, const MatchOptions& options) {
     const double pixels = double(size.width) * size.height;
-    const MatchOptions options = default_options(Method::sgm, {0, size.disparities});
+    const auto cost = options.cost == CensusCost::census_9x7 ? cuda::Cost::census_9x7 : cuda::Cost::census_7x5_gradient;
+    const double words = 2 * 8 * cuda::word_size(cost) * pixels;  // of both images
     const cuda::SgmBytes bytes =
         cuda::sgm_bytes(size.width, size.height, size.disparities, options.sgm.paths, options.sgm.p2);
     const auto left_volume = static_cast<double>(bytes.left_volume);
@@ -50,21 +51,28 @@ Work work_of(const std::string& step, const Size& size) {
     const double minima_of_path = 4 * volume / 2;  // for a pair of candidates: two neighbours, jump, penalty, the least
     // Census words are read wherever costs are counted; edges of strips are written and read.
     if (step == "dsi+sweeps") {
-        constexpr int paths = 6;
-        return {sweep_volumes + 2 * static_cast<double>(bytes.edges) + 2 * 16 * pixels, paths * minima_of_path};
+        const int paths = options.sgm.paths == 8 ? 6 : 2;
+        return {sweep_volumes + 2 * static_cast<double>(bytes.edges) + 2 * words, paths * minima_of_path};
     }
     if (step == "dsi+path") {
-        return {left_volume + 16 * pixels, minima_of_path};
+        return {left_volume + words, minima_of_path};
     }
     if (step == "dsi+aggregate+wta") {
-        return {sweep_volumes + left_volume + 23 * pixels, minima_of_path};
+        return {sweep_volumes + left_volume + words + 7 * pixels, minima_of_path};
     }
-    constexpr std::array<std::pair<const char*, double>, 8> bytes_per_pixel = {{{"sad+wta", 9},
-                                                                                {"dsi+wta", 23},
+    if (step == "guided-median" && options.post.guided_median == 0) {
+        return {};
+    }
+    if (step == "census") {
+        return {2 * pixels + words, 0};
+    }
+    if (step == "dsi+wta") {
+        return {words + 7 * pixels, 0};
+    }
+    constexpr std::array<std::pair<const char*, double>, 6> bytes_per_pixel = {{{"sad+wta", 9},
                                                                                 {"rectify", 18},
-                                                                                {"census", 18},
                                                                                 {"left-right+median", 8},
-                                                                                {"speckle", 38},
+                                                                                {"speckle", 24},
                                                                                 {"interpolate+depth", 10},
                                                                                 {"guided-median", 7}}};
     for (const auto& [name, per_pixel] : bytes_per_pixel) {
@@ -93,21 +101,37 @@ private:
     bool first_ = true;
 };
 
-void time_frame(const Size& size, Method method, const MachineFloor& machine, Parallel& workers, List& json) {
-    const FrameTimes cuda = frame_times("cuda", size, method, frames, workers);
-    const double in_flight = two_in_flight("cuda", size, method, frames, workers);
-    const FrameTimes cpu = frame_times("cpu", size, method, frames / 4, workers);
-    std::printf("%-7s %4dx%-4d D %-3d %-7s %8.3f ms, two in flight %8.3f ms, from rectified %8.3f ms, cpu %8.3f ms\n",
-                size.name, size.width, size.height, size.disparities, std::string(to_string(method)).c_str(),
-                cuda.frame, in_flight, cuda.matched, cpu.frame);
+/// A method as the daemon offers it: SAD, CENSUS, and SGM in its presets.
+struct Chain {
+    const char* name;
+    MatchOptions options;
+};
+
+std::array<Chain, 5> chains(int disparities) {
+    const DisparityRange range{0, disparities};
+    return {{{"sad", default_options(Method::sad, range)},
+             {"census", default_options(Method::census, range)},
+             {"paper", preset_options(Preset::paper, range)},
+             {"dense", preset_options(Preset::dense, range)},
+             {"obstacles", preset_options(Preset::obstacles, range)}}};
+}
+
+void time_frame(const Size& size, const Chain& chain, const MachineFloor& machine, Parallel& workers, List& json) {
+    const FrameTimes cuda = frame_times("cuda", size, chain.options, frames, workers);
+    const double in_flight = two_in_flight("cuda", size, chain.options, frames, workers);
+    const FrameTimes cpu = frame_times("cpu", size, chain.options, frames / 4, workers);
+    std::printf("%-7s %4dx%-4d D %-3d %-9s %8.3f ms, two in flight %8.3f ms, from rectified %8.3f ms, cpu %8.3f ms\n",
+                size.name, size.width, size.height, size.disparities, chain.name, cuda.frame, in_flight, cuda.matched,
+                cpu.frame);
     std::ostream& out = json.next();
-    out << R"({"size": ")" << size.name << R"(", "disparities": )" << size.disparities << R"(, "method": ")"
-        << to_string(method) << R"(", "cuda_ms": )" << cuda.frame << R"(, "cuda_in_flight_ms": )" << in_flight
+    out << R"({"size": ")" << size.name << R"(", "disparities": )" << size.disparities << R"(, "chain": ")"
+        << chain.name << R"(", "cuda_ms": )" << cuda.frame << R"(, "cuda_in_flight_ms": )" << in_flight
         << R"(, "cuda_matched_ms": )" << cuda.matched << R"(, "cpu_ms": )" << cpu.frame << R"(, "steps_ms": {)";
     double all_floors = 0;
     for (std::size_t i = 0; i < cuda.steps.size(); ++i) {
         // The stage "rectify" is timed with its copies; the kernel has a table of its own.
-        const double floor = cuda.steps[i] == "rectify" ? 0 : floor_of(work_of(cuda.steps[i], size), machine);
+        const double floor =
+            cuda.steps[i] == "rectify" ? 0 : floor_of(work_of(cuda.steps[i], size, chain.options), machine);
         all_floors += floor;
         std::printf("    %-20s %8.3f ms", cuda.steps[i].c_str(), cuda.step[i]);
         std::printf(floor > 0 ? ", floor %8.3f ms: %.0f %% of its speed\n" : "\n", floor, 100 * floor / cuda.step[i]);
@@ -121,8 +145,8 @@ void time_frames(const MachineFloor& machine, Parallel& workers, std::ostream& o
     std::printf("\nFrames from YUYV in host memory to results there (cpu: %d workers):\n", workers.workers());
     List json(out, "frames");
     for (const Size& size : sizes) {
-        for (const Method method : {Method::sad, Method::census, Method::sgm}) {
-            time_frame(size, method, machine, workers, json);
+        for (const Chain& chain : chains(size.disparities)) {
+            time_frame(size, chain, machine, workers, json);
         }
     }
 }
@@ -132,7 +156,7 @@ void time_rectification(const MachineFloor& machine, std::ostream& out) {
     List json(out, "rectify");
     for (const Size& size : sizes) {
         const double ms = rectify_time(size.width, size.height);
-        std::printf("%-8s %8.4f ms, floor %8.4f ms\n", size.name, ms, floor_of(work_of("rectify", size), machine));
+        std::printf("%-8s %8.4f ms, floor %8.4f ms\n", size.name, ms, floor_of(work_of("rectify", size, {}), machine));
         json.next() << R"({"size": ")" << size.name << R"(", "ms": )" << ms << '}';
     }
 }
@@ -146,7 +170,10 @@ void print_paper_tables(Parallel& workers, std::ostream& out) {
     for (const PaperScene& scene : paper_scenes) {
         const Size& size = scene.size;
         const CensusTimes words = census_times(size.width, size.height);
-        const auto matched = [&](Method method) { return frame_times("cuda", size, method, frames, workers).matched; };
+        const auto matched = [&](Method method) {
+            const MatchOptions options = default_options(method, {0, size.disparities});
+            return frame_times("cuda", size, options, frames, workers).matched;
+        };
         const double sad = matched(Method::sad);
         const double census = matched(Method::census);
         const double sgm = matched(Method::sgm);

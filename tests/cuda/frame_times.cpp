@@ -60,9 +60,8 @@ struct Maps {
 /// A matcher and the frames that go round.
 class Ring {
 public:
-    Ring(std::string_view name, const Size& size, Method method)
-        : maps_(size.width, size.height),
-          matcher(backend(name).create({size.width, size.height, default_options(method, {0, size.disparities})})) {
+    Ring(std::string_view name, const Size& size, const MatchOptions& options)
+        : maps_(size.width, size.height), matcher(backend(name).create({size.width, size.height, options})) {
         Random random(1);
         rectifier_ = {true, maps_.view(), maps_.view(), 0, 0};
         rectifier_.id = 1;
@@ -97,8 +96,9 @@ public:
 
 }  // namespace
 
-FrameTimes frame_times(std::string_view backend, const Size& size, Method method, int rounds, Parallel& workers) {
-    Ring ring(backend, size, method);
+FrameTimes frame_times(std::string_view backend, const Size& size, const MatchOptions& options, int rounds,
+                       Parallel& workers) {
+    Ring ring(backend, size, options);
     const auto stages = ring.matcher->stages();
     FrameTimes result;
     for (const StageInfo& stage : stages) {
@@ -132,8 +132,9 @@ FrameTimes frame_times(std::string_view backend, const Size& size, Method method
     return result;
 }
 
-double two_in_flight(std::string_view backend, const Size& size, Method method, int rounds, Parallel& workers) {
-    Ring ring(backend, size, method);
+double two_in_flight(std::string_view backend, const Size& size, const MatchOptions& options, int rounds,
+                     Parallel& workers) {
+    Ring ring(backend, size, options);
     std::counting_semaphore<frames_in_rotation> free(frames_in_rotation - 1);
     std::counting_semaphore<frames_in_rotation> rectified(0);
     std::thread rectifies([&] {

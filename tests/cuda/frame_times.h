@@ -22,11 +22,14 @@ struct FrameTimes {
     double matched = 0;  ///< of that, from the rectified pair on
 };
 
-/// Of a back end, with frames in rotation, so that no cache holds the next one.
-FrameTimes frame_times(std::string_view backend, const Size& size, Method method, int rounds, Parallel& workers);
+/// Of a back end with these options, whose range is of size.disparities, with frames in rotation, so that no cache
+/// holds the next one.
+FrameTimes frame_times(std::string_view backend, const Size& size, const MatchOptions& options, int rounds,
+                       Parallel& workers);
 
 /// Milliseconds from one frame to the next of a matcher with two stages, each in a thread of its own as in a pipeline:
 /// while one frame is matched the next is rectified.
-double two_in_flight(std::string_view backend, const Size& size, Method method, int rounds, Parallel& workers);
+double two_in_flight(std::string_view backend, const Size& size, const MatchOptions& options, int rounds,
+                     Parallel& workers);
 
 }  // namespace disparityd::test

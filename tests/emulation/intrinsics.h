@@ -14,6 +14,16 @@ inline int __popc(unsigned value) {
     return __builtin_popcount(value);
 }
 
+/// The zeros above the highest bit that is set; 32 where there is none.
+inline int __clz(int value) {
+    return value == 0 ? 32 : __builtin_clz(static_cast<unsigned>(value));
+}
+
+/// The position of the lowest bit that is set, counted from 1; 0 where there is none.
+inline int __ffs(int value) {
+    return __builtin_ffs(value);
+}
+
 /// |x - y| of each of the four bytes.
 inline unsigned __vabsdiffu4(unsigned x, unsigned y) {
     unsigned result = 0;

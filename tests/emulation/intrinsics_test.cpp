@@ -37,6 +37,18 @@ TEST(Intrinsics, CountBits) {
     EXPECT_EQ(__popc(~0U), 32);
 }
 
+TEST(Intrinsics, FindTheFirstAndTheLastBit) {
+    EXPECT_EQ(__clz(0), 32);
+    EXPECT_EQ(__ffs(0), 0);
+    for (int i = 0; i < 32; ++i) {
+        const auto bit = static_cast<int>(1U << i);
+        EXPECT_EQ(__clz(bit), 31 - i);
+        EXPECT_EQ(__ffs(bit), i + 1);
+    }
+    EXPECT_EQ(__clz(0x00300100), 10);
+    EXPECT_EQ(__ffs(0x00300100), 9);
+}
+
 TEST(Intrinsics, AbsoluteDifferenceIsAddedModulo32Bits) {
     EXPECT_EQ(__usad(3, 10, 5), 12U);
     EXPECT_EQ(__usad(10, 3, 5), 12U);

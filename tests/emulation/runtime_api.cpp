@@ -173,6 +173,7 @@ cudaError_t cudaRuntimeGetVersion(int* version) {
 
 cudaError_t cudaDeviceGetAttribute(int* value, cudaDeviceAttr attribute, int /*device*/) {
     switch (attribute) {
+        case cudaDevAttrMultiProcessorCount: *value = simt::machine().multiprocessors; break;
         case cudaDevAttrIntegrated: *value = simt::machine().integrated ? 1 : 0; break;
         case cudaDevAttrCanMapHostMemory: *value = 1; break;
         case cudaDevAttrComputeCapabilityMajor: *value = 9; break;

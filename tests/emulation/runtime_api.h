@@ -14,6 +14,7 @@ struct Graph;
 struct Machine {
     int devices = 1;
     int driver_version = 13000;  ///< 0: no driver
+    int multiprocessors = 2;
     bool integrated = false;
     bool graphs = true;  ///< whether the driver takes them
     int code = 0;        ///< what the driver answers when asked for code for the device: a cudaError_t
@@ -52,6 +53,7 @@ enum cudaMemcpyKind {
     cudaMemcpyDefault = 4,
 };
 enum cudaDeviceAttr {
+    cudaDevAttrMultiProcessorCount = 16,
     cudaDevAttrIntegrated = 18,
     cudaDevAttrCanMapHostMemory = 19,
     cudaDevAttrComputeCapabilityMajor = 75,
