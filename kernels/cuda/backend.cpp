@@ -27,14 +27,14 @@ public:
     std::size_t scratch_bytes() const override { return 0; }
     std::span<const StageInfo> stages() const override { return stages_; }
 
-    void run(int stage, const FrameView& frame, Parallel& /*workers*/,
+    void run(int stage, const FrameView& frame, Parallel& workers,
              std::span<std::chrono::nanoseconds> step_times) override {
         if (stage == 0) {
             StepClock clock(step_times);
-            rectify_.run(frame);
+            rectify_.run(frame, workers);
             clock.next();
         } else {
-            match_.run(frame, step_times);
+            match_.run(frame, workers, step_times);
         }
     }
 

@@ -6,7 +6,7 @@
 namespace disparityd::cuda {
 
 /// Rows that a block announces together: a fence costs as much as some of them.
-constexpr int rows_at_once = 4;
+constexpr int rows_at_once = 2;
 
 /// Stores a flag that other blocks of the device poll, relaxed (PTX ISA, "Memory Consistency Model"). A volatile store
 /// would have the scope of the whole system.

@@ -40,6 +40,15 @@ constexpr unsigned blocks_for(int count, int size) {
     return static_cast<unsigned>((count + size - 1) / size);
 }
 
+/// Asks for a line of the device's memory, which is read soon: what waits for it is no thread.
+__device__ inline void prefetch(const void* address) {
+#ifdef __CUDA_ARCH__
+    asm volatile("prefetch.global.L1 [%0];" ::"l"(__cvta_generic_to_global(address)));
+#else
+    static_cast<void>(address);
+#endif
+}
+
 __device__ inline int clamp(int value, int least, int most) {
     return value < least ? least : value > most ? most : value;
 }

@@ -97,16 +97,16 @@ void MatchStage::allocate_sgm() {
     }
 }
 
-void MatchStage::run(const FrameView& frame, std::span<nanoseconds> step_times) {
+void MatchStage::run(const FrameView& frame, Parallel& workers, std::span<nanoseconds> step_times) {
     const auto begin = steady_clock::now();
-    gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>());
-    gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>());
+    gather<std::uint8_t>(frame.left, pair_[0].host<std::uint8_t>(), workers);
+    gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>(), workers);
     const auto gathered = steady_clock::now();
     start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16,
            static_cast<bool>(frame.depth_error), frame.subpixel_error});
     stream_.wait("matching");
     const auto matched = steady_clock::now();
-    download(frame);
+    download(frame, workers);
     for (std::size_t i = 0; i < step_times.size(); ++i) {
         step_times[i] = clock_.after(i);
     }
@@ -274,14 +274,14 @@ void MatchStage::start_downloads(const Output& output) {
     mark();
 }
 
-void MatchStage::download(const FrameView& frame) const {
-    scatter(disparity_.host<const std::int16_t>(), frame.disparity);
-    scatter(confidence_.host<const std::uint8_t>(), frame.confidence);
+void MatchStage::download(const FrameView& frame, Parallel& workers) const {
+    scatter(disparity_.host<const std::int16_t>(), frame.disparity, workers);
+    scatter(confidence_.host<const std::uint8_t>(), frame.confidence, workers);
     if (frame.depth) {
-        scatter(depth_.host<const std::uint16_t>(), frame.depth);
+        scatter(depth_.host<const std::uint16_t>(), frame.depth, workers);
     }
     if (frame.depth_error) {
-        scatter(depth_error_.host<const std::uint16_t>(), frame.depth_error);
+        scatter(depth_error_.host<const std::uint16_t>(), frame.depth_error, workers);
     }
 }
 

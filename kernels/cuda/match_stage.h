@@ -25,7 +25,7 @@ public:
     /// Returns the steps of a method and which of them chooses the disparities.
     static StageInfo info(Method method);
 
-    void run(const FrameView& frame, std::span<std::chrono::nanoseconds> step_times);
+    void run(const FrameView& frame, Parallel& workers, std::span<std::chrono::nanoseconds> step_times);
 
 private:
     /// What of a frame its operations depend on, beside the pixels.
@@ -46,7 +46,7 @@ private:
     void post_process(const Output& output);
     void fill_and_finish(const Output& output);
     void start_downloads(const Output& output);
-    void download(const FrameView& frame) const;
+    void download(const FrameView& frame, Parallel& workers) const;
     void mark();
 
     View<const std::uint8_t> image(std::size_t eye) const;

@@ -54,7 +54,7 @@ SgmBytes sgm_bytes(int width, int height, int disparities, int paths, int p2) {
     const bool diagonals = paths == 8;
     const std::size_t volume = volume_bytes(width, height, disparities);
     const int packs = packs_for(disparities);
-    const auto strips = static_cast<std::size_t>(2 * strips_of_sweep(width, height, packs, diagonals));
+    const auto strips = static_cast<std::size_t>(2 * strips_of_sweep(width, height, packs));
     const std::size_t edge = static_cast<std::size_t>(height) * static_cast<std::size_t>(edge_bytes(packs));
     return {volume, is_wide(paths, p2) ? 2 * volume : volume, diagonals ? strips * edge : 0,
             diagonals ? (1 + strips) * sizeof(int) : 0};

@@ -26,7 +26,8 @@ Format format_of(PixelFormat format) {
 template <typename T>
 void upload_plane(Plane<const T> plane, const DeviceMemory& to, const Stream& stream) {
     std::vector<T> dense(static_cast<std::size_t>(plane.width) * static_cast<std::size_t>(plane.height));
-    gather(plane, dense.data());
+    Serial serial;
+    gather(plane, dense.data(), serial);
     check(cudaMemcpyAsync(to.as<void>(), dense.data(), dense.size() * sizeof(T), cudaMemcpyHostToDevice, stream.get()),
           "copying the rectification maps");
     stream.wait("copying the rectification maps");
@@ -44,13 +45,13 @@ RectifyStage::RectifyStage(int width, int height) : width_(width), height_(heigh
     colour_ = PinnedBuffer(3 * pixels, "the left image in colour");
 }
 
-void RectifyStage::upload_raw(const RawImage& raw) {
+void RectifyStage::upload_raw(const RawImage& raw, Parallel& workers) {
     const int row_bytes = 2 * raw.eye_width * bytes_per_pixel(raw.format);
     const std::size_t bytes = static_cast<std::size_t>(row_bytes) * static_cast<std::size_t>(raw.height);
     if (raw_.size() != bytes) {
         raw_ = PinnedBuffer(bytes, "the raw frame");
     }
-    gather<std::uint8_t>({raw.data, row_bytes, raw.height, raw.stride}, raw_.host<std::uint8_t>());
+    gather<std::uint8_t>({raw.data, row_bytes, raw.height, raw.stride}, raw_.host<std::uint8_t>(), workers);
     raw_.to_device(stream_);
 }
 
@@ -66,12 +67,12 @@ void RectifyStage::upload_maps(const Rectifier& rectifier) {
     maps_id_ = rectifier.id;
 }
 
-void RectifyStage::run(const FrameView& frame) {
+void RectifyStage::run(const FrameView& frame, Parallel& workers) {
     check_fits(frame);
     const RawImage& raw = frame.raw;
     const Rectifier& rectifier = *frame.rectifier;
     upload_maps(rectifier);
-    upload_raw(raw);
+    upload_raw(raw, workers);
     RectifyJob job{};
     job.raw = raw_.device<const std::uint8_t>();
     job.raw_stride = std::ptrdiff_t{2} * raw.eye_width * bytes_per_pixel(raw.format);
@@ -95,10 +96,10 @@ void RectifyStage::run(const FrameView& frame) {
         colour_.to_host(stream_);
     }
     stream_.wait("rectification");
-    scatter(out_[0].host<const std::uint8_t>(), frame.left);
-    scatter(out_[1].host<const std::uint8_t>(), frame.right);
+    scatter(out_[0].host<const std::uint8_t>(), frame.left, workers);
+    scatter(out_[1].host<const std::uint8_t>(), frame.right, workers);
     if (frame.left_colour) {
-        scatter(colour_.host<const std::uint8_t>(), frame.left_colour);
+        scatter(colour_.host<const std::uint8_t>(), frame.left_colour, workers);
     }
 }
 

@@ -16,10 +16,10 @@ public:
     RectifyStage(int width, int height);
 
     /// The frame's own memory for the raw picture is taken when the first one comes, and again when its size changes.
-    void run(const FrameView& frame);
+    void run(const FrameView& frame, Parallel& workers);
 
 private:
-    void upload_raw(const RawImage& raw);
+    void upload_raw(const RawImage& raw, Parallel& workers);
     void upload_maps(const Rectifier& rectifier);
 
     int width_;

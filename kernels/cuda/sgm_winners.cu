@@ -28,6 +28,17 @@ __device__ void add_volume(const std::uint8_t* volume, std::ptrdiff_t pixel, boo
     }
 }
 
+// Of the pixels that come when those of now are done.
+template <int packs>
+__device__ void prefetch_volume(const std::uint8_t* volume, std::ptrdiff_t row, int x, int width, bool wide) {
+    constexpr int pixels = slots_of(packs);
+    const int ahead = min(x + pixels, width - 1);
+    const int last = min(x + 2 * pixels, width) - 1;
+    const int bytes = pixel_bytes(packs, wide);
+    const int step = lane_index() * (pixels * bytes / lanes);
+    prefetch(volume + (row + ahead) * bytes + min(step, (last - ahead) * bytes));
+}
+
 // The path to the right, the last one: its costs stay in registers, the others' are added to them, and the sums are
 // used up on the spot. A sum of path costs is stored nowhere.
 template <Cost cost, int packs, bool adaptive>
@@ -45,6 +56,11 @@ __global__ void __launch_bounds__(block_rows* lanes) sgm_winners_kernel(PathsJob
     PathCosts<packs> path;
     WinnerRow<packs> winners(winner, y, batches[threadIdx.y]);
     winners.walk([&](int x, int phase, Costs<packs>& sums) {
+        if (phase == 0) {
+            prefetch_volume<packs>(job.left_volume, row, x, width, false);
+            prefetch_volume<packs>(job.sweep_volume[0], row, x, width, job.wide);
+            prefetch_volume<packs>(job.sweep_volume[1], row, x, width, job.wide);
+        }
         Costs<packs> costs;
         words.next(words_of<cost>(job.words.left)[row + x], x, phase, costs);
         const U16x2 p2 = adapted_p2<adaptive>(job, {x - 1, y}, {x, y});

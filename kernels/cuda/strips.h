@@ -15,9 +15,9 @@ __host__ __device__ constexpr int columns_of_strip(int packs) {
     return strip_warps * columns_of_warp(packs);
 }
 
-/// Strips of a sweep. With diagonals they lean, and some begin beside the image.
-constexpr int strips_of_sweep(int width, int height, int packs, bool diagonals) {
-    const int columns = width + (diagonals ? height - 1 : 0);
+/// Strips of a sweep with diagonals. They lean, and some begin beside the image.
+constexpr int strips_of_sweep(int width, int height, int packs) {
+    const int columns = width + height - 1;
     return (columns + columns_of_strip(packs) - 1) / columns_of_strip(packs);
 }
 

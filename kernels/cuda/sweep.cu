@@ -38,12 +38,10 @@ struct SharedEdge {
 
 // A warp's columns of a strip, with the state of their three paths in registers. A strip leans: from row to row it
 // moves on by a column. So of the diagonals one stays in its column of the strip, and all that the strip's paths go on
-// with besides comes from the right. Without diagonals it stands upright and needs nobody.
-template <Cost cost, int packs, bool diagonals, bool adaptive>
+// with besides comes from the right. Without diagonals the columns stand upright and need nobody.
+template <Cost cost, int packs, bool diagonals, bool adaptive, int columns = columns_of_warp(packs)>
 class Columns {
 public:
-    static constexpr int columns = columns_of_warp(packs);
-
     __device__ Columns(const PathsJob& job, bool upwards)
         : job_(job),
           bounds_(job.range, width(), columns),
@@ -65,6 +63,7 @@ public:
             words[i] = right[-i];
         }
         const std::ptrdiff_t first = row_begin + x;
+        prefetch_row(r + 1, diagonals ? x + 1 : x);
         const WordOf<cost>* left = words_of<cost>(job_.words.left) + first;
         const int bytes = pixel_bytes(packs, job_.wide);
         std::uint8_t* pixel = volume_ + first * bytes;
@@ -107,6 +106,15 @@ private:
     }
     __device__ int row(int r) const {
         return upwards_ ? job_.image.height - 1 - r : r;
+    }
+
+    __device__ void prefetch_row(int r, int x) const {
+        const std::ptrdiff_t row_begin = static_cast<std::ptrdiff_t>(row(min(r, job_.image.height - 1))) * width();
+        prefetch(words_of<cost>(job_.words.right) + row_begin + bounds_.first_column(x + columns - 1));
+        prefetch(words_of<cost>(job_.words.left) + row_begin + clamp(x, 0, width() - 1));
+        if constexpr (adaptive) {
+            prefetch(job_.image.data + row_begin + clamp(x, 0, width() - 1));
+        }
     }
 
     // Outside the image there is no path.
@@ -160,27 +168,37 @@ struct Strip {
     int last_row;
 };
 
-template <int packs, bool diagonals>
+template <int packs>
 __device__ Strip strip_of(int ticket, const PathsJob& job) {
     constexpr int strip_width = columns_of_strip(packs);
     const int number = ticket / 2;
     const int x = job.image.width - strip_width * (number + 1);
     const bool upwards = ticket % 2 == 1;
-    if (!diagonals) {
-        return {number, upwards, x, 0, job.image.height};
-    }
     return {number, upwards, x, max(0, 1 - strip_width - x), min(job.image.height, job.image.width - x)};
 }
 
-template <Cost cost, int packs, bool adaptive>
+// Straight paths alone: a warp's columns need nobody's. Even blocks go downwards, odd ones upwards.
+template <Cost cost, int packs, bool adaptive, int columns>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) straight_kernel(PathsJob job) {
-    const Strip strip = strip_of<packs, false>(static_cast<int>(blockIdx.x), job);
-    Columns<cost, packs, false, adaptive> columns(job, strip.upwards);
+    const int block = static_cast<int>(blockIdx.x);
+    const int x = (block / 2 * strip_warps + warp_index()) * columns;
+    Columns<cost, packs, false, adaptive, columns> paths(job, block % 2 == 1);
     const Edge<packs> nothing{};
-    const int x = strip.x + warp_index() * columns_of_warp(packs);
-    for (int r = strip.first_row; r < strip.last_row; ++r) {
-        columns.advance(r, x, nothing);
+    for (int r = 0; r < job.image.height; ++r) {
+        paths.advance(r, x, nothing);
     }
+}
+
+template <Cost cost, int packs, bool adaptive, int columns>
+void straight_sweep(const PathsJob& job, cudaStream_t stream) {
+    const Shape shape{dim3(2 * blocks_for(job.image.width, strip_warps * columns)), dim3(lanes, strip_warps)};
+    launch("straight sweep", shape, stream, straight_kernel<cost, packs, adaptive, columns>, job);
+}
+
+// Whether warps with several columns each are enough for the device: a multiprocessor has four schedulers, and one that
+// has less than two warps waits for most of the time. A warp with one column has more to read for each pixel.
+bool wide_warps_fill_the_device(int width, int packs) {
+    return 2 * width / columns_of_warp(packs) >= 8 * multiprocessors();
 }
 
 // Where the edges of a strip lie that its left neighbour reads, a row after the other.
@@ -263,7 +281,7 @@ template <Cost cost, int packs, bool adaptive>
 __global__ void __launch_bounds__(strip_warps* lanes, 2) sweep_kernel(PathsJob job) {
     DISPARITYD_SHARED(SharedEdge<packs>, edges, [2][strip_warps]);
     const int warp = warp_index();
-    const Strip strip = strip_of<packs, true>(draw_ticket(job.progress), job);
+    const Strip strip = strip_of<packs>(draw_ticket(job.progress), job);
     Columns<cost, packs, true, adaptive> columns(job, strip.upwards);
     RightNeighbour<packs> neighbour(job, strip);
     const EdgeInMemory<packs> own(job, strip.number, strip.upwards);
@@ -302,14 +320,16 @@ void sweep(const PathsJob& job, cudaStream_t stream) {
         constexpr Cost cost = decltype(of_cost)::value;
         constexpr int packs = decltype(count)::value;
         constexpr bool adaptive = decltype(adapts)::value;
-        const int strips = strips_of_sweep(job.image.width, job.image.height, packs, diagonals);
-        const Shape shape{dim3(static_cast<unsigned>(2 * strips)), dim3(lanes, strip_warps)};
         if (diagonals) {
+            const int strips = strips_of_sweep(job.image.width, job.image.height, packs);
+            const Shape shape{dim3(static_cast<unsigned>(2 * strips)), dim3(lanes, strip_warps)};
             const std::size_t bytes = static_cast<std::size_t>(1 + 2 * strips) * sizeof(int);
             check(cudaMemsetAsync(job.progress, 0, bytes, stream), "forgetting the progress of the previous frame");
             launch("sweep", shape, stream, sweep_kernel<cost, packs, adaptive>, job);
+        } else if (wide_warps_fill_the_device(job.image.width, packs)) {
+            straight_sweep<cost, packs, adaptive, columns_of_warp(packs)>(job, stream);
         } else {
-            launch("straight sweep", shape, stream, straight_kernel<cost, packs, adaptive>, job);
+            straight_sweep<cost, packs, adaptive, 1>(job, stream);
         }
     });
 }
