@@ -13,10 +13,9 @@
 
 #include "base/message_text.h"
 #include "base/text_file.h"
-#include "daemon/config/checked_toml.h"
 #include "daemon/config/config_keys.h"
 #include "daemon/config/socket_address.h"
-#include "daemon/config/toml_depth.h"
+#include "daemon/config/toml_text.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -93,87 +92,36 @@ const ConfigKey& find_key(std::string_view section, std::string_view name, const
     refuse(where + ": unknown key " + key_name(section, base::printable(name)) + "; " + suggestion(name, names));
 }
 
-std::optional<ConfigValue> to_value(const toml::node& node) {
-    if (const auto* text = node.as_string()) {
-        return text->get();
-    }
-    if (const auto* number = node.as_integer()) {
-        return number->get();
-    }
-    if (const auto* flag = node.as_boolean()) {
-        return flag->get();
-    }
-    if (const auto* number = node.as_floating_point()) {
-        return number->get();
-    }
-    const auto* array = node.as_array();
-    if (array == nullptr) {
-        return std::nullopt;
-    }
-    std::vector<std::int64_t> numbers;
-    for (const auto& element : *array) {
-        const auto* number = element.as_integer();
-        if (number == nullptr) {
-            return std::nullopt;
-        }
-        numbers.push_back(number->get());
-    }
-    return numbers;
-}
-
-std::string found_text(const toml::node& node) {
-    if (const auto value = to_value(node)) {
-        return to_text(*value);
-    }
-    std::ostringstream text;
-    text << "a value of type " << node.type();
-    return text.str();
-}
-
 [[noreturn]] void refuse_value(const std::string& where, const ConfigKey& key, const std::string& found) {
     refuse(where + ": " + key_name(key.section, key.name) + ": found " + base::printable(found) +
            ", allowed: " + key.allowed);
 }
 
-Assignment to_assignment(const ConfigKey& key, const toml::node& node, const std::string& where) {
-    const auto value = to_value(node);
-    if (!value) {
-        refuse_value(where, key, found_text(node));
+Assignment to_assignment(const ConfigKey& key, const TomlSetting& setting) {
+    if (!setting.value) {
+        refuse_value(setting.where, key, setting.found);
     }
-    return {&key, *value, where};
+    return {&key, *setting.value, setting.where};
 }
 
-std::string position(const std::string& name, const toml::source_region& source) {
-    return name + ':' + std::to_string(source.begin.line) + ':' + std::to_string(source.begin.column);
-}
-
-toml::table parse_toml(const std::string& text, const std::string& name) {
-    const std::string allowed = "; allowed: [section] lines and key = value lines";
-    if (const std::string problem = toml_depth_problem(text, name); !problem.empty()) {
-        refuse(problem);
-    }
+std::vector<TomlSection> parse_file(const std::string& text, const std::string& name) {
     try {
-        return toml::parse(text, name);
-    } catch (const toml::parse_error& error) {
-        refuse(position(name, error.source()) + ": this is not TOML: " + std::string(error.description()) + allowed);
-    } catch (const TomlAssertion&) {
-        refuse(name + ": this is not TOML" + allowed);
+        return parse_toml(text, name);
+    } catch (const std::invalid_argument& error) {
+        refuse(error.what());
     }
 }
 
-std::vector<Assignment> read_assignments(const toml::table& file, const std::string& name) {
+std::vector<Assignment> read_assignments(const std::vector<TomlSection>& file) {
     std::vector<Assignment> assignments;
-    for (const auto& [section, content] : file) {
-        const std::string where = position(name, section.source());
-        const auto* table = content.as_table();
-        if (table == nullptr) {
-            refuse(where + ": key " + base::printable(section.str()) +
+    for (const TomlSection& section : file) {
+        if (!section.is_table) {
+            refuse(section.where + ": key " + base::printable(section.name) +
                    " stands outside of a section; allowed: [section] first");
         }
-        check_section(section.str(), where);
-        for (const auto& [key, value] : *table) {
-            const std::string key_where = position(name, key.source());
-            assignments.push_back(to_assignment(find_key(section.str(), key.str(), key_where), value, key_where));
+        check_section(section.name, section.where);
+        for (const TomlSetting& setting : section.settings) {
+            assignments.push_back(to_assignment(find_key(section.name, setting.key, setting.where), setting));
         }
     }
     return assignments;
@@ -186,17 +134,8 @@ Assignment to_assignment(const Override& given) {
     if (std::holds_alternative<std::string>(key.example) && !quoted) {
         return {&key, given.text, given.origin};
     }
-    if (const std::string problem = toml_depth_problem(given.text, given.origin); !problem.empty()) {
-        refuse_value(given.origin, key, '"' + given.text + '"');
-    }
-    try {
-        const toml::table parsed = toml::parse("value = " + given.text);
-        if (parsed.size() == 1 && parsed.contains("value")) {
-            return to_assignment(key, *parsed.get("value"), given.origin);
-        }
-    } catch (const toml::parse_error&) {
-    } catch (const TomlAssertion&) {
-        // Both fall through to the refusal below, which names the key and what is allowed.
+    if (const auto setting = parse_toml_value(given.text, given.origin)) {
+        return to_assignment(key, *setting);
     }
     refuse_value(given.origin, key, '"' + given.text + '"');
 }
@@ -348,7 +287,7 @@ Override parse_override(const std::string& text) {
 }
 
 Config parse_config(const std::string& text, const std::string& name, const std::vector<Override>& overrides) {
-    return build(read_assignments(parse_toml(text, name), name), name, overrides);
+    return build(read_assignments(parse_file(text, name)), name, overrides);
 }
 
 Config load_config(const std::string& path, const std::vector<Override>& overrides) {

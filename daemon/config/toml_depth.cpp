@@ -7,8 +7,8 @@
 namespace disparityd::daemon {
 namespace {
 
-/// Scans a text once. It takes nothing for a string or a comment that toml++ would parse. Where the two could differ,
-/// such as at a string that does not end, toml++ refuses the text.
+/// Scans a text once. It takes nothing for a string or a comment that a parser of TOML would parse. Where the two could
+/// differ, such as at a string that does not end, the parser refuses the text.
 class DepthScan {
 public:
     explicit DepthScan(std::string_view text) : text_(text) {}

@@ -6,9 +6,9 @@
 
 namespace disparityd::daemon {
 
-/// The deepest nesting that is allowed. toml++ recurses for each part of a dotted key and each nested bracket, both
-/// when it parses and when it frees the result: the text would decide how much stack that takes. Deeper text is refused
-/// before toml++ sees it. Keys of disparityd have at most two parts, values at most one bracket.
+/// The deepest nesting that is allowed. A parser of TOML recurses for each part of a dotted key and each nested
+/// bracket, both when it parses and when it frees the result: the text would decide how much stack that takes. Deeper
+/// text is refused before it is parsed. Keys of disparityd have at most two parts, values at most one bracket.
 inline constexpr int deepest_toml = 16;
 
 /// Returns the first place that is nested too deeply, as "NAME:LINE: found ..., allowed: ..."; empty if there is none.
