@@ -1,39 +1,94 @@
 # SPDX-License-Identifier: Apache-2.0
-# Third-party libraries, all from distribution packages (tools/packages lists them). The oldest versions are those of
-# Ubuntu 22.04 where it has them; an older one is refused here, not by a compiler error.
+# Third-party libraries, all from distribution packages. The oldest versions are those of Ubuntu 22.04 where it has them; an
+# older one is refused here, not by a compiler error. What is there in any form is taken: a vendor's package, /usr/local.
+include(Needs)
+
+set(compiler_fits TRUE)
+if((CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 11) OR
+   (CMAKE_CXX_COMPILER_ID STREQUAL Clang AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 14))
+  set(compiler_fits FALSE)
+endif()
+disparityd_need("g++ 11 or clang 14 or newer; found ${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}" ${compiler_fits}
+  PACKAGES "g++-11" "g++-12" "g++-13" HINT "then set CXX to it and CC to its gcc")
 
 find_package(Threads REQUIRED)
-find_package(PkgConfig REQUIRED)
+find_package(PkgConfig QUIET)
+disparityd_need("pkg-config" "${PKG_CONFIG_FOUND}" PACKAGES "pkg-config" "pkgconf")
 
-find_package(OpenCVModules 4.5 REQUIRED COMPONENTS core imgproc calib3d imgcodecs)
-find_package(Boost 1.74 REQUIRED)
-find_package(Protobuf 3.12 REQUIRED)
+# pkg_module(PREFIX MODULE>=VERSION...): as pkg_check_modules, quietly, and nothing is found without pkg-config.
+macro(pkg_module prefix)
+  if(PKG_CONFIG_FOUND)
+    pkg_check_modules(${prefix} QUIET IMPORTED_TARGET ${ARGN})
+  endif()
+endmacro()
 
-pkg_check_modules(FFMPEG REQUIRED IMPORTED_TARGET libavformat>=58.76 libavcodec>=58.134 libavutil>=56.70 libswscale>=5.9)
-pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd>=249)
-pkg_check_modules(LIBUSB REQUIRED IMPORTED_TARGET libusb-1.0>=1.0.25)
+find_package(OpenCVModules 4.5 QUIET COMPONENTS core imgproc calib3d imgcodecs)
+# NVIDIA's Jetsons have all of OpenCV in one package.
+disparityd_need("OpenCV 4.5 (core, imgproc, calib3d, imgcodecs)" "${OpenCVModules_FOUND}"
+  PACKAGES "libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev libopencv-imgcodecs-dev" "libopencv-dev")
+find_package(Boost 1.74 QUIET)
+disparityd_need("Boost 1.74 (headers)" "${Boost_FOUND}" PACKAGES "libboost-dev")
+find_package(Protobuf 3.12 QUIET)
+set(protobuf_and_protoc FALSE)
+if(Protobuf_FOUND AND Protobuf_PROTOC_EXECUTABLE)
+  set(protobuf_and_protoc TRUE)
+endif()
+disparityd_need("Protobuf 3.12 and protoc" ${protobuf_and_protoc} PACKAGES "libprotobuf-dev protobuf-compiler")
+
+pkg_module(FFMPEG libavformat>=58.76 libavcodec>=58.134 libavutil>=56.70 libswscale>=5.9)
+disparityd_need("FFmpeg 4.4 (libavformat, libavcodec, libavutil, libswscale)" "${FFMPEG_FOUND}"
+  PACKAGES "libavformat-dev libavcodec-dev libavutil-dev libswscale-dev")
+pkg_module(SYSTEMD libsystemd>=249)
+disparityd_need("libsystemd 249" "${SYSTEMD_FOUND}" PACKAGES "libsystemd-dev")
+pkg_module(LIBUSB libusb-1.0>=1.0.25)
+disparityd_need("libusb 1.0.25" "${LIBUSB_FOUND}" PACKAGES "libusb-1.0-0-dev")
 # Older ones take as much stack as a file is deep.
-pkg_check_modules(YAMLCPP REQUIRED IMPORTED_TARGET yaml-cpp>=0.7)
-pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd>=1.4)
+pkg_module(YAMLCPP yaml-cpp>=0.7)
+disparityd_need("yaml-cpp 0.7" "${YAMLCPP_FOUND}" PACKAGES "libyaml-cpp-dev")
+pkg_module(ZSTD libzstd>=1.4)
+disparityd_need("zstd 1.4" "${ZSTD_FOUND}" PACKAGES "libzstd-dev")
 
-find_package(fmt 8 REQUIRED)
-find_package(spdlog 1.9 REQUIRED)
-find_package(CLI11 2.1 REQUIRED)
-find_package(nlohmann_json 3.10 REQUIRED)
+find_package(fmt 8 QUIET)
+disparityd_need("fmt 8" "${fmt_FOUND}" PACKAGES "libfmt-dev")
+if(fmt_FOUND)  # spdlog's package ends the configuration where it does not find it
+  find_package(spdlog 1.9 QUIET)
+endif()
+disparityd_need("spdlog 1.9" "${spdlog_FOUND}" PACKAGES "libspdlog-dev")
+find_package(CLI11 2.1 QUIET)
+disparityd_need("CLI11 2.1" "${CLI11_FOUND}" PACKAGES "libcli11-dev")
+find_package(nlohmann_json 3.10 QUIET)
+disparityd_need("nlohmann-json 3.10" "${nlohmann_json_FOUND}" PACKAGES "nlohmann-json3-dev")
 
-find_path(CONCURRENTQUEUE_INCLUDE_DIR concurrentqueue/blockingconcurrentqueue.h REQUIRED)
+find_path(CONCURRENTQUEUE_INCLUDE_DIR concurrentqueue/blockingconcurrentqueue.h)
+disparityd_need("concurrentqueue 1.0.3" "${CONCURRENTQUEUE_INCLUDE_DIR}" PACKAGES "libconcurrentqueue-dev")
 add_library(concurrentqueue INTERFACE)
 target_include_directories(concurrentqueue SYSTEM INTERFACE ${CONCURRENTQUEUE_INCLUDE_DIR})
 
-find_path(TOMLPLUSPLUS_INCLUDE_DIR toml++/toml.h REQUIRED)
-add_library(tomlplusplus INTERFACE)
-target_include_directories(tomlplusplus SYSTEM INTERFACE ${TOMLPLUSPLUS_INCLUDE_DIR})
+find_path(TOML11_INCLUDE_DIR toml/combinator.hpp)
+disparityd_need("toml11 3.7" "${TOML11_INCLUDE_DIR}" PACKAGES "libtoml11-dev")
+add_library(toml11 INTERFACE)
+target_include_directories(toml11 SYSTEM INTERFACE ${TOML11_INCLUDE_DIR})
 
-# Vector code for several instruction sets; 1.0.3 is Debian 12's. Ubuntu 22.04 has 0.16, without the operations used here.
-# The package of the installed library (disparityd-config.cmake) asks for the same.
+# Vector code for several instruction sets; 1.0.3 is Debian 12's. Ubuntu 22.04 has 0.16, without the operations used here:
+# tools/setup/highway builds a newer one into the build folder. The package of the installed library
+# (disparityd-config.cmake) asks for the same.
 set(HIGHWAY_REQUIREMENT "libhwy>=1.0.3")
-pkg_check_modules(HIGHWAY IMPORTED_TARGET ${HIGHWAY_REQUIREMENT})
-if(NOT HIGHWAY_FOUND)
-  message(FATAL_ERROR "Highway (libhwy) 1.0.3 or newer is needed and was not found. Debian 12 has it as libhwy-dev; "
-    "Ubuntu 22.04 has 0.16: build a newer one from source and name it in PKG_CONFIG_PATH.")
+set(own_highway ${PROJECT_SOURCE_DIR}/build/deps/lib/pkgconfig)
+if(NOT CMAKE_CROSSCOMPILING AND EXISTS ${own_highway}/libhwy.pc)
+  set(ENV{PKG_CONFIG_PATH} "${own_highway}:$ENV{PKG_CONFIG_PATH}")
 endif()
+pkg_module(HIGHWAY ${HIGHWAY_REQUIREMENT})
+disparityd_need("Highway (libhwy) 1.0.3" "${HIGHWAY_FOUND}" PACKAGES "libhwy-dev>=1.0.3"
+  HINT "tools/setup/highway builds one")
+
+if(DISPARITYD_TESTS)
+  find_package(GTest 1.11 QUIET)
+  disparityd_need("GoogleTest 1.11" "${GTest_FOUND}" FOR test PACKAGES "libgtest-dev libgmock-dev")
+  find_package(OpenCVModules 4.5 QUIET COMPONENTS core features2d)
+  disparityd_need("OpenCV 4.5 (features2d)" "${OpenCVModules_FOUND}" FOR test
+    PACKAGES "libopencv-features2d-dev" "libopencv-dev")
+  find_package(Boost 1.74 QUIET COMPONENTS context)
+  disparityd_need("Boost 1.74 (context)" "${Boost_FOUND}" FOR test PACKAGES "libboost-context-dev")
+endif()
+
+disparityd_end_of_needs()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# Sourced from the project's root by the scripts in tools/: reads tools/packages and installs what is missing.
+# Sourced from the project's root by the scripts in tools/: reads tools/packages and installs what is missing, as root or with
+# sudo. A second run goes on where the first one stopped.
 
 # packages_of SECTION...: the packages of these sections, one per line.
 packages_of() {
@@ -20,39 +21,76 @@ missing_packages() {
     done < <(packages_of "$@")
 }
 
-# install_packages YES SECTION...: installs what is missing, nothing else. Root needs no sudo; another user is asked before
-# sudo is used, unless YES is 1. Without a terminal to ask on it says what to run and fails.
+# confirm QUESTION OTHERWISE: asks on the terminal; where there is none it says what else to do, and fails.
+confirm() {
+    local answer
+    if [[ ! -t 0 ]]; then
+        echo "error: cannot ask here: $1 To go on, $2" >&2
+        return 1
+    fi
+    read -r -p "$1 [y/N] " answer
+    if [[ ! $answer =~ ^[Yy]([Ee][Ss])?$ ]]; then
+        echo "Nothing was done. To go on, $2" >&2
+        return 1
+    fi
+}
+
+# as_root YES COMMAND...: root needs no sudo; another user is asked once before it is used, unless YES is 1.
+sudo_allowed=0
+as_root() {
+    local yes=$1
+    shift
+    if ((EUID == 0)); then
+        "$@"
+        return
+    fi
+    if ! command -v sudo >/dev/null; then
+        echo "error: sudo is not here. As root run: $*" >&2
+        return 1
+    fi
+    if ((!yes && !sudo_allowed)); then
+        confirm "Install what is missing with sudo apt-get?" "run: sudo apt-get update && sudo $*, or give --yes" || return 1
+        sudo_allowed=1
+    fi
+    sudo "$@"
+}
+
+# apt YES ARGUMENT...: apt-get, which waits for another one that holds its lock.
+apt() {
+    local yes=$1
+    shift
+    as_root "$yes" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 --quiet --quiet "$@"
+}
+
+# update_lists YES: what apt knows, once in a run.
+lists_updated=0
+update_lists() {
+    ((!lists_updated)) || return 0
+    if ! apt "$1" update; then
+        echo "error: apt-get update failed, see above (no network? no right to use sudo?); run this again when it works" >&2
+        return 1
+    fi
+    lists_updated=1
+}
+
+# install_listed YES PACKAGE...: installs these.
+install_listed() {
+    local yes=$1
+    shift
+    (($#)) || return 0
+    echo "These packages are missing:"
+    printf '  %s\n' "$@"
+    if ! apt "$yes" install --yes --no-install-recommends "$@"; then
+        echo "error: apt-get could not install them, see above (disk full? no network?); run this again when it can" >&2
+        return 1
+    fi
+}
+
+# install_packages YES SECTION...: installs what is missing of these sections of tools/packages, nothing else.
 install_packages() {
-    local yes=$1 missing answer
+    local yes=$1 missing
     shift
     mapfile -t missing < <(missing_packages "$@")
-    if ((${#missing[@]} == 0)); then
-        return 0
-    fi
-    local install=(apt-get install --yes --no-install-recommends "${missing[@]}")
-    echo "These Debian packages are missing:"
-    printf '  %s\n' "${missing[@]}"
-
-    local as_root=()
-    if ((EUID != 0)); then
-        as_root=(sudo)
-        if ((!yes)); then
-            if [[ ! -t 0 ]]; then
-                echo "error: cannot ask here whether to install them. Run this and try again, or give --yes:" >&2
-                echo "  sudo apt-get update && sudo ${install[*]}" >&2
-                return 1
-            fi
-            read -r -p "Install them with sudo apt-get? [y/N] " answer
-            if [[ ! $answer =~ ^[Yy]([Ee][Ss])?$ ]]; then
-                echo "Nothing was installed. The command is: sudo ${install[*]}" >&2
-                return 1
-            fi
-        fi
-        if ! command -v sudo >/dev/null; then
-            echo "error: sudo is not here. As root run: apt-get update && ${install[*]}" >&2
-            return 1
-        fi
-    fi
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get --quiet --quiet update || return 1
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive "${install[@]}"
+    ((${#missing[@]})) || return 0
+    update_lists "$yes" && install_listed "$yes" "${missing[@]}"
 }
