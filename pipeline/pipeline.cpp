@@ -271,8 +271,7 @@ void Pipeline::publish_loop() {
     const std::size_t thread = heartbeats_.size() - 1;
     name_this_thread(thread_name(thread));
     while (FrameSlot* slot = queues_.back()->take(heartbeats_[thread])) {
-        if (!failed_.load(std::memory_order_relaxed)) {
-            make_scan(*slot);
+        if (!failed_.load(std::memory_order_relaxed) && make_scan(*slot)) {
             publish(*slot);
         }
         free_slots_->put_finished(slot);
@@ -285,16 +284,22 @@ void Pipeline::publish_loop() {
     ended_changed_.notify_all();
 }
 
-void Pipeline::make_scan(FrameSlot& slot) {
+bool Pipeline::make_scan(FrameSlot& slot) {
     if (!scanner_) {
-        return;
+        return true;
     }
     const auto start = steady_clock::now();
     const calibration::Rectification& used = *slot.rectification;
-    scanner_->scan({slot.view.disparity, slot.view.confidence},
-                   {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan);
+    try {
+        scanner_->scan({slot.view.disparity, slot.view.confidence},
+                       {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan);
+    } catch (...) {
+        fail();
+        return false;
+    }
     slot.step_times.back() = steady_clock::now() - start;
     times_[step_names_.size() - 1].record(slot.step_times.back());
+    return true;
 }
 
 void Pipeline::publish(const FrameSlot& slot) {

@@ -128,7 +128,7 @@ private:
     void stage_loop(std::size_t stage);
     void work(std::size_t stage, FrameSlot& slot);
     void publish_loop();
-    void make_scan(FrameSlot& slot);
+    bool make_scan(FrameSlot& slot);  ///< false: it failed, and so does the pipeline
     void publish(const FrameSlot& slot);
 
     const std::unique_ptr<RectificationSchedule> own_rectifications_;  ///< where the caller has one rectification only

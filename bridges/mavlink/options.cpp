@@ -140,7 +140,7 @@ void add_contents(CLI::App& app, Options& options) {
     app.add_option("--min-distance-m", options.min_distance_m,
                    "Obstacles that are nearer are sent as at this distance: autopilots ignore nearer ones")
         ->type_name("NUMBER")
-        ->check(between(1, 100))
+        ->check(between(0.01, 100))
         ->capture_default_str()
         ->group(group);
     app.add_flag("--3d", options.send_3d, "Also send OBSTACLE_DISTANCE_3D, one for each occupied sector (ArduPilot)")

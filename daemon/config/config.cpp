@@ -268,6 +268,9 @@ Config build(std::vector<Assignment> assignments, const std::string& file, const
     for (const Assignment& assignment : assignments) {
         apply(config, assignment);
     }
+    if (where_set(assignments, "scan", "min_confidence", "").empty()) {
+        config.scan.options.min_confidence = default_min_confidence(calibrates_confidence(config.match.options));
+    }
     check_together(config, assignments, file);
     config.notes = notes_on(config, assignments, file);
     return config;

@@ -16,6 +16,12 @@ enum class GroundMode : std::uint8_t {
 };
 
 /// How an obstacle scan is made: step 14 of docs/algorithm.md. Angles in degrees, lengths in metres.
+/// Returns the default of `min_confidence`: four fifths where the confidence is a chance, else 1, which leaves the
+/// matcher's own rejection to decide (a ratio of costs says nothing about the chance).
+constexpr int default_min_confidence(bool calibrated) {
+    return calibrated ? 200 : 1;
+}
+
 struct ScanOptions {
     int sectors = 72;  ///< 1 .. max_scan_sectors
     /// The bearings of the right-most and of the left-most edge, left positive; both 0: the field of view.
@@ -39,7 +45,7 @@ struct ScanOptions {
     double subpixel_error_px = 0.25;  ///< one sigma of a disparity
     /// Obstacle pixels with less are unsure: they count neither as obstacle nor as seen. 1 .. 255; 200 of a calibrated
     /// confidence are four fifths.
-    int min_confidence = 200;
+    int min_confidence = default_min_confidence(true);
 };
 
 inline constexpr int max_scan_sectors = 360;

@@ -209,6 +209,8 @@ TEST_F(MavlinkTest, RefusesArgumentsInOneLine) {
         {{"--udp", to, "--system-id", "0"}, "--system-id: found 0, allowed: 1 .. 255"},
         {{"--udp", to, "--max-age-ms", "5000"}, "--max-age-ms: found 5000, allowed: 10 .. 2000"},
         {{"--udp", to, "--min-distance-m", "8"}, "--min-distance-m: found 8, allowed: less than --max-distance-m"},
+        {{"--udp", to, "--min-distance-m", "0.001"}, "--min-distance-m: found 0.001, allowed: 0.01 .. 100"},
+        {{"--udp", to, "--min-distance-m", "0.3", "--max-distance-m", "0.5", "--rate", "0"}, "--rate: found 0"},
         {{"--udp", to, "--nonsense"}, "--nonsense"}};
     for (const auto& [arguments, text] : cases) {
         const auto bridge = start(arguments);

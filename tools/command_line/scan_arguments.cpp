@@ -82,9 +82,7 @@ CLI::Option* ScanArguments::add_to(CLI::App& app) {
 
 ScanOptions ScanArguments::options(bool calibrated) const {
     ScanOptions options;
-    if (!calibrated) {
-        options.min_confidence = 1;
-    }
+    options.min_confidence = default_min_confidence(calibrated);
     for (const std::string& setting : settings_) {
         apply_setting(setting, options);
     }

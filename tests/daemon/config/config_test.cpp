@@ -304,6 +304,20 @@ TEST(Config, KeysThatTheMethodDoesNotUseAreNoted) {
         testing::ElementsAre(AllOf(StartsWith("--set match.paths=4: "), HasSubstr("the method is census"))));
 }
 
+// The same default as "disparityctl process --scan" has.
+TEST(Config, LeastConfidenceOfAScanFollowsWhatTheConfidenceIs) {
+    const auto least = [](const std::string& text) {
+        return daemon::parse_config(text, "my.toml").scan.options.min_confidence;
+    };
+    EXPECT_EQ(least(""), 200);
+    EXPECT_EQ(least("[match]\npreset = \"dense\"\n"), 200);
+    EXPECT_EQ(least("[match]\npreset = \"paper\"\n"), 1);
+    EXPECT_EQ(least("[match]\npreset = \"paper\"\ncalibrated_confidence = true\n"), 200);
+    EXPECT_EQ(least("[match]\ncalibrated_confidence = false\n"), 1);
+    EXPECT_EQ(least("[match]\nmethod = \"census\"\n"), 1);
+    EXPECT_EQ(least("[scan]\nmin_confidence = 200\n[match]\nmethod = \"sad\"\n"), 200);
+}
+
 TEST(Config, BadOverrideNamesWhatWasTyped) {
     EXPECT_THAT(refusal("", {daemon::parse_override("match.disparities=7")}),
                 AllOf(StartsWith("--set match.disparities=7: "), HasSubstr("found 7")));
