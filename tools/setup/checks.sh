@@ -154,6 +154,11 @@ check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
 }
 
+# check_types: of the Python client as the release build has it, with what protoc made.
+check_types() {
+    check "Python types (mypy)" mypy --config-file clients/python/pyproject.toml --cache-dir build/mypy build/release/python/disparity
+}
+
 tidy_sources() {
     project_sources '*.cpp' '*.c' | grep -v -e '^tests/' -e '^\./tests/' |
         xargs --max-args=1 --max-procs="$jobs" clang-tidy -p build/clang --quiet --warnings-as-errors='*'

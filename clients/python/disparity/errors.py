@@ -14,6 +14,6 @@ class Refused(DisparityError):
     """The daemon refuses a request, or answers in another version of the protocol. `closing`: it has closed the
     connection after this message."""
 
-    def __init__(self, text, closing=False):
+    def __init__(self, text: str, closing: bool = False) -> None:
         super().__init__(text)
         self.closing = closing

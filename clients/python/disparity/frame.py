@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: Apache-2.0
 """Defines a frame: image planes as numpy arrays, and the numbers that come with them."""
+from __future__ import annotations
+
 import ctypes
 import dataclasses
 import typing
 
 import numpy as np
+import numpy.typing as npt
 
-from .scan import read_scan
+from .scan import Scan, read_scan
+
+if typing.TYPE_CHECKING:
+    from . import disparity_pb2 as pb
+
+# What a plane or its bytes are before the product says more.
+Plane = npt.NDArray[typing.Any]
+Bytes = typing.Union[bytes, bytearray, memoryview, Plane]
 
 # Products.
 DISPARITY = 1
@@ -27,6 +37,7 @@ SYNTHETIC = 16
 # The value of unknown pixels of a depth image and of its errors, and of those that are more than the type can hold.
 DEPTH_UNKNOWN = 0
 DEPTH_BEYOND = 65535
+
 
 class Product(typing.NamedTuple):
     """Describes a product. name: the property of Frame. kind: the numpy type of one channel. channels: 0 for a record,
@@ -51,12 +62,12 @@ PRODUCTS = {
 _UNKNOWN = Product("", "u1", 1)
 
 
-def product_name(number):
+def product_name(number: int) -> str:
     """Returns the name of a product for messages, or its number where it has none here."""
     return PRODUCTS[number].name if number in PRODUCTS else f"product {number}"
 
 
-def plane_array(product, width, height, bytes_per_pixel, data):
+def plane_array(product: int, width: int, height: int, bytes_per_pixel: int, data: Bytes) -> Plane:
     """Returns the bytes of a plane as an array of height x width (x channels), without a copy."""
     kind = np.dtype(PRODUCTS.get(product, _UNKNOWN).kind)
     channels = bytes_per_pixel // kind.itemsize
@@ -70,7 +81,7 @@ def plane_array(product, width, height, bytes_per_pixel, data):
 _FRAME, _GEOMETRY = "frame", "geometry"
 
 
-def _number(c_type, message=None):
+def _number(c_type: type[typing.Any], message: str | None = None) -> typing.Any:
     """Makes a field of Frame. c_type: its type in disparity_frame_info of disparity_client.h, which has the same order.
     message: the message of a socket that has it under the same name; None: the client fills it in."""
     return dataclasses.field(default=c_type().value, metadata={"c_type": c_type, "message": message})
@@ -101,84 +112,84 @@ class Frame:
     height: int = _number(ctypes.c_uint32, _GEOMETRY)
     region_x: int = _number(ctypes.c_uint32)
     region_y: int = _number(ctypes.c_uint32)
-    planes: dict = dataclasses.field(default_factory=dict, repr=False)
+    planes: dict[int, Plane] = dataclasses.field(default_factory=dict, repr=False)
     # Asks the library whether a borrowed frame is whole; None: the frame was copied.
-    _is_whole: object = dataclasses.field(default=None, repr=False, compare=False)
+    _is_whole: typing.Callable[[], bool] | None = dataclasses.field(default=None, repr=False, compare=False)
 
-    def copy(self):
+    def copy(self) -> Frame:
         """Returns a frame with planes of its own. Of a borrowed one: ask whole() of this one afterwards."""
         planes = {product: plane.copy() for product, plane in self.planes.items()}
         return dataclasses.replace(self, planes=planes, _is_whole=None)
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: dict[int, typing.Any]) -> Frame:
         return self.copy()
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[typing.Any, ...]:
         numbers = {name: getattr(self, name) for name, _ in C_FIELDS}
         return _remade, (numbers, {product: plane.copy() for product, plane in self.planes.items()})
 
-    def whole(self):
+    def whole(self) -> bool:
         """Returns whether all that was read from the planes until now belongs to this frame: always for a copied
         frame, and for a borrowed one until the daemon writes over it; then never again."""
         return self._is_whole is None or self._is_whole()
 
-    def _plane(self, product):
+    def _plane(self, product: int) -> Plane:
         if product not in self.planes:
             raise KeyError(f"this frame has no {PRODUCTS[product].name}: subscribe to it, or have the daemon make it")
         return self.planes[product]
 
     @property
-    def disparity(self):
+    def disparity(self) -> npt.NDArray[np.int16]:
         """int16, 1/16 px; self.invalid where rejected."""
         return self._plane(DISPARITY)
 
     @property
-    def disparity_px(self):
+    def disparity_px(self) -> npt.NDArray[np.float32]:
         """float32, px, NaN where rejected."""
         raw = self.disparity
         return np.where(raw == self.invalid, np.float32(np.nan), raw.astype(np.float32) / np.float32(16))
 
     @property
-    def confidence(self):
+    def confidence(self) -> npt.NDArray[np.uint8]:
         """uint8, 0 = rejected or interpolated."""
         return self._plane(CONFIDENCE)
 
     @property
-    def depth(self):
+    def depth(self) -> npt.NDArray[np.uint16]:
         """uint16, mm; 0 = unknown, 65535 = valid but beyond 65.534 m."""
         return self._plane(DEPTH)
 
     @property
-    def depth_m(self):
+    def depth_m(self) -> npt.NDArray[np.float32]:
         """float32, metres, NaN where unknown, infinity where beyond 65.534 m."""
         return _metres(self.depth)
 
     @property
-    def depth_error(self):
+    def depth_error(self) -> npt.NDArray[np.uint16]:
         """uint16, one sigma of depth, mm; 0 = unknown (also where interpolated), 65535 = 65.535 m or more."""
         return self._plane(DEPTH_ERROR)
 
     @property
-    def depth_error_m(self):
+    def depth_error_m(self) -> npt.NDArray[np.float32]:
         """float32, one sigma of depth, metres, NaN where unknown, infinity where 65.535 m or more."""
         return _metres(self.depth_error)
 
     @property
-    def left(self):
+    def left(self) -> npt.NDArray[np.uint8]:
         """uint8, rectified left image."""
         return self._plane(LEFT)
 
     @property
-    def left_colour(self):
+    def left_colour(self) -> npt.NDArray[np.uint8]:
         """uint8, height x width x 3, BGR."""
         return self._plane(LEFT_COLOUR)
 
     @property
-    def scan(self):
+    def scan(self) -> Scan:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
         return read_scan(self._plane(SCAN).tobytes())
 
-    def points(self):
+    def points(self) -> npt.NDArray[np.float32]:
         """Returns a float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no
         depth.
 
@@ -195,7 +206,7 @@ class Frame:
         return np.stack([x * z / np.float32(self.f), y * z / np.float32(self.f), z], axis=-1)
 
 
-def _metres(raw):
+def _metres(raw: npt.NDArray[np.uint16]) -> npt.NDArray[np.float32]:
     """Returns millimetres of 16 bits as float32 metres."""
     metres = raw.astype(np.float32) / np.float32(1000)
     metres[raw == DEPTH_UNKNOWN] = np.nan
@@ -203,13 +214,15 @@ def _metres(raw):
     return metres
 
 
-def _remade(numbers, planes):
+def _remade(numbers: dict[str, typing.Any], planes: dict[int, Plane]) -> Frame:
     """Makes a frame that was pickled."""
     return Frame(**numbers, planes=planes)
 
 
 # The name and C type of each number, in the order of disparity_frame_info.
-C_FIELDS = [(field.name, field.metadata["c_type"]) for field in dataclasses.fields(Frame) if field.metadata]
+C_FIELDS: list[tuple[str, type[typing.Any]]] = [
+    (field.name, field.metadata["c_type"]) for field in dataclasses.fields(Frame) if field.metadata
+]
 # The names of the numbers that each message has.
 MESSAGE_FIELDS = {
     message: [field.name for field in dataclasses.fields(Frame) if field.metadata.get("message") == message]
@@ -217,7 +230,7 @@ MESSAGE_FIELDS = {
 }
 
 
-def frame_of_message(message):
+def frame_of_message(message: pb.Frame) -> Frame:
     """Returns the Frame of a disparityd.v1.Frame, without planes."""
     numbers = {name: getattr(message, name) for name in MESSAGE_FIELDS[_FRAME]}
     numbers.update((name, getattr(message.geometry, name)) for name in MESSAGE_FIELDS[_GEOMETRY])

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Defines an obstacle scan: by bearing, what is near."""
+from __future__ import annotations
+
 import dataclasses
+import typing
 
 import numpy as np
+import numpy.typing as npt
 
 from .errors import DisparityError
 
@@ -65,21 +69,21 @@ class Scan:
     ground_height_m: float
     ground_slope_ahead: float
     ground_slope_left: float
-    band_m: tuple  # obstacles lie between these two heights above the plane
-    range_m: tuple  # nothing is reported nearer than the first or beyond the second
-    from_deg: np.ndarray  # the right edge
-    to_deg: np.ndarray  # the left edge
-    state: np.ndarray  # UNKNOWN, FREE up to free_m, or OCCUPIED at distance_m
-    distance_m: np.ndarray  # to the nearest obstacle of an occupied sector, else NaN
-    sigma_m: np.ndarray  # one-sigma error of distance_m, else NaN
-    free_m: np.ndarray  # no obstacle is nearer, whatever the state; at most distance_m
-    low_m: np.ndarray  # the obstacle's lowest part above the ground, else NaN
-    high_m: np.ndarray  # its highest part
-    pixels: np.ndarray  # that show it
-    confidence: np.ndarray  # mean of those pixels
+    band_m: tuple[float, float]  # obstacles lie between these two heights above the plane
+    range_m: tuple[float, float]  # nothing is reported nearer than the first or beyond the second
+    from_deg: npt.NDArray[np.float64]  # the right edge
+    to_deg: npt.NDArray[np.float64]  # the left edge
+    state: npt.NDArray[np.uint8]  # UNKNOWN, FREE up to free_m, or OCCUPIED at distance_m
+    distance_m: npt.NDArray[np.float64]  # to the nearest obstacle of an occupied sector, else NaN
+    sigma_m: npt.NDArray[np.float64]  # one-sigma error of distance_m, else NaN
+    free_m: npt.NDArray[np.float64]  # no obstacle is nearer, whatever the state; at most distance_m
+    low_m: npt.NDArray[np.float64]  # the obstacle's lowest part above the ground, else NaN
+    high_m: npt.NDArray[np.float64]  # its highest part
+    pixels: npt.NDArray[np.int32]  # that show it
+    confidence: npt.NDArray[np.uint8]  # mean of those pixels
 
 
-def read_scan(data):
+def read_scan(data: bytes) -> Scan:
     """Returns the Scan that bytes hold. Raises DisparityError when they have another version or length."""
     if len(data) < _HEAD.itemsize:
         raise DisparityError(f"the scan has {len(data)} bytes, its head alone has {_HEAD.itemsize}")
@@ -94,7 +98,7 @@ def read_scan(data):
     sectors = np.frombuffer(data, _SECTOR, count, _HEAD.itemsize)
     occupied = sectors["state"] == OCCUPIED
 
-    def of_obstacles(name):
+    def of_obstacles(name: str) -> npt.NDArray[np.float64]:
         return np.where(occupied, sectors[name] / 1000, np.nan)
 
     return Scan(

@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads frames over shared memory, through the C library libdisparity-client."""
+from __future__ import annotations
+
 import ctypes
 import os
 import pathlib
 import time
+import typing
 
 import numpy as np
 
 from .errors import DisparityError, Gone
-from .frame import C_FIELDS, Frame, plane_array
+from .frame import C_FIELDS, Frame, Plane, plane_array
 from .frame_source import FrameSource
 
 LIBRARY = "libdisparity-client.so.0"
@@ -40,7 +43,7 @@ class _Plane(ctypes.Structure):
     ]
 
 
-def _open_library():
+def _open_library() -> ctypes.CDLL:
     """Loads $DISPARITY_CLIENT_LIBRARY, else the library beside the package, in its build tree, or of the system."""
     named = os.environ.get("DISPARITY_CLIENT_LIBRARY")
     if named:
@@ -56,13 +59,14 @@ def _open_library():
         except OSError as error:
             reasons.append(str(error))
     raise DisparityError(
-        f"{LIBRARY} cannot be loaded ({'; '.join(reasons)}): install it, or set DISPARITY_CLIENT_LIBRARY to its path"
+        f"{LIBRARY} cannot be loaded ({'; '.join(reasons)}): install it (Debian: libdisparity-client0), or set "
+        "DISPARITY_CLIENT_LIBRARY to its path"
     )
 
 
-def _declare(library):
+def _declare(library: ctypes.CDLL) -> ctypes.CDLL:
     pointer, integer, size = ctypes.c_void_p, ctypes.c_int, ctypes.c_size_t
-    for name, result, arguments in (
+    functions: tuple[tuple[str, typing.Any, list[typing.Any]], ...] = (
         ("disparity_last_error", ctypes.c_char_p, []),
         ("disparity_frame_new", pointer, []),
         ("disparity_frame_free", None, [pointer]),
@@ -78,7 +82,8 @@ def _declare(library):
         ),
         ("disparity_shared_memory_borrow", integer, [pointer, pointer, integer]),
         ("disparity_shared_memory_heartbeat_age_ns", ctypes.c_int64, [pointer]),
-    ):
+    )
+    for name, result, arguments in functions:
         function = getattr(library, name)
         function.restype, function.argtypes = result, arguments
     return library
@@ -93,8 +98,9 @@ class SharedMemoryReader(FrameSource):
     one.
     """
 
-    def __init__(self, name="default", owner=None, may_be_absent=False):
-        self._reader = self._frame = None
+    def __init__(self, name: str = "default", owner: str | int | None = None, may_be_absent: bool = False) -> None:
+        self._reader: int | None = None
+        self._frame: int | None = None
         self._gone_told = may_be_absent
         self._library = _declare(_open_library())
         self.name = name
@@ -107,17 +113,17 @@ class SharedMemoryReader(FrameSource):
             self.close()
             raise DisparityError(message)
 
-    def __del__(self):
+    def __del__(self) -> None:
         self.close()
 
-    def close(self):
+    def close(self) -> None:
         if self._reader:
             self._library.disparity_shared_memory_close(self._reader)
         if self._frame:
             self._library.disparity_frame_free(self._frame)
         self._reader = self._frame = None
 
-    def read(self, timeout=None, products=()):
+    def read(self, timeout: float | None = None, products: typing.Sequence[int] = ()) -> Frame | None:
         """Returns the newest frame not read before, or None when none came in time (timeout None = wait for ever).
 
         Raises Gone at once when the daemon has stopped, and within 3 s when it has died. The calls after that wait for
@@ -134,7 +140,7 @@ class SharedMemoryReader(FrameSource):
         )
         return self._copy() if copied else None
 
-    def borrow(self, timeout=None):
+    def borrow(self, timeout: float | None = None) -> Frame | None:
         """Does the same without a copy: the arrays of the frame lie in the shared memory and are read-only.
 
         The daemon never waits: the frame stays for one frame less than the ring has slots ([shared_memory] slots), then
@@ -149,11 +155,11 @@ class SharedMemoryReader(FrameSource):
         )
         return self._view(lent) if borrowed else None
 
-    def _check_open(self):
+    def _check_open(self) -> None:
         if not self._reader:
             raise ValueError("this reader is closed")
 
-    def _wait(self, attempt, timeout):
+    def _wait(self, attempt: typing.Callable[[int], int], timeout: float | None) -> bool:
         """Calls attempt(milliseconds) until it has a frame (True) or the time is over (False); raises as read()."""
         deadline = None if timeout is None else time.monotonic() + timeout
         while True:
@@ -173,14 +179,14 @@ class SharedMemoryReader(FrameSource):
             elif result != _GONE:
                 raise DisparityError(self._error())
 
-    def heartbeat_age(self):
+    def heartbeat_age(self) -> float:
         """Returns the seconds since the daemon's last heartbeat; a huge number when it is gone."""
         return self._library.disparity_shared_memory_heartbeat_age_ns(self._reader) / 1e9
 
-    def _error(self):
+    def _error(self) -> str:
         return self._library.disparity_last_error().decode(errors="replace")
 
-    def _copy(self):
+    def _copy(self) -> Frame:
         """Returns a copy of the library's frame: the next read overwrites the library's memory."""
         frame, planes = self._describe(self._frame)
         for plane in planes:
@@ -189,7 +195,7 @@ class SharedMemoryReader(FrameSource):
             frame.planes[plane.product] = _array(plane, data)
         return frame
 
-    def _view(self, lent):
+    def _view(self, lent: _LentFrame) -> Frame:
         """Returns the lent frame. Each array keeps its memory mapped."""
         frame, planes = self._describe(lent.handle)
         frame._is_whole = lent.is_whole
@@ -201,7 +207,7 @@ class SharedMemoryReader(FrameSource):
             frame.planes[plane.product] = _array(plane, data)
         return frame
 
-    def _describe(self, handle):
+    def _describe(self, handle: int | None) -> tuple[Frame, list[_Plane]]:
         """Returns a frame without planes, and the library's descriptions of its planes."""
         info = _Info()
         self._library.disparity_frame_get_info(handle, ctypes.byref(info), ctypes.sizeof(info))
@@ -214,20 +220,20 @@ class SharedMemoryReader(FrameSource):
 class _LentFrame:
     """A frame of the library, freed when nothing refers to it any more."""
 
-    def __init__(self, library):
-        self.handle = None
+    def __init__(self, library: ctypes.CDLL) -> None:
+        self.handle: int | None = None
         self._library = library
         self.handle = library.disparity_frame_new()
         if not self.handle:
             raise MemoryError("no memory for a frame")
 
-    def __del__(self):
+    def __del__(self) -> None:
         if self.handle:
             self._library.disparity_frame_free(self.handle)
 
-    def is_whole(self):
+    def is_whole(self) -> bool:
         return self._library.disparity_frame_is_whole(self.handle) == 1
 
 
-def _array(plane, data):
+def _array(plane: _Plane, data: Plane) -> Plane:
     return plane_array(plane.product, plane.width, plane.height, plane.bytes_per_pixel, data)

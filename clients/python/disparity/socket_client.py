@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 """Reads frames and status over a socket, in pure Python (numpy and protobuf; zstandard for compressed frames)."""
+from __future__ import annotations
+
 import collections
+import os
 import time
+import typing
 
 from . import disparity_pb2 as pb
 from .errors import DisparityError, Gone, Refused
-from .frame import DISPARITY, frame_of_message, plane_array, product_name
+from .frame import DISPARITY, Bytes, Frame, frame_of_message, plane_array, product_name
 from .frame_source import FrameSource
-from .stream import MessageStream, deadline_after, raw_bytes
+from .stream import Message, MessageStream, deadline_after, raw_bytes
+
+if typing.TYPE_CHECKING:
+    import zstandard
 
 PROTOCOL_VERSION = 1
 
@@ -35,17 +42,17 @@ class SocketClient(FrameSource):
     refuses until then. Requests connect again, too.
     """
 
-    def __init__(self, address, client_name="disparity-python", timeout=5.0):
-        self._pending = collections.deque(maxlen=_MOST_PENDING)
-        self._last_index = None
-        self._decompress = None
-        self._sensors = collections.deque()
+    def __init__(self, address: str, client_name: str = "disparity-python", timeout: float = 5.0) -> None:
+        self._pending: collections.deque[Frame] = collections.deque(maxlen=_MOST_PENDING)
+        self._last_index: int | None = None
+        self._decompress: zstandard.ZstdDecompressor | None = None
+        self._sensors: collections.deque[pb.Sensors] = collections.deque()
         self._sensors_dropped = 0
-        self.last_status = None  # the newest status message that came unasked
-        self.welcome = None
+        self.last_status: pb.Status | None = None  # the newest status message that came unasked
+        self.welcome: pb.Welcome | None = None
         self._address, self._name = address, client_name
-        self._subscription = None
-        self._stream = None
+        self._subscription: pb.Envelope | None = None
+        self._stream: MessageStream | None = None
         self._closed = False
         self._lost = False  # the connection has ended; a new _stream has no answer to Hello yet
         try:
@@ -57,13 +64,19 @@ class SocketClient(FrameSource):
             self.close()
             raise
 
-    def close(self):
+    def close(self) -> None:
         self._closed = True
         self._drop()
 
     def subscribe(
-        self, products=(DISPARITY,), max_rate=0.0, region=None, compressed=False, status_interval=0.0, sensors=False
-    ):
+        self,
+        products: typing.Sequence[int] = (DISPARITY,),
+        max_rate: float = 0.0,
+        region: tuple[int, int, int, int] | None = None,
+        compressed: bool = False,
+        status_interval: float = 0.0,
+        sensors: bool = False,
+    ) -> None:
         """Replaces the subscription. region = (x, y, width, height); sensors: for read_sensors(). The next read()
         raises Refused when the daemon refuses. When the connection has ended, the subscription holds from the next one
         on."""
@@ -72,19 +85,19 @@ class SocketClient(FrameSource):
 
             self._decompress = zstandard.ZstdDecompressor()
         message = pb.Subscribe(
-            products=products,
             max_rate=max_rate,
             encoding=pb.ZSTD if compressed else pb.RAW,
             status_interval_s=status_interval,
             sensors=sensors,
         )
+        message.products.extend(products)
         if region is not None:
             message.region.x, message.region.y, message.region.width, message.region.height = region
         self._subscription = pb.Envelope(subscribe=message)
         if not self._lost:
             self._send_subscription()
 
-    def read(self, timeout=None):
+    def read(self, timeout: float | None = None) -> Frame | None:
         """Returns the next frame, or None when none came in time (timeout None = wait for ever)."""
         if self._pending:
             return self._count_missed(self._pending.popleft())
@@ -97,7 +110,7 @@ class SocketClient(FrameSource):
                 return self._count_missed(self._frame(*message))
             self._keep(*message)
 
-    def read_sensors(self, timeout=None):
+    def read_sensors(self, timeout: float | None = None) -> pb.Sensors | None:
         """Returns samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (timeout
         None = wait for ever). The newest 8 frames that come meanwhile are kept for read()."""
         deadline = deadline_after(timeout)
@@ -111,44 +124,51 @@ class SocketClient(FrameSource):
         self._sensors_dropped = 0
         return sensors
 
-    def status(self, timeout=5.0):
+    def status(self, timeout: float = 5.0) -> pb.Status:
         """Returns the daemon's status: a disparity_pb2.Status."""
         return self._ask(pb.Envelope(status_request=pb.StatusRequest()), "status", "a status request", timeout)
 
-    def start_recording(self, path, timeout=5.0):
+    def start_recording(self, path: str | os.PathLike[str], timeout: float = 5.0) -> pb.RecordStatus:
         """Starts a recording on the daemon's machine and returns a disparity_pb2.RecordStatus."""
         request = pb.Envelope(record_start=pb.RecordStart(path=str(path)))
         return self._ask(request, "record_status", "a recording request", timeout)
 
-    def stop_recording(self, timeout=5.0):
+    def stop_recording(self, timeout: float = 5.0) -> pb.RecordStatus:
         """Stops the recording that runs and returns a disparity_pb2.RecordStatus."""
         request = pb.Envelope(record_stop=pb.RecordStop())
         return self._ask(request, "record_status", "a recording request", timeout)
 
-    def control_camera(self, settings=None, timeout=5.0):
+    def control_camera(
+        self, settings: typing.Mapping[str, int] | None = None, timeout: float = 5.0
+    ) -> pb.CameraControls:
         """Sets controls of the daemon's live camera, {name: value} (none: only asks). Returns a
         disparity_pb2.CameraControls."""
         wanted = [pb.CameraSetting(name=name, value=value) for name, value in (settings or {}).items()]
         request = pb.Envelope(camera_request=pb.CameraRequest(settings=wanted))
         return self._ask(request, "camera_controls", "a camera request", timeout)
 
-    def _drop(self):
+    def _drop(self) -> None:
         if self._stream is not None:
             self._stream.close()
         self._stream = None
         self._lost = True
 
-    def _connect(self, timeout, greeting):
+    def _open_stream(self) -> MessageStream:
+        """Returns the stream of a connection that is open or waits for the answer to Hello."""
+        assert self._stream is not None
+        return self._stream
+
+    def _connect(self, timeout: float, greeting: float) -> None:
         """Opens another connection and sends Hello. The daemon must answer until `greeting`."""
         self._stream = MessageStream(self._address, timeout)
         self._greeting = greeting
         hello = pb.Envelope(hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=self._name))
         self._stream.send(hello, timeout)
 
-    def _greeted(self, deadline):
+    def _greeted(self, deadline: float) -> bool:
         """Waits for the answer to Hello. Returns False when it has not come in time and may still come."""
         while True:
-            message = self._stream.receive(min(deadline, self._greeting))
+            message = self._open_stream().receive(min(deadline, self._greeting))
             if message is None:
                 if time.monotonic() >= self._greeting:
                     raise DisparityError(f"disparityd at {self._address}: no answer to hello in time")
@@ -165,12 +185,12 @@ class SocketClient(FrameSource):
         self.welcome = message[0].welcome
         return True
 
-    def _come_back(self, deadline):
+    def _come_back(self, deadline: float) -> None:
         """Connects again and subscribes as before. Raises Gone when no daemon has answered by the deadline; the next
         call continues. Raises Refused when the daemon refuses until then."""
         if self._closed:
             raise ValueError("this client is closed")
-        reason = None
+        reason: DisparityError | None = None
         while True:
             try:
                 if self._stream is None:
@@ -192,25 +212,25 @@ class SocketClient(FrameSource):
             raise reason
         raise Gone(str(reason or f"disparityd at {self._address}: no answer to hello yet"))
 
-    def _send_subscription(self):
+    def _send_subscription(self) -> None:
         """Sends the subscription. Where that fails, the next read reports why, or sends it over another connection."""
         if self._subscription is not None:
             try:
-                self._stream.send(self._subscription, 5.0)
+                self._open_stream().send(self._subscription, 5.0)
             except Gone:
                 self._drop()
 
-    def _receive(self, deadline):
+    def _receive(self, deadline: float) -> Message | None:
         """Returns the next message, over another connection when the one before has ended; None when the time is up."""
         if self._lost:
             self._come_back(deadline)
         try:
-            return self._stream.receive(deadline)
+            return self._open_stream().receive(deadline)
         except Gone:
             self._drop()
             raise
 
-    def _ask(self, request, answer, question, timeout):
+    def _ask(self, request: pb.Envelope, answer: str, question: str, timeout: float) -> typing.Any:
         deadline = deadline_after(timeout)
         # Messages that arrived before the request cannot be its answer.
         try:
@@ -228,13 +248,13 @@ class SocketClient(FrameSource):
         if self._lost:
             self._come_back(deadline)
         try:
-            self._stream.send(request, timeout)
+            self._open_stream().send(request, timeout)
         except Gone:
             self._drop()
             raise
         return self._wait_for(answer, question, deadline)
 
-    def _wait_for(self, answer, question, deadline):
+    def _wait_for(self, answer: str, question: str, deadline: float) -> typing.Any:
         while True:
             message = self._receive(deadline)
             if message is None:
@@ -243,7 +263,7 @@ class SocketClient(FrameSource):
                 return getattr(message[0], answer)
             self._keep(*message)
 
-    def _keep(self, envelope, payload):
+    def _keep(self, envelope: pb.Envelope, payload: bytearray) -> None:
         if envelope.HasField("frame"):
             self._pending.append(self._frame(envelope, payload))
         elif envelope.HasField("status"):
@@ -254,13 +274,13 @@ class SocketClient(FrameSource):
                 oldest = self._sensors.popleft()
                 self._sensors_dropped += oldest.skipped_for_client + len(oldest.samples)
 
-    def _count_missed(self, frame):
+    def _count_missed(self, frame: Frame) -> Frame:
         if self._last_index is not None and frame.publish_index > self._last_index:
             frame.missed = frame.publish_index - self._last_index - 1
         self._last_index = frame.publish_index
         return frame
 
-    def _frame(self, envelope, payload):
+    def _frame(self, envelope: pb.Envelope, payload: bytearray) -> Frame:
         message = envelope.frame
         frame = frame_of_message(message)
         offset = 0
@@ -274,7 +294,7 @@ class SocketClient(FrameSource):
             )
         return frame
 
-    def _unpack(self, plane, data):
+    def _unpack(self, plane: pb.PlaneInfo, data: memoryview) -> memoryview:
         """Returns one plane decompressed. It never writes more bytes than the plane has."""
         if self._decompress is None:
             raise DisparityError("the daemon sent a compressed frame that nobody asked for")

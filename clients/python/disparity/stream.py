@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sends and receives whole messages over a socket: u32 length (little endian) | Envelope | payload."""
+from __future__ import annotations
+
 import errno
 import socket
 import struct
 import time
+import typing
 import unicodedata
 
 from google.protobuf.message import DecodeError
@@ -20,17 +23,19 @@ MAX_BYTES_PER_PIXEL = 8
 # The buffer grows by this much at a time, beyond the bytes that have arrived.
 _GROWTH = 1 << 20
 
-
 # This is longer than any use, and clocks and sockets can still hold it.
 LONGEST_WAIT = 1e9
 
+# An Envelope and its payload.
+Message = typing.Tuple[pb.Envelope, bytearray]
 
-def printable(text):
+
+def printable(text: str) -> str:
     """Returns a text of the daemon as one line. Control characters become "?": they could move a terminal's cursor."""
     return "".join("?" if unicodedata.category(c) == "Cc" else c for c in text)
 
 
-def connect(address, timeout):
+def connect(address: str, timeout: float) -> socket.socket:
     """Returns a connected socket. ValueError for an address of another form, DisparityError when no process accepts."""
     kind, _, rest = address.partition(":")
     host, _, port = rest.rpartition(":")
@@ -58,12 +63,12 @@ def connect(address, timeout):
         raise DisparityError(f"{address}: cannot connect: {error}: is disparityd running, with this address?") from None
 
 
-def deadline_after(timeout):
+def deadline_after(timeout: float | None) -> float:
     """Returns now plus the timeout, by time.monotonic(). None, or more than a clock can hold, is LONGEST_WAIT."""
     return time.monotonic() + min(max(0, LONGEST_WAIT if timeout is None else timeout), LONGEST_WAIT)
 
 
-def raw_bytes(plane):
+def raw_bytes(plane: pb.PlaneInfo) -> int:
     """Returns the bytes of a plane before compression; ValueError when a size is outside the limits."""
     for name, value, most in (
         ("width", plane.width, MAX_IMAGE_SIDE),
@@ -75,7 +80,7 @@ def raw_bytes(plane):
     return plane.width * plane.height * plane.bytes_per_pixel
 
 
-def check_payload(envelope):
+def check_payload(envelope: pb.Envelope) -> None:
     """Raises ValueError when the payload cannot be what the Envelope says."""
     if envelope.payload_bytes > MAX_PAYLOAD_BYTES:
         raise ValueError(f"payload of {envelope.payload_bytes} bytes announced, allowed {MAX_PAYLOAD_BYTES}")
@@ -99,19 +104,19 @@ def check_payload(envelope):
 class MessageStream:
     """Sends and receives messages over one connection. It keeps a part of a message over a timeout."""
 
-    def __init__(self, address, timeout):
+    def __init__(self, address: str, timeout: float) -> None:
         self.address = address
         self._socket = connect(address, timeout)
         self._part = "length"
         self._wanted = 4
         self._buffer = bytearray(4)
         self._filled = 0
-        self._envelope = None
+        self._envelope = pb.Envelope()
 
-    def close(self):
+    def close(self) -> None:
         self._socket.close()
 
-    def send(self, envelope, timeout):
+    def send(self, envelope: pb.Envelope, timeout: float) -> None:
         body = envelope.SerializeToString()
         try:
             self._socket.settimeout(min(timeout, LONGEST_WAIT))
@@ -122,7 +127,7 @@ class MessageStream:
             self.close()
             raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
 
-    def receive(self, deadline):
+    def receive(self, deadline: float) -> Message | None:
         """Returns (Envelope, payload as bytearray), or None when the time (of time.monotonic) is up. Raises Gone when
         the connection has ended, Refused with the daemon's message, DisparityError when it breaks the protocol."""
         while True:
@@ -136,11 +141,11 @@ class MessageStream:
                 raise DisparityError(f"disparityd at {self.address}: broke the protocol: {error}") from None
             if message is not None:
                 if message[0].HasField("error"):
-                    error = message[0].error
-                    raise Refused(f"disparityd at {self.address}: {printable(error.message)}", error.closing)
+                    told = message[0].error
+                    raise Refused(f"disparityd at {self.address}: {printable(told.message)}", told.closing)
                 return message
 
-    def _take(self, data):
+    def _take(self, data: bytearray) -> Message | None:
         """Takes a part that has arrived. Returns the message if it was the last part."""
         if self._part == "length":
             (self._wanted,) = struct.unpack("<I", data)
@@ -161,7 +166,7 @@ class MessageStream:
         self._buffer = bytearray()
         return None
 
-    def _fill(self, deadline):
+    def _fill(self, deadline: float) -> bool:
         while self._filled < self._wanted:
             if len(self._buffer) == self._filled:
                 room = min(self._wanted, self._filled + max(self._filled, _GROWTH))
@@ -173,7 +178,7 @@ class MessageStream:
             self._filled += received
         return True
 
-    def _receive_into(self, view, deadline):
+    def _receive_into(self, view: memoryview, deadline: float) -> int | None:
         """Returns how many bytes came, or None at the deadline. Bytes that are there are read even after it."""
         try:
             self._socket.settimeout(max(0.0, deadline - time.monotonic()))
@@ -188,7 +193,7 @@ class MessageStream:
             raise Gone(f"disparityd at {self.address}: the connection has ended")
         return received
 
-    def _report_last_words(self):
+    def _report_last_words(self) -> None:
         """Raises Refused if the daemon's Error arrived before the connection ended."""
         try:
             while self.receive(time.monotonic()) is not None:
