@@ -151,7 +151,7 @@ check_format() {
 }
 
 check_scripts() {
-    check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
+    check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/release tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
 }
 
 # check_types: of the Python client as the release build has it, with what protoc made.
