@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/version.h"
+
 namespace disparityd::daemon {
 namespace {
 
@@ -36,7 +38,7 @@ struct Overrides {
 
 void add_options(CLI::App& app, CommandLine& line, Overrides& given) {
     app.footer(footer);
-    app.set_version_flag("--version", std::string("disparityd ") + DISPARITYD_VERSION);
+    app.set_version_flag("--version", base::version_line("disparityd"));
     app.add_option("--config", line.daemon.config_path,
                    std::string("Configuration file (default: ") + DISPARITYD_CONFIG_FILE + " if there is one)")
         ->type_name("FILE");

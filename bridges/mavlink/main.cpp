@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/version.h"
 #include "bridges/mavlink/bridge.h"
 #include "bridges/mavlink/options.h"
 
@@ -69,7 +70,7 @@ int main(int argc, char** argv) {
         program);
     Options options;
     options.add_to(app);
-    app.set_version_flag("--version", std::string(program) + ' ' + DISPARITYD_VERSION);
+    app.set_version_flag("--version", disparityd::base::version_line(program));
     app.footer(
         "Examples: disparity-mavlink --udp 127.0.0.1:14550\n"
         "          disparity-mavlink --serial /dev/ttyACM0:921600 --max-distance-m 12 --3d --camera-height-m 0.3\n"

@@ -24,7 +24,7 @@ ARROWS = {
     "capture": {"base", "calibration", "kernels"},
     "pipeline": {"base", "calibration", "capture", "kernels"},
     "clients": {"proto"},
-    "bridges": {"clients", "proto"},
+    "bridges": {"base", "clients", "proto"},
     "daemon": {"base", "kernels", "capture", "calibration", "pipeline", "proto"},
     "tools": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients"},
 }

@@ -141,7 +141,8 @@ TEST_F(BadInputTest, VersionsAreTold) {
          {std::pair(DISPARITYCTL, "disparityctl"), std::pair(DISPARITY_EVAL, "disparity-eval")}) {
         const Outcome outcome = run(program, {"--version"});
         EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, testing::MatchesRegex(std::string(name) + " [0-9]+\\.[0-9]+\\.[0-9]+.*\n"));
+        EXPECT_THAT(outcome.out, testing::MatchesRegex(std::string(name) +
+                                                       " [0-9]+\\.[0-9]+\\.[0-9]+( \\(commit [0-9a-f]{12,}\\))?\n"));
     }
 }
 

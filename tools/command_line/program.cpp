@@ -11,6 +11,7 @@
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
+#include "base/version.h"
 #include "tools/command_line/plain_help.h"
 #include "tools/command_line/printable_output.h"
 
@@ -44,7 +45,7 @@ int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
     const PrintableOutput printable(std::cout);
     std::signal(SIGXFSZ, SIG_IGN);  // a limit for files is then told as a full disk is
     use_plain_help(app);
-    app.set_version_flag("--version", program + ' ' + DISPARITYD_VERSION);
+    app.set_version_flag("--version", base::version_line(program));
     try {
         app.parse(argc, argv);
         const int code = action();
