@@ -7,7 +7,9 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/option_tree.h"
 #include "base/version.h"
+#include "daemon/config/config_keys.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -36,9 +38,19 @@ struct Overrides {
     bool no_self_calibration = false;
 };
 
+std::vector<base::TreeKey> tree_keys() {
+    std::vector<base::TreeKey> keys;
+    keys.reserve(config_keys().size());
+    for (const ConfigKey& key : config_keys()) {
+        keys.push_back({full_name(key), key.allowed});
+    }
+    return keys;
+}
+
 void add_options(CLI::App& app, CommandLine& line, Overrides& given) {
     app.footer(footer);
     app.set_version_flag("--version", base::version_line("disparityd"));
+    base::add_option_tree(app, tree_keys());
     app.add_option("--config", line.daemon.config_path,
                    std::string("Configuration file (default: ") + DISPARITYD_CONFIG_FILE + " if there is one)")
         ->type_name("FILE");

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/option_tree.h"
 #include "base/version.h"
 #include "bridges/mavlink/bridge.h"
 #include "bridges/mavlink/options.h"
@@ -71,6 +72,7 @@ int main(int argc, char** argv) {
     Options options;
     options.add_to(app);
     app.set_version_flag("--version", disparityd::base::version_line(program));
+    disparityd::base::add_option_tree(app);
     app.footer(
         "Examples: disparity-mavlink --udp 127.0.0.1:14550\n"
         "          disparity-mavlink --serial /dev/ttyACM0:921600 --max-distance-m 12 --3d --camera-height-m 0.3\n"

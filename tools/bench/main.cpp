@@ -241,11 +241,8 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
         ->type_name("N");
     tools::add_integer(program, "--rounds", arguments.rounds, 1, 100000,
                        "highest number of runs of each contestant; default 15");
-    program
-        .add_option("--seconds", arguments.seconds,
-                    "time for each matcher and pair; a slow one runs at least three times; default 0.8")
-        ->check(CLI::Range(0.0, 3600.0))
-        ->type_name("X");
+    tools::add_real(program, "--seconds", arguments.seconds, 0, 3600,
+                    "time for each matcher and pair; a slow one runs at least three times; default 0.8");
     program.add_option("--data", arguments.data, "folder with the paper's scenes; default: what DISPARITYD_DATA names")
         ->type_name("DIR");
     tools::add_switch(program, "roofline", arguments.roofline,

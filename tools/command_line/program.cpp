@@ -11,6 +11,7 @@
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
+#include "base/option_tree.h"
 #include "base/version.h"
 #include "tools/command_line/plain_help.h"
 #include "tools/command_line/printable_output.h"
@@ -46,6 +47,7 @@ int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
     std::signal(SIGXFSZ, SIG_IGN);  // a limit for files is then told as a full disk is
     use_plain_help(app);
     app.set_version_flag("--version", base::version_line(program));
+    base::add_option_tree(app);
     try {
         app.parse(argc, argv);
         const int code = action();

@@ -45,7 +45,7 @@ struct EvalArguments {
     std::vector<std::string> backends;
     tools::MatchArguments match;
     std::string pictures;
-    double scale = 0;
+    std::optional<double> scale;
     std::optional<int> repeat;
     std::optional<int> workers;
     std::optional<int> halves;  ///< the seed
@@ -102,7 +102,7 @@ std::vector<SceneToJudge> scenes_of_paper(const EvalArguments& arguments) {
             throw std::invalid_argument("--paper: there is no folder for the scene " + wanted.name +
                                         " in DATA, allowed: folders that hold cones, tsukuba, teddy and sawtooth");
         }
-        chosen.push_back(scene_of_files(*files, wanted.disparities, arguments.scale));
+        chosen.push_back(scene_of_files(*files, wanted.disparities, arguments.scale.value_or(0)));
     }
     return chosen;
 }
@@ -119,7 +119,7 @@ std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments) {
             continue;
         }
         for (const datasets::DatasetScene& files : find_scenes({data})) {
-            chosen.push_back(scene_of_files(files, 0, arguments.scale));
+            chosen.push_back(scene_of_files(files, 0, arguments.scale.value_or(0)));
         }
     }
     return chosen;
@@ -434,12 +434,9 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->excludes(fair)
         ->excludes(fractions)
         ->excludes(opencv);
-    program
-        .add_option(
-            "--scale", arguments.scale,
-            "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name")
-        ->check(CLI::Range(0.001, 65535.0))
-        ->type_name("X");
+    tools::add_real(
+        program, "--scale", arguments.scale, 0.001, 65535.0,
+        "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");
     tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
                        "runs per scene; the median of their times counts; default 1");
     tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
