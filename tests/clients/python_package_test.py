@@ -130,6 +130,24 @@ class PythonPackage(unittest.TestCase):
         self.assertEqual(said.strip(), str(self.package / "disparity" / "__init__.py"))
         (self.package / "disparity" / "disparity_pb2.py").unlink()
 
+    def test_the_needed_protobuf_is_that_of_protoc(self):
+        made = {
+            "_message.FileDescriptor(serialized_pb=b'')": "protobuf<4,>=3.12",
+            "from google.protobuf.internal import builder as _builder": "protobuf>=3.20",
+            "_runtime_version.ValidateProtobufRuntimeVersion(\n    _runtime_version.Domain.PUBLIC,\n    5,\n    29,\n    1,\n    '',":
+                "protobuf>=5.29.1",
+        }
+        for text, needed in made.items():
+            # An old one: it knows no --pyi_out.
+            protoc = self.folder / "protoc"
+            protoc.write_text("#!/bin/sh\nfor one; do case $one in --python_out=*) out=${one#*=} ;; --pyi_out=*) exit 1 ;; esac; done\n"
+                              f'[ "$1" = --help ] || cat >"$out/disparity_pb2.py" <<"END"\n{text}\nEND\n', encoding="utf-8")
+            protoc.chmod(0o755)
+            run(sys.executable, "-B", "setup.py", "--quiet", "egg_info", "--egg-base", self.folder, cwd=self.package,
+                environment={"PROTOC": str(protoc)})
+            required = (self.folder / "disparity.egg-info" / "requires.txt").read_text(encoding="utf-8")
+            self.assertIn(f"\n{needed}\n", "\n" + required)
+
     def refusal(self, folder, **environment):
         with self.assertRaises(RuntimeError) as caught:
             run(sys.executable, "-B", "setup.py", "--version", cwd=folder, environment=environment)
