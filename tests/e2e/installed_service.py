@@ -42,6 +42,10 @@ class InstalledService(unittest.TestCase):
                 installed = list(root.rglob("disparityd.toml"))
                 self.assertEqual(installed, [root / configuration.lstrip("/")])
                 self.assertRegex(installed[0].read_text(encoding="utf-8"), r'(?m)^uri = "v4l2:auto"$')
+                instances = list(root.rglob("disparityd@.service"))
+                self.assertEqual(len(instances), 1)
+                self.assertIn(f"\nExecStart={prefix}/bin/disparityd --config {configuration.rpartition('/')[0]}/%i.toml --name %i\n",
+                              instances[0].read_text(encoding="utf-8"))
                 units = list(root.rglob("disparity-mavlink.service"))
                 self.assertEqual(len(units), 1)
                 unit = units[0].read_text(encoding="utf-8")
