@@ -16,7 +16,7 @@ HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*#*$")
 CODE = re.compile(r"(`+)(?:(?!\1).)+\1")
 ELSEWHERE = re.compile(r"^[a-z][a-z0-9+.-]*:")
 # A file by its path from the root. NAME in it (bridges/NAME/main.cpp) stands for any name.
-TOP = "|".join(sorted(check_house.FOLDERS | {"docs", "systemd", "cmake"}))
+TOP = "|".join(sorted(check_house.FOLDERS | {"docs", "systemd", "cmake", "debian"}))
 ENDINGS = "h|hpp|c|cpp|cu|py|proto|md|toml|txt|in|conf|rules|service|png|svg"
 PATH = re.compile(rf"(?<![\w./*-])((?:{TOP})/[\w./-]*?\.(?:{ENDINGS}))(?![\w/-])(?!\.\w)")
 FOLDER = re.compile(rf"`((?:{TOP})/(?:[\w./-]*/)?)`")
