@@ -151,7 +151,10 @@ check_format() {
 }
 
 check_scripts() {
-    check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tools/benchmarks tools/demo tools/gpu-check tools/release tools/test tools/setup/arm64-sysroot tools/setup/*.sh .ci/run
+    check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tests/package/run tests/package/lifecycle tests/package/read_frames \
+        tests/setup/like-jetpack tests/setup/simulated-jetpack tools/benchmarks tools/demo tools/gpu-check tools/package tools/release \
+        tools/test tools/setup/arm64-sysroot tools/setup/highway tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
+        debian/*.postinst debian/*.prerm debian/*.postrm
 }
 
 # check_types: of the Python client as the release build has it, with what protoc made.
