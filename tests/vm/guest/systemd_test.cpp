@@ -164,6 +164,31 @@ TEST_F(Systemd, ReloadTakesTheNewConfigurationAndKeepsClients) {
     EXPECT_EQ(unit_.main_process(), process);
 }
 
+TEST_F(Systemd, AnInstanceHasWhatIsServedUnderItsNameBesideTheUnit) {
+    std::ofstream(fs::path(DISPARITYD_CONFIG_FILE).replace_filename("left.toml"))
+        << "[source]\nuri = \"scene:vga@2?loop=1\"\n[match]\nmethod = \"sad\"\ndepth = false\n"
+           "disparities = 16\n[socket]\ntcp = \"\"\n";
+    const SystemUnit left("disparityd@left.service");
+    const Said started = left.order("start");
+    ASSERT_EQ(started.status, 0) << started.text << left.journal();
+    EXPECT_TRUE(left.comes_to_say("running, ")) << left.property("StatusText");
+    EXPECT_EQ(access_to("/run/disparityd/disparityd-left.sock"), "0660 disparityd");
+    EXPECT_EQ(access_to("/dev/shm/disparityd.left"), "0640 disparityd");
+    EXPECT_EQ(access_to("/var/lib/disparityd/left"), "0750 disparityd");
+    disparity::SharedMemoryReader reader("left");
+    disparity::Frame frame;
+    EXPECT_EQ(reader.read(frame, patience), disparity::ReadResult::frame);
+
+    const Said stopped = left.order("stop");
+    EXPECT_EQ(stopped.status, 0) << stopped.text;
+    EXPECT_FALSE(fs::exists("/run/disparityd/disparityd-left.sock"));
+    EXPECT_FALSE(fs::exists("/dev/shm/disparityd.left"));
+    // The other daemon has the same user and the same folder.
+    EXPECT_TRUE(fs::exists("/dev/shm/disparityd.default"));
+    auto client = connected();
+    EXPECT_TRUE(new_frame(client));
+}
+
 TEST_F(Systemd, TheWatchdogEndsADaemonThatStandsStillAndStartsAnother) {
     const int process = unit_.main_process();
     ASSERT_EQ(::kill(process, SIGSTOP), 0);
