@@ -13,8 +13,9 @@ def escaped(text):
 
 
 def capitalised(text):
-    """Returns a sentence with a capital letter, but for names of values before a colon ("sgm: ...")."""
-    return text if re.match(r"\w+(?: and \w+)*: ", text) else text[:1].upper() + text[1:]
+    """Returns a sentence with a capital letter, but for what is typed so: names of values before a colon ("sgm: ...") and
+    addresses ("tcp:HOST:PORT")."""
+    return text if re.match(r"\w+(?: and \w+)*: |\w+:\w", text) else text[:1].upper() + text[1:]
 
 
 def line(text):
