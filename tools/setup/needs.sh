@@ -98,6 +98,10 @@ ensure_needs() {
 
     update_lists "$yes" || return 1
     for kind in "$@"; do plan_needs "$kind"; done
+    if ((${#needs_unknown[@]})) && ! compgen -G '/var/lib/apt/lists/*_Packages*' >/dev/null; then
+        echo "error: apt offers nothing at all here (no network, or no sources in /etc/apt); run this again when apt-get update works" >&2
+        return 1
+    fi
     if ((${#needs_unknown[@]})); then
         printf '%s\n' "${needs_unknown[@]}" | tell_missing
         return 1

@@ -35,7 +35,9 @@ confirm() {
     fi
 }
 
-# as_root YES COMMAND...: root needs no sudo; another user is asked once before it is used, unless YES is 1.
+# as_root YES COMMAND...: root needs no sudo; another user is asked once before it is used, unless YES is 1. What it refuses
+# itself it tells in a line that is enough, and returns so.
+readonly told=99
 sudo_allowed=0
 as_root() {
     local yes=$1
@@ -45,11 +47,11 @@ as_root() {
         return
     fi
     if ! command -v sudo >/dev/null; then
-        echo "error: sudo is not here. As root run: $*" >&2
-        return 1
+        echo "error: packages are missing and sudo is not here; run this as root, or as root: $*" >&2
+        return "$told"
     fi
     if ((!yes && !sudo_allowed)); then
-        confirm "Install what is missing with sudo apt-get?" "run: sudo apt-get update && sudo $*, or give --yes" || return 1
+        confirm "Install what is missing with sudo apt-get?" "run: sudo apt-get update && sudo $*, or give --yes" || return "$told"
         sudo_allowed=1
     fi
     sudo "$@"
@@ -62,14 +64,22 @@ apt() {
     as_root "$yes" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=300 --quiet --quiet "$@"
 }
 
+# tell_failure LINE COMMAND...: runs it; where it fails without having told why, the line does.
+tell_failure() {
+    local line=$1 outcome
+    shift
+    "$@"
+    outcome=$?
+    if ((outcome != 0 && outcome != told)); then echo "$line" >&2; fi
+    return "$outcome"
+}
+
 # update_lists YES: what apt knows, once in a run.
 lists_updated=0
 update_lists() {
     ((!lists_updated)) || return 0
-    if ! apt "$1" update; then
-        echo "error: apt-get update failed, see above (no network? no right to use sudo?); run this again when it works" >&2
-        return 1
-    fi
+    tell_failure "error: apt-get update failed, see above (no network? no right to use sudo?); run this again when it works" \
+        apt "$1" update || return 1
     lists_updated=1
 }
 
@@ -80,10 +90,8 @@ install_listed() {
     (($#)) || return 0
     echo "These packages are missing:"
     printf '  %s\n' "$@"
-    if ! apt "$yes" install --yes --no-install-recommends "$@"; then
-        echo "error: apt-get could not install them, see above (disk full? no network?); run this again when it can" >&2
-        return 1
-    fi
+    tell_failure "error: apt-get could not install them, see above (disk full? no network?); run this again when it can" \
+        apt "$yes" install --yes --no-install-recommends "$@"
 }
 
 # install_packages YES SECTION...: installs what is missing of these sections of tools/packages, nothing else.
