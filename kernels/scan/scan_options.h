@@ -15,13 +15,13 @@ enum class GroundMode : std::uint8_t {
     fitted,      ///< fitted to each frame, near the configured one
 };
 
-/// How an obstacle scan is made: step 14 of docs/algorithm.md. Angles in degrees, lengths in metres.
 /// Returns the default of `min_confidence`: four fifths where the confidence is a chance, else 1, which leaves the
 /// matcher's own rejection to decide (a ratio of costs says nothing about the chance).
 constexpr int default_min_confidence(bool calibrated) {
     return calibrated ? 200 : 1;
 }
 
+/// How an obstacle scan is made: step 14 of docs/algorithm.md. Angles in degrees, lengths in metres.
 struct ScanOptions {
     int sectors = 72;  ///< 1 .. max_scan_sectors
     /// The bearings of the right-most and of the left-most edge, left positive; both 0: the field of view.
