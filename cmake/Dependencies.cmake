@@ -85,6 +85,7 @@ if(DISPARITYD_TESTS)
   find_package(GTest 1.11 QUIET)
   disparityd_need("GoogleTest 1.11" "${GTest_FOUND}" FOR test PACKAGES "libgtest-dev libgmock-dev")
   find_package(OpenCVModules 4.5 QUIET COMPONENTS core features2d)
+  # The independent matcher of the self-calibration's tests.
   disparityd_need("OpenCV 4.5 (features2d)" "${OpenCVModules_FOUND}" FOR test
     PACKAGES "libopencv-features2d-dev" "libopencv-dev")
   find_package(Boost 1.74 QUIET COMPONENTS context)

@@ -27,9 +27,9 @@ report_needs() {
     fi
 }
 
-# missing_needs KIND: what is missing of build or test: "what<TAB>packages<TAB>hint".
+# missing_needs KIND...: what is missing of build, test or both: "what<TAB>packages<TAB>hint".
 missing_needs() {
-    awk -F '\t' -v kind="$1" '$1 == "missing" && $2 == kind { print $3 "\t" $4 "\t" $5 }' "$needs_file"
+    awk -F '\t' -v kinds=" $* " '$1 == "missing" && index(kinds, " " $2 " ") { print $3 "\t" $4 "\t" $5 }' "$needs_file"
 }
 
 # library_packages: Debian's packages of headers and libraries that the project needs, whether they are here or not.
@@ -68,7 +68,7 @@ tell_missing() {
     done
 }
 
-# plan_needs KIND: what apt brings goes to needs_packages, what it does not to needs_unknown, Highway, which can be built, to
+# plan_needs KIND...: what apt brings goes to needs_packages, what it does not to needs_unknown, Highway, which can be built, to
 # needs_highway.
 plan_needs() {
     local what packages hint names
@@ -80,12 +80,12 @@ plan_needs() {
         else
             needs_unknown+=("$what"$'\t'"$packages"$'\t'"$hint")
         fi
-    done < <(missing_needs "$1")
+    done < <(missing_needs "$@")
 }
 
 # ensure_needs YES HIGHWAY KIND...: all of these kinds, build or test; HIGHWAY is an archive of its source or empty.
 ensure_needs() {
-    local yes=$1 highway=$2 kind programs all_missing needs_packages=() needs_unknown=() needs_highway=0
+    local yes=$1 highway=$2 programs all_missing needs_packages=() needs_unknown=() needs_highway=0
     shift 2
     mkdir -p build || return 1
     mapfile -t programs < <(missing_programs)
@@ -93,11 +93,11 @@ ensure_needs() {
         update_lists "$yes" && install_listed "$yes" "${programs[@]}" || return 1
     fi
     report_needs || return 1
-    all_missing=$(for kind in "$@"; do missing_needs "$kind"; done)
+    all_missing=$(missing_needs "$@")
     [[ -n $all_missing ]] || return 0
 
     update_lists "$yes" || return 1
-    for kind in "$@"; do plan_needs "$kind"; done
+    plan_needs "$@"
     if ((${#needs_unknown[@]})) && ! compgen -G '/var/lib/apt/lists/*_Packages*' >/dev/null; then
         echo "error: apt offers nothing at all here (no network, or no sources in /etc/apt); run this again when apt-get update works" >&2
         return 1
@@ -118,7 +118,7 @@ ensure_needs() {
         tools/setup/highway ${highway:+--file "$highway"} || return 1
     fi
     report_needs || return 1
-    all_missing=$(for kind in "$@"; do missing_needs "$kind"; done)
+    all_missing=$(missing_needs "$@")
     if [[ -n $all_missing ]]; then
         tell_missing <<<"$all_missing"
         return 1
