@@ -161,7 +161,9 @@ void Routes::respond(const Request& request, const Answer& answer) {
     } else if (asked.path == "/healthz" && asked.is(http::verb::get)) {
         const DaemonState& state = place_.hub.state();
         const bool runs = state.there && state.status && state.status->state() == "running";
-        const std::string reason = !state.there ? state.why : state.status ? state.status->state() : "asking the daemon";
+        const std::string reason = !state.there   ? state.why
+                                   : state.status ? state.status->state()
+                                                  : "asking the daemon";
         answer(make_response(request, runs ? http::status::ok : http::status::service_unavailable,
                              "text/plain; charset=utf-8", runs ? "ok\n" : reason + '\n'));
     } else if (asked.path == "/api/session") {
