@@ -6,7 +6,6 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 namespace disparityd::foxglove {
@@ -14,7 +13,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in memory");
 
-constexpr std::array<std::uint8_t, 4> header{0, 1, 0, 0};  // plain CDR, little endian, no options
+constexpr std::array<char, 4> header{0, 1, 0, 0};  // plain CDR, little endian, no options
 
 }  // namespace
 
@@ -106,7 +105,7 @@ CdrWriter& CdrWriter::u8_sequence(std::span<const std::uint8_t> values) {
 std::span<std::uint8_t> CdrWriter::u8_room(std::size_t size) {
     length(size);
     bytes_.resize(bytes_.size() + size);
-    return std::span(bytes_).last(size);
+    return std::span(reinterpret_cast<std::uint8_t*>(bytes_.data()), bytes_.size()).last(size);
 }
 
 Bytes CdrWriter::take() {

@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <string_view>
-#include <vector>
 
 namespace disparityd::foxglove {
 
-using Bytes = std::vector<std::uint8_t>;
+/// Bytes of a message.
+using Bytes = std::string;
 
 /// Writes one message as CDR, as ROS 2 does: XCDR version 1, little endian. A number lies at a multiple of its size,
 /// counted from the end of the header of 4 bytes; what lies between is 0.

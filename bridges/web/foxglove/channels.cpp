@@ -18,6 +18,7 @@ constexpr std::array channels{
     ChannelFacts{Channel::right_info, "/right/camera_info", "sensor_msgs/CameraInfo"},
     ChannelFacts{Channel::disparity, "/disparity", "stereo_msgs/DisparityImage"},
     ChannelFacts{Channel::depth, "/depth/image_rect_raw", "sensor_msgs/Image"},
+    ChannelFacts{Channel::depth_mm, "/depth/image_rect", "sensor_msgs/Image"},
     ChannelFacts{Channel::depth_error, "/depth/error", "sensor_msgs/Image"},
     ChannelFacts{Channel::confidence, "/confidence", "sensor_msgs/Image"},
     ChannelFacts{Channel::points, "/points", "sensor_msgs/PointCloud2"},
@@ -100,6 +101,7 @@ std::optional<Wanted> needs_of(Channel channel, const Offer& offer) {
         case Channel::right_info: return offer.calibrated ? any_frame(offer) : std::nullopt;
         case Channel::disparity: return first_of(offer, {Product::disparity});
         case Channel::depth: return depth_needs(offer);
+        case Channel::depth_mm: return first_of(offer, {Product::depth});
         case Channel::depth_error: return first_of(offer, {Product::depth_error});
         case Channel::confidence: return first_of(offer, {Product::confidence});
         case Channel::points: return points_needs(offer);

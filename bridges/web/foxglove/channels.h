@@ -34,7 +34,8 @@ enum class Channel : std::uint32_t {
     right_temperature = 17,
     pressure = 18,
     humidity = 19,
-    status = 20
+    status = 20,
+    depth_mm = 21
 };
 
 /// What is always the same of a channel.

@@ -32,6 +32,7 @@ std::optional<Bytes> encode(Channel channel, const Frame& frame, const Encoding&
         case Channel::right_info: return camera_info(frame, Camera::right);
         case Channel::disparity: return disparity_image(frame);
         case Channel::depth: return depth_image(frame);
+        case Channel::depth_mm: return depth_mm_image(frame);
         case Channel::depth_error: return depth_error_image(frame);
         case Channel::confidence: return confidence_image(frame);
         case Channel::points: return point_cloud(frame, encoding.most_points);

@@ -39,6 +39,15 @@ Bytes image(std::int64_t realtime_ns, const Picture& picture) {
     return cdr.take();
 }
 
+/// Returns a plane as it is.
+std::optional<Bytes> plane_image(const Frame& frame, Product product, std::string_view encoding) {
+    const PlaneData* plane = whole_plane(frame, product);
+    if (plane == nullptr) {
+        return std::nullopt;
+    }
+    return image(frame.realtime_ns, {plane->width, plane->height, encoding, plane->bytes_per_pixel, plane->bytes});
+}
+
 std::span<const std::uint8_t> bytes_of(const std::vector<float>& numbers) {
     return {reinterpret_cast<const std::uint8_t*>(numbers.data()), numbers.size() * sizeof(float)};
 }
@@ -91,11 +100,11 @@ std::optional<Bytes> left_jpeg(const Frame& frame, int quality) {
 }
 
 std::optional<Bytes> confidence_image(const Frame& frame) {
-    const PlaneData* plane = whole_plane(frame, Product::confidence);
-    if (plane == nullptr) {
-        return std::nullopt;
-    }
-    return image(frame.realtime_ns, {plane->width, plane->height, "mono8", 1, plane->bytes});
+    return plane_image(frame, Product::confidence, "mono8");
+}
+
+std::optional<Bytes> depth_mm_image(const Frame& frame) {
+    return plane_image(frame, Product::depth, "16UC1");
 }
 
 std::optional<Bytes> depth_image(const Frame& frame) {

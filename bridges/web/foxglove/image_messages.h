@@ -22,6 +22,9 @@ std::optional<Bytes> confidence_image(const disparity::Frame& frame);
 /// disparities where it serves none.
 std::optional<Bytes> depth_image(const disparity::Frame& frame);
 
+/// sensor_msgs/msg/Image, 16UC1, mm, as the daemon serves them: 0 unknown, 65535 beyond 65.534 m.
+std::optional<Bytes> depth_mm_image(const disparity::Frame& frame);
+
 /// sensor_msgs/msg/Image, 32FC1, m: one sigma of the depth, NaN unknown, +infinity 65.535 m or more.
 std::optional<Bytes> depth_error_image(const disparity::Frame& frame);
 

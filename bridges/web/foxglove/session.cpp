@@ -15,10 +15,10 @@ namespace {
 constexpr std::uint8_t message_data = 1;
 
 Message message(std::uint32_t subscription, std::int64_t received_ns, Payload payload) {
-    Message result{.head = {message_data}, .payload = std::move(payload)};
-    base::put_little_endian(&result.head[1], subscription, 4);
-    base::put_little_endian(&result.head[5], static_cast<std::uint64_t>(received_ns), 8);
-    return result;
+    std::array<std::uint8_t, 13> head{message_data};
+    base::put_little_endian(&head[1], subscription, 4);
+    base::put_little_endian(&head[5], static_cast<std::uint64_t>(received_ns), 8);
+    return {Bytes(head.begin(), head.end()), std::move(payload)};
 }
 
 /// Returns the channels that exist with the first offer and not with the second.
@@ -180,8 +180,8 @@ std::vector<Message> FoxgloveSession::on_status(const v1::Status& status, std::i
     std::vector<Message> messages;
     for (const auto& [id, channel] : subscriptions_) {
         if (channel == Channel::status) {
-            const std::string text = json::to_text(json::to_json(status), -1);
-            messages.push_back(message(id, received_ns, std::make_shared<const Bytes>(text.begin(), text.end())));
+            std::string text = json::to_text(json::to_json(status), -1);
+            messages.push_back(message(id, received_ns, std::make_shared<const Bytes>(std::move(text))));
         }
     }
     return messages;

@@ -23,8 +23,8 @@ inline constexpr std::array<std::string_view, 2> subprotocols{"foxglove.sdk.v1",
 
 /// A binary message of WebSocket: the head, then the payload.
 struct Message {
-    std::array<std::uint8_t, 13> head;  ///< operation 1, u32 subscription, u64 time of receipt, ns since 1970
-    Payload payload;                    ///< never nullptr; shared with other sessions
+    Bytes head;       ///< 13 bytes: operation 1, u32 subscription, u64 time of receipt, ns since 1970
+    Payload payload;  ///< never nullptr; shared with other sessions
 };
 
 /// One connection that speaks Foxglove's WebSocket protocol: what to answer, what to send. It has no socket, no thread

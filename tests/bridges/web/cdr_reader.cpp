@@ -2,17 +2,25 @@
 #include "tests/bridges/web/cdr_reader.h"
 
 #include <stdexcept>
+#include <utility>
 
 namespace disparityd::test {
 
-CdrReader::CdrReader(const std::vector<std::uint8_t>& bytes) : bytes_(bytes) {
-    if (bytes.size() < start ||
-        std::vector(bytes.begin(), bytes.begin() + start) != std::vector<std::uint8_t>{0, 1, 0, 0}) {
+std::string bytes(std::initializer_list<int> values) {
+    std::string text;
+    for (const int value : values) {
+        text.push_back(static_cast<char>(value));
+    }
+    return text;
+}
+
+CdrReader::CdrReader(std::string bytes) : bytes_(std::move(bytes)) {
+    if (bytes_.substr(0, start) != test::bytes({0, 1, 0, 0})) {
         throw std::runtime_error("no header of little-endian CDR");
     }
 }
 
-const std::uint8_t* CdrReader::take(std::size_t size) {
+const char* CdrReader::take(std::size_t size) {
     if (place_ > bytes_.size() || size > bytes_.size() - place_) {
         throw std::runtime_error("the message ends too soon");
     }
@@ -22,7 +30,7 @@ const std::uint8_t* CdrReader::take(std::size_t size) {
 
 std::string CdrReader::text() {
     const auto size = get<std::uint32_t>();
-    const auto* first = reinterpret_cast<const char*>(take(size));
+    const char* first = take(size);
     if (size == 0 || first[size - 1] != 0) {
         throw std::runtime_error("a string does not end with 0");
     }

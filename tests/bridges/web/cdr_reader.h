@@ -4,15 +4,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 namespace disparityd::test {
 
+/// Returns a string of these bytes.
+std::string bytes(std::initializer_list<int> values);
+
 /// Reads CDR of version 1, little endian. Throws std::runtime_error for another header and beyond the end.
 class CdrReader {
 public:
-    explicit CdrReader(const std::vector<std::uint8_t>& bytes);
+    explicit CdrReader(std::string bytes);
 
     /// Reads a number, which lies at a multiple of its size.
     template <typename Number>
@@ -49,9 +53,9 @@ public:
 private:
     static constexpr std::size_t start = 4;
 
-    const std::uint8_t* take(std::size_t size);
+    const char* take(std::size_t size);
 
-    std::vector<std::uint8_t> bytes_;
+    std::string bytes_;
     std::size_t place_ = start;
 };
 

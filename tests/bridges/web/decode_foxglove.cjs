@@ -64,6 +64,13 @@ function cameraInfo (message, cx, shift) {
   })
 }
 
+function depthMm (message) {
+  image(message, '16UC1', 2)
+  const view = new DataView(message.data.buffer, message.data.byteOffset, message.data.byteLength)
+  assert.deepStrictEqual(PIXELS.map(i => view.getUint16(2 * i, true)),
+    PIXELS.map(i => i === 0 ? 0 : i === 1 ? 65535 : 1000 + i))
+}
+
 function disparityImage (message) {
   floatImage(message.image, i => Math.fround(disparity(i) + OFFSET))
   same({ ...message, image: null }, {
@@ -175,6 +182,7 @@ const EXPECTED = [
   ['/points', message => points(message, 'intensity', grey)],
   ['/scan', scan],
   ['/tf', transforms],
+  ['/depth/image_rect', depthMm],
   // The sensors: each sample by subscription.
   ['/imu', message => imu(message, STAMP, { x: 0.5, y: -0.25, z: 0.125 }, { x: 0.75, y: -9.75, z: 1.5 })],
   ['/magnetic_field', magneticField],
@@ -198,7 +206,7 @@ const EXPECTED = [
   ['/tf', transforms],
 ]
 
-const GONE = ['/confidence', '/depth/error', '/humidity', '/imu', '/magnetic_field', '/pressure', '/scan',
+const GONE = ['/confidence', '/depth/error', '/depth/image_rect', '/humidity', '/imu', '/magnetic_field', '/pressure', '/scan',
   '/temperature/camera', '/temperature/imu', '/temperature/left', '/temperature/right']
 
 // Follows texts and messages as a viewer does.

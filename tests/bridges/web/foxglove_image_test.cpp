@@ -15,13 +15,14 @@ namespace {
 using disparity::Frame;
 using disparity::Product;
 using test::CdrReader;
+using Octets = std::vector<std::uint8_t>;
 
 const std::string header = "1700000000.123456789 left_camera";
 
 struct Image {
     std::string encoding;
     std::uint32_t step = 0;
-    Bytes data;
+    Octets data;
 
     float number(std::size_t i) const {
         float value{};
@@ -79,6 +80,14 @@ TEST(FoxgloveImage, DepthComesFromDisparitiesWhereThereIsNoOther) {
     EXPECT_FALSE(depth_image(frame));
 }
 
+TEST(FoxgloveImage, DepthInMillimetresIsTheDaemons) {
+    const Image image = image_of(depth_mm_image(test::grey_frame()));
+    EXPECT_EQ(image.encoding, "16UC1");
+    EXPECT_EQ(image.step, 16U);
+    EXPECT_EQ(image.data, test::grey_frame().plane(Product::depth)->bytes);
+    EXPECT_FALSE(depth_mm_image(test::colour_frame()));
+}
+
 TEST(FoxgloveImage, DepthErrorIsInMetres) {
     const Image image = image_of(depth_error_image(test::grey_frame()));
     EXPECT_TRUE(std::isnan(image.number(0)));
@@ -110,24 +119,25 @@ TEST(FoxgloveImage, APlaneThatIsNotThereOrNotWholeGivesNoMessage) {
     EXPECT_FALSE(left_jpeg(frame, 85));
     EXPECT_FALSE(confidence_image(frame));
     EXPECT_FALSE(depth_image(frame));
+    EXPECT_FALSE(depth_mm_image(frame));
     EXPECT_FALSE(depth_error_image(frame));
     EXPECT_FALSE(disparity_image(frame));
     EXPECT_FALSE(left_image(test::bare_frame()));
 }
 
 /// Returns the bytes of a message's file.
-Bytes jpeg_in(const std::optional<Bytes>& message) {
+Octets jpeg_in(const std::optional<Bytes>& message) {
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), header);
     EXPECT_EQ(cdr.text(), "jpeg");
-    const Bytes file = cdr.sequence<std::uint8_t>();
+    const Octets file = cdr.sequence<std::uint8_t>();
     EXPECT_EQ(cdr.left(), 0U);
     return file;
 }
 
-void expect_file_shows(const Bytes& file, int pixel_format, const disparity::PlaneData& plane) {
+void expect_file_shows(const Octets& file, int pixel_format, const disparity::PlaneData& plane) {
     tjhandle decoder = tjInitDecompress();
-    Bytes pixels(plane.bytes.size());
+    Octets pixels(plane.bytes.size());
     ASSERT_EQ(tjDecompress2(decoder, file.data(), file.size(), pixels.data(), test::frame_width, 0, test::frame_height,
                             pixel_format, 0),
               0);
@@ -200,13 +210,11 @@ TEST(FoxgloveCameraInfo, ARegionIsTold) {
     frame.region_x = 5;
     frame.region_y = 3;
     const std::optional<Bytes> message = camera_info(frame, Camera::left);
-    const Bytes bytes = message.value();
-    CdrReader cdr(bytes);
+    CdrReader cdr(message.value());
     cdr.header();
     EXPECT_EQ(cdr.get<std::uint32_t>(2), (std::vector<std::uint32_t>{10, 20}));
-    Bytes region(bytes.end() - 17, bytes.end());
-    region.insert(region.begin(), {0, 1, 0, 0});
-    EXPECT_EQ(CdrReader(region).get<std::uint32_t>(4), (std::vector<std::uint32_t>{5, 3, 4, 8}));
+    EXPECT_EQ(CdrReader(test::bytes({0, 1, 0, 0}) + message->substr(message->size() - 17)).get<std::uint32_t>(4),
+              (std::vector<std::uint32_t>{5, 3, 4, 8}));
 }
 
 TEST(FoxgloveCameraInfo, ThereIsNoneWithoutACalibration) {

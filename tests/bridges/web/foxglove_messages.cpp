@@ -27,11 +27,8 @@ void print(const std::vector<std::string>& texts) {
 void print(const std::vector<Message>& messages) {
     for (const Message& message : messages) {
         std::printf("binary ");
-        for (const std::uint8_t byte : message.head) {
-            std::printf("%02x", byte);
-        }
-        for (const std::uint8_t byte : *message.payload) {
-            std::printf("%02x", byte);
+        for (const char byte : message.head + *message.payload) {
+            std::printf("%02x", static_cast<unsigned char>(byte));
         }
         std::printf("\n");
     }

@@ -19,7 +19,7 @@ struct Cloud {
     std::uint32_t width = 0;
     std::vector<std::string> fields;
     std::uint32_t point_bytes = 0;
-    Bytes data;
+    std::vector<std::uint8_t> data;
 
     float value(std::size_t point, std::size_t field) const {
         float number{};

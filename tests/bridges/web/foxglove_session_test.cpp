@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridges/web/foxglove/session.h"
+#include "tests/bridges/web/cdr_reader.h"
 #include "tests/bridges/web/foxglove_frames.h"
 
 namespace disparityd::foxglove {
@@ -71,8 +72,7 @@ TEST(FoxgloveSession, SendsWhatIsSubscribedWithItsId) {
     EncodedFrame encoded(frame);
     const std::vector<Message> messages = session.on_frame(encoded, 0x1817161514131211);
     ASSERT_EQ(messages.size(), 1U);
-    EXPECT_EQ(messages[0].head,
-              (std::array<std::uint8_t, 13>{1, 1, 2, 3, 4, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18}));
+    EXPECT_EQ(messages[0].head, test::bytes({1, 1, 2, 3, 4, 0x11, 0x12, 0x13, 0x14, 0x15, 0x16, 0x17, 0x18}));
     EXPECT_EQ(messages[0].payload, encoded.payload(Channel::confidence));
     session.on_text(unsubscribe(0x04030201));
     EXPECT_TRUE(session.on_frame(encoded, 0).empty());
