@@ -56,4 +56,14 @@ Payload EncodedFrame::payload(Channel channel) {
     return place->second;
 }
 
+Payloads EncodedFrame::payloads(std::span<const Channel> channels) {
+    Payloads list;
+    for (const Channel channel : channels) {
+        if (Payload message = payload(channel)) {
+            list.emplace(channel, std::move(message));
+        }
+    }
+    return list;
+}
+
 }  // namespace disparityd::foxglove

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <memory>
+#include <span>
 
 #include "bridges/web/foxglove/cdr_writer.h"
 #include "bridges/web/foxglove/channels.h"
@@ -12,6 +13,9 @@ namespace disparityd::foxglove {
 
 /// The bytes of a message; shared, as several sessions may send the same ones. nullptr: there is no message.
 using Payload = std::shared_ptr<const Bytes>;
+
+/// Messages of several channels.
+using Payloads = std::map<Channel, Payload>;
 
 /// How frames are encoded.
 struct Encoding {
@@ -30,10 +34,13 @@ public:
     /// not come with frames.
     Payload payload(Channel channel);
 
+    /// Returns the messages of those of the channels that have one.
+    Payloads payloads(std::span<const Channel> channels);
+
 private:
     const disparity::Frame& frame_;
     Encoding encoding_;
-    std::map<Channel, Payload> payloads_;
+    Payloads payloads_;  ///< nullptr: it was found that there is none
 };
 
 }  // namespace disparityd::foxglove

@@ -154,11 +154,23 @@ Wanted FoxgloveSession::wanted() const {
     return all;
 }
 
+std::vector<Channel> FoxgloveSession::subscribed() const {
+    std::vector<Channel> channels;
+    for (const auto& [id, channel] : subscriptions_) {
+        channels.push_back(channel);
+    }
+    return channels;
+}
+
 std::vector<Message> FoxgloveSession::on_frame(EncodedFrame& frame, std::int64_t received_ns) const {
+    return on_payloads(frame.payloads(subscribed()), received_ns);
+}
+
+std::vector<Message> FoxgloveSession::on_payloads(const Payloads& payloads, std::int64_t received_ns) const {
     std::vector<Message> messages;
     for (const auto& [id, channel] : subscriptions_) {
-        if (Payload payload = frame.payload(channel)) {
-            messages.push_back(message(id, received_ns, std::move(payload)));
+        if (const auto found = payloads.find(channel); found != payloads.end()) {
+            messages.push_back(message(id, received_ns, found->second));
         }
     }
     return messages;

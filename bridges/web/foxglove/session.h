@@ -52,8 +52,13 @@ public:
     /// Returns what the subscriptions need. It changes only in on_text() and set_offer().
     Wanted wanted() const;
 
+    /// Returns the channels that are subscribed, by the client's id. A server that encodes in another thread gives them
+    /// to EncodedFrame::payloads() there.
+    std::vector<Channel> subscribed() const;
+
     /// Each returns the messages for what is subscribed. `received_ns`: when the server had it, ns since 1970.
     std::vector<Message> on_frame(EncodedFrame& frame, std::int64_t received_ns) const;
+    std::vector<Message> on_payloads(const Payloads& payloads, std::int64_t received_ns) const;
     std::vector<Message> on_sensors(const disparity::SensorBatch& batch, std::int64_t received_ns) const;
     std::vector<Message> on_status(const v1::Status& status, std::int64_t received_ns) const;
 

@@ -88,6 +88,21 @@ TEST(FoxgloveSession, SessionsShareAPayload) {
     EXPECT_EQ(one.on_frame(encoded, 0).at(0).payload, other.on_frame(encoded, 0).at(0).payload);
 }
 
+TEST(FoxgloveSession, WhatWasEncodedElsewhereGoesToWhatIsSubscribedNow) {
+    FoxgloveSession session = session_with(everything);
+    session.on_text(subscribe(1, Channel::depth));
+    session.on_text(subscribe(2, Channel::scan));
+    EXPECT_EQ(session.subscribed(), (std::vector{Channel::depth, Channel::scan}));
+    const disparity::Frame frame = test::grey_frame();
+    const Payloads payloads = EncodedFrame(frame).payloads(session.subscribed());
+    EXPECT_EQ(payloads.size(), 2U);
+    session.on_text(unsubscribe(1));
+    session.on_text(subscribe(3, Channel::confidence));
+    const std::vector<Message> messages = session.on_payloads(payloads, 0);
+    ASSERT_EQ(messages.size(), 1U);
+    EXPECT_EQ(messages[0].head[1], 2);
+}
+
 TEST(FoxgloveSession, AFrameWithoutThePlaneGivesNoMessage) {
     FoxgloveSession session = session_with(everything);
     session.on_text(subscribe(1, Channel::scan));
