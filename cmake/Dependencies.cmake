@@ -50,6 +50,10 @@ disparityd_need("zstd 1.4" "${ZSTD_FOUND}" PACKAGES "libzstd-dev")
 
 pkg_module(TURBOJPEG libturbojpeg>=2.0)
 disparityd_need("libjpeg-turbo 2.0 (turbojpeg)" "${TURBOJPEG_FOUND}" PACKAGES "libturbojpeg0-dev")
+find_package(ZLIB QUIET)
+disparityd_need("zlib" "${ZLIB_FOUND}" PACKAGES "zlib1g-dev")
+find_package(OpenSSL 3.0 QUIET)
+disparityd_need("OpenSSL 3.0" "${OPENSSL_FOUND}" PACKAGES "libssl-dev")
 
 find_package(fmt 8 QUIET)
 disparityd_need("fmt 8" "${fmt_FOUND}" PACKAGES "libfmt-dev")
