@@ -36,14 +36,14 @@ FoxgloveLink::FoxgloveLink(const Workplace& workplace)
 
 void FoxgloveLink::on_open(MessageLink& link) {
     link_ = &link;
-    ++place_.hub.pages;
+    ++place_.hub.counters.clients;
     send_texts(session_.greeting());
     place_.hub.add(weak_from_this());
 }
 
 void FoxgloveLink::on_closed() {
     link_ = nullptr;
-    --place_.hub.pages;
+    --place_.hub.counters.clients;
     place_.hub.update_wants();
 }
 
@@ -99,7 +99,7 @@ void FoxgloveLink::send_texts(const std::vector<std::string>& texts) {
 
 void FoxgloveLink::send_messages(const std::vector<foxglove::Message>& messages) {
     for (const foxglove::Message& message : messages) {
-        place_.hub.traffic.bytes_sent += message.head.size() + message.payload->size();
+        place_.hub.counters.bytes_sent += message.head.size() + message.payload->size();
         link_->send_binary({std::make_shared<const std::string>(message.head), message.payload});
     }
 }
@@ -111,7 +111,7 @@ void FoxgloveLink::send_next() {
     }
     encoding_ = true;
     const std::uint64_t skipped = std::exchange(passed_, 0) - 1;
-    place_.hub.traffic.frames_skipped += skipped;
+    place_.hub.counters.frames_skipped += skipped;
     boost::asio::post(place_.encoding, [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
                                         channels = session_.subscribed(), received = now_ns()] {
         foxglove::Payloads payloads;
@@ -130,7 +130,7 @@ void FoxgloveLink::send_next() {
 void FoxgloveLink::send_frame(const foxglove::Payloads& payloads, std::int64_t received_ns) {
     encoding_ = false;
     if (link_ != nullptr) {
-        ++place_.hub.traffic.frames_sent;
+        ++place_.hub.counters.frames_sent;
         send_messages(session_.on_payloads(payloads, received_ns));
         send_next();
     }
