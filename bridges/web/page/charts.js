@@ -32,6 +32,9 @@ function roundUp(value) {
   return [1, 2, 5, 10].map(n => n * power).find(n => n >= value * 0.999)
 }
 
+/** A power of ten of microseconds. */
+const roundTime = us => us < 1000 ? `${us} µs` : `${us / 1000} ms`
+
 /** A number over time. A null breaks the line: nothing was known then. */
 export class Trend {
   #points = [] // { at, value }
@@ -118,8 +121,8 @@ export class StageChart {
         `${step.count} times. One column is a factor of ten.`
     })
     const [from, to] = this.root.lastElementChild.children[1].children
-    write(from, duration(low))
-    write(to, duration(high))
+    write(from, roundTime(low))
+    write(to, roundTime(high))
   }
 
   #build(steps, names) {

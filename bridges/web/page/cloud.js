@@ -7,6 +7,7 @@ import { TURBO } from './colours.js'
 import { Orbit } from './orbit.js'
 import { make, write } from './text.js'
 
+const SLOW_PAUSE_MS = 300
 const FRAMES_M = [1, 2, 5, 10, 20] // distances at which the edge of the image is drawn
 
 const POINTS = `#version 300 es
@@ -61,6 +62,8 @@ export class Cloud {
   #frame = null // { header, step, width, height } of what is uploaded
   #corners = 0
   #asked = false
+  #pauseMs = 0 // the least time between two frames that are shown
+  #shownAt = -Infinity
   #labels = []
   #shown = { byDepth: false, range: null, image: 'depth' }
 
@@ -68,7 +71,12 @@ export class Cloud {
     this.root = root
     this.canvas = root.querySelector('canvas')
     this.empty = root.querySelector('.no-picture')
-    this.#gl = this.canvas.getContext('webgl2', { antialias: true })
+    this.#gl = this.canvas.getContext('webgl2', { antialias: true, failIfMajorPerformanceCaveat: true })
+    if (!this.#gl) {
+      // No graphics processor: the points are drawn by the processor, which then has little time for the pictures.
+      this.#gl = this.canvas.getContext('webgl2', { antialias: false })
+      this.#pauseMs = SLOW_PAUSE_MS
+    }
     if (!this.#gl) return this.say('This browser has no WebGL 2, which the point cloud needs.')
     this.orbit = new Orbit(this.canvas, () => this.#redraw())
     this.#prepare()
@@ -101,6 +109,9 @@ export class Cloud {
     if (!this.usable || this.#gl.isContextLost()) return
     if (!(header.f > 0 && header.baseline_mm > 0)) return this.say('Without a calibration there are no metres, so no points.')
     this.say('')
+    const now = performance.now()
+    if (now < this.#shownAt + this.#pauseMs) return
+    this.#shownAt = now
     const gl = this.#gl
     gl.bindBuffer(gl.ARRAY_BUFFER, this.#points.buffer)
     gl.bufferData(gl.ARRAY_BUFFER, cloud.depths, gl.STREAM_DRAW)

@@ -10,9 +10,12 @@ const SETTLE_MS = 120 // a slider that is being drawn sends its value this often
 /** Why a session without the right to control may only look. */
 export const ONLY_LOOKING = 'This page may only look: disparity-web gives it no right to control.'
 
+const valueOf = input => input.type === 'checkbox' ? Number(input.checked) : Number(input.value)
+const wordOf = (control, value) => control.least === 0 && control.most === 1 ? ['off', 'on'][value] : String(value)
+
 export class Controls {
   #camera = '' // which camera the controls are of
-  #rows = new Map() // name -> { control, slider, value, reset }
+  #rows = new Map() // name -> { control, slider, value, reset }; the slider is a box to tick where the control is 0 or 1
   #allowed = false
   #timers = new Map()
 
@@ -62,25 +65,26 @@ export class Controls {
 
   #row(control) {
     const label = control.name.replaceAll('-', ' ')
-    const slider = make('input', { type: 'range', min: control.least, max: control.most, step: 1 })
+    const yesOrNo = control.least === 0 && control.most === 1
+    const slider = make('input', yesOrNo ? { type: 'checkbox' } : { type: 'range', min: control.least, max: control.most, step: 1 })
     slider.setAttribute('aria-label', label)
     const value = make('output')
     const reset = make('button', { type: 'button', className: 'small', textContent: 'Reset', title: `Back to ${control.usual}, the default` })
     reset.setAttribute('aria-label', `Reset ${label} to ${control.usual}`)
     slider.addEventListener('input', () => {
-      value.textContent = slider.value
+      value.textContent = wordOf(control, valueOf(slider))
       this.#setSoon(control.name, slider)
     })
     reset.addEventListener('click', () => this.#set(control.name, control.usual))
     this.#rows.set(control.name, { control, slider, value, reset })
     const ends = make('small', { className: 'quiet', textContent: `${control.least} – ${control.most}` })
-    return make('div', { className: 'control' }, make('span', {}, label, ' ', ends), value, slider, reset)
+    return make('div', { className: 'control' }, make('span', {}, label, ...(yesOrNo ? [] : [ends])), slider, value, reset)
   }
 
   #foot() {
     const all = make('button', { type: 'button', textContent: 'Reset all' })
     all.addEventListener('click', async () => {
-      for (const [name, { control, slider }] of this.#rows) if (Number(slider.value) !== control.usual) await this.#set(name, control.usual)
+      for (const [name, { control, slider }] of this.#rows) if (valueOf(slider) !== control.usual) await this.#set(name, control.usual)
     })
     this.all = all
     this.reason = make('p', { className: 'quiet reason', textContent: ONLY_LOOKING })
@@ -90,8 +94,9 @@ export class Controls {
   #put(control) {
     const row = this.#rows.get(control.name)
     row.control = control
-    if (!row.slider.matches(':active')) row.slider.value = control.value
-    row.value.textContent = control.value
+    if (row.slider.type === 'checkbox') row.slider.checked = control.value === 1
+    else if (!row.slider.matches(':active')) row.slider.value = control.value
+    row.value.textContent = wordOf(control, control.value)
     row.reset.classList.toggle('at-default', control.value === control.usual)
   }
 
@@ -106,7 +111,7 @@ export class Controls {
     if (this.#timers.has(name)) return
     this.#timers.set(name, setTimeout(() => {
       this.#timers.delete(name)
-      this.#set(name, Number(slider.value))
+      this.#set(name, valueOf(slider))
     }, SETTLE_MS))
   }
 

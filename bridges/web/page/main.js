@@ -26,6 +26,7 @@ const CLOUD_STEP = 4
 const TICK_MS = 500
 const NO_FRAME_MS = 2000
 const POINT_MS = 40 // at most this often a new pixel is asked for
+const NO_SCAN = 'This daemon makes no obstacle scans: set [scan] enabled = true.'
 const SECOND_IMAGES = ['disparity', 'depth', 'confidence', 'depth_error']
 
 const by = id => document.getElementById(id)
@@ -116,7 +117,7 @@ function subscribe() {
 
 function showProducts() {
   for (const name of SECOND_IMAGES) imageChoice.allow(name, served(name), `This daemon makes no ${IMAGE_NAMES[name]}.`)
-  if (!served('scan')) radar.show(null, 'This daemon makes no obstacle scans: set [scan] enabled = true.')
+  if (!served('scan')) radar.show(null, NO_SCAN)
   showSnapshots(by('snapshot-links'), served)
   subscribe()
 }
@@ -161,6 +162,7 @@ function pause() {
   paused = !paused
   by('pause').setAttribute('aria-pressed', String(paused))
   write(by('pause'), paused ? 'Go on' : 'Pause')
+  document.body.classList.toggle('held', paused)
   askedAt = performance.now()
   subscribe()
 }
@@ -252,6 +254,8 @@ function showProblem() {
   left.say(why)
   right.say(why)
   if (cloud.usable && why) cloud.say(why)
+  radar.say(!served('scan') ? NO_SCAN : why)
+  by('snapshot-links').inert = link.link !== 'open' || message?.daemon === 'gone'
   document.body.classList.toggle('away', link.link !== 'open' || message?.daemon === 'gone')
 }
 

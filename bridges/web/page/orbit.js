@@ -19,9 +19,9 @@ export class Orbit {
   /** The first view: from behind, above and a little to the right, around a point `ahead` metres in front of the camera. */
   home(ahead) {
     this.ahead = ahead
-    this.yaw = -0.35
-    this.pitch = 0.22
-    this.distance = ahead * 1.25
+    this.yaw = -0.3
+    this.pitch = 0.25
+    this.distance = ahead * 1.6
     this.target = [0, 0, ahead]
     this.touched = false
     this.onChange()

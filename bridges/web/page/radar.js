@@ -13,6 +13,7 @@ export class Radar {
   #scan = null
 
   constructor(root, nearest) {
+    this.root = root
     this.canvas = root.querySelector('canvas')
     this.empty = root.querySelector('.no-picture')
     this.nearest = nearest
@@ -24,9 +25,16 @@ export class Radar {
   show(scan, why = '') {
     this.#scan = scan
     write(this.empty, scan ? '' : why)
+    this.root.classList.toggle('stale', !scan)
     write(this.nearest, scan ? nearestText(scan) : '')
     this.canvas.setAttribute('aria-label', scan ? `Obstacles from above. ${nearestText(scan)}` : why)
     this.draw()
+  }
+
+  /** Says why no new scan comes, '' = it does. An old scan is shown darker: it says nothing about now. */
+  say(why) {
+    this.root.classList.toggle('stale', why !== '')
+    if (!this.#scan || why) write(this.empty, why)
   }
 
   draw() {
@@ -73,7 +81,7 @@ export class Radar {
 
   #drawRings(context, scan, view) {
     context.font = `10px ${getComputedStyle(this.canvas).fontFamily}`
-    context.textAlign = 'center'
+    context.textAlign = 'left'
     const first = scan.sectors[0].from_deg
     const last = scan.sectors.at(-1).to_deg
     for (const ring of view.rings) {
@@ -81,8 +89,10 @@ export class Radar {
       arc(context, view, first, last, ring)
       context.strokeStyle = shade('ring')
       context.stroke()
-      context.fillStyle = shade('text')
-      context.fillText(`${ring} m`, view.x, view.y - ring * view.scale - 3)
+      const edge = radians(first)
+      context.fillStyle = shade('quiet')
+      const x = Math.min(view.width - 30, view.x - Math.sin(edge) * ring * view.scale + 4)
+      context.fillText(`${ring} m`, x, view.y - Math.cos(edge) * ring * view.scale + 12)
     }
   }
 }
@@ -102,9 +112,9 @@ function viewOf(scan, { width, height }) {
   const widest = Math.max(...scan.sectors.map(sector => Math.max(Math.abs(sector.from_deg), Math.abs(sector.to_deg))))
   const half = Math.sin(radians(Math.min(widest, 90)))
   const below = widest > 90 ? -Math.cos(radians(widest)) : 0
-  const scale = Math.min((width - 16) / 2 / half, (height - 34) / (1 + below)) / reach
+  const scale = Math.min((width - 44) / 2 / half, (height - 34) / (1 + below)) / reach
   const rings = RINGS.filter(ring => ring <= reach * 1.001 && ring >= reach / 12)
-  return { width, height, reach, scale, rings, x: width / 2, y: height - 16 - below * reach * scale }
+  return { width, height, reach, scale, rings, x: width / 2, y: (height + (1 - below) * reach * scale) / 2 }
 }
 
 /** Adds an arc between two bearings at a distance to the path. */

@@ -23,7 +23,7 @@ export function valuesAt(frame, place) {
 export function showReadout(frame, place) {
   const values = valuesAt(frame, place)
   const show = (id, value, text) => write(by(id), value === undefined ? NONE : value === null ? 'unknown' : text(value))
-  write(by('at-pixel'), place ? `${place.x}, ${place.y}` : NONE)
+  write(by('at-pixel'), place ? `${place.x}, ${place.y}` : 'point at one')
   show('at-disparity', values.disparity_px, value => `${fixed(value, 2)} px`)
   show('at-depth', values.depth_m, metres)
   show('at-sigma', values.depth_error_m, value => `± ${metres(value)}`)

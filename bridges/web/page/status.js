@@ -29,7 +29,6 @@ export function problemOf(status) {
 
 /** Shows a status of the daemon; null = there is none. */
 export function showStatus(status) {
-  document.body.classList.toggle('no-daemon', !status)
   if (!status) return
   write(by('source'), status.source)
   by('source').title = status.source
