@@ -8,6 +8,7 @@ import { Orbit } from './orbit.js'
 import { make, write } from './text.js'
 
 const SLOW_PAUSE_MS = 300
+const FARTHEST_M = 1e4
 const FRAMES_M = [1, 2, 5, 10, 20] // distances at which the edge of the image is drawn
 
 const POINTS = `#version 300 es
@@ -104,10 +105,10 @@ export class Cloud {
     this.#redraw()
   }
 
-  /** Takes a frame's depths (see frame.js) and its left picture, a bitmap or null. */
+  /** Takes a frame's depths (see frame.js; null without a calibration) and its left picture, a bitmap or null. */
   show(header, cloud, left) {
     if (!this.usable || this.#gl.isContextLost()) return
-    if (!(header.f > 0 && header.baseline_mm > 0)) return this.say('Without a calibration there are no metres, so no points.')
+    if (!cloud) return this.say('Without a calibration there are no metres, so no points.')
     this.say('')
     const now = performance.now()
     if (now < this.#shownAt + this.#pauseMs) return
@@ -230,7 +231,8 @@ export class Cloud {
     gl.uniform2f(at('centre'), header.cx, header.cy)
     gl.uniform1f(at('pxPerMetre'), pxPerMetre)
     const inverse = image === 'disparity'
-    const [near, far] = range ?? [0.5, 10]
+    const [near, end] = range ?? [0.5, 10]
+    const far = Math.min(end, FARTHEST_M)
     gl.uniform1i(at('byDepth'), byDepth && range ? 1 : 0)
     gl.uniform1i(at('inverse'), inverse ? 1 : 0)
     gl.uniform4f(at('range'), near, far, inverse ? 1 / near : near, inverse ? 1 / far : far)

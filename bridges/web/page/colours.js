@@ -49,8 +49,14 @@ export function depthOf(disparity, geometry) {
 export function measurable(geometry) {
   if (!(metresTimesPixels(geometry) > 0)) return null
   const nearest = depthOf(geometry.d_min + geometry.disparities - 1, geometry)
+  // Less than a pixel is too little to tell one distance from another.
   const farthest = depthOf(Math.max(geometry.d_min, 1 - geometry.disparity_offset), geometry)
   return nearest && farthest > nearest ? [nearest, Math.min(farthest, 65.5)] : null
+}
+
+/** The range of an image of a frame's header in m, far = Infinity where it has no end; null without a calibration. */
+export function rangeOf(image) {
+  return image?.range_m ? [image.range_m[0], image.range_m[1] ?? Infinity] : null
 }
 
 /** Where a distance lies in the colours of an image: 1 = near end, 0 = far end; beyond them it is outside 0 .. 1. */

@@ -66,6 +66,11 @@ export class Connection {
   /** Shows the token to the server. Throws its line when it is the wrong one. */
   async logIn(token) {
     this.session = await post('/api/session', { token })
+    // A connection keeps the rights that it began with.
+    const before = this.#socket
+    this.#socket = null
+    clearTimeout(this.#watch)
+    before?.close()
     await this.connect()
   }
 

@@ -8,7 +8,7 @@ import { make } from './text.js'
 const SETTLE_MS = 120 // a slider that is being drawn sends its value this often
 
 /** Why a session without the right to control may only look. */
-export const ONLY_LOOKING = 'This page may only look: disparity-web gives it no right to control.'
+export const ONLY_LOOKING = 'You may look, not control: a control token is needed, or disparity-web --allow-control.'
 
 const valueOf = input => input.type === 'checkbox' ? Number(input.checked) : Number(input.value)
 const wordOf = (control, value) => control.least === 0 && control.most === 1 ? ['off', 'on'][value] : String(value)

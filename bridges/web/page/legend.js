@@ -4,7 +4,7 @@
 // handles, the ends of the range of colours. It is logarithmic in metres. Without a calibration it is in pixels of disparity; confidence
 // and depth error have scales of their own, without handles.
 
-import { measurable, placeOf, turbo } from './colours.js'
+import { measurable, placeOf, rangeOf, turbo } from './colours.js'
 import { metres, write } from './text.js'
 import { shade } from './charts.js'
 
@@ -40,8 +40,8 @@ export class Legend {
   show(image, header, chosen) {
     const distances = image.name === 'disparity' || image.name === 'depth'
     const all = measurable(header)
-    const range = image.range_m ?? chosen ?? all
-    const key = JSON.stringify([image.name, range, image.range, all, chosen])
+    const range = rangeOf(image) ?? chosen ?? all
+    const key = JSON.stringify([image.name, image.range_m, image.range, all, chosen])
     this.auto.setAttribute('aria-pressed', String(!chosen))
     this.auto.disabled = !distances || !all
     for (const handle of this.#handles) handle.hidden = !distances || !all
@@ -73,9 +73,10 @@ export class Legend {
     return this.#scale.log ? low * (high / low) ** share : low + share * (high - low)
   }
 
+  /** Puts a handle at a distance; one beyond the scale at its end. */
   #put(handle, value) {
-    if (document.activeElement !== handle || !handle.matches(':active')) handle.value = Math.round(this.#share(value) * STEPS)
-    handle.setAttribute('aria-valuetext', metres(value))
+    if (document.activeElement !== handle || !handle.matches(':active')) handle.value = Math.round(Math.min(1, this.#share(value)) * STEPS)
+    handle.setAttribute('aria-valuetext', distanceText(value))
   }
 
   #choose(moved) {
@@ -132,15 +133,17 @@ export class Legend {
   }
 }
 
+const distanceText = value => value === Infinity ? '∞' : metres(value)
+
 function ofDistances(image, header, range, all) {
-  const ends = [Math.min(all[0], range[0]), Math.max(all[1], range[1])]
+  const ends = [Math.min(all[0], range[0]), Math.max(all[1], Number.isFinite(range[1]) ? range[1] : 0)]
   return {
     ends,
     log: true,
     ticks: TICKS,
     colourAt: value => turbo(placeOf(value, image.name, range, header)),
     text: value => `${value} m`,
-    summary: `${metres(range[0])} – ${metres(range[1])}`,
+    summary: `${distanceText(range[0])} – ${distanceText(range[1])}`,
   }
 }
 

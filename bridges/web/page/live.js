@@ -4,6 +4,7 @@
 // fewer frames, not older ones.
 
 import { AgeMeter } from './age.js'
+import { metresTimesPixels, rangeOf } from './colours.js'
 import { decode, headerOf } from './frame.js'
 import { showReadout } from './readout.js'
 import { settings } from './settings.js'
@@ -15,6 +16,8 @@ export const IMAGE_NAMES = { left: 'left', disparity: 'disparity', depth: 'depth
 export class Live {
   /** The frame drawn last, with its raw images; null before the first. */
   frame = null
+  /** The range [near, far] in m of the second picture's colours; null = unknown. */
+  colours = null
   /** Frames that were not drawn because something in them was damaged. */
   broken = 0
   /** When the newest frame was drawn, by performance.now(). */
@@ -81,7 +84,8 @@ export class Live {
       right.draw(second, header, captionOf(second, header))
       legend.show(second, header, settings.range)
     }
-    if (frame.cloud) cloud.show(header, frame.cloud, images.left?.bitmap ?? null)
+    if (frame.cloud || !metresTimesPixels(header)) cloud.show(header, frame.cloud, images.left?.bitmap ?? null)
+    this.colours = rangeOf(second)
     if (header.scan) radar.show(header.scan)
     for (const image of Object.values(images)) image.bitmap.close()
     this.frame = frame

@@ -52,8 +52,8 @@ const recording = new Recording(refused)
 const connection = new Connection({
   state: linkChanged,
   hello: hello => {
-    products = hello.products.map(name => name.toLowerCase())
-    write(by('version'), hello.version)
+    products = hello.products.length ? hello.products : null // none while there is no daemon
+    by('version').title = hello.version
     showProducts()
   },
   status: statusCame,
@@ -79,7 +79,9 @@ const watcher = new IntersectionObserver(entries => {
   subscribe()
 }, { rootMargin: '100px' })
 
-const served = name => products === null || products.includes(name) || name === 'left' && products.includes('left_colour')
+// Depth is computed from the disparity by disparity-web; left may be in colour.
+const MADE_OF = { depth: 'disparity', left: 'left_colour' }
+const served = name => products === null || products.includes(name) || products.includes(MADE_OF[name])
 
 function images() {
   const wanted = []
@@ -145,7 +147,7 @@ function chooseRange(range) {
 /** The points are coloured as the pictures are. */
 function colourCloud() {
   if (!cloud.usable) return
-  const range = settings.range ?? (live.frame && measurable(live.frame.header))
+  const range = live.colours ?? settings.range ?? (live.frame && measurable(live.frame.header))
   cloud.colour(settings.cloudColour === 'depth', range, settings.image === 'depth' ? 'depth' : 'disparity')
 }
 
@@ -204,7 +206,14 @@ by('token-form').addEventListener('submit', async event => {
     write(by('token-error'), error.message)
   }
 })
-by('token-dialog').addEventListener('cancel', event => event.preventDefault())
+by('token-dialog').addEventListener('cancel', event => {
+  if (link.link === 'token') event.preventDefault()
+})
+by('token-open').addEventListener('click', askToken)
+function askToken() {
+  by('token-error').hidden = true
+  if (!by('token-dialog').open) by('token-dialog').showModal()
+}
 document.addEventListener('click', event => {
   if (!by('snapshots').contains(event.target)) by('snapshots').open = false
 })
@@ -272,7 +281,7 @@ function linkChanged(next) {
   } else {
     follow(null)
   }
-  if (link.link === 'token' && !by('token-dialog').open) by('token-dialog').showModal()
+  if (link.link === 'token') askToken()
   showProblem()
 }
 
@@ -292,8 +301,10 @@ function statusCame(next) {
 
 /** Follows a status with all that needs a daemon and the right to control it. */
 function follow(status) {
-  recording.follow(status, connection.session.control)
-  controls.follow(status, connection.session.control)
+  const { needs_token: needsToken, control } = connection.session
+  by('token-open').hidden = !needsToken || control
+  recording.follow(status, control)
+  controls.follow(status, control)
 }
 
 let receivedBefore = 0

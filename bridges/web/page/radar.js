@@ -35,6 +35,7 @@ export class Radar {
   say(why) {
     this.root.classList.toggle('stale', why !== '')
     if (!this.#scan || why) write(this.empty, why)
+    if (why) write(this.nearest, '')
   }
 
   draw() {
@@ -97,9 +98,16 @@ export class Radar {
   }
 }
 
+/** The nearest obstacle { distance, bearing }, or null. */
+function nearestOf(scan) {
+  const occupied = scan.sectors.filter(sector => sector.state === 'occupied').sort((a, b) => a.distance_m - b.distance_m)
+  return occupied.length ? { distance: occupied[0].distance_m, bearing: (occupied[0].from_deg + occupied[0].to_deg) / 2 } : null
+}
+
 function nearestText(scan) {
-  if (!scan.nearest) return 'no obstacle seen'
-  const { distance_m: distance, bearing_deg: bearing } = scan.nearest
+  const nearest = nearestOf(scan)
+  if (!nearest) return 'no obstacle seen'
+  const { distance, bearing } = nearest
   const side = Math.abs(bearing) < 0.5 ? 'ahead' : `${Math.abs(bearing).toFixed(0)}° ${bearing > 0 ? 'left' : 'right'}`
   return `nearest ${metres(distance)}, ${side}`
 }
@@ -131,10 +139,11 @@ function wedge(context, view, from, to, near, far) {
 }
 
 function drawNearest(context, scan, view) {
-  if (!scan.nearest || scan.nearest.distance_m > view.reach) return
-  const angle = radians(scan.nearest.bearing_deg)
-  const x = view.x - Math.sin(angle) * scan.nearest.distance_m * view.scale
-  const y = view.y - Math.cos(angle) * scan.nearest.distance_m * view.scale
+  const nearest = nearestOf(scan)
+  if (!nearest || nearest.distance > view.reach) return
+  const angle = radians(nearest.bearing)
+  const x = view.x - Math.sin(angle) * nearest.distance * view.scale
+  const y = view.y - Math.cos(angle) * nearest.distance * view.scale
   context.beginPath()
   context.moveTo(view.x, view.y)
   context.lineTo(x, y)

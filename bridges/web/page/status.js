@@ -30,6 +30,7 @@ export function problemOf(status) {
 /** Shows a status of the daemon; null = there is none. */
 export function showStatus(status) {
   if (!status) return
+  write(by('version'), status.server_version)
   write(by('source'), status.source)
   by('source').title = status.source
   by('synthetic').hidden = !status.synthetic
