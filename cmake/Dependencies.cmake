@@ -48,6 +48,13 @@ disparityd_need("yaml-cpp 0.7" "${YAMLCPP_FOUND}" PACKAGES "libyaml-cpp-dev")
 pkg_module(ZSTD libzstd>=1.4)
 disparityd_need("zstd 1.4" "${ZSTD_FOUND}" PACKAGES "libzstd-dev")
 
+pkg_module(TURBOJPEG libturbojpeg>=2.0)
+disparityd_need("libjpeg-turbo 2.0 (turbojpeg)" "${TURBOJPEG_FOUND}" PACKAGES "libturbojpeg0-dev")
+find_package(ZLIB QUIET)
+disparityd_need("zlib" "${ZLIB_FOUND}" PACKAGES "zlib1g-dev")
+find_package(OpenSSL 3.0 QUIET)
+disparityd_need("OpenSSL 3.0" "${OPENSSL_FOUND}" PACKAGES "libssl-dev")
+
 find_package(fmt 8 QUIET)
 disparityd_need("fmt 8" "${fmt_FOUND}" PACKAGES "libfmt-dev")
 if(fmt_FOUND)  # spdlog's package ends the configuration where it does not find it

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "clients/cpp/disparity_client.hpp"
+#include "clients/places/daemon_sockets.h"
 
 namespace CLI {
 class App;
@@ -22,18 +21,9 @@ struct DaemonAddress {
     /// Returns a command line that reaches the same daemon, for messages: "disparityctl status --name front".
     std::string command(const std::string& words) const;
 
-    struct Candidate {
-        std::string address;      ///< as SocketClient takes it
-        bool check_user = false;  ///< the listening process must be this user's or root's
-    };
-    struct Sockets {
-        std::vector<Candidate> usable;     ///< in the order in which to try them
-        std::vector<std::string> refused;  ///< one line each: which socket is not used, and why
-    };
-
     /// Returns the given address, or the default places where there is a socket. In folders that other users may write
     /// to, a socket must belong to this user or root. Throws std::invalid_argument when the given one has another form.
-    Sockets sockets() const;
+    clients::DaemonSockets sockets() const;
 };
 
 /// Connects to the first address that answers. It skips sockets and processes of other users in default places, and

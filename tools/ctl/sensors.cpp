@@ -8,16 +8,19 @@
 
 #include <CLI/CLI.hpp>
 
+#include "clients/json/sensor_json.h"
+#include "clients/json/status_json.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon_address.h"
-#include "tools/ctl/describe.h"
 #include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 namespace {
 
+using json::to_json;
+using json::to_text;
 using std::chrono::steady_clock;
 
 struct SensorArguments {
@@ -25,36 +28,6 @@ struct SensorArguments {
     std::optional<int> lines;
     bool json = false;
 };
-
-Json vector_json(const disparity::SensorVector& vector) {
-    return {vector.x, vector.y, vector.z};
-}
-
-Json sample_json(const disparity::SensorSample& sample, std::uint64_t missed) {
-    Json json{{"monotonic_ns", sample.monotonic_ns},
-              {"realtime_ns", sample.realtime_ns},
-              {"camera_ns", sample.camera_ns},
-              {"missed", missed + sample.lost_before},
-              {"frame_sync", sample.frame_sync}};
-    if (sample.inertial) {
-        json["angular_velocity"] = vector_json(sample.inertial->angular_velocity);
-        json["acceleration"] = vector_json(sample.inertial->acceleration);
-        json["imu_celsius"] = sample.inertial->celsius;
-    }
-    if (sample.magnetic_field) {
-        json["magnetic_field"] = vector_json(*sample.magnetic_field);
-    }
-    if (sample.environment) {
-        json["celsius"] = sample.environment->celsius;
-        json["hectopascal"] = sample.environment->hectopascal;
-        json["humidity_percent"] = sample.environment->humidity_percent;
-    }
-    if (sample.eye_temperatures) {
-        json["left_celsius"] = sample.eye_temperatures->left_celsius;
-        json["right_celsius"] = sample.eye_temperatures->right_celsius;
-    }
-    return json;
-}
 
 /// Counts the samples of a second and keeps the newest value of each kind.
 struct Second {
@@ -205,7 +178,7 @@ void show_samples(SampleReader& samples, std::optional<int> most) {
             if (most && lines >= *most) {
                 return;
             }
-            std::cout << to_text(sample_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
+            std::cout << to_text(to_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
         }
         std::cout.flush();
     }

@@ -11,12 +11,15 @@
 
 #include "base/error_text.h"
 #include "base/file_lock.h"
+#include "clients/json/scan_words.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/output_file.h"
-#include "tools/ctl/scan/scan_words.h"
 
 namespace disparityd::tools {
 namespace {
+
+using json::ground_word;
+using json::sector_word;
 
 /// A whole number of thousandths and the like, as a decimal. It has no "-0.000".
 std::string decimal(long number, int decimals) {

@@ -6,11 +6,14 @@
 #include <cstdio>
 
 #include "base/message_text.h"
+#include "clients/json/scan_json.h"
+#include "clients/json/scan_words.h"
 #include "tools/command_line/table.h"
-#include "tools/ctl/scan/scan_words.h"
 
 namespace disparityd::tools {
 namespace {
+
+using json::ground_word;
 
 constexpr double second_ns = 1e9;
 
@@ -38,21 +41,6 @@ std::string ground_text(const disparity::Scan& scan) {
     return scan.ground == disparity::GroundSource::held ? word + " from " + std::to_string(scan.ground_age) +
                                                               (scan.ground_age == 1 ? " frame ago" : " frames ago")
                                                         : word;
-}
-
-Json sector_json(const disparity::ScanSector& sector) {
-    const bool occupied = sector.state == disparity::SectorState::occupied;
-    const auto of_obstacle = [occupied](auto value) { return occupied ? Json(value) : Json(); };
-    return {{"from_deg", sector.from_deg},
-            {"to_deg", sector.to_deg},
-            {"state", sector_word(sector.state)},
-            {"distance_m", of_obstacle(sector.distance_m)},
-            {"sigma_m", of_obstacle(sector.sigma_m)},
-            {"free_m", sector.free_m},
-            {"low_m", of_obstacle(sector.low_m)},
-            {"high_m", of_obstacle(sector.high_m)},
-            {"pixels", of_obstacle(sector.pixels)},
-            {"confidence", of_obstacle(sector.confidence)}};
 }
 
 Json nearest_json(const ScanSummary& summary) {
@@ -161,7 +149,6 @@ std::string no_scan_line(const std::string& why) {
 
 Json scan_json(const ScanReading& reading) {
     const ScanSummary seen = summary_of(reading.scan);
-    const disparity::Scan& scan = reading.scan;
     Json json{{"sequence", reading.frame.sequence},
               {"monotonic_ns", reading.frame.monotonic_ns},
               {"realtime_ns", reading.frame.realtime_ns},
@@ -175,16 +162,7 @@ Json scan_json(const ScanReading& reading) {
               {"free", seen.free},
               {"occupied", seen.occupied},
               {"unknown", seen.unknown}};
-    json["ground"] = {{"source", ground_word(scan.ground)},
-                      {"age", scan.ground_age},
-                      {"height_m", scan.ground_height_m},
-                      {"slope_ahead", scan.ground_slope_ahead},
-                      {"slope_left", scan.ground_slope_left}};
-    json.update({{"low_m", scan.low_m}, {"high_m", scan.high_m}, {"min_m", scan.min_m}, {"max_m", scan.max_m}});
-    json["sectors"] = Json::array();
-    for (const disparity::ScanSector& sector : scan.sectors) {
-        json["sectors"].push_back(sector_json(sector));
-    }
+    json.update(json::to_json(reading.scan));
     return json;
 }
 

@@ -3,7 +3,7 @@
 
 /// The words for what a scan holds, in lines, JSON and CSV. `Enum`: that of kernels/scan or that of the client library,
 /// which have the same numbers.
-namespace disparityd::tools {
+namespace disparityd::json {
 
 /// Returns "unknown" for every number that has no word, as docs/protocol.md asks for.
 template <typename Enum>
@@ -17,4 +17,4 @@ const char* ground_word(Enum source) {
     return source == Enum::fitted ? "fitted" : source == Enum::held ? "held" : "configured";
 }
 
-}  // namespace disparityd::tools
+}  // namespace disparityd::json

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/hub.h"
+
+#include <utility>
+
+namespace disparityd::web {
+
+template <typename Call>
+void Hub::for_each(const Call& call) {
+    // A listener that is told something may end, and others may come: they are told the next thing.
+    std::vector<std::shared_ptr<Listener>> living;
+    std::erase_if(listeners_, [&](const std::weak_ptr<Listener>& listener) {
+        auto alive = listener.lock();
+        const bool gone = alive == nullptr;
+        if (!gone) {
+            living.push_back(std::move(alive));
+        }
+        return gone;
+    });
+    for (const auto& listener : living) {
+        call(*listener);
+    }
+}
+
+void Hub::add(const std::weak_ptr<Listener>& listener) {
+    listeners_.push_back(listener);
+    update_wants();
+}
+
+void Hub::update_wants() {
+    Wants all;
+    for_each([&](const Listener& listener) {
+        const Wants wants = listener.wants();
+        all.products.insert(wants.products.begin(), wants.products.end());
+        all.sensors = all.sensors || wants.sensors;
+    });
+    on_wants_(all);
+}
+
+void Hub::on_frame(std::shared_ptr<const LiveFrame> frame) {
+    newest_ = std::move(frame);
+    const std::shared_ptr<const LiveFrame> told = newest_;
+    for_each([&](Listener& listener) { listener.on_frame(told); });
+}
+
+void Hub::on_state(DaemonState state) {
+    state_ = std::move(state);
+    if (!state_.there) {
+        newest_ = nullptr;  // a frame of a daemon that is gone is not shown as the newest one
+    }
+    for_each([&](Listener& listener) { listener.on_state(state_); });
+}
+
+void Hub::on_sensors(const disparity::SensorBatch& batch) {
+    for_each([&](Listener& listener) { listener.on_sensors(batch); });
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bridges/web/live_frame.h"
+#include "clients/cpp/disparity_client.hpp"
+#include "proto/disparity.pb.h"
+
+namespace disparityd::web {
+
+/// What the daemon told last. An object does not change once it is handed out.
+struct DaemonState {
+    bool there = false;
+    std::string why;                           ///< one line: why it is not there
+    std::shared_ptr<const v1::Status> status;  ///< nullptr until it has told one
+    std::vector<disparity::Product> products;  ///< that it serves
+};
+
+/// What a connection wants to be told.
+struct Wants {
+    std::set<disparity::Product> products;  ///< empty = no frames
+    bool sensors = false;
+};
+
+/// A connection that is told what comes from the daemon. All calls come from the network's thread.
+class Listener {
+public:
+    virtual ~Listener() = default;
+    virtual void on_frame(const std::shared_ptr<const LiveFrame>& frame) = 0;
+    virtual void on_state(const DaemonState& state) = 0;
+    virtual void on_sensors(const disparity::SensorBatch& batch) = 0;
+    virtual Wants wants() const = 0;
+};
+
+/// Counts what this program does, from its start.
+struct Traffic {
+    std::uint64_t requests = 0;        ///< HTTP requests that were answered
+    std::uint64_t refused = 0;         ///< connections and requests that were refused
+    std::uint64_t bytes_sent = 0;      ///< of frames, to all connections
+    std::uint64_t frames_sent = 0;     ///< to all connections
+    std::uint64_t frames_skipped = 0;  ///< not sent to a connection that was not ready
+};
+
+/// Knows what came last from the daemon, and tells the connections. The network's thread owns it.
+class Hub {
+public:
+    /// `on_wants` is called when what all connections together want has changed.
+    explicit Hub(std::function<void(const Wants&)> on_wants) : on_wants_(std::move(on_wants)) {}
+
+    /// The hub does not keep a listener alive; one that has ended is left out.
+    void add(const std::weak_ptr<Listener>& listener);
+    /// A listener calls it when its wants() has changed or it ends.
+    void update_wants();
+
+    void on_frame(std::shared_ptr<const LiveFrame> frame);
+    void on_state(DaemonState state);
+    void on_sensors(const disparity::SensorBatch& batch);
+
+    const std::shared_ptr<const LiveFrame>& newest() const { return newest_; }
+    const DaemonState& state() const { return state_; }
+
+    Traffic traffic;
+    int pages = 0;  ///< connections that are told frames: WebSockets and MJPEG
+
+private:
+    template <typename Call>
+    void for_each(const Call& call);
+
+    std::function<void(const Wants&)> on_wants_;
+    std::vector<std::weak_ptr<Listener>> listeners_;
+    std::shared_ptr<const LiveFrame> newest_;
+    DaemonState state_;
+};
+
+}  // namespace disparityd::web

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "clients/cpp/disparity_client.hpp"
+
+namespace disparityd::web {
+
+/// The images of a frame that a page can ask for.
+enum class Image { left, disparity, depth, confidence, depth_error };
+
+/// Returns "left", "depth-error" as the page writes it: "depth_error".
+std::string_view to_string(Image image);
+
+/// Returns the image of this name, or nothing.
+std::optional<Image> image_of(std::string_view name);
+
+/// Returns the product that the image is made from. Depth is computed from the disparity: it needs no product of its
+/// own.
+disparity::Product product_of(Image image);
+
+/// How the pixels travel.
+enum class Encoding {
+    jpeg,     ///< what people look at: disparity and depth are coloured
+    deflate,  ///< the values themselves, little endian rows without gaps, in zlib's format
+};
+
+/// Distances (m) that get the last and the first colour.
+struct RangeM {
+    double near = 0;
+    double far = 0;
+    auto operator<=>(const RangeM&) const = default;
+};
+
+/// Says what is made of a frame. Equal views of a frame are encoded once.
+struct ImageView {
+    Image image = Image::left;
+    Encoding encoding = Encoding::jpeg;
+    int max_width = 0;            ///< px; 0 = as it is. Only JPEG is scaled
+    int quality = 80;             ///< of a JPEG, 1 .. 100
+    std::optional<RangeM> range;  ///< absent = what the searched disparities can show
+    auto operator<=>(const ImageView&) const = default;
+};
+
+/// An image ready to be sent.
+struct EncodedImage {
+    Image image = Image::left;
+    Encoding encoding = Encoding::jpeg;
+    std::string type;              ///< of a value: "u8", "bgr8", "i16", "u16"; of a JPEG "u8" or "bgr8"
+    int width = 0;                 ///< px
+    int height = 0;                ///< px
+    double low = 0;                ///< the value with the first colour, in the unit of the image
+    double high = 0;               ///< the value with the last colour
+    std::optional<double> near_m;  ///< the distance of the nearer end of the colours; absent = has no meaning
+    std::optional<double> far_m;   ///< absent = infinity, or no meaning
+    std::shared_ptr<const std::string> bytes;
+};
+
+}  // namespace disparityd::web

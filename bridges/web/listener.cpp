@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/listener.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include <boost/asio/write.hpp>
+
+namespace disparityd::web {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
+    if (!files.on()) {
+        return nullptr;
+    }
+    auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
+    const auto check = [](const error_code& error, const std::string& file, const std::string& what) {
+        if (error) {
+            throw std::runtime_error(file + ": " + what + ": " + error.message());
+        }
+    };
+    error_code error;
+    context->set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
+                         asio::ssl::context::no_tlsv1_1);
+    context->use_certificate_chain_file(files.certificate, error);
+    check(error, files.certificate, "the certificate cannot be used");
+    context->use_private_key_file(files.key, asio::ssl::context::pem, error);
+    check(error, files.key, "the key cannot be used, or is not that of the certificate");
+    if (!files.authority.empty()) {
+        context->load_verify_file(files.authority, error);
+        check(error, files.authority, "the authority's certificate cannot be used");
+        context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
+    }
+    return context;
+}
+
+asio::ip::tcp::acceptor listening(asio::io_context& network, const ServerSettings& settings) {
+    const std::string where = settings.host + ':' + std::to_string(settings.port);
+    error_code error;
+    const auto address = asio::ip::make_address(settings.host, error);
+    if (error) {
+        throw std::runtime_error("cannot listen at " + where +
+                                 ": the host must be an address of this machine, such as "
+                                 "127.0.0.1 or 0.0.0.0");
+    }
+    asio::ip::tcp::acceptor acceptor(network);
+    const asio::ip::tcp::endpoint endpoint(address, settings.port);
+    acceptor.open(endpoint.protocol(), error);
+    if (!error) {
+        acceptor.set_option(asio::ip::tcp::acceptor::reuse_address(true), error);
+    }
+    if (!error) {
+        acceptor.bind(endpoint, error);
+    }
+    if (!error) {
+        acceptor.listen(asio::socket_base::max_listen_connections, error);
+    }
+    if (error) {
+        throw std::runtime_error("cannot listen at " + where + ": " + error.message() +
+                                 "; choose another port with --listen");
+    }
+    return acceptor;
+}
+
+}  // namespace
+
+PortListener::PortListener(const ServerSettings& settings, const Site& site)
+    : site_(site),
+      acceptor_(listening(site.place.network, settings)),
+      pause_(site.place.network),
+      tls_(tls_context(settings.tls)) {}
+
+void PortListener::stop() {
+    error_code ignored;
+    acceptor_.close(ignored);
+    pause_.cancel();
+}
+
+template <typename Stream>
+void PortListener::serve(Stream&& stream) {
+    const auto session = std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_);
+    if (site_.connections.admit(session)) {
+        session->start();
+    } else {
+        ++site_.place.hub.traffic.refused;
+    }
+}
+
+void PortListener::accept() {
+    acceptor_.async_accept([this](error_code error, asio::ip::tcp::socket socket) {
+        if (error == asio::error::operation_aborted) {
+            return;
+        }
+        if (error) {
+            // Without descriptors the next try fails at once: others must end theirs first.
+            pause_.expires_after(std::chrono::milliseconds(200));
+            pause_.async_wait([this](error_code ended) {
+                if (!ended) {
+                    accept();
+                }
+            });
+            return;
+        }
+        socket.set_option(asio::ip::tcp::no_delay(true), error);
+        if (tls_) {
+            serve(TlsStream(PlainStream(std::move(socket)), *tls_));
+        } else {
+            serve(PlainStream(std::move(socket)));
+        }
+        accept();
+    });
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace disparityd::web {
+
+/// A part of a message; several connections may send the same bytes.
+using Bytes = std::shared_ptr<const std::string>;
+
+/// Sends messages to one connection: over a WebSocket, or as the parts of a multipart stream. All calls come from the
+/// network's thread.
+class MessageLink {
+public:
+    virtual ~MessageLink() = default;
+    virtual void send_text(std::string text) = 0;
+    /// Sends the parts as one message.
+    virtual void send_binary(std::vector<Bytes> parts) = 0;
+    /// Whether a binary message is on its way out: what is sent now would wait, and be older when it arrives.
+    virtual bool busy() const = 0;
+    /// Ends the connection; no call of its handler follows.
+    virtual void close(const std::string& reason) = 0;
+};
+
+/// Is told what a connection receives. It is kept alive by its connection.
+class MessageHandler {
+public:
+    virtual ~MessageHandler() = default;
+    /// The link lives at least as long as the handler is told things.
+    virtual void on_open(MessageLink& link) = 0;
+    virtual void on_text(std::string_view text) = 0;
+    virtual void on_sent() = 0;    ///< a message is out
+    virtual void on_closed() = 0;  ///< the link must not be used any more
+};
+
+}  // namespace disparityd::web

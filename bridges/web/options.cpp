@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/options.h"
+
+#include <charconv>
+#include <stdexcept>
+
+#include <CLI/CLI.hpp>
+#include <boost/asio/ip/address.hpp>
+
+#include "clients/places/daemon_sockets.h"
+
+namespace disparityd::web {
+namespace {
+
+/// Splits "HOST:PORT" and "[::1]:PORT".
+void set_listen(const std::string& text, ServerSettings& settings) {
+    const std::size_t colon = text.rfind(':');
+    unsigned port = 65536;
+    if (colon != std::string::npos && colon > 0) {
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, port);
+        port = error == std::errc() && stop == end ? port : 65536;
+        settings.host = text.substr(0, colon);
+    }
+    if (settings.host.size() > 2 && settings.host.front() == '[' && settings.host.back() == ']') {
+        settings.host = settings.host.substr(1, settings.host.size() - 2);
+    }
+    boost::system::error_code error;
+    boost::asio::ip::make_address(settings.host, error);
+    if (error || port > 65535) {
+        throw std::invalid_argument("--listen: found \"" + text +
+                                    "\", allowed: ADDRESS:PORT such as 127.0.0.1:8765 or 0.0.0.0:8765; port 0 is any");
+    }
+    settings.port = static_cast<std::uint16_t>(port);
+}
+
+void add_daemon(CLI::App& app, Options& options) {
+    const std::string group = "Which daemon";
+    app.add_option("--name", options.name, "Name of its shared memory and Unix socket, as disparityd --name")
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--socket", options.socket,
+                   "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, "
+                   "tcp:127.0.0.1:9876")
+        ->type_name("ADDRESS")
+        ->group(group);
+}
+
+void add_visitors(CLI::App& app, Options& options) {
+    const std::string group = "Who may look and control";
+    app.add_option("--token-file", options.token_file,
+                   "Lines \"view TOKEN\" and \"control TOKEN\"; without a token nobody may look")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_flag("--allow-control", options.allow_control,
+                 "Whoever may look may also record and set the camera's controls")
+        ->group(group);
+    app.add_option("--certificate", options.certificate, "Serve HTTPS with this certificate (PEM, with its chain)")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_option("--key", options.key, "The certificate's key (PEM)")->type_name("FILE")->group(group);
+    app.add_option("--client-authority", options.client_authority,
+                   "Every client needs a certificate signed by one of these (PEM)")
+        ->type_name("FILE")
+        ->group(group);
+    app.add_flag("--insecure", options.insecure,
+                 "Listen beyond this machine although everybody there can look, or read what is sent")
+        ->group(group);
+    app.add_option("--host", options.hosts, "A further name under which browsers reach this server")
+        ->type_name("NAME")
+        ->group(group);
+    app.add_option("--origin", options.origins,
+                   "A page of another server that may use this one, such as "
+                   "https://app.example.org")
+        ->type_name("URL")
+        ->group(group);
+}
+
+void check_files(const Options& options) {
+    if (options.certificate.empty() != options.key.empty()) {
+        throw std::invalid_argument("--certificate and --key go together: one of them is missing");
+    }
+    if (!options.client_authority.empty() && options.certificate.empty()) {
+        throw std::invalid_argument("--client-authority needs --certificate and --key");
+    }
+}
+
+/// Beyond this machine the server wants to know who looks, and that nobody listens in.
+void check_reach(const Options& options, const ServerSettings& settings) {
+    const bool loopback = boost::asio::ip::make_address(settings.host).is_loopback();
+    const bool knows_visitors = !options.token_file.empty() || !options.client_authority.empty();
+    if (!loopback && !options.insecure && !(settings.tls.on() && knows_visitors)) {
+        throw std::invalid_argument(
+            "--listen " + options.listen +
+            ": other machines could look at the camera; give --certificate, --key and one of --token-file and "
+            "--client-authority, or say --insecure; or reach 127.0.0.1 through ssh -L (docs/web.md)");
+    }
+}
+
+}  // namespace
+
+void Options::add_to(CLI::App& app) {
+    add_daemon(app, *this);
+    const std::string group = "Where it serves";
+    app.add_option("--listen", listen, "Address and port; [::1]:8765 for IPv6, port 0 for any free one")
+        ->type_name("ADDRESS:PORT")
+        ->capture_default_str()
+        ->group(group);
+    app.add_option("--max-connections", max_connections, "Connections of all visitors together")
+        ->type_name("NUMBER")
+        ->check(CLI::Range(8, 4096))
+        ->capture_default_str()
+        ->group(group);
+    add_visitors(app, *this);
+}
+
+ServerSettings Options::settings() const {
+    ServerSettings settings;
+    settings.daemon.name = name;
+    settings.daemon.socket = socket.empty() ? "" : clients::socket_address(socket);
+    set_listen(listen, settings);
+    check_files(*this);
+    settings.tls = {certificate, key, client_authority};
+    check_reach(*this, settings);
+    settings.access.hosts = hosts;
+    settings.access.origins = origins;
+    settings.access.anybody_controls = allow_control;
+    if (!token_file.empty()) {
+        read_tokens(token_file, settings.access);
+        settings.access.anybody_views = false;
+    }
+    settings.max_connections = max_connections;
+    return settings;
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/routes.h"
+
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+#include "bridges/web/frame_request.h"
+#include "bridges/web/page_files.h"
+#include "bridges/web/snapshot.h"
+#include "clients/json/status_json.h"
+
+namespace disparityd::web {
+
+namespace http = boost::beast::http;
+using disparity::Product;
+using json::Json;
+using json::to_text;
+
+/// A request that is being answered.
+struct Routes::Asked {
+    const Request& request;
+    const Answer& answer;
+    std::string path;
+    Right right;
+
+    void json(const std::string& text) const {
+        answer(make_response(request, http::status::ok, "application/json", text));
+    }
+    void error(http::status status, const std::string& line) const { answer(error_response(request, status, line)); }
+    bool is(http::verb verb) const {
+        return request.method() == verb || (verb == http::verb::get && request.method() == http::verb::head);
+    }
+};
+
+namespace {
+
+constexpr int most_requests = 8;  ///< to the daemon at a time
+constexpr std::chrono::seconds pause_after_wrong_token{1};
+
+std::string_view text_of(boost::beast::string_view text) {
+    return {text.data(), text.size()};
+}
+
+/// Returns the body as an object; nothing when it is none. A page of another server cannot send this type unasked.
+std::optional<Json> body_of(const Request& request) {
+    if (text_of(request[http::field::content_type]).substr(0, 16) != "application/json") {
+        return std::nullopt;
+    }
+    Json body = Json::parse(request.body(), nullptr, false);
+    return body.is_object() ? std::optional<Json>(std::move(body)) : std::nullopt;
+}
+
+std::string text_in(const Json& body, const char* key) {
+    const auto found = body.find(key);
+    return found != body.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::string session_json(const Access& access, Right right) {
+    return to_text(
+        {{"needs_token", access.needs_token()}, {"view", right >= Right::view}, {"control", right >= Right::control}},
+        -1);
+}
+
+std::string status_json(const Hub& hub) {
+    const DaemonState& state = hub.state();
+    return to_text({{"daemon", state.there ? "there" : "gone"},
+                    {"why", state.why},
+                    {"status", state.status ? json::to_json(*state.status) : Json()},
+                    {"web", {{"clients", hub.pages}}}},
+                   -1);
+}
+
+/// What a snapshot is made from.
+struct SnapshotKind {
+    std::string type;
+    std::set<Product> needed;
+    std::set<Product> welcome;
+    std::function<std::string(const LiveFrame&)> make;
+};
+
+std::optional<SnapshotKind> snapshot_kind(const std::string& path, Image image) {
+    std::set<Product> welcome;
+    if (image == Image::left || path == "/snapshot.ply") {
+        welcome.insert(Product::left_colour);
+    }
+    if (path == "/snapshot.ply") {
+        return SnapshotKind{"application/octet-stream", {Product::disparity, Product::left}, welcome, ply_of};
+    }
+    if (path == "/snapshot.png") {
+        return SnapshotKind{
+            "image/png", {product_of(image)}, welcome, [image](const LiveFrame& live) { return png_of(live, image); }};
+    }
+    if (path == "/snapshot.jpg") {
+        return SnapshotKind{"image/jpeg", {product_of(image)}, welcome, [image](const LiveFrame& live) {
+                                constexpr int quality = 92;
+                                const auto made = encode(live, {image, Encoding::jpeg, 0, quality, std::nullopt});
+                                return made ? *made->bytes : std::string();
+                            }};
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+Visitor visitor_of(const Request& request) {
+    return {text_of(request[http::field::host]), text_of(request[http::field::origin]),
+            text_of(request[http::field::authorization]), text_of(request[http::field::cookie])};
+}
+
+std::string path_of(const Request& request) {
+    const std::string target(text_of(request.target()));
+    return target.substr(0, target.find('?'));
+}
+
+std::string query_of(const Request& request, const std::string& key) {
+    const std::string target(text_of(request.target()));
+    std::size_t from = target.find('?');
+    while (from != std::string::npos) {
+        const std::size_t end = target.find('&', from + 1);
+        const std::string pair = target.substr(from + 1, end == std::string::npos ? end : end - from - 1);
+        if (pair.compare(0, key.size() + 1, key + '=') == 0) {
+            return pair.substr(key.size() + 1);
+        }
+        from = end;
+    }
+    return {};
+}
+
+Response make_response(const Request& request, http::status status, const std::string& type, std::string body) {
+    Response response(status, request.version());
+    response.set(http::field::content_type, type);
+    response.set(http::field::cache_control, "no-store");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    response.set("Cross-Origin-Resource-Policy", "same-origin");
+    response.set("Content-Security-Policy",
+                 "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src "
+                 "'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    response.keep_alive(request.keep_alive());
+    response.body() = std::move(body);
+    response.prepare_payload();
+    if (request.method() == http::verb::head) {
+        response.body().clear();
+    }
+    return response;
+}
+
+Response error_response(const Request& request, http::status status, const std::string& line) {
+    return make_response(request, status, "application/json", to_text({{"error", line}}, -1));
+}
+
+void Routes::respond(const Request& request, const Answer& answer) {
+    const Visitor visitor = visitor_of(request);
+    const Asked asked{request, answer, path_of(request), access_.right_of(visitor)};
+    if (const std::string why = access_.refuses(visitor); !why.empty()) {
+        asked.error(http::status::forbidden, why);
+    } else if (asked.path == "/healthz" && asked.is(http::verb::get)) {
+        const DaemonState& state = place_.hub.state();
+        const bool runs = state.there && state.status && state.status->state() == "running";
+        const std::string reason = !state.there ? state.why : state.status ? state.status->state() : "asking the daemon";
+        answer(make_response(request, runs ? http::status::ok : http::status::service_unavailable,
+                             "text/plain; charset=utf-8", runs ? "ok\n" : reason + '\n'));
+    } else if (asked.path == "/api/session") {
+        session(asked);
+    } else if (const PageFile* const file = page_file(asked.path); file != nullptr && asked.is(http::verb::get)) {
+        answer(make_response(request, http::status::ok, std::string(file->type), std::string(file->bytes)));
+    } else if (asked.right < Right::view) {
+        asked.error(http::status::unauthorized,
+                    "a token is needed; the page asks for it, others send it as a bearer token");
+    } else {
+        view(asked);
+    }
+}
+
+void Routes::view(const Asked& asked) {
+    if (asked.path.compare(0, 10, "/snapshot.") == 0 && asked.is(http::verb::get)) {
+        snapshot(asked);
+    } else if (asked.path == "/api/status" && asked.is(http::verb::get)) {
+        asked.json(status_json(place_.hub));
+    } else if (asked.path == "/api/camera" && asked.is(http::verb::get)) {
+        control_.set_controls({}, to_answer(asked));
+    } else if (asked.path == "/api/camera" || asked.path == "/api/recording") {
+        control(asked);
+    } else {
+        asked.error(http::status::not_found, "there is nothing of this name here");
+    }
+}
+
+void Routes::control(const Asked& asked) {
+    if (asked.right < Right::control) {
+        asked.error(http::status::forbidden,
+                    "you may look, not control: a control token is needed, or disparity-web --allow-control");
+    } else if (requests_under_way_ >= most_requests) {
+        asked.error(http::status::service_unavailable, "too many requests to the daemon are under way; try again");
+    } else if (asked.path == "/api/camera" && asked.is(http::verb::post)) {
+        camera(asked);
+    } else if (asked.path == "/api/recording") {
+        recording(asked);
+    } else {
+        asked.error(http::status::method_not_allowed, "this method means nothing here");
+    }
+}
+
+void Routes::session(const Asked& asked) {
+    if (asked.is(http::verb::get)) {
+        asked.json(session_json(access_, asked.right));
+        return;
+    }
+    const std::optional<Json> body = asked.is(http::verb::post) ? body_of(asked.request) : std::nullopt;
+    if (!body) {
+        asked.error(http::status::bad_request, "allowed: POST {\"token\": \"...\"} as application/json");
+        return;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (now < log_in_next_) {
+        asked.error(http::status::too_many_requests, "a wrong token came a moment ago; try again in a second");
+        return;
+    }
+    const std::string cookie = access_.log_in(text_in(*body, "token"));
+    if (cookie.empty()) {
+        log_in_next_ = now + pause_after_wrong_token;
+        asked.error(http::status::forbidden, "this token is not known");
+        return;
+    }
+    const std::string pair = cookie.substr(0, cookie.find(';'));
+    Visitor known = visitor_of(asked.request);
+    known.cookie = pair;
+    Response response = make_response(asked.request, http::status::ok, "application/json",
+                                      session_json(access_, access_.right_of(known)));
+    response.set(http::field::set_cookie, cookie);
+    asked.answer(std::move(response));
+}
+
+void Routes::snapshot(const Asked& asked) {
+    const std::string name = query_of(asked.request, "image");
+    const std::optional<Image> image = image_of(name.empty() ? "disparity" : name);
+    if (!image) {
+        asked.error(http::status::bad_request, "image: allowed: left, disparity, depth, confidence, depth_error");
+        return;
+    }
+    std::optional<SnapshotKind> kind = snapshot_kind(asked.path, *image);
+    if (!kind) {
+        asked.error(http::status::not_found, "allowed: /snapshot.jpg, /snapshot.png, /snapshot.ply");
+        return;
+    }
+    const auto request = std::make_shared<const Request>(asked.request);
+    const auto finish = [this, request, answer = asked.answer, kind](const std::shared_ptr<const LiveFrame>& live) {
+        if (live == nullptr) {
+            const DaemonState& state = place_.hub.state();
+            answer(error_response(*request, http::status::service_unavailable,
+                                  state.there ? "no frame with this image came within 3 s" : state.why));
+            return;
+        }
+        boost::asio::post(place_.encoding, [this, request, answer, kind, live] {
+            Response response;
+            try {
+                response = make_response(*request, http::status::ok, kind->type, kind->make(*live));
+                const std::string file = path_of(*request).substr(1);
+                response.set(http::field::content_disposition, "inline; filename=\"" + file + '"');
+            } catch (const std::exception& error) {
+                response = error_response(*request, http::status::conflict, error.what());
+            }
+            boost::asio::post(place_.network, [answer, response] { answer(response); });
+        });
+    };
+    FrameRequest::start(place_.network, place_.hub, kind->needed, kind->welcome, finish);
+}
+
+void Routes::camera(const Asked& asked) {
+    const std::optional<Json> body = body_of(asked.request);
+    const std::string name = body ? text_in(*body, "name") : "";
+    if (name.empty() || !body->contains("value") || !body->at("value").is_number_integer()) {
+        asked.error(http::status::bad_request,
+                    "allowed: POST {\"name\": \"gain-left\", \"value\": 3} as application/json");
+        return;
+    }
+    control_.set_controls({{name, body->at("value").get<std::int64_t>()}}, to_answer(asked));
+}
+
+void Routes::recording(const Asked& asked) {
+    if (asked.is(http::verb::delete_)) {
+        control_.stop_recording(to_answer(asked));
+        return;
+    }
+    const std::optional<Json> body = asked.is(http::verb::post) ? body_of(asked.request) : std::nullopt;
+    const std::string path = body ? text_in(*body, "path") : "";
+    if (path.empty()) {
+        asked.error(http::status::bad_request, "allowed: POST {\"path\": \"name.mkv\"} as application/json, or DELETE");
+        return;
+    }
+    control_.start_recording(path, to_answer(asked));
+}
+
+/// Returns a function that brings the daemon's answer from its thread to the network's.
+std::function<void(ControlAnswer)> Routes::to_answer(const Asked& asked) {
+    ++requests_under_way_;
+    const auto request = std::make_shared<const Request>(asked.request);
+    return [this, request, answer = asked.answer](const ControlAnswer& result) {
+        boost::asio::post(place_.network, [this, request, answer, result] {
+            --requests_under_way_;
+            answer(result.done ? make_response(*request, http::status::ok, "application/json", result.text)
+                               : error_response(*request, http::status::conflict, result.text));
+        });
+    };
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/status_feed.h"
+
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "base/start_thread.h"
+
+namespace disparityd::web {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr milliseconds interval{500};
+constexpr milliseconds sensors_interval{50};
+constexpr milliseconds patience{2000};  ///< a daemon that does not answer so long is told to hang
+
+std::shared_ptr<const v1::Status> ask(disparity::SocketClient& client) {
+    auto status = std::make_shared<v1::Status>();
+    if (!status->ParseFromString(client.status(patience))) {
+        throw std::runtime_error("the daemon's status is damaged or of another version");
+    }
+    return status;
+}
+
+}  // namespace
+
+StatusFeed::StatusFeed(DaemonAddress daemon, std::function<void(DaemonState)> on_state,
+                       std::function<void(disparity::SensorBatch)> on_sensors)
+    : daemon_(std::move(daemon)),
+      on_state_(std::move(on_state)),
+      on_sensors_(std::move(on_sensors)),
+      thread_(base::start_thread([this] { run(); })) {}
+
+StatusFeed::~StatusFeed() {
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+}
+
+void StatusFeed::want_sensors(bool wanted) {
+    const std::lock_guard lock(mutex_);
+    sensors_ = wanted;
+}
+
+void StatusFeed::run() {
+    do {
+        try {
+            serve();
+        } catch (const std::exception& error) {
+            on_state_({false, error.what(), nullptr, {}});
+        }
+    } while (wait(interval));
+}
+
+/// Returns when the feed ends; throws when the daemon is gone.
+void StatusFeed::serve() {
+    disparity::SocketClient client = daemon_.connect("status");
+    DaemonState state{true, {}, nullptr, welcome_of(client).products};
+    bool sensors = false;
+    auto next = steady_clock::now();
+    do {
+        if (steady_clock::now() >= next) {
+            state.status = ask(client);
+            on_state_(state);
+            next = steady_clock::now() + interval;
+        }
+        if (sensors != wants_sensors()) {
+            sensors = !sensors;
+            disparity::Subscription subscription;
+            subscription.products.clear();
+            subscription.sensors = sensors;
+            client.subscribe(subscription);
+        }
+        disparity::SensorBatch batch;
+        if (sensors && client.read_sensors(batch, milliseconds(0)) == disparity::ReadResult::frame) {
+            on_sensors_(std::move(batch));
+        }
+    } while (wait(sensors ? sensors_interval : interval));
+}
+
+/// Returns false when the feed ends.
+bool StatusFeed::wait(milliseconds time) {
+    std::unique_lock lock(mutex_);
+    return !changed_.wait_for(lock, time, [this] { return stop_; });
+}
+
+bool StatusFeed::wants_sensors() {
+    const std::lock_guard lock(mutex_);
+    return sensors_;
+}
+
+}  // namespace disparityd::web
