@@ -12,7 +12,9 @@ const by = id => document.getElementById(id)
 export function valuesAt(frame, place) {
   if (!frame || !place) return {}
   const { point } = frame.header
-  const told = point && Math.floor(point.x) === place.x && Math.floor(point.y) === place.y ? point : {}
+  const same = point && Math.floor(point.x) === place.x && Math.floor(point.y) === place.y
+  // Every frame has a confidence. One that was on its way when the pixel was first asked for does not carry it, and tells nothing.
+  const told = same && point.confidence !== null ? point : {}
   const values = { ...told, ...rawValues(frame, place.x, place.y) }
   // A depth is not served by every daemon, or not asked for: the disparity says the same.
   if ((values.depth_m ?? null) === null && values.disparity_px) values.depth_m = depthOf(values.disparity_px, frame.header)
