@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/daemon_link.h"
 
-#include <iostream>
 #include <stdexcept>
+#include <string_view>
 
 #include "clients/places/daemon_sockets.h"
 #include "proto/disparity.pb.h"
@@ -22,8 +22,10 @@ Welcome welcome_of(const disparity::SocketClient& client) {
     }
     Welcome welcome;
     // Only a Unix socket surely leads to a daemon of this machine: a TCP port may be a tunnel.
-    if (client.server_user()) {
-        welcome.shared_memory = message.shared_memory();
+    constexpr std::string_view prefix = "/disparityd.";
+    const std::string& object = message.shared_memory();
+    if (client.server_user() && object.compare(0, prefix.size(), prefix) == 0) {
+        welcome.shared_memory = object.substr(prefix.size());
     }
     for (const int product : message.products()) {
         welcome.products.push_back(static_cast<disparity::Product>(product));

@@ -47,10 +47,12 @@ public:
 
     ReadResult read(Frame& frame, const std::set<Product>& wanted) override {
         if (wanted != subscribed_) {
+            // The daemon was configured anew since it greeted: ask again what it serves.
+            if (!std::includes(served_.begin(), served_.end(), wanted.begin(), wanted.end())) {
+                return ReadResult::gone;
+            }
             disparity::Subscription subscription;
-            subscription.products.clear();
-            std::set_intersection(wanted.begin(), wanted.end(), served_.begin(), served_.end(),
-                                  std::back_inserter(subscription.products));
+            subscription.products.assign(wanted.begin(), wanted.end());
             client_.subscribe(subscription);
             subscribed_ = wanted;
         }

@@ -25,7 +25,7 @@ public:
     FrameFeed(const FrameFeed&) = delete;
     FrameFeed& operator=(const FrameFeed&) = delete;
 
-    /// Says which products the next frames should have; any thread.
+    /// Says which products the next frames should have, of those that the daemon serves; any thread.
     void want(const std::set<disparity::Product>& products);
 
     /// Returns the newest frame, once; any thread.

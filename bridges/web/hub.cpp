@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/hub.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace disparityd::web {
@@ -34,6 +35,9 @@ void Hub::update_wants() {
         all.products.insert(wants.products.begin(), wants.products.end());
         all.sensors = all.sensors || wants.sensors;
     });
+    std::erase_if(all.products, [this](disparity::Product product) {
+        return std::find(state_.products.begin(), state_.products.end(), product) == state_.products.end();
+    });
     on_wants_(all);
 }
 
@@ -44,9 +48,13 @@ void Hub::on_frame(std::shared_ptr<const LiveFrame> frame) {
 }
 
 void Hub::on_state(DaemonState state) {
+    const bool other_products = state.products != state_.products;
     state_ = std::move(state);
     if (!state_.there) {
         newest_ = nullptr;  // a frame of a daemon that is gone is not shown as the newest one
+    }
+    if (other_products) {
+        update_wants();
     }
     for_each([&](Listener& listener) { listener.on_state(state_); });
 }

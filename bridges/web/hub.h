@@ -50,7 +50,7 @@ struct Traffic {
 /// Knows what came last from the daemon, and tells the connections. The network's thread owns it.
 class Hub {
 public:
-    /// `on_wants` is called when what all connections together want has changed.
+    /// `on_wants` is told what all connections together want, of what the daemon serves.
     explicit Hub(std::function<void(const Wants&)> on_wants) : on_wants_(std::move(on_wants)) {}
 
     /// The hub does not keep a listener alive; one that has ended is left out.

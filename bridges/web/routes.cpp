@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/routes.h"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "bridges/web/page_files.h"
 #include "bridges/web/snapshot.h"
 #include "clients/json/status_json.h"
+#include "proto/products.h"
 
 namespace disparityd::web {
 
@@ -81,6 +83,12 @@ struct SnapshotKind {
     std::set<Product> welcome;
     std::function<std::string(const LiveFrame&)> make;
 };
+
+std::string not_served(Product product) {
+    const proto::ProductInfo& facts = proto::product_info(static_cast<v1::Product>(product));
+    return "the daemon does not serve the product " + std::string(facts.name) +
+           (facts.config_key.empty() ? "" : ": set " + std::string(facts.config_key) + " = true in its configuration");
+}
 
 std::optional<SnapshotKind> snapshot_kind(const std::string& path, Image image) {
     std::set<Product> welcome;
@@ -161,7 +169,9 @@ void Routes::respond(const Request& request, const Answer& answer) {
     } else if (asked.path == "/healthz" && asked.is(http::verb::get)) {
         const DaemonState& state = place_.hub.state();
         const bool runs = state.there && state.status && state.status->state() == "running";
-        const std::string reason = !state.there ? state.why : state.status ? state.status->state() : "asking the daemon";
+        const std::string reason = !state.there   ? state.why
+                                   : state.status ? state.status->state()
+                                                  : "asking the daemon";
         answer(make_response(request, runs ? http::status::ok : http::status::service_unavailable,
                              "text/plain; charset=utf-8", runs ? "ok\n" : reason + '\n'));
     } else if (asked.path == "/api/session") {
@@ -246,6 +256,13 @@ void Routes::snapshot(const Asked& asked) {
     if (!kind) {
         asked.error(http::status::not_found, "allowed: /snapshot.jpg, /snapshot.png, /snapshot.ply");
         return;
+    }
+    for (const Product product : kind->needed) {
+        const auto& served = place_.hub.state().products;
+        if (place_.hub.state().there && std::find(served.begin(), served.end(), product) == served.end()) {
+            asked.error(http::status::not_found, not_served(product));
+            return;
+        }
     }
     const auto request = std::make_shared<const Request>(asked.request);
     const auto finish = [this, request, answer = asked.answer, kind](const std::shared_ptr<const LiveFrame>& live) {

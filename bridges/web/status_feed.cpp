@@ -25,6 +25,12 @@ std::shared_ptr<const v1::Status> ask(disparity::SocketClient& client) {
     return status;
 }
 
+/// Whether the daemon serves the same products: a new connection is told which.
+bool same_set_up(const v1::Status& a, const v1::Status& b) {
+    return a.state() == b.state() && a.source() == b.source() && a.method() == b.method() &&
+           a.geometry().SerializeAsString() == b.geometry().SerializeAsString() && a.uptime_s() <= b.uptime_s();
+}
+
 }  // namespace
 
 StatusFeed::StatusFeed(DaemonAddress daemon, std::function<void(DaemonState)> on_state,
@@ -66,7 +72,13 @@ void StatusFeed::serve() {
     auto next = steady_clock::now();
     do {
         if (steady_clock::now() >= next) {
-            state.status = ask(client);
+            const auto status = ask(client);
+            if (state.status && !same_set_up(*state.status, *status)) {
+                client = daemon_.connect("status");
+                state.products = welcome_of(client).products;
+                sensors = false;
+            }
+            state.status = status;
             on_state_(state);
             next = steady_clock::now() + interval;
         }

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "bridges/web/foxglove/cdr_writer.h"
+#include "clients/cpp/disparity_client.hpp"
+
+namespace disparityd::foxglove {
+
+enum class Camera { left, right };
+
+/// Returns a sensor_msgs/msg/CameraInfo of a rectified camera; nothing for a frame without a calibration. Both refer to
+/// the left camera's frame: the right one's P maps points of that frame, with P[3] = -f B in px m.
+std::optional<Bytes> camera_info(const disparity::Frame& frame, Camera camera);
+
+}  // namespace disparityd::foxglove

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/foxglove/sensor_messages.h"
+
+#include <array>
+
+#include "bridges/web/foxglove/message_header.h"
+
+namespace disparityd::foxglove {
+namespace {
+
+using disparity::SensorSample;
+using disparity::SensorVector;
+
+constexpr std::array<double, 9> unknown_covariance{};
+constexpr std::array<double, 9> not_measured{-1};
+
+void write_vector(CdrWriter& cdr, const SensorVector& vector, double unit) {
+    cdr.f64(vector.x * unit).f64(vector.y * unit).f64(vector.z * unit);
+}
+
+/// Temperature, pressure and humidity have the same fields: a number and its variance.
+Bytes scalar(const SensorSample& sample, std::string_view frame, double value) {
+    CdrWriter cdr(64);
+    write_header(cdr, sample.realtime_ns, frame);
+    cdr.f64(value).f64(0);
+    return cdr.take();
+}
+
+}  // namespace
+
+std::optional<Bytes> imu(const SensorSample& sample) {
+    if (!sample.inertial) {
+        return std::nullopt;
+    }
+    CdrWriter cdr(384);
+    write_header(cdr, sample.realtime_ns, imu_frame);
+    cdr.f64_array(std::array{0.0, 0.0, 0.0, 1.0}).f64_array(not_measured);
+    write_vector(cdr, sample.inertial->angular_velocity, 1);
+    cdr.f64_array(unknown_covariance);
+    write_vector(cdr, sample.inertial->acceleration, 1);
+    cdr.f64_array(unknown_covariance);
+    return cdr.take();
+}
+
+std::optional<Bytes> magnetic_field(const SensorSample& sample) {
+    if (!sample.magnetic_field) {
+        return std::nullopt;
+    }
+    CdrWriter cdr(160);
+    write_header(cdr, sample.realtime_ns, imu_frame);
+    write_vector(cdr, *sample.magnetic_field, 1e-6);
+    cdr.f64_array(unknown_covariance);
+    return cdr.take();
+}
+
+std::optional<Bytes> imu_temperature(const SensorSample& sample) {
+    return sample.inertial ? std::optional(scalar(sample, imu_frame, sample.inertial->celsius)) : std::nullopt;
+}
+
+std::optional<Bytes> camera_temperature(const SensorSample& sample) {
+    return sample.environment ? std::optional(scalar(sample, camera_frame, sample.environment->celsius)) : std::nullopt;
+}
+
+std::optional<Bytes> left_temperature(const SensorSample& sample) {
+    const auto& eyes = sample.eye_temperatures;
+    return eyes ? std::optional(scalar(sample, camera_frame, eyes->left_celsius)) : std::nullopt;
+}
+
+std::optional<Bytes> right_temperature(const SensorSample& sample) {
+    const auto& eyes = sample.eye_temperatures;
+    return eyes ? std::optional(scalar(sample, camera_frame, eyes->right_celsius)) : std::nullopt;
+}
+
+std::optional<Bytes> pressure(const SensorSample& sample) {
+    const auto& air = sample.environment;
+    return air ? std::optional(scalar(sample, camera_frame, 100.0 * air->hectopascal)) : std::nullopt;
+}
+
+std::optional<Bytes> humidity(const SensorSample& sample) {
+    const auto& air = sample.environment;
+    return air ? std::optional(scalar(sample, camera_frame, air->humidity_percent / 100.0)) : std::nullopt;
+}
+
+}  // namespace disparityd::foxglove
