@@ -11,7 +11,7 @@ const { PageSession, findBrowser, until } = require('./page_session.cjs')
 
 const FRAMES_BEFORE = 60 // so that the charts have something to show
 const VIEWS = [
-  { file: 'page.png', viewport: { width: 1440, height: 900 } },
+  { file: 'page.png', viewport: { width: 1440, height: 940 } },
   { file: 'page-phone.png', viewport: { width: 360, height: 740 }, hasTouch: true, deviceScaleFactor: 2 },
 ]
 

@@ -62,8 +62,8 @@ class PageSession {
   }
 
   /** Starts disparity-web and waits for its address. Returns { process, address }. */
-  async startWeb(listen = '127.0.0.1:0', more = []) {
-    const child = this.#start(this.programs.disparity_web, ['--name', this.name, '--socket', `unix:${this.socket}`, '--listen', listen, '--allow-control', ...more])
+  async startWeb(listen = '127.0.0.1:0', more = ['--allow-control']) {
+    const child = this.#start(this.programs.disparity_web, ['--name', this.name, '--socket', `unix:${this.socket}`, '--listen', listen, ...more])
     const address = await until('disparity-web prints its address', () => {
       if (child.exitCode !== null) throw new Error(`disparity-web ended with status ${child.exitCode}:\n${this.#log}`)
       return /http:\/\/\S+/.exec(child.printed)?.[0]

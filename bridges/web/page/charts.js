@@ -33,7 +33,7 @@ function roundUp(value) {
 }
 
 /** A power of ten of microseconds. */
-const roundTime = us => us < 1000 ? `${us} µs` : `${us / 1000} ms`
+const roundTime = us => us < 1e3 ? `${us} µs` : us < 1e6 ? `${us / 1e3} ms` : `${us / 1e6} s`
 
 /** A number over time. A null breaks the line: nothing was known then. */
 export class Trend {

@@ -100,6 +100,6 @@ export class Live {
 
 function captionOf(image, header) {
   const unrectified = image.name === 'left' && header.flags?.includes('unrectified')
-  const size = image.width < header.width ? `, ${image.width} x ${image.height}` : ''
+  const size = header.scale > 1 ? ', smaller for a slow link' : ''
   return `${IMAGE_NAMES[image.name] ?? image.name}${unrectified ? ', not rectified' : ''}${size}`
 }

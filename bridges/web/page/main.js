@@ -197,6 +197,7 @@ new ResizeObserver(() => {
 }).observe(by('pair'))
 by('token-form').addEventListener('submit', async event => {
   event.preventDefault()
+  by('token-send').disabled = true
   try {
     await connection.logIn(by('token').value)
     by('token').value = ''
@@ -204,6 +205,8 @@ by('token-form').addEventListener('submit', async event => {
   } catch (error) {
     by('token-error').hidden = false
     write(by('token-error'), error.message)
+  } finally {
+    by('token-send').disabled = false
   }
 })
 by('token-dialog').addEventListener('cancel', event => {

@@ -141,6 +141,35 @@ async function checkImages(page) {
   }
 }
 
+/** The colours of a grid of pixels of the right picture, once a frame after `index` shows the image in this encoding. */
+async function coloursOf(page, image, encoding) {
+  await choose(page, 'image', image)
+  await choose(page, 'encoding', encoding)
+  const before = await drawnIndex(page)
+  // A few frames of the encoding before may be on their way.
+  return until(`${image} as ${encoding}`, () => page.evaluate(({ before, image }) => {
+    const canvas = document.querySelector('#picture-right canvas')
+    const caption = document.querySelector('#picture-right figcaption').textContent
+    if (Number(canvas.dataset.publishIndex) < before + 6 || caption !== image.replace('_', ' ') || canvas.width !== 672) return null
+    const context = canvas.getContext('2d')
+    const colours = []
+    for (let y = 4; y < canvas.height; y += 8) for (let x = 4; x < canvas.width; x += 8) colours.push([...context.getImageData(x, y, 1, 1).data])
+    return colours
+  }, { before, image }))
+}
+
+/** The page colours raw values as the server does. JPEG blurs edges, so some pixels may differ. */
+async function checkColours(page) {
+  await page.selectOption('#width-choice', '0')
+  for (const image of ['disparity', 'depth', 'depth_error', 'confidence']) {
+    const jpeg = await coloursOf(page, image, 'jpeg')
+    const own = await coloursOf(page, image, 'lossless')
+    const same = jpeg.filter((colour, i) => colour.every((value, c) => Math.abs(value - own[i][c]) <= 25)).length
+    assert.ok(same > 0.9 * jpeg.length, `${image}: only ${same} of ${jpeg.length} pixels have the colour that the server gives them`)
+    assert.ok(new Set(own.map(String)).size > 10, `${image}: hardly any colours`)
+  }
+}
+
 async function checkRange(page) {
   const before = await page.textContent('#range-text')
   await page.focus('#range-far')
@@ -202,6 +231,39 @@ async function checkPhone(session, address) {
   await page.locator('#cloud').scrollIntoViewIfNeeded()
   await until('the point cloud', () => page.evaluate(() => Number(document.querySelector('#cloud canvas').dataset.points) > 0))
   assert.deepStrictEqual(page.wrong, [])
+  await page.context().close()
+}
+
+/** Enters a token and waits for what happens. The server lets a second try wait after a wrong one. */
+async function enterToken(page, token, what, happened) {
+  await until(what, async () => {
+    if (await happened()) return true
+    await page.evaluate(token => {
+      const form = document.getElementById('token-form')
+      if (!form.closest('dialog').open) return
+      form.querySelector('#token').value = token
+      form.querySelector('[type=submit]').click() // does nothing while the token before is being looked at
+    }, token)
+    return happened()
+  })
+}
+
+async function checkTokens(session) {
+  const file = path.join(session.folder, 'tokens')
+  fs.writeFileSync(file, 'view 0123456789abcdef-view\ncontrol 0123456789abcdef-control\n', { mode: 0o600 })
+  const { address } = await session.startWeb('127.0.0.1:0', ['--token-file', file])
+  const page = await openPage(session, address, { viewport: { width: 1440, height: 900 } })
+  await until('the page asks for a token', () => page.isVisible('#token-dialog'))
+  assert.strictEqual(await drawnIndex(page), 0)
+  await enterToken(page, 'wrong', 'the line about a wrong token', () => page.isVisible('#token-error'))
+  assert.notStrictEqual((await page.textContent('#token-error')).trim(), '')
+  await enterToken(page, '0123456789abcdef-view', 'pictures', async () => await drawnIndex(page) > 0)
+  await until('a status', async () => await page.textContent('#state') === 'running')
+  assert.ok(await page.isDisabled('#record'))
+  assert.match(await page.getAttribute('#record', 'title'), /control token/)
+  await page.click('#token-open')
+  await enterToken(page, '0123456789abcdef-control', 'the right to record', () => page.isEnabled('#record'))
+  assert.deepStrictEqual(page.wrong.filter(line => !/status of (403|429)/.test(line)), [])
   await page.context().close()
 }
 
@@ -268,6 +330,8 @@ async function checkAll(session) {
   await step('values at the pointer, JPEG', () => checkPointer(page, web.address))
   await choose(page, 'encoding', 'lossless')
   await step('values at the pointer, lossless', () => checkPointer(page, web.address))
+  await step('colours are those of the server', () => checkColours(page))
+  await step('tokens', () => checkTokens(session))
   await step('a phone', () => checkPhone(session, web.address))
   assert.deepStrictEqual(page.wrong, [])
   await step('disparity-web is killed and comes back', () => checkWebRestart(page, session, web))
