@@ -18,6 +18,7 @@
 #include "daemon/descriptor_limit.h"
 #include "daemon/freed_memory.h"
 #include "daemon/log.h"
+#include "daemon/totals.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -250,6 +251,17 @@ std::uint64_t Daemon::stop_engine() {
     return index;
 }
 
+/// Returns the counts of all engines up to the one in use, which has been stopped.
+v1::Totals Daemon::totals_of_ended() const {
+    v1::Status last;
+    if (const auto stopped = engine()) {
+        stopped->fill(last);
+    }
+    v1::Totals totals = last.totals();
+    add_totals(totals, ended_);
+    return totals;
+}
+
 /// Replaces the engine in use. Steps that the system may refuse come first, while the old engine still runs.
 void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engine) {
     const bool same_object = shared_memory_ && config.shared_memory.enabled &&
@@ -265,6 +277,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
         server_.reconfigure(server_config(config));
     }
     const std::uint64_t index = stop_engine();
+    v1::Totals ended = totals_of_ended();
     if (!same_object) {
         shared_memory_ = std::move(new_object);
     }
@@ -287,6 +300,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     {
         const std::lock_guard lock(mutex_);
         engine_.swap(old);
+        ended_.Swap(&ended);
     }
     old.reset();  // not under the lock: it frees gigabytes and waits for its threads
     give_back_freed_memory();

@@ -71,6 +71,7 @@ private:
     void put_to_work(const EngineBuilder::Built& built);
     void handle_failure(FailureAction action, const std::exception_ptr& failure);
     std::uint64_t stop_engine();
+    v1::Totals totals_of_ended() const;
     void take_over(const Config& config, const std::shared_ptr<Engine>& engine);
     void refuse_reload(const std::string& why);
     void note_refusal();
@@ -120,8 +121,9 @@ private:
 
     // Several threads use these.
     std::atomic<Phase> phase_{Phase::starting};
-    mutable std::mutex mutex_;  ///< the two below
+    mutable std::mutex mutex_;  ///< the three below
     std::shared_ptr<Engine> engine_;
+    v1::Totals ended_;  ///< of the engines before; only the control thread changes it, together with engine_
     std::vector<std::string> notices_;
 
     EngineBuilder builder_;  ///< its thread uses what stands above

@@ -8,6 +8,7 @@
 #include "daemon/daemon.h"
 #include "daemon/freed_memory.h"
 #include "daemon/log.h"
+#include "daemon/totals.h"
 #include "proto/text.h"
 
 namespace disparityd::daemon {
@@ -172,13 +173,21 @@ v1::Status Daemon::status() const {
     v1::Status status;
     status.set_server_version(DISPARITYD_VERSION);
     status.set_uptime_s(std::chrono::duration<double>(steady_clock::now() - started_).count());
-    if (const auto current = engine()) {
+    std::shared_ptr<Engine> current;
+    v1::Totals ended;
+    {
+        const std::lock_guard lock(mutex_);  // one after the other, an engine that ends could count twice
+        current = engine_;
+        ended = ended_;
+    }
+    if (current) {
         current->fill(status);
     } else {
         status.set_state("waiting");
         status.set_detail("the daemon is preparing its source");
         status.set_source(proto::to_valid_utf8(first_source_));
     }
+    add_totals(*status.mutable_totals(), ended);
     if (stopping()) {
         status.set_state("stopping");
     }

@@ -19,6 +19,7 @@
 #include "daemon/product_planes.h"
 #include "daemon/scan_record.h"
 #include "daemon/sensor_message.h"
+#include "daemon/totals.h"
 #include "proto/text.h"
 
 namespace disparityd::daemon {
@@ -336,6 +337,13 @@ void Engine::fill(v1::Status& status) const {
         time.set_p99_us(step.time.p99);
         time.set_max_us(step.time.max);
     }
+    v1::Totals& totals = *status.mutable_totals();
+    totals.set_captured(status.captured());
+    totals.set_published(status.published());
+    totals.set_dropped(status.dropped());
+    totals.set_lost_before(status.lost_before());
+    totals.set_corrupt(status.corrupt());
+    put_steps(totals, now.steps);
 }
 
 void Engine::fill_self_calibration(v1::Status& status) const {

@@ -77,7 +77,8 @@ public:
     /// See capture::FrameSource::set_camera_controls().
     std::vector<capture::CameraControl> control_camera(const std::vector<capture::CameraSetting>& settings);
 
-    /// Fills in state, source, method, counters, step times and notices; leaves the rest of the message alone.
+    /// Fills in state, source, method, counters, step times and notices; leaves the rest of the message alone. Its
+    /// totals are those of this engine; after stop() they are final.
     void fill(v1::Status& status) const;
 
     /// Returns what the user should know, such as workers without cores of their own, or small pages.

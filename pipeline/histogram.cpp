@@ -22,11 +22,22 @@ double bucket_middle_us(std::size_t bucket) {
     return std::ldexp((8.5 + step) / 8.0, static_cast<int>(bucket / 8));
 }
 
+/// Returns the index of the first bound that is not exceeded; the number of bounds where all are.
+std::size_t bound_of(std::uint64_t ns) {
+    constexpr std::uint64_t ns_per_us = 1000;
+    std::size_t bound = 0;
+    while (bound < duration_bounds_us.size() && ns > duration_bounds_us[bound] * ns_per_us) {
+        ++bound;
+    }
+    return bound;
+}
+
 }  // namespace
 
 void Histogram::record(std::chrono::nanoseconds time) {
     const auto ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, time.count()));
     counts_[bucket_of(ns, counts_.size())].fetch_add(1, std::memory_order_relaxed);
+    bounded_[bound_of(ns)].fetch_add(1, std::memory_order_relaxed);
     sum_ns_.fetch_add(ns, std::memory_order_relaxed);
     if (ns > max_ns_.load(std::memory_order_relaxed)) {
         max_ns_.store(ns, std::memory_order_relaxed);
@@ -61,6 +72,17 @@ HistogramSummary Histogram::summary() const {
     summary.p90 = quantile(0.90);
     summary.p99 = quantile(0.99);
     return summary;
+}
+
+HistogramTotals Histogram::totals() const {
+    HistogramTotals totals;
+    totals.sum_ns = sum_ns_.load(std::memory_order_relaxed);
+    for (std::size_t i = 0; i < totals.up_to.size(); ++i) {
+        totals.count += bounded_[i].load(std::memory_order_relaxed);
+        totals.up_to[i] = totals.count;
+    }
+    totals.count += bounded_.back().load(std::memory_order_relaxed);
+    return totals;
 }
 
 }  // namespace disparityd::pipeline

@@ -143,7 +143,7 @@ PipelineStatus Pipeline::status() const {
         status.steps.push_back({i < step_names_.size() ? step_names_[i]
                                 : extra == 0           ? "publish"
                                                        : "total",
-                                times_[i].summary()});
+                                times_[i].summary(), times_[i].totals()});
     }
     return status;
 }

@@ -62,6 +62,7 @@ struct PipelineStatus {
     struct Step {
         std::string name;
         HistogramSummary time;  ///< microseconds
+        HistogramTotals totals;
     };
     std::vector<Step> steps;  ///< those of Pipeline::steps() ("capture" without waiting), then "publish" and "total"
 };

@@ -97,7 +97,7 @@ template <typename Stream>
 void HttpSession<Stream>::on_request() {
     answering_ = true;
     const auto request = std::make_shared<const Request>(parser_->release());
-    ++site_.place.hub.traffic.requests;
+    ++site_.place.hub.counters.requests;
     if (upgrade(*request) || stream(*request)) {
         return;
     }
@@ -105,7 +105,7 @@ void HttpSession<Stream>::on_request() {
     boost::beast::get_lowest_layer(stream_).expires_never();
     site_.routes.respond(*request, [self = this->shared_from_this(), request](Response response) {
         if (response.result_int() >= 400) {
-            ++self->site_.place.hub.traffic.refused;
+            ++self->site_.place.hub.counters.refused;
         }
         self->write(std::move(response));
     });
@@ -132,7 +132,7 @@ bool HttpSession<Stream>::upgrade(const Request& request) {
     }
     WebSocketChoice choice = choose_websocket(request, site_.place, site_.access);
     if (choice.handler == nullptr) {
-        ++site_.place.hub.traffic.refused;
+        ++site_.place.hub.counters.refused;
         write(std::move(choice.refusal));
         return true;
     }
@@ -151,7 +151,7 @@ bool HttpSession<Stream>::stream(const Request& request) {
     }
     StreamChoice choice = choose_stream(request, site_.place, site_.access);
     if (choice.handler == nullptr) {
-        ++site_.place.hub.traffic.refused;
+        ++site_.place.hub.counters.refused;
         write(std::move(choice.refusal));
         return true;
     }

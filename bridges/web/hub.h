@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bridges/web/live_frame.h"
+#include "bridges/web/metrics/web_counters.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 
@@ -38,15 +39,6 @@ public:
     virtual Wants wants() const = 0;
 };
 
-/// Counts what this program does, from its start.
-struct Traffic {
-    std::uint64_t requests = 0;        ///< HTTP requests that were answered
-    std::uint64_t refused = 0;         ///< connections and requests that were refused
-    std::uint64_t bytes_sent = 0;      ///< of frames, to all connections
-    std::uint64_t frames_sent = 0;     ///< to all connections
-    std::uint64_t frames_skipped = 0;  ///< not sent to a connection that was not ready
-};
-
 /// Knows what came last from the daemon, and tells the connections. The network's thread owns it.
 class Hub {
 public:
@@ -65,8 +57,7 @@ public:
     const std::shared_ptr<const LiveFrame>& newest() const { return newest_; }
     const DaemonState& state() const { return state_; }
 
-    Traffic traffic;
-    int pages = 0;  ///< connections that are told frames: WebSockets and MJPEG
+    WebCounters counters;
 
 private:
     template <typename Call>

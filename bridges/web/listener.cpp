@@ -85,7 +85,7 @@ void PortListener::serve(Stream&& stream) {
     if (site_.connections.admit(session)) {
         session->start();
     } else {
-        ++site_.place.hub.traffic.refused;
+        ++site_.place.hub.counters.refused;
     }
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "bridges/web/foxglove/encoded_frame.h"
 #include "bridges/web/image_view.h"
 #include "clients/cpp/disparity_client.hpp"
 
@@ -17,6 +18,7 @@ struct LiveFrame {
     std::chrono::steady_clock::time_point received;
     /// What was encoded of the frame: connections that ask for the same share it. Only the encoding thread touches it.
     mutable std::map<ImageView, std::shared_ptr<const EncodedImage>> encoded;
+    mutable std::unique_ptr<foxglove::EncodedFrame> foxglove;  ///< the same for Foxglove's viewers
 };
 
 /// Returns the age of the frame now, from its capture, in ms: by this machine's clock where it agrees with the age that

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds sensors_interval{100};
 
 void LiveSession::on_open(MessageLink& link) {
     link_ = &link;
-    ++place_.hub.pages;
+    ++place_.hub.counters.clients;
     greet(place_.hub.state());
     on_state(place_.hub.state());
     place_.hub.add(weak_from_this());
@@ -32,7 +32,7 @@ void LiveSession::greet(const DaemonState& state) {
 void LiveSession::on_closed() {
     link_ = nullptr;
     timer_.cancel();
-    --place_.hub.pages;
+    --place_.hub.counters.clients;
     place_.hub.update_wants();
 }
 
@@ -180,15 +180,15 @@ void LiveSession::send(const LiveFrame& live, const std::vector<Bytes>& parts, s
     }
     if (!parts.empty()) {
         pace_.sent(live.frame.publish_index, steady_clock::now());
-        Traffic& traffic = place_.hub.traffic;
+        WebCounters& counters = place_.hub.counters;
         for (const Bytes& part : parts) {
             facts_.sent_bytes += part->size();
-            traffic.bytes_sent += part->size();
+            counters.bytes_sent += part->size();
         }
         ++facts_.frames;
-        ++traffic.frames_sent;
+        ++counters.frames_sent;
         facts_.skipped += skipped;
-        traffic.frames_skipped += skipped;
+        counters.frames_skipped += skipped;
         link_->send_binary(parts);
     }
     send_next();

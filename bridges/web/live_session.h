@@ -28,6 +28,7 @@ public:
 
     void on_open(MessageLink& link) override;
     void on_text(std::string_view text) override;
+    void on_binary() override { handle(WrongMessage{"a message is binary; allowed: text"}); }
     void on_sent() override { send_next(); }
     void on_closed() override;
 

@@ -32,6 +32,7 @@ public:
     /// The link lives at least as long as the handler is told things.
     virtual void on_open(MessageLink& link) = 0;
     virtual void on_text(std::string_view text) = 0;
+    virtual void on_binary() = 0;  ///< a message that is no text came; its bytes are left out
     virtual void on_sent() = 0;    ///< a message is out
     virtual void on_closed() = 0;  ///< the link must not be used any more
 };

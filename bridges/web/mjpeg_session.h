@@ -18,6 +18,7 @@ public:
 
     void on_open(MessageLink& link) override;
     void on_text(std::string_view) override {}
+    void on_binary() override {}
     void on_sent() override { send_next(); }
     void on_closed() override;
     void on_frame(const std::shared_ptr<const LiveFrame>& frame) override;

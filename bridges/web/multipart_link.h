@@ -87,8 +87,8 @@ void MultipartLink<Stream>::send_binary(std::vector<Bytes> parts) {
             return;
         }
         boost::beast::get_lowest_layer(self->stream_).expires_never();
-        if (self->handler_) {
-            self->handler_->on_sent();
+        if (const auto handler = self->handler_) {
+            handler->on_sent();
         }
     });
 }

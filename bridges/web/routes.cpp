@@ -10,6 +10,7 @@
 #include <boost/asio/post.hpp>
 
 #include "bridges/web/frame_request.h"
+#include "bridges/web/metrics/prometheus_text.h"
 #include "bridges/web/page_files.h"
 #include "bridges/web/snapshot.h"
 #include "clients/json/status_json.h"
@@ -72,7 +73,7 @@ std::string status_json(const Hub& hub) {
     return to_text({{"daemon", state.there ? "there" : "gone"},
                     {"why", state.why},
                     {"status", state.status ? json::to_json(*state.status) : Json()},
-                    {"web", {{"clients", hub.pages}}}},
+                    {"web", {{"clients", hub.counters.clients}}}},
                    -1);
 }
 
@@ -189,6 +190,10 @@ void Routes::respond(const Request& request, const Answer& answer) {
 void Routes::view(const Asked& asked) {
     if (asked.path.compare(0, 10, "/snapshot.") == 0 && asked.is(http::verb::get)) {
         snapshot(asked);
+    } else if (asked.path == "/metrics" && asked.is(http::verb::get)) {
+        const DaemonState& state = place_.hub.state();
+        asked.answer(make_response(asked.request, http::status::ok, "text/plain; version=0.0.4; charset=utf-8",
+                                   prometheus_text(state.there ? state.status.get() : nullptr, place_.hub.counters)));
     } else if (asked.path == "/api/status" && asked.is(http::verb::get)) {
         asked.json(status_json(place_.hub));
     } else if (asked.path == "/api/camera" && asked.is(http::verb::get)) {

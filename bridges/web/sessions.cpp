@@ -6,6 +6,7 @@
 
 #include <boost/beast/http.hpp>
 
+#include "bridges/web/foxglove_link.h"
 #include "bridges/web/mjpeg_session.h"
 
 namespace disparityd::web {
@@ -34,6 +35,18 @@ bool offers(const Request& request, const std::string& protocol) {
     return http::token_list(header).exists(protocol);
 }
 
+/// Returns the first of Foxglove's names that the client offers; "" = none.
+std::string foxglove_protocol(const Request& request) {
+    for (const auto& offered : http::token_list(request[http::field::sec_websocket_protocol])) {
+        for (const std::string_view known : foxglove::subprotocols) {
+            if (std::string_view(offered.data(), offered.size()) == known) {
+                return std::string(known);
+            }
+        }
+    }
+    return {};
+}
+
 /// Returns the number in a query: `usual` where there is none, nothing where it is none or out of its limits.
 std::optional<int> number_of(const Request& request, const std::string& key, int most, int usual) {
     const std::string text = query_of(request, key);
@@ -56,6 +69,9 @@ WebSocketChoice choose_websocket(const Request& request, const Workplace& workpl
     } else if (offers(request, live_protocol)) {
         choice.protocol = live_protocol;
         choice.handler = std::make_shared<LiveSession>(workplace);
+    } else if (const std::string protocol = foxglove_protocol(request); !protocol.empty()) {
+        choice.protocol = protocol;
+        choice.handler = std::make_shared<FoxgloveLink>(workplace);
     } else {
         choice.refusal =
             error_response(request, http::status::bad_request,

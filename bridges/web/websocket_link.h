@@ -135,8 +135,8 @@ void WebSocketLink<Stream>::write_next() {
         if (!self->waiting_.empty()) {
             self->write_next();
         }
-        if (self->handler_) {
-            self->handler_->on_sent();
+        if (const auto handler = self->handler_) {
+            handler->on_sent();
         }
     });
 }
@@ -148,13 +148,20 @@ void WebSocketLink<Stream>::read_next() {
             self->end();
             return;
         }
-        if (!self->handler_) {
+        const auto handler = self->handler_;  // lives through the call, whatever it does to the link
+        if (!handler) {
+            return;
+        }
+        if (!self->socket_.got_text()) {
+            self->received_.consume(self->received_.size());
+            handler->on_binary();
+            self->read_next();
             return;
         }
         const auto data = self->received_.data();
         const std::string text(static_cast<const char*>(data.data()), data.size());
         self->received_.consume(self->received_.size());
-        self->handler_->on_text(text);
+        handler->on_text(text);
         self->read_next();
     });
 }

@@ -120,6 +120,13 @@ void ClientSession::look_for_answer() noexcept {
     }
 }
 
+void ClientSession::add_to(v1::Totals& totals) const noexcept {
+    totals.set_clients(totals.clients() + (greeted_ ? 1 : 0));
+    totals.set_client_frames_sent(totals.client_frames_sent() + feed_.frames_sent());
+    totals.set_client_frames_skipped(totals.client_frames_skipped() + feed_.frames_skipped());
+    totals.set_client_bytes_sent(totals.client_bytes_sent() + bytes_sent_);
+}
+
 v1::ClientStatus ClientSession::status() {
     v1::ClientStatus status;
     status.set_name(name_);

@@ -128,6 +128,9 @@ public:
     bool wants_sensors() const { return !closing_ && wants_sensors_; }
     v1::ClientStatus status();
 
+    /// Adds what this client was sent, and the client itself once it has said hello.
+    void add_to(v1::Totals& totals) const noexcept;
+
 private:
     template <typename Function>
     auto handler(Function function) {

@@ -301,6 +301,14 @@ v1::Status SocketServer::status() {
             *status.add_clients() = client->status();
         }
     }
+    v1::Totals& totals = *status.mutable_totals();
+    totals.set_clients(served_.clients());
+    totals.set_client_frames_sent(served_.client_frames_sent());
+    totals.set_client_frames_skipped(served_.client_frames_skipped());
+    totals.set_client_bytes_sent(served_.client_bytes_sent());
+    for (const auto& [_, client] : clients_) {
+        client->add_to(totals);
+    }
     if (lost() > 0) {
         status.add_notices(
             fmt::format("the socket server was too busy to offer clients {}", base::counted(lost(), "frame")));
@@ -361,7 +369,9 @@ void SocketServer::tell_gone(std::uint64_t client) noexcept {
 }
 
 void SocketServer::closed(std::uint64_t id) noexcept {
-    if (clients_.erase(id) > 0) {
+    if (const auto client = clients_.find(id); client != clients_.end()) {
+        client->second->add_to(served_);
+        clients_.erase(client);
         tell_gone(id);
     }
     refused_.erase(id);

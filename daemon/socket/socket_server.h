@@ -174,6 +174,7 @@ private:
     ClientRules rules_;
     std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;
     std::map<std::uint64_t, std::shared_ptr<ClientSession>> refused_;
+    v1::Totals served_;  ///< of the clients that have gone
     std::uint64_t next_id_ = 1;
 };
 

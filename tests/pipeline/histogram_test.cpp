@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/histogram.h"
 
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
 #include <gtest/gtest.h>
 
 namespace disparityd::pipeline {
@@ -38,6 +42,45 @@ TEST(Histogram, TakesExtremes) {
     EXPECT_EQ(summary.count, 3U);
     EXPECT_DOUBLE_EQ(summary.max, 48 * 3600e6);
     EXPECT_LE(summary.p99, summary.max);
+}
+
+TEST(Histogram, TotalsCountUpToEachBound) {
+    Histogram histogram;
+    histogram.record(-5ns);
+    histogram.record(100us);  // a bound belongs to what it bounds
+    histogram.record(100001ns);
+    histogram.record(7ms);
+    histogram.record(1s);
+    histogram.record(1s + 1ns);
+    const HistogramTotals totals = histogram.totals();
+    EXPECT_EQ(totals.up_to, (std::array<std::uint64_t, 13>{2, 3, 3, 3, 3, 3, 4, 4, 4, 4, 4, 4, 5}));
+    EXPECT_EQ(totals.count, 6U);
+    EXPECT_EQ(totals.sum_ns, 100'000U + 100'001U + 7'000'000U + 2'000'000'001U);
+}
+
+/// A monitor that saw a count fall would take it for a restart.
+TEST(Histogram, TotalsNeverFallWhileTheyAreRead) {
+    Histogram histogram;
+    std::atomic<bool> done{false};
+    std::thread recorder([&] {
+        for (int i = 0; i < 200'000; ++i) {
+            histogram.record(std::chrono::microseconds(i * 7 % 1'200'000));
+        }
+        done = true;
+    });
+    HistogramTotals before;
+    while (!done) {
+        const HistogramTotals now = histogram.totals();
+        for (std::size_t i = 0; i < now.up_to.size(); ++i) {
+            ASSERT_GE(now.up_to[i], before.up_to[i]);
+            ASSERT_LE(now.up_to[i], now.count);
+        }
+        ASSERT_TRUE(std::is_sorted(now.up_to.begin(), now.up_to.end()));
+        ASSERT_GE(now.sum_ns, before.sum_ns);
+        before = now;
+    }
+    recorder.join();
+    EXPECT_EQ(histogram.totals().count, 200'000U);
 }
 
 }  // namespace
