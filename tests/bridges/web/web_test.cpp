@@ -174,6 +174,26 @@ TEST_F(WebPageTest, APageThatSeesNothingGetsTwoFramesAndThenTheNewest) {
     EXPECT_LT(third["age_ms"], 5000);
 }
 
+TEST_F(WebPageTest, ASlowPageGetsSmallerImages) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    WebSocketClient page(port(), "disparityd.live.v1");
+    page.send(R"({"type":"subscribe","images":["disparity"]})");
+    // Each frame is seen when two statuses have come after it, that is, half a second later at the earliest.
+    json frame;
+    while (frame["scale"] != 4) {
+        frame = header_of(next_frame(page));
+        for (int statuses = 0; statuses < 2;) {
+            const auto [text, message] = page.read();
+            statuses += text && json::parse(message)["type"] == "status" ? 1 : 0;
+            frame = text ? frame : header_of(message);
+        }
+        page.send(R"({"type":"seen","publish_index":)" + frame["publish_index"].dump() + "}");
+    }
+    EXPECT_EQ(frame["images"][0]["width"], 40);
+}
+
 TEST_F(WebPageTest, FoxglovesViewersAreGreeted) {
     const auto daemon = start_daemon();
     const auto web = start_web();
