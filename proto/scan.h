@@ -24,6 +24,7 @@ enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0 of the configured mounting
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame, ground_age frames ago; this one shows too little ground
+    gravity = 3,     ///< level, as the camera's inertial sensor says
 };
 
 struct ScanHead {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kernels/scan/gravity_ground.h"
+
 namespace disparityd {
 namespace {
 
@@ -45,7 +47,8 @@ Scan ObstacleScanner::empty_scan() const {
     return scan;
 }
 
-void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan) {
+void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
+                           const std::optional<CameraDirection>& up) {
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         decision_.set(geometry_);
@@ -55,7 +58,7 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
         std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
         return;
     }
-    find_ground(pixels, scan);
+    find_ground(pixels, up, scan);
     if (band_ground_ != scan.ground) {
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
@@ -64,13 +67,23 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
 }
 
-void ObstacleScanner::find_ground(const scan::Pixels& pixels, Scan& scan) {
+void ObstacleScanner::find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan) {
     scan.ground_source = GroundSource::configured;
     scan.ground_age = 0;
     scan.ground = {};
-    if (geometry_.options().ground == GroundMode::configured) {
-        return;
+    switch (geometry_.options().ground) {
+        case GroundMode::configured: break;
+        case GroundMode::fitted: fit_ground(pixels, scan); break;
+        case GroundMode::gravity:
+            if (const auto level = up ? scan::level_ground(*up, geometry_.options()) : std::nullopt) {
+                scan.ground_source = GroundSource::gravity;
+                scan.ground = *level;
+            }
+            break;
     }
+}
+
+void ObstacleScanner::fit_ground(const scan::Pixels& pixels, Scan& scan) {
     if (const auto fitted = ground_fit_.fit(pixels, geometry_, ground_.value_or(GroundPlane{}))) {
         ground_ = ground_ && same(*fitted, *ground_) ? mean(*fitted, *ground_) : *fitted;
         ground_age_ = 0;

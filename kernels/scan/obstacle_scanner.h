@@ -23,14 +23,17 @@ public:
 
     /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
-    void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan);
+    /// `up`: where up is at that time, for GroundMode::gravity; without it, the configured ground is taken.
+    void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
+              const std::optional<CameraDirection>& up = std::nullopt);
 
     Scan empty_scan() const;
 
     const ScanOptions& options() const { return geometry_.options(); }
 
 private:
-    void find_ground(const scan::Pixels& pixels, Scan& scan);
+    void find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan);
+    void fit_ground(const scan::Pixels& pixels, Scan& scan);
 
     const FrameSteps& steps_;
     scan::Geometry geometry_;

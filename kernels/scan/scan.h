@@ -38,6 +38,16 @@ enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame
+    gravity = 3,     ///< level, as the camera's inertial sensor says
+};
+
+/// A direction along the axes of the left camera's image, of length 1.
+struct CameraDirection {
+    double right = 0;
+    double down = 0;
+    double ahead = 0;
+
+    friend bool operator==(const CameraDirection&, const CameraDirection&) = default;
 };
 
 /// What an obstacle scan has found in one frame.
