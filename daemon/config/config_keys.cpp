@@ -299,11 +299,12 @@ void add_scan_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(scan_key("scan", "pitch_deg", FIELD(scan.options.pitch_deg)));
     keys.push_back(scan_key("scan", "roll_deg", FIELD(scan.options.roll_deg)));
     keys.push_back(scan_key("scan", "yaw_deg", FIELD(scan.options.yaw_deg)));
-    keys.push_back(name_key<GroundMode>("scan", "ground",
-                                        {{"fitted", GroundMode::fitted},
-                                         {"configured", GroundMode::configured},
-                                         {"gravity", GroundMode::gravity}},
-                                        FIELD(scan.options.ground)));
+    keys.push_back(scan_key("scan", "camera_ahead_m", FIELD(scan.options.camera_ahead_m)));
+    keys.push_back(scan_key("scan", "camera_left_m", FIELD(scan.options.camera_left_m)));
+    keys.push_back(name_key<GroundMode>(
+        "scan", "ground",
+        {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}, {"gravity", GroundMode::gravity}},
+        FIELD(scan.options.ground)));
     keys.push_back(text_key("scan", "imu_axes", "\"\" or " + std::string(scan::sensor_axes_form),
                             FIELD(scan.options.imu_axes), are_sensor_axes));
     keys.push_back(scan_key("scan", "low_m", FIELD(scan.options.low_m)));

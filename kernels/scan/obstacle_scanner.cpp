@@ -36,14 +36,17 @@ GroundPlane mean(const GroundPlane& a, const GroundPlane& b) {
 
 ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps)
     : steps_(steps),
-      geometry_(width, height, checked(options)),
+      options_(checked(options)),
+      shift_(scan::is_shifted(options) ? std::optional<scan::OriginShift>(options) : std::nullopt),
+      geometry_(width, height, shift_ ? shift_->camera_options() : options),
       band_(width, height),
-      counts_(options.sectors, geometry_.groups()),
-      decision_(geometry_) {}
+      counts_(geometry_.sectors(), geometry_.groups()),
+      decision_(geometry_),
+      camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
 Scan ObstacleScanner::empty_scan() const {
     Scan scan;
-    scan.sectors.resize(static_cast<std::size_t>(geometry_.sectors()));
+    scan.sectors.resize(static_cast<std::size_t>(options_.sectors));
     return scan;
 }
 
@@ -64,7 +67,14 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
         band_ground_ = scan.ground;
     }
     steps_.scan_counts(pixels, geometry_, band_, counts_);
-    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+    if (!shift_) {
+        decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+        return;
+    }
+    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, camera_sectors_);
+    shift_->move(camera_sectors_, scan.sectors);
+    scan.ground.height_m -=
+        scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;
 }
 
 void ObstacleScanner::find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan) {

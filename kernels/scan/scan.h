@@ -8,7 +8,7 @@ namespace disparityd {
 
 enum class SectorState : std::uint8_t { unknown = 0, free = 1, occupied = 2 };
 
-/// One sector of a scan. Distances are horizontal, from the camera, in mm.
+/// One sector of a scan. Distances are horizontal, from the origin, in mm.
 struct ScanSector {
     std::int16_t from_cdeg = 0;  ///< bearing of the right edge, 1/100 degree, left positive
     std::int16_t to_cdeg = 0;    ///< of the left edge
@@ -24,8 +24,8 @@ struct ScanSector {
     friend bool operator==(const ScanSector&, const ScanSector&) = default;
 };
 
-/// A plane z = height_m + slope_ahead x + slope_left y in the robot's frame, whose origin is on the ground below the
-/// camera. x is ahead, y left, z up.
+/// A plane z = height_m + slope_ahead x + slope_left y. x is ahead, y left, z up; of a finished scan, the origin is the
+/// robot's, before that it is on the ground below the camera.
 struct GroundPlane {
     double height_m = 0;
     double slope_ahead = 0;

@@ -44,10 +44,13 @@ struct ScanOptions {
     double pitch_deg = 0;          ///< positive: looks down; -45 .. 45
     double roll_deg = 0;           ///< positive: its right side is lower; -45 .. 45
     double yaw_deg = 0;            ///< positive: looks left; -180 .. 180
+    // Bearings and distances are counted from the robot's origin, which the camera is so far ahead and left of.
+    double camera_ahead_m = 0;
+    double camera_left_m = 0;
 
     GroundMode ground = GroundMode::fitted;
-    /// Where the x, y and z axes of the inertial sensor point (kernels/scan/gravity_ground.h); GroundMode::gravity needs
-    /// it. Empty: not known.
+    /// Where the x, y and z axes of the inertial sensor point (kernels/scan/gravity_ground.h); GroundMode::gravity
+    /// needs it. Empty: not known.
     std::string imu_axes;
     double low_m = 0.08;  ///< what is lower above the ground's plane is ground
     double high_m = 1.0;  ///< what is higher is overhead

@@ -259,6 +259,8 @@ Json to_json(const ScanOptions& options) {
             {"pitch_deg", options.pitch_deg},
             {"roll_deg", options.roll_deg},
             {"yaw_deg", options.yaw_deg},
+            {"camera_ahead_m", options.camera_ahead_m},
+            {"camera_left_m", options.camera_left_m},
             {"ground", to_string(options.ground)},
             {"imu_axes", options.imu_axes},
             {"low_m", options.low_m},

@@ -107,6 +107,7 @@ TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
         {"ground=flat", "allowed: fitted, configured or gravity"},
         {"ground=gravity", "imu_axes = \"\": allowed is where the sensor's x, y and z axes point"},
         {"imu_axes=ahead left", "imu_axes = \"ahead left\": allowed is"},
+        {"camera_left_m=11", "camera_left_m = 11: allowed is -10 to 10"},
         {"min_confidence=0", "min_confidence = 0: allowed is 1 to 255"},
         {"high_m=0", "high_m = 0: allowed is more than low_m"},
         {"", "allowed: KEY=VALUE"},
@@ -152,7 +153,7 @@ TEST_F(ProcessScanTest, TheGroundOfGravityIsThatOfTheRecordingsSamples) {
         const Outcome outcome =
             run(DISPARITYCTL, {"process", path("leaning.mkv"), "-o", path(name), "--disparities", "32", "--scan",
                                path(std::string(name) + ".csv"), "--scan-set", "ground=gravity", "--scan-set",
-                               "imu_axes=ahead left up"});
+                               "imu_axes=ahead left up", "--scan-set", "camera_left_m=0.2"});
         ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
         EXPECT_THAT(outcome.err, Not(HasSubstr("configured ground")));
     }
@@ -165,6 +166,7 @@ TEST_F(ProcessScanTest, TheGroundOfGravityIsThatOfTheRecordingsSamples) {
     }
     EXPECT_EQ(scan_options("one")["ground"], "gravity");
     EXPECT_EQ(scan_options("one")["imu_axes"], "ahead left up");
+    EXPECT_EQ(scan_options("one")["camera_left_m"], 0.2);
 }
 
 TEST_F(ProcessScanTest, WithoutSamplesTheConfiguredGroundIsTakenAndTold) {
