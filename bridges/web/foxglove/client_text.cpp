@@ -11,15 +11,15 @@
 namespace disparityd::foxglove {
 namespace {
 
-using Json = nlohmann::json;
+using Parsed = nlohmann::json;
 
 /// Returns the value of a key, or nullptr when the JSON is no object or does not have it.
-const Json* member(const Json& json, const char* key) {
+const Parsed* member(const Parsed& json, const char* key) {
     const auto found = json.is_object() ? json.find(key) : json.end();
     return found == json.end() ? nullptr : &*found;
 }
 
-std::optional<std::uint32_t> id_in(const Json* json) {
+std::optional<std::uint32_t> id_in(const Parsed* json) {
     if (json == nullptr || !json->is_number_unsigned()) {
         return std::nullopt;
     }
@@ -32,13 +32,13 @@ std::optional<std::uint32_t> id_in(const Json* json) {
 
 constexpr const char* id_range = "expected a whole number from 0 to 4294967295";
 
-ClientRequest read_subscribe(const Json& message) {
-    const Json* list = member(message, "subscriptions");
+ClientRequest read_subscribe(const Parsed& message) {
+    const Parsed* list = member(message, "subscriptions");
     if (list == nullptr || !list->is_array()) {
         return Refusal{R"(subscribe: "subscriptions" is missing or no array)"};
     }
     SubscribeRequest request;
-    for (const Json& element : *list) {
+    for (const Parsed& element : *list) {
         const std::optional<std::uint32_t> id = id_in(member(element, "id"));
         const std::optional<std::uint32_t> channel = id_in(member(element, "channelId"));
         if (!id || !channel) {
@@ -50,13 +50,13 @@ ClientRequest read_subscribe(const Json& message) {
     return request;
 }
 
-ClientRequest read_unsubscribe(const Json& message) {
-    const Json* list = member(message, "subscriptionIds");
+ClientRequest read_unsubscribe(const Parsed& message) {
+    const Parsed* list = member(message, "subscriptionIds");
     if (list == nullptr || !list->is_array()) {
         return Refusal{R"(unsubscribe: "subscriptionIds" is missing or no array)"};
     }
     UnsubscribeRequest request;
-    for (const Json& element : *list) {
+    for (const Parsed& element : *list) {
         const std::optional<std::uint32_t> id = id_in(&element);
         if (!id) {
             return Refusal{"unsubscribe: subscriptionIds[" + std::to_string(request.ids.size()) + "]: " + id_range +
@@ -74,11 +74,11 @@ ClientRequest read_client_text(std::string_view text) {
         return Refusal{"a text of " + std::to_string(text.size()) + " bytes is too long: at most " +
                        std::to_string(longest_text) + " are read"};
     }
-    const Json message = Json::parse(text, nullptr, false);
+    const Parsed message = Parsed::parse(text, nullptr, false);
     if (message.is_discarded()) {
         return Refusal{"a text is not JSON: " + base::printable(text)};
     }
-    const Json* op = member(message, "op");
+    const Parsed* op = member(message, "op");
     if (op == nullptr || !op->is_string()) {
         return Refusal{R"(a text is no JSON object with a string "op": )" + base::printable(text)};
     }

@@ -42,7 +42,7 @@ TEST(FoxgloveSchema, NamesAreThoseOfRos2) {
 TEST(FoxgloveSchema, TheStatusHasTheFieldsThatAreSent) {
     const auto schema = nlohmann::json::parse(status_schema());
     EXPECT_EQ(schema["type"], "object");
-    const nlohmann::json sent = json::to_json(test::daemon_status());
+    const nlohmann::json sent = disparityd::json::to_json(test::daemon_status());
     for (const auto& [key, value] : sent.items()) {
         EXPECT_TRUE(schema["properties"].contains(key)) << key;
     }
