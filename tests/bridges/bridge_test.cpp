@@ -11,6 +11,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "bridges/mavlink/options.h"
 #include "tests/bridges/decoded_frame.h"
 #include "tests/bridges/scan_frames.h"
 
@@ -282,6 +283,13 @@ TEST_F(BridgeTest, SaysWhatAPersonShouldKnow) {
     EXPECT_THAT(lines_, Contains(HasSubstr("frames are synthetic")));
     EXPECT_THAT(lines_, Contains("the scan ends at 20.00 m, --max-distance-m is 25.00: no sector will be free; raise "
                                  "[scan] max_m of the daemon or lower --max-distance-m"));
+}
+
+TEST(Options, HiddenSpaceIsAnObstacleForWhoAsks) {
+    Options options;
+    EXPECT_FALSE(options.settings().limits.hidden_as_obstacle) << "ArduPilot would back away from it";
+    options.hidden_as_obstacle = true;
+    EXPECT_TRUE(options.settings().limits.hidden_as_obstacle);
 }
 
 TEST(RateLimit, LetsThroughWhatIsAllowed) {

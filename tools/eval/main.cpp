@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "base/number_text.h"
 #include "capture/scene/scene_source.h"
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
@@ -18,6 +17,7 @@
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
+#include "tools/command_line/scan_arguments.h"
 #include "tools/eval/confidence/reliability_report.h"
 #include "tools/eval/error_picture.h"
 #include "tools/eval/fair_opencv.h"
@@ -29,6 +29,7 @@
 #include "tools/eval/paper.h"
 #include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
+#include "tools/eval/scan/data_report.h"
 #include "tools/eval/scan/scan_report.h"
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
@@ -44,6 +45,7 @@ struct EvalArguments {
     std::vector<std::string> methods;
     std::vector<std::string> backends;
     tools::MatchArguments match;
+    tools::ScanArguments scan_options;
     std::string pictures;
     std::optional<double> scale;
     std::optional<int> repeat;
@@ -86,11 +88,6 @@ std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
         }
     }
     return chosen;
-}
-
-/// A scene of which there are files.
-SceneToJudge scene_of_files(const datasets::DatasetScene& files, int disparities, double scale) {
-    return {files.name, disparities, [files, scale] { return read_scene(files, scale); }};
 }
 
 std::vector<SceneToJudge> scenes_of_paper(const EvalArguments& arguments) {
@@ -331,31 +328,37 @@ void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments)
     print_summary(summary, arguments.markdown, std::cout);
 }
 
-/// Returns the seed in "courses:SEED".
-std::uint32_t seed_of_courses(const EvalArguments& arguments) {
-    const std::string prefix = "courses:";
-    const std::string& data = arguments.data.front();
-    const bool courses = arguments.data.size() == 1 && data.starts_with(prefix);
-    const std::optional<double> seed = courses ? base::parse_number(data.substr(prefix.size())) : std::nullopt;
-    constexpr double most = 1000000;
-    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed)) {
-        throw std::invalid_argument("--scan: DATA: found '" + data +
-                                    "', allowed: courses:SEED, SEED 0 .. 1000000, such as courses:1");
-    }
-    return static_cast<std::uint32_t>(*seed);
+ScanOptions scan_options(const EvalArguments& arguments, const MatchOptions& match) {
+    return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
+}
+
+int evaluate_data_scans(const EvalArguments& arguments, Parallel& workers) {
+    DataEvaluation evaluation;
+    evaluation.scenes = scenes_to_scan(arguments.data, arguments.scale.value_or(0));
+    const Method method = methods_of(arguments).front();
+    evaluation.match = [&arguments, method](int disparities) { return options_for(arguments, method, disparities); };
+    evaluation.scan = scan_options(arguments, evaluation.match(64));
+    evaluation.backend = backends_of(arguments).front();
+    report_data_scans(evaluation, workers, arguments.markdown);
+    return tools::exit_done;
 }
 
 int evaluate_scans(const EvalArguments& arguments) {
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    const std::optional<std::uint32_t> seed = seed_of_courses(arguments.data);
+    if (!seed) {
+        return evaluate_data_scans(arguments, workers);
+    }
     constexpr int disparities = 64;
     ScanEvaluation evaluation;
-    evaluation.seed = seed_of_courses(arguments);
+    evaluation.seed = *seed;
     evaluation.match =
         options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
     evaluation.backend = backends_of(arguments).front();
     evaluation.courses_per_kind = arguments.repeat.value_or(evaluation.courses_per_kind);
     evaluation.pictures = arguments.pictures;
-    pipeline::WorkerPool workers(arguments.workers.value_or(0));
-    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    evaluation.scan = scan_options(arguments, evaluation.match);
     report_scans(evaluation, workers, arguments.markdown);
     return tools::exit_done;
 }
@@ -427,13 +430,14 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program
         .add_flag(
             "--scan", arguments.scan,
-            "what obstacle scans show of made-up courses, instead: DATA is courses:SEED, other seeds give other "
-            "courses; --repeat says how many of each kind, default 8; the preset is obstacles unless --preset says "
-            "otherwise")
+            "what obstacle scans show, instead. Of made-up courses: DATA is courses:SEED, other seeds give other "
+            "courses; --repeat says how many of each kind, default 8. Of scenes with ground truth and a calibration: "
+            "against the scan that the true disparities give. The preset is obstacles unless --preset says otherwise")
         ->excludes(paper)
         ->excludes(fair)
         ->excludes(fractions)
         ->excludes(opencv);
+    arguments.scan_options.add_to(program)->needs("--scan");
     tools::add_real(
         program, "--scale", arguments.scale, 0.001, 65535.0,
         "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");

@@ -15,4 +15,9 @@ struct SceneToJudge {
     std::function<Scene()> read;
 };
 
+/// Returns a scene of which there are files; `scale` as read_scene() takes it.
+inline SceneToJudge scene_of_files(const datasets::DatasetScene& files, int disparities, double scale) {
+    return {files.name, disparities, [files, scale] { return read_scene(files, scale); }};
+}
+
 }  // namespace disparityd::eval

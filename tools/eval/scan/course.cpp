@@ -122,6 +122,38 @@ const std::vector<Kind>& kinds() {
     return all;
 }
 
+/// A course before anything stands on it.
+Maker begun(std::uint32_t seed, const char* kind, int number) {
+    Maker maker(seed);
+    maker.course.kind = kind;
+    maker.course.name = std::string(kind) + " " + std::to_string(number);
+    maker.course.ground = maker.rough();
+    maker.course.wall = maker.rough();
+    maker.course.wall.grain_m = 0.15;
+    maker.course.wall_m = maker.between(8, 14);
+    return maker;
+}
+
+/// A box that comes nearer by more than its size from frame to frame.
+void add_approach(Maker maker, std::vector<Course>& courses) {
+    constexpr int frames = 6;
+    const double wide = maker.between(0.2, 0.6);
+    const double high = maker.between(0.3, 0.8);
+    const double step = wide + maker.between(0.1, 0.3);
+    const double side = maker.between(-0.4, 0.4);
+    const double nearest = maker.between(0.9, 1.2) + wide;
+    const Surface surface = maker.rough();
+    const std::string name = maker.course.name;
+    for (int frame = 0; frame < frames; ++frame) {
+        const double metres = nearest + step * (frames - 1 - frame);
+        maker.course.obstacles.clear();
+        maker.add_box({metres, metres * side, 0}, wide, high, surface);
+        maker.course.name = name + " frame " + std::to_string(frame + 1);
+        maker.course.sequel = frame > 0;
+        courses.push_back(maker.course);
+    }
+}
+
 }  // namespace
 
 std::vector<Course> make_courses(std::uint32_t seed, int count) {
@@ -129,16 +161,13 @@ std::vector<Course> make_courses(std::uint32_t seed, int count) {
     std::uint32_t number = 0;
     for (const auto& [kind, fill] : kinds()) {
         for (int i = 0; i < count; ++i) {
-            Maker maker(seed * 1000003U + number++);
-            maker.course.kind = kind;
-            maker.course.name = std::string(kind) + " " + std::to_string(i + 1);
-            maker.course.ground = maker.rough();
-            maker.course.wall = maker.rough();
-            maker.course.wall.grain_m = 0.15;
-            maker.course.wall_m = maker.between(8, 14);
+            Maker maker = begun(seed * 1000003U + number++, kind, i + 1);
             fill(maker);
             courses.push_back(std::move(maker.course));
         }
+    }
+    for (int i = 0; i < count; ++i) {
+        add_approach(begun(seed * 1000003U + number++, "fast approach", i + 1), courses);
     }
     return courses;
 }

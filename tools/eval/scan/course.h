@@ -50,6 +50,7 @@ struct Course {
     double noise = 1.5;  ///< sigma, grey levels
     double light = 1;    ///< factor of all lumas
     std::uint32_t seed = 0;
+    bool sequel = false;  ///< the next frame of the course before
 };
 
 /// The camera of a course: rectified, looking along x but for Course::pitch_deg and roll_deg.
@@ -61,7 +62,8 @@ struct CourseCamera {
     double height_m = 0.3;
 };
 
-/// Courses of every kind, `count` of each. Other seeds give other courses.
+/// Courses of every kind, `count` of each; those of the last kind are some frames long, one Course each. Other seeds
+/// give other courses.
 std::vector<Course> make_courses(std::uint32_t seed, int count);
 
 /// What the left camera sees: for each pixel the nearest surface.

@@ -4,14 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/number_text.h"
 #include "kernels/scan/obstacle_scanner.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/frame_buffers.h"
 #include "tools/eval/scan/course.h"
+#include "tools/eval/scan/percent_text.h"
 #include "tools/eval/scan/scan_judgement.h"
 #include "tools/eval/scan/scan_picture.h"
 #include "tools/images/image_file.h"
@@ -41,10 +46,11 @@ public:
         };
         FrameBuffers frame(*matcher_, image(view.left), image(view.right), workers_);
         frame.match(workers_);
-        // A scanner of its own: a course is no sequel of the one before.
-        ObstacleScanner scanner(camera_.width, camera_.height, evaluation_.scan, fastest_frame_steps());
-        Scan scan = scanner.empty_scan();
-        scanner.scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan);
+        if (!course.sequel) {
+            scanner_.emplace(camera_.width, camera_.height, evaluation_.scan, fastest_frame_steps());
+        }
+        Scan scan = scanner_->empty_scan();
+        scanner_->scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan);
         if (!evaluation_.pictures.empty()) {
             std::string file = course.name + ".png";
             std::replace(file.begin(), file.end(), ' ', '-');
@@ -60,25 +66,10 @@ private:
     CourseCamera camera_;
     Parallel& workers_;
     std::unique_ptr<Matcher> matcher_;
+    std::optional<ObstacleScanner> scanner_;  ///< of this course and its sequels
 };
 
-std::string percent(double part, double whole, int decimals) {
-    return whole > 0 ? tools::fixed(100 * part / whole, decimals) : "-";
-}
-
-double at_share(std::vector<double> values, double share) {
-    if (values.empty()) {
-        return NAN;
-    }
-    const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + at, values.end());
-    return values[static_cast<std::size_t>(at)];
-}
-
 std::vector<std::string> line(const std::string& name, const ScanCounts& counts) {
-    const auto error = [&](double share) {
-        return counts.errors.empty() ? "-" : tools::fixed(100 * at_share(counts.errors, share), 1);
-    };
     return {name,
             std::to_string(counts.sectors),
             std::to_string(counts.obstacles),
@@ -89,11 +80,27 @@ std::vector<std::string> line(const std::string& name, const ScanCounts& counts)
             std::to_string(counts.false_alarms),
             percent(counts.unknown, counts.sectors, 1),
             percent(counts.free_share, counts.sectors, 1),
-            error(0.5),
-            error(0.95)};
+            percent_at(counts.errors, 0.5),
+            percent_at(counts.errors, 0.95)};
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> seed_of_courses(const std::vector<std::string>& data) {
+    constexpr std::string_view prefix = "courses:";
+    const auto found =
+        std::find_if(data.begin(), data.end(), [&](const std::string& one) { return one.starts_with(prefix); });
+    if (found == data.end()) {
+        return std::nullopt;
+    }
+    const auto seed = base::parse_number(std::string_view(*found).substr(prefix.size()));
+    constexpr double most = 1000000;
+    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
+        throw std::invalid_argument("--scan: DATA: found '" + *found + "'" + (data.size() > 1 ? " beside others" : "") +
+                                    ", allowed: courses:SEED alone, SEED 0 .. 1000000, such as courses:1");
+    }
+    return static_cast<std::uint32_t>(*seed);
+}
 
 void report_scans(const ScanEvaluation& evaluation, Parallel& workers, bool markdown) {
     const std::vector<Course> courses = make_courses(evaluation.seed, evaluation.courses_per_kind);

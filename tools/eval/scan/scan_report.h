@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "kernels/matcher.h"
 #include "kernels/scan/scan_options.h"
@@ -18,6 +20,10 @@ struct ScanEvaluation {
     int courses_per_kind = 8;
     std::string pictures;  ///< folder for a picture of each course; empty: none
 };
+
+/// Returns the seed of made-up courses, "courses:SEED"; nothing where DATA names something else. Throws
+/// std::invalid_argument for a seed that is none, and for courses beside something else.
+std::optional<std::uint32_t> seed_of_courses(const std::vector<std::string>& data);
 
 /// Draws the courses, scans them and prints a table: one row per kind of course, then all. Shows progress; a Ctrl-C
 /// ends it.
