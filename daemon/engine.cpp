@@ -238,6 +238,9 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
 
 /// Returns the bytes of a frame's scan, valid until the next call. Called by the publish thread.
 Plane<const std::uint8_t> Engine::scan_plane(const pipeline::FrameSlot& slot) {
+    gravity_unknown_.store(
+        config_.scan.options.ground == GroundMode::gravity && slot.scan.ground_source != GroundSource::gravity,
+        std::memory_order_relaxed);
     put_scan(slot.scan, config_.scan.options, scan_bytes_);
     const int size = static_cast<int>(scan_bytes_.size());
     return {scan_bytes_.data(), size, 1, size};
@@ -367,6 +370,11 @@ std::vector<std::string> Engine::notices() const {
     const auto placement = workers_.placement();
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
+    }
+    if (gravity_unknown_.load(std::memory_order_relaxed)) {
+        notices.emplace_back(
+            "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last second, or "
+            "one more than 30 degrees off; check [source] sensors and [scan] imu_axes");
     }
     const std::lock_guard lock(mutex_);
     if (!memory_notice_.empty()) {

@@ -120,8 +120,9 @@ private:
     bool first_frame_ = true;
     std::vector<std::uint8_t> scan_bytes_;  ///< of the frame that is being published
     std::atomic<std::int64_t> last_activity_ns_{0};
-    bool memory_checked_ = false;  ///< of the thread that calls check_memory()
-    mutable std::mutex mutex_;     ///< the two below
+    std::atomic<bool> gravity_unknown_{false};  ///< the newest scan wanted gravity and had to do without
+    bool memory_checked_ = false;               ///< of the thread that calls check_memory()
+    mutable std::mutex mutex_;                  ///< the two below
     std::string memory_notice_;
     proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest

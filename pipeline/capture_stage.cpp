@@ -10,13 +10,15 @@ namespace disparityd::pipeline {
 using std::chrono::steady_clock;
 
 CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap)
+                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap,
+                           std::optional<GravityFilter> gravity)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
       first_stage_(first_stage),
       rectifications_(rectifications),
-      raw_tap_(std::move(raw_tap)) {}
+      raw_tap_(std::move(raw_tap)),
+      gravity_(std::move(gravity)) {}
 
 void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping) {
     bool ended = false;
@@ -59,6 +61,10 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     pending.rectification = rectifications_.for_frame(frame);
     if (raw_tap_) {
         raw_tap_(frame);
+    }
+    if (gravity_) {
+        gravity_->add(frame.sensors);
+        pending.up = gravity_->up_at(frame.monotonic_ns);
     }
     frame.sensors = {};  // their memory ends before the frame does
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
@@ -137,6 +143,7 @@ void CaptureStage::drop(const capture::RawFrame& frame) {
 void CaptureStage::enqueue(FrameSlot* slot, PendingFrame&& pending) {
     slot->raw = pending.frame;
     slot->view.raw = pending.frame.image;
+    slot->up = pending.up;
     if (slot->rectification != pending.rectification) {
         slot->rectification = std::move(pending.rectification);
         slot->rectifier = slot->rectification->rectifier();

@@ -4,8 +4,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "capture/frame_source.h"
+#include "pipeline/gravity_filter.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
 #include "pipeline/stage_queue.h"
@@ -23,8 +25,9 @@ public:
         std::atomic<std::uint64_t> corrupt{0};
     };
 
+    /// `gravity`: gets the samples of all captured frames; nothing where nobody asks where up is.
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap);
+                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::optional<GravityFilter> gravity);
 
     /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
@@ -34,10 +37,11 @@ public:
 private:
     enum class CaptureResult { frame, nothing, end };
 
-    /// A captured frame and the maps that it will be rectified with.
+    /// A captured frame, the maps that it will be rectified with, and where up is.
     struct PendingFrame {
         capture::RawFrame frame;
         std::shared_ptr<const calibration::Rectification> rectification;
+        std::optional<CameraDirection> up;
     };
 
     CaptureResult next_frame(PendingFrame& pending, std::chrono::steady_clock::time_point deadline);
@@ -53,6 +57,7 @@ private:
     StageQueue& first_stage_;
     RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
+    std::optional<GravityFilter> gravity_;
     Counters counters_;
     std::uint64_t lost_ = 0;  ///< frames lost since the last one that was enqueued
 };

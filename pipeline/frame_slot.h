@@ -32,9 +32,10 @@ public:
     capture::RawFrame raw;  ///< its pixels are lent by the source until rectification has read them
     std::shared_ptr<const calibration::Rectification> rectification;  ///< the maps of this frame
     Rectifier rectifier;                                              ///< views of `rectification`
-    FrameView view;                    ///< the planes of this slot, for the matcher and the sink
-    Scan scan;                         ///< for the sink; no sectors where none is made
-    std::uint64_t dropped_before = 0;  ///< frames that source or pipeline lost since the previous published frame
+    FrameView view;                     ///< the planes of this slot, for the matcher and the sink
+    std::optional<CameraDirection> up;  ///< where the inertial sensor says that up is; for GroundMode::gravity only
+    Scan scan;                          ///< for the sink; no sectors where none is made
+    std::uint64_t dropped_before = 0;   ///< frames that source or pipeline lost since the previous published frame
 
     std::chrono::steady_clock::time_point captured;    ///< when the capture stage got it
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()

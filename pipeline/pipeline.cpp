@@ -30,6 +30,15 @@ int steps_of(const Matcher& matcher) {
     return steps;
 }
 
+/// Returns a filter where the scan needs to know where up is.
+std::optional<GravityFilter> gravity_filter(const PipelineConfig& config) {
+    if (!config.scan || config.scan->ground != GroundMode::gravity) {
+        return std::nullopt;
+    }
+    const auto axes = scan::parse_sensor_axes(config.scan->imu_axes);
+    return axes ? std::optional<GravityFilter>(*axes) : std::nullopt;
+}
+
 }  // namespace
 
 Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
@@ -80,7 +89,7 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         free_slots_->put_back(slots_.back().get());
     }
     capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
-                                                    std::move(raw_tap));
+                                                    std::move(raw_tap), gravity_filter(config));
 }
 
 Pipeline::~Pipeline() {
@@ -292,7 +301,7 @@ bool Pipeline::make_scan(FrameSlot& slot) {
     const calibration::Rectification& used = *slot.rectification;
     try {
         scanner_->scan({slot.view.disparity, slot.view.confidence},
-                       {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan);
+                       {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan, slot.up);
     } catch (...) {
         fail();
         return false;

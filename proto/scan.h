@@ -7,8 +7,9 @@
 /// The bytes of the product SCAN: one ScanHead, then ScanHead::sectors times ScanSector, little endian, without gaps.
 /// docs/protocol.md gives the offsets to other languages; step 14 of docs/algorithm.md says how the values come about.
 ///
-/// The frame of reference is the robot's: the origin is on the ground below the camera, x ahead, y left, z up.
-/// A bearing is counted from x towards y, so that left is positive; distances are horizontal, from the camera.
+/// The frame of reference is the robot's: x ahead, y left, z up, the origin on the ground below the camera, or where
+/// the configuration puts it. A bearing is counted from x towards y, so that left is positive; distances are
+/// horizontal, from the origin.
 namespace disparityd::proto {
 
 inline constexpr std::uint16_t scan_version = 1;
@@ -24,6 +25,7 @@ enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0 of the configured mounting
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame, ground_age frames ago; this one shows too little ground
+    gravity = 3,     ///< level, as the camera's inertial sensor says
 };
 
 struct ScanHead {

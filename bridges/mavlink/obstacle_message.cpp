@@ -75,6 +75,12 @@ bool cover(std::vector<Interval> parts, const Interval& interval) {
     return covered_to >= interval.second;
 }
 
+/// Returns what is sent of it: where hidden space counts as an obstacle, how far the way to it is free.
+std::uint16_t blocked_cm(const ScanSector& sector, std::uint16_t obstacle, const DistanceLimits& limits) {
+    const long free = limits.hidden_as_obstacle ? whole_cm(sector.free_m) : obstacle;
+    return static_cast<std::uint16_t>(std::clamp<long>(free, limits.min_cm, obstacle));
+}
+
 std::uint16_t distance_in(const Interval& interval, const disparity::Scan& scan, const DistanceLimits& limits) {
     std::optional<std::uint16_t> nearest;
     bool all_free = true;
@@ -86,7 +92,8 @@ std::uint16_t distance_in(const Interval& interval, const disparity::Scan& scan,
         }
         parts.insert(parts.end(), met.begin(), met.end());
         if (const auto cm = obstacle_cm(sector, limits)) {
-            nearest = std::min(nearest.value_or(*cm), *cm);
+            const std::uint16_t blocked = blocked_cm(sector, *cm, limits);
+            nearest = std::min(nearest.value_or(blocked), blocked);
         }
         all_free = all_free && is_free(sector, limits);
     }

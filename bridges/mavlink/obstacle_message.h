@@ -30,6 +30,9 @@ struct DistanceLimits {
     std::uint16_t min_cm = 20;   ///< nearer obstacles are sent as at this distance: autopilots ignore nearer ones
     std::uint16_t max_cm = 800;  ///< farther ones are not sent, and a sector is free when it is free up to here
 
+    /// An obstacle counts as being as near as something can hide before it, for OBSTACLE_DISTANCE.
+    bool hidden_as_obstacle = false;
+
     /// Returns the value of a sector without obstacle.
     std::uint16_t free_cm() const { return static_cast<std::uint16_t>(max_cm + 1); }
 };
@@ -37,18 +40,18 @@ struct DistanceLimits {
 using SectorDistances = std::array<std::uint16_t, message_sectors>;
 
 /// Returns the distances of the message in cm, rounded down. In each of its sectors the nearest obstacle wins. Without
-/// an obstacle it is free only when free sectors of the scan cover all of it, else unknown.
+/// an obstacle within the limits it is free only when free sectors of the scan cover all of it, else unknown.
 SectorDistances sector_distances(const disparity::Scan& scan, const DistanceLimits& limits);
 
 /// Returns OBSTACLE_DISTANCE in MAV_FRAME_BODY_FRD. `time_us` is the time of capture since this machine started.
 Message obstacle_distance(const SectorDistances& distances, const DistanceLimits& limits, std::uint64_t time_us);
 
 /// Returns one OBSTACLE_DISTANCE_3D in MAV_FRAME_BODY_FRD for each occupied sector of the scan within the limits, the
-/// nearest first: x ahead, y right, z down in m from the camera, in the middle of the sector. `time_ms` is the time of
-/// capture since this machine started, the same for all. `camera_height_m` is the camera's height above the ground: z
-/// is that of the obstacle's part nearest to the camera's height. Without it z is 0: the obstacle is level with the
-/// camera. Obstacles are moved along their direction so that their distance lies within the limits, or autopilots
-/// would ignore them.
+/// nearest first: x ahead, y right, z down in m from the scan's origin, in the middle of the sector. `time_ms` is the
+/// time of capture since this machine started, the same for all. `camera_height_m` is the camera's height above the
+/// ground: z is that of the obstacle's part nearest to the camera's height. Without it z is 0: the obstacle is level
+/// with the camera. Obstacles are moved along their direction so that their distance lies within the limits, or
+/// autopilots would ignore them.
 std::vector<Message> obstacles_3d(const disparity::Scan& scan, const DistanceLimits& limits,
                                   std::optional<double> camera_height_m, std::uint32_t time_ms);
 

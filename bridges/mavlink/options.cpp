@@ -77,6 +77,7 @@ std::unique_ptr<Link> make_serial(const std::string& text) {
 DistanceLimits limits_of(const Options& options) {
     DistanceLimits limits;
     limits.min_cm = static_cast<std::uint16_t>(std::floor(options.min_distance_m * 100 + 1e-6));
+    limits.hidden_as_obstacle = options.hidden_as_obstacle;
     limits.max_cm = static_cast<std::uint16_t>(std::ceil(options.max_distance_m * 100 - 1e-6));
     if (limits.min_cm >= limits.max_cm) {
         std::ostringstream text;
@@ -142,6 +143,10 @@ void add_contents(CLI::App& app, Options& options) {
         ->type_name("NUMBER")
         ->check(between(0.01, 100))
         ->capture_default_str()
+        ->group(group);
+    app.add_flag("--hidden-as-obstacle", options.hidden_as_obstacle,
+                 "Send an obstacle as being where something may hide before it, in OBSTACLE_DISTANCE: for PX4 and for "
+                 "vehicles that only stop; ArduPilot may back away from what nobody saw")
         ->group(group);
     app.add_flag("--3d", options.send_3d, "Also send OBSTACLE_DISTANCE_3D, one for each occupied sector (ArduPilot)")
         ->group(group);

@@ -29,6 +29,7 @@ struct Options {
     std::int64_t max_age_ms = 300;  ///< an older scan is not sent
     double min_distance_m = 0.2;
     double max_distance_m = 8;
+    bool hidden_as_obstacle = false;        ///< see DistanceLimits
     bool send_3d = false;                   ///< OBSTACLE_DISTANCE_3D beside OBSTACLE_DISTANCE
     std::optional<double> camera_height_m;  ///< above the ground, for OBSTACLE_DISTANCE_3D
 

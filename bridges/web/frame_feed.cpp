@@ -97,7 +97,9 @@ void FrameFeed::run() {
         }
         try {
             const std::unique_ptr<Reader> reader = open();
-            serve(*reader);
+            if (serve(*reader)) {
+                continue;
+            }
         } catch (const std::exception&) {
             // The state of the daemon is the status' business: it says why there is none.
         }
@@ -107,18 +109,19 @@ void FrameFeed::run() {
     }
 }
 
-/// Returns when the daemon is gone.
-void FrameFeed::serve(Reader& reader) {
+/// Returns false when the daemon is gone, true when nobody wants anything: a socket that is not read would be called
+/// slow.
+bool FrameFeed::serve(Reader& reader) {
     for (;;) {
-        const std::set<Product> wanted = wait_for_wants();
+        const std::set<Product> wanted = wants();
         if (wanted.empty()) {
-            return;
+            return true;
         }
         Frame frame;
         switch (reader.read(frame, wanted)) {
             case ReadResult::frame: hand_over(std::move(frame)); break;
             case ReadResult::timeout: break;
-            case ReadResult::gone: return;
+            case ReadResult::gone: return false;
         }
     }
 }
@@ -134,6 +137,12 @@ std::unique_ptr<FrameFeed::Reader> FrameFeed::open() const {
         }
     }
     return std::make_unique<SocketFrames>(std::move(client), welcome.products);
+}
+
+/// Returns what is wanted now; nothing when the feed ends.
+std::set<Product> FrameFeed::wants() {
+    const std::lock_guard lock(mutex_);
+    return stop_ ? std::set<Product>() : wanted_;
 }
 
 /// Returns what is wanted, at once when something is; nothing when the feed ends.

@@ -37,7 +37,8 @@ private:
     class SocketFrames;
 
     void run();
-    void serve(Reader& reader);
+    bool serve(Reader& reader);
+    std::set<disparity::Product> wants();
     std::unique_ptr<Reader> open() const;
     std::set<disparity::Product> wait_for_wants();
     bool pause();

@@ -151,8 +151,10 @@ void LiveSession::send_next() {
     contents.scan = subscription_.scan;
     contents.scale = pace_.scale();
     contents.skipped = passed_ - 1;
-    auto encode_and_send = [self = shared_from_this(), live = std::exchange(waiting_, nullptr), wanted = views(),
-                            step = subscription_.cloud_step, contents = std::move(contents)]() mutable {
+    std::vector<ImageView> wanted = views();
+    auto encode_and_send = [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
+                            wanted = std::move(wanted), step = subscription_.cloud_step,
+                            contents = std::move(contents)]() mutable {
         std::vector<Bytes> parts;
         try {
             for (const ImageView& view : wanted) {

@@ -123,15 +123,17 @@ enum {
     DISPARITY_SECTOR_OCCUPIED = 2 /**< the nearest obstacle is at distance_m */
 };
 
-/** Where the ground's plane of a scan comes from. */
+/** Where the ground's plane of a scan comes from. A later daemon may send other numbers: the plane holds all the same.
+ */
 enum {
     DISPARITY_GROUND_CONFIGURED = 0, /**< the plane z = 0 of the configured mounting */
     DISPARITY_GROUND_FITTED = 1,     /**< fitted to this frame */
-    DISPARITY_GROUND_HELD = 2        /**< fitted to an earlier frame, ground_age frames ago */
+    DISPARITY_GROUND_HELD = 2,       /**< fitted to an earlier frame, ground_age frames ago */
+    DISPARITY_GROUND_GRAVITY = 3     /**< level, as the camera's inertial sensor says */
 };
 
-/** One sector of an obstacle scan. Distances are horizontal, from the camera, in metres. As for disparity_frame_info,
- * fields are only added at the end. */
+/** One sector of an obstacle scan. Distances are horizontal, from the robot's origin, in metres. As for
+ * disparity_frame_info, fields are only added at the end. */
 typedef struct disparity_scan_sector {
     float from_deg;      /**< bearing of the right edge; 0 is the robot's x axis, left is positive */
     float to_deg;        /**< bearing of the left edge */
@@ -145,8 +147,9 @@ typedef struct disparity_scan_sector {
     uint32_t confidence; /**< mean of those pixels, 0 to 255 */
 } disparity_scan_sector;
 
-/** What is common to the sectors of an obstacle scan. The frame of reference is the robot's: the origin is on the
- * ground below the camera, x ahead, y left, z up. Fields are only added at the end. */
+/** What is common to the sectors of an obstacle scan. The frame of reference is the robot's: x ahead, y left, z up, the
+ * origin on the ground below the camera, or where the daemon's configuration puts it. Fields are only added at the end.
+ */
 typedef struct disparity_scan_info {
     uint32_t sectors;         /**< how many there are, by bearing, the right-most first */
     uint32_t ground;          /**< DISPARITY_GROUND_... */

@@ -80,7 +80,7 @@ enum class SectorState : std::uint8_t {
     occupied = 2  ///< the nearest obstacle is at ScanSector::distance_m
 };
 
-/// One sector of an obstacle scan. Distances are horizontal, from the camera.
+/// One sector of an obstacle scan. Distances are horizontal, from the robot's origin.
 struct ScanSector {
     double from_deg = 0;                       ///< bearing of the right edge; 0 is the robot's x axis, left is positive
     double to_deg = 0;                         ///< bearing of the left edge
@@ -96,15 +96,16 @@ struct ScanSector {
     std::uint8_t confidence = 0;  ///< mean of those pixels, as Product::confidence
 };
 
-/// Where the ground's plane of a scan comes from.
+/// Where the ground's plane of a scan comes from. A later daemon may send other numbers: the plane holds all the same.
 enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0 of the configured mounting
     fitted = 1,      ///< fitted to this frame
-    held = 2         ///< fitted to an earlier frame, Scan::ground_age frames ago
+    held = 2,        ///< fitted to an earlier frame, Scan::ground_age frames ago
+    gravity = 3      ///< level, as the camera's inertial sensor says
 };
 
-/// An obstacle scan: by bearing, what is near. The frame of reference is the robot's: the origin is on the ground below
-/// the camera, x ahead, y left, z up.
+/// An obstacle scan: by bearing, what is near. The frame of reference is the robot's: x ahead, y left, z up, the origin
+/// on the ground below the camera, or where the daemon's configuration puts it.
 struct Scan {
     GroundSource ground = GroundSource::configured;  ///< where the plane comes from
     std::uint32_t ground_age = 0;                    ///< frames since it was fitted

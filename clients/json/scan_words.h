@@ -11,10 +11,16 @@ const char* sector_word(Enum state) {
     return state == Enum::occupied ? "occupied" : state == Enum::free ? "free" : "unknown";
 }
 
-/// Returns where the ground's plane comes from.
+/// Returns where the ground's plane comes from; "other" for a number of a later daemon that has no word here.
 template <typename Enum>
 const char* ground_word(Enum source) {
-    return source == Enum::fitted ? "fitted" : source == Enum::held ? "held" : "configured";
+    switch (source) {
+        case Enum::configured: return "configured";
+        case Enum::fitted: return "fitted";
+        case Enum::held: return "held";
+        case Enum::gravity: return "gravity";
+    }
+    return "other";
 }
 
 }  // namespace disparityd::json

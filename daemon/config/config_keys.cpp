@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/camera/camera_controls.h"
+#include "kernels/scan/gravity_ground.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -201,6 +202,10 @@ bool is_not_empty(const std::string& text) {
     return !text.empty();
 }
 
+bool are_sensor_axes(const std::string& text) {
+    return text.empty() || scan::parse_sensor_axes(text).has_value();
+}
+
 bool is_camera_settings(const std::string& text) {
     try {
         capture::parse_camera_settings(text, "");
@@ -294,9 +299,14 @@ void add_scan_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(scan_key("scan", "pitch_deg", FIELD(scan.options.pitch_deg)));
     keys.push_back(scan_key("scan", "roll_deg", FIELD(scan.options.roll_deg)));
     keys.push_back(scan_key("scan", "yaw_deg", FIELD(scan.options.yaw_deg)));
-    keys.push_back(name_key<GroundMode>("scan", "ground",
-                                        {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}},
-                                        FIELD(scan.options.ground)));
+    keys.push_back(scan_key("scan", "camera_ahead_m", FIELD(scan.options.camera_ahead_m)));
+    keys.push_back(scan_key("scan", "camera_left_m", FIELD(scan.options.camera_left_m)));
+    keys.push_back(name_key<GroundMode>(
+        "scan", "ground",
+        {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}, {"gravity", GroundMode::gravity}},
+        FIELD(scan.options.ground)));
+    keys.push_back(text_key("scan", "imu_axes", "\"\" or " + std::string(scan::sensor_axes_form),
+                            FIELD(scan.options.imu_axes), are_sensor_axes));
     keys.push_back(scan_key("scan", "low_m", FIELD(scan.options.low_m)));
     keys.push_back(scan_key("scan", "high_m", FIELD(scan.options.high_m)));
     keys.push_back(scan_key("scan", "min_m", FIELD(scan.options.min_m)));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kernels/scan/gravity_ground.h"
+
 namespace disparityd {
 namespace {
 
@@ -34,18 +36,22 @@ GroundPlane mean(const GroundPlane& a, const GroundPlane& b) {
 
 ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps)
     : steps_(steps),
-      geometry_(width, height, checked(options)),
+      options_(checked(options)),
+      shift_(scan::is_shifted(options) ? std::optional<scan::OriginShift>(options) : std::nullopt),
+      geometry_(width, height, shift_ ? shift_->camera_options() : options),
       band_(width, height),
-      counts_(options.sectors, geometry_.groups()),
-      decision_(geometry_) {}
+      counts_(geometry_.sectors(), geometry_.groups()),
+      decision_(geometry_),
+      camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
 Scan ObstacleScanner::empty_scan() const {
     Scan scan;
-    scan.sectors.resize(static_cast<std::size_t>(geometry_.sectors()));
+    scan.sectors.resize(static_cast<std::size_t>(options_.sectors));
     return scan;
 }
 
-void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan) {
+void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
+                           const std::optional<CameraDirection>& up) {
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         decision_.set(geometry_);
@@ -55,22 +61,39 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
         std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
         return;
     }
-    find_ground(pixels, scan);
+    find_ground(pixels, up, scan);
     if (band_ground_ != scan.ground) {
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
     }
     steps_.scan_counts(pixels, geometry_, band_, counts_);
-    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+    if (!shift_) {
+        decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+        return;
+    }
+    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, camera_sectors_);
+    shift_->move(camera_sectors_, scan.sectors);
+    scan.ground.height_m -=
+        scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;
 }
 
-void ObstacleScanner::find_ground(const scan::Pixels& pixels, Scan& scan) {
+void ObstacleScanner::find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan) {
     scan.ground_source = GroundSource::configured;
     scan.ground_age = 0;
     scan.ground = {};
-    if (geometry_.options().ground == GroundMode::configured) {
-        return;
+    switch (geometry_.options().ground) {
+        case GroundMode::configured: break;
+        case GroundMode::fitted: fit_ground(pixels, scan); break;
+        case GroundMode::gravity:
+            if (const auto level = up ? scan::level_ground(*up, geometry_.options()) : std::nullopt) {
+                scan.ground_source = GroundSource::gravity;
+                scan.ground = *level;
+            }
+            break;
     }
+}
+
+void ObstacleScanner::fit_ground(const scan::Pixels& pixels, Scan& scan) {
     if (const auto fitted = ground_fit_.fit(pixels, geometry_, ground_.value_or(GroundPlane{}))) {
         ground_ = ground_ && same(*fitted, *ground_) ? mean(*fitted, *ground_) : *fitted;
         ground_age_ = 0;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "kernels/scan/ground_fit.h"
+#include "kernels/scan/origin_shift.h"
 #include "kernels/scan/scan.h"
 #include "kernels/scan/scan_counts.h"
 #include "kernels/scan/scan_geometry.h"
@@ -23,21 +25,27 @@ public:
 
     /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
-    void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan);
+    /// `up`: where up is at that time, for GroundMode::gravity; without it, the configured ground is taken.
+    void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
+              const std::optional<CameraDirection>& up = std::nullopt);
 
     Scan empty_scan() const;
 
-    const ScanOptions& options() const { return geometry_.options(); }
+    const ScanOptions& options() const { return options_; }
 
 private:
-    void find_ground(const scan::Pixels& pixels, Scan& scan);
+    void find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan);
+    void fit_ground(const scan::Pixels& pixels, Scan& scan);
 
     const FrameSteps& steps_;
+    ScanOptions options_;
+    std::optional<scan::OriginShift> shift_;  ///< where the camera is not above the robot's origin
     scan::Geometry geometry_;
     scan::Band band_;
     scan::Counts counts_;
     scan::GroundFit ground_fit_;
     scan::SectorDecision decision_;
+    std::vector<ScanSector> camera_sectors_;  ///< around the camera, for shift_
     std::optional<GroundPlane> band_ground_;  ///< of band_, where that is computed
     std::optional<GroundPlane> ground_;       ///< the plane of the frame before, where one was fitted
     int ground_age_ = 0;                      ///< frames since it was fitted

@@ -8,7 +8,7 @@ namespace disparityd {
 
 enum class SectorState : std::uint8_t { unknown = 0, free = 1, occupied = 2 };
 
-/// One sector of a scan. Distances are horizontal, from the camera, in mm.
+/// One sector of a scan. Distances are horizontal, from the origin, in mm.
 struct ScanSector {
     std::int16_t from_cdeg = 0;  ///< bearing of the right edge, 1/100 degree, left positive
     std::int16_t to_cdeg = 0;    ///< of the left edge
@@ -24,8 +24,8 @@ struct ScanSector {
     friend bool operator==(const ScanSector&, const ScanSector&) = default;
 };
 
-/// A plane z = height_m + slope_ahead x + slope_left y in the robot's frame, whose origin is on the ground below the
-/// camera. x is ahead, y left, z up.
+/// A plane z = height_m + slope_ahead x + slope_left y. x is ahead, y left, z up; of a finished scan, the origin is the
+/// robot's, before that it is on the ground below the camera.
 struct GroundPlane {
     double height_m = 0;
     double slope_ahead = 0;
@@ -38,6 +38,16 @@ enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame
+    gravity = 3,     ///< level, as the camera's inertial sensor says
+};
+
+/// A direction along the axes of the left camera's image, of length 1.
+struct CameraDirection {
+    double right = 0;
+    double down = 0;
+    double ahead = 0;
+
+    friend bool operator==(const CameraDirection&, const CameraDirection&) = default;
 };
 
 /// What an obstacle scan has found in one frame.

@@ -18,14 +18,15 @@ std::size_t index(int value) {
     return static_cast<std::size_t>(value);
 }
 
-/// ahead, left and up of the camera's own axes (x right, y down, z ahead), for one axis of the robot.
-Linear linear(const Camera& camera, double right, double down, double forward) {
-    return {forward - (right * camera.cx + down * camera.cy) / camera.f, right / camera.f, down / camera.f};
+/// What a pixel's ray has of one axis of the robot.
+Linear linear(const Camera& camera, const CameraDirection& axis) {
+    return {axis.ahead - (axis.right * camera.cx + axis.down * camera.cy) / camera.f, axis.right / camera.f,
+            axis.down / camera.f};
 }
 
 }  // namespace
 
-Rays make_rays(const Camera& camera, const ScanOptions& options) {
+Turn turn_of(const ScanOptions& options) {
     const double cp = std::cos(options.pitch_deg * per_degree);
     const double sp = std::sin(options.pitch_deg * per_degree);
     const double cr = std::cos(options.roll_deg * per_degree);
@@ -34,11 +35,14 @@ Rays make_rays(const Camera& camera, const ScanOptions& options) {
     const double sy = std::sin(options.yaw_deg * per_degree);
     // The columns of Rz(yaw) Ry(pitch) Rx(roll): the camera's body axes ahead, left and up in the robot's frame. The
     // image's axes are right = -left and down = -up.
-    Rays rays;
-    rays.ahead = linear(camera, -(cy * sp * sr - sy * cr), -(cy * sp * cr + sy * sr), cy * cp);
-    rays.left = linear(camera, -(sy * sp * sr + cy * cr), -(sy * sp * cr - cy * sr), sy * cp);
-    rays.up = linear(camera, -(cp * sr), -(cp * cr), -sp);
-    return rays;
+    return {{-(cy * sp * sr - sy * cr), -(cy * sp * cr + sy * sr), cy * cp},
+            {-(sy * sp * sr + cy * cr), -(sy * sp * cr - cy * sr), sy * cp},
+            {-(cp * sr), -(cp * cr), -sp}};
+}
+
+Rays make_rays(const Camera& camera, const ScanOptions& options) {
+    const Turn turn = turn_of(options);
+    return {linear(camera, turn.ahead), linear(camera, turn.left), linear(camera, turn.up)};
 }
 
 Linear rise_above(const Rays& rays, const GroundPlane& ground) {

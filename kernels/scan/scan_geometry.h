@@ -48,6 +48,15 @@ struct Rays {
     Linear up;
 };
 
+/// How the camera is turned on the robot: the robot's axes along the camera's.
+struct Turn {
+    CameraDirection ahead;
+    CameraDirection left;
+    CameraDirection up;
+};
+
+Turn turn_of(const ScanOptions& options);
+
 Rays make_rays(const Camera& camera, const ScanOptions& options);
 
 /// What the rays rise above a plane of the ground.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "kernels/scan/gravity_ground.h"
+
 namespace disparityd {
 namespace {
 
@@ -16,7 +18,10 @@ constexpr std::array fields{
     ScanField{"pitch_deg", &ScanOptions::pitch_deg, -45, 45},
     ScanField{"roll_deg", &ScanOptions::roll_deg, -45, 45},
     ScanField{"yaw_deg", &ScanOptions::yaw_deg, -180, 180},
+    ScanField{"camera_ahead_m", &ScanOptions::camera_ahead_m, -10, 10},
+    ScanField{"camera_left_m", &ScanOptions::camera_left_m, -10, 10},
     ScanField{"ground", &ScanOptions::ground},
+    ScanField{"imu_axes", &ScanOptions::imu_axes},
     ScanField{"low_m", &ScanOptions::low_m, -30, 30},
     ScanField{"high_m", &ScanOptions::high_m, -30, 30},
     ScanField{"min_m", &ScanOptions::min_m, 0.01, 60},
@@ -44,6 +49,24 @@ std::string number(double value) {
 
 }  // namespace
 
+std::string_view to_string(GroundMode mode) {
+    switch (mode) {
+        case GroundMode::configured: return "configured";
+        case GroundMode::fitted: return "fitted";
+        case GroundMode::gravity: return "gravity";
+    }
+    return "";
+}
+
+std::optional<GroundMode> parse_ground_mode(std::string_view name) {
+    for (const GroundMode mode : {GroundMode::fitted, GroundMode::configured, GroundMode::gravity}) {
+        if (to_string(mode) == name) {
+            return mode;
+        }
+    }
+    return std::nullopt;
+}
+
 std::span<const ScanField> scan_fields() {
     return fields;
 }
@@ -70,6 +93,11 @@ std::string validate(const ScanOptions& options) {
     }
     if (!(options.max_m > options.min_m)) {
         return "max_m = " + number(options.max_m) + ": allowed is more than min_m, " + number(options.min_m);
+    }
+    const bool wanted = options.ground == GroundMode::gravity;
+    if ((wanted || !options.imu_axes.empty()) && !scan::parse_sensor_axes(options.imu_axes)) {
+        return "imu_axes = \"" + options.imu_axes + "\": allowed is " + std::string(scan::sensor_axes_form) +
+               (wanted ? "; ground = \"gravity\" needs it" : "");
     }
     return {};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,7 +14,17 @@ namespace disparityd {
 enum class GroundMode : std::uint8_t {
     configured,  ///< the plane z = 0 of the mounting
     fitted,      ///< fitted to each frame, near the configured one
+    gravity,     ///< level: at right angles to the gravity that the camera's inertial sensor measures
 };
+
+/// Returns the mode's name as the configuration has it.
+std::string_view to_string(GroundMode mode);
+
+/// Returns the mode of a name; nothing for another word.
+std::optional<GroundMode> parse_ground_mode(std::string_view name);
+
+/// The names of all modes for a message: "fitted, configured or gravity".
+inline constexpr std::string_view ground_mode_names = "fitted, configured or gravity";
 
 /// Returns the default of `min_confidence`: four fifths where the confidence is a chance, else 1, which leaves the
 /// matcher's own rejection to decide (a ratio of costs says nothing about the chance).
@@ -33,8 +44,14 @@ struct ScanOptions {
     double pitch_deg = 0;          ///< positive: looks down; -45 .. 45
     double roll_deg = 0;           ///< positive: its right side is lower; -45 .. 45
     double yaw_deg = 0;            ///< positive: looks left; -180 .. 180
+    // Bearings and distances are counted from the robot's origin, which the camera is so far ahead and left of.
+    double camera_ahead_m = 0;
+    double camera_left_m = 0;
 
     GroundMode ground = GroundMode::fitted;
+    /// Where the x, y and z axes of the inertial sensor point (kernels/scan/gravity_ground.h); GroundMode::gravity
+    /// needs it. Empty: not known.
+    std::string imu_axes;
     double low_m = 0.08;  ///< what is lower above the ground's plane is ground
     double high_m = 1.0;  ///< what is higher is overhead
     double min_m = 0.2;   ///< what is nearer is unknown: a part of the robot, or too near for the range of disparities
@@ -53,7 +70,8 @@ inline constexpr int max_scan_sectors = 360;
 /// A row of the table of options.
 struct ScanField {
     std::string_view name;  ///< as the configuration has it
-    std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*> field;
+    std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*, std::string ScanOptions::*>
+        field;
     double least = 0;  ///< of a number
     double most = 0;
 };

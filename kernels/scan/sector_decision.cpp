@@ -216,7 +216,9 @@ void SectorDecision::describe(const Geometry& geometry, const Counts& counts, in
     const auto k = static_cast<double>(geometry.camera().scale.k);
     out.state = SectorState::occupied;
     out.pixels = rounded<std::uint16_t>(pixels);
-    out.distance_mm = rounded<std::uint16_t>(k / m);
+    // Bins at the limits reach a little beyond them; the pixels do not.
+    const ScanOptions& options = geometry.options();
+    out.distance_mm = rounded<std::uint16_t>(std::clamp(k / m, 1000 * options.min_m, 1000 * options.max_m));
     out.sigma_mm = rounded<std::uint16_t>(k * 16 * geometry.options().subpixel_error_px / (m * m));
 }
 

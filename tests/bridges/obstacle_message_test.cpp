@@ -94,6 +94,19 @@ TEST(ObstacleMessage, TheNearestObstacleOfASectorWins) {
     EXPECT_EQ(distances_of({unknown(-2.5, -1), occupied(-1, 1, 2), free_up_to(1, 2.5, 20)}), only({{0, 200}}));
 }
 
+TEST(ObstacleMessage, AnObstacleIsWhereItWasMeasuredUnlessHiddenSpaceCounts) {
+    EXPECT_EQ(distances_of({occupied(-2.5, 2.5, 5, 1.5)}), only({{0, 500}}));
+    disparity::Scan scan;
+    scan.sectors = {occupied(-2.5, 2.5, 5, 1.509), occupied(7.5, 12.5, 5, 5), occupied(17.5, 22.5, 5, 0),
+                    occupied(27.5, 32.5, 9, 1.5),  unknown(37.5, 42.5, 0.1),  free_up_to(47.5, 52.5, 20)};
+    DistanceLimits careful = limits;
+    careful.hidden_as_obstacle = true;
+    EXPECT_EQ(sector_distances(scan, careful), only({{0, 150}, {70, 500}, {68, 20}, {62, free_cm}}))
+        << "what lies beyond the largest distance stays unknown";
+    scan.sectors = {occupied(-2.5, 0, 3, 3), occupied(0, 2.5, 5, 2)};
+    EXPECT_EQ(sector_distances(scan, careful), only({{0, 200}})) << "the nearest wins";
+}
+
 TEST(ObstacleMessage, UnknownWinsOverFree) {
     EXPECT_EQ(distances_of({free_up_to(-2.5, 0, 20), free_up_to(0, 2.5, 20)}), only({{0, free_cm}}));
     EXPECT_EQ(distances_of({free_up_to(-2.5, 0, 20), unknown(0, 2.5)}), only({}));

@@ -49,6 +49,18 @@ TEST_F(NoticesTest, NoHugePages) {
     EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("no huge pages")));
 }
 
+// A scene has no inertial sensor.
+TEST_F(NoticesTest, AGroundThatNoSensorGives) {
+    const auto daemon = start_ready(config_text(), {"--set", "scan.enabled=true", "--set", "scan.ground=gravity",
+                                                    "--set", "scan.imu_axes=ahead left up"});
+    EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("obstacle scans take the configured ground")));
+}
+
+TEST_F(NoticesTest, AGroundThatNeedsNoSensor) {
+    const auto daemon = start_ready(config_text(), {"--set", "scan.enabled=true"});
+    EXPECT_THAT(status_after(*daemon, 1).notices(), Not(Contains(HasSubstr("configured ground"))));
+}
+
 // A rendered scene must not be taken for what a camera sees: not live, not as a recording of it.
 TEST_F(NoticesTest, ASceneIsToldAsSynthetic) {
     const auto expect_synthetic = [this](const DaemonProcess& daemon) {

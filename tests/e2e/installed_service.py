@@ -46,11 +46,14 @@ class InstalledService(unittest.TestCase):
                 self.assertEqual(len(instances), 1)
                 self.assertIn(f"\nExecStart={prefix}/bin/disparityd --config {configuration.rpartition('/')[0]}/%i.toml --name %i\n",
                               instances[0].read_text(encoding="utf-8"))
-                units = list(root.rglob("disparity-mavlink.service"))
-                self.assertEqual(len(units), 1)
-                unit = units[0].read_text(encoding="utf-8")
-                self.assertIn(f"\nExecStart={prefix}/bin/disparity-mavlink $DISPARITY_MAVLINK_OPTIONS\n", unit)
-                self.assertIn(f"\nEnvironmentFile=-/{Path(configuration).parent.relative_to('/')}/mavlink.conf\n", unit)
+                for bridge in ("mavlink", "web"):
+                    units = list(root.rglob(f"disparity-{bridge}.service"))
+                    self.assertEqual(len(units), 1)
+                    unit = units[0].read_text(encoding="utf-8")
+                    options = f"$DISPARITY_{bridge.upper()}_OPTIONS"
+                    self.assertIn(f"\nExecStart={prefix}/bin/disparity-{bridge} {options}\n", unit)
+                    folder = Path(configuration).parent.relative_to("/")
+                    self.assertIn(f"\nEnvironmentFile=-/{folder}/{bridge}.conf\n", unit)
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include <functional>
 #include <mutex>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -68,6 +69,14 @@ public:
         changed_.notify_all();
     }
 
+    /// Pushes a frame that brings samples; the caller keeps them.
+    void push(std::uint64_t sequence, std::int64_t monotonic_ns, std::span<const capture::SensorSample> samples) {
+        const std::lock_guard lock(mutex_);
+        queue_.push_back(make(sequence));
+        queue_.back().monotonic_ns = monotonic_ns;
+        queue_.back().sensors = samples;
+        changed_.notify_all();
+    }
     void push(std::uint64_t sequence, std::uint32_t dropped_before = 0, std::uint32_t flags = 0) {
         const std::lock_guard lock(mutex_);
         queue_.push_back(make(sequence));

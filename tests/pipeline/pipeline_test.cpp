@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/pipeline.h"
 
+#include <optional>
 #include <semaphore>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -60,6 +62,63 @@ public:
 private:
     const calibration::Rectification first_ = fakes::rectification();
 };
+
+/// Frames of 10 per second, each with 20 samples of a camera that nods more with each frame.
+std::vector<std::optional<CameraDirection>> ups_of_nodding(Policy policy, const ScanOptions& options) {
+    constexpr std::int64_t frame_ns = 100'000'000;
+    constexpr std::size_t frames = 12;
+    std::vector<std::vector<capture::SensorSample>> samples(frames, std::vector<capture::SensorSample>(20));
+    fakes::Source source;
+    for (std::size_t i = 0; i < frames; ++i) {
+        const auto begin = static_cast<std::int64_t>(i) * frame_ns;
+        for (std::size_t j = 0; j < samples[i].size(); ++j) {
+            samples[i][j].flags = capture::sensor_flag_inertial;
+            samples[i][j].monotonic_ns = begin + static_cast<std::int64_t>(j) * frame_ns / 20;
+            samples[i][j].acceleration = {0.2F * static_cast<float>(i), -9.8F, 0};
+        }
+        source.push(i, begin + frame_ns, i == 7 ? std::span<const capture::SensorSample>() : samples[i]);
+    }
+    source.end();
+    fakes::Matcher matcher;
+    WorkerPool workers(1);
+    const calibration::Rectification rectification = fakes::rectification();
+    std::vector<std::optional<CameraDirection>> ups(frames);
+    Pipeline pipeline({.policy = policy, .scan = options}, source, matcher, workers, rectification,
+                      [&ups](const FrameSlot& slot) { ups.at(slot.raw.sequence) = slot.up; });
+    pipeline.start();
+    EXPECT_TRUE(pipeline.wait_until_ended(forever));
+    return ups;
+}
+
+TEST(Pipeline, EachFrameKnowsWhereUpIsFromAllSamplesBeforeIt) {
+    ScanOptions options;
+    options.ground = GroundMode::gravity;
+    options.imu_axes = "right down ahead";
+    const auto replayed = ups_of_nodding(Policy::replay, options);
+    EXPECT_FALSE(replayed.front()) << "95 ms of samples are too few";
+    double before = -1;
+    for (std::size_t i = 1; i < replayed.size(); ++i) {
+        ASSERT_TRUE(replayed[i]) << i;
+        EXPECT_LT(replayed[i]->down, -0.9);
+        if (i != 7) {
+            EXPECT_GT(replayed[i]->right, before) << i;
+        } else {
+            EXPECT_EQ(replayed[i]->right, before) << "that frame brought none";
+        }
+        before = replayed[i]->right;
+    }
+    EXPECT_EQ(ups_of_nodding(Policy::replay, options), replayed) << "the same each time";
+    // Frames that are dropped have brought their samples, too.
+    const auto live = ups_of_nodding(Policy::live, options);
+    int published = 0;
+    for (std::size_t i = 0; i < live.size(); ++i) {
+        published += live[i] ? 1 : 0;
+        EXPECT_TRUE(!live[i] || live[i] == replayed[i]) << i;
+    }
+    EXPECT_GE(published, 1);
+    options.ground = GroundMode::fitted;
+    EXPECT_FALSE(ups_of_nodding(Policy::replay, options).back()) << "nobody asks";
+}
 
 // Also where newer frames take the place of older ones.
 TEST(Pipeline, EachFrameKeepsTheRectificationThatItWasGiven) {

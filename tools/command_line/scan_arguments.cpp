@@ -43,10 +43,11 @@ double real_number(const std::string& setting, std::string_view value) {
 }
 
 GroundMode ground_mode(const std::string& setting, std::string_view value) {
-    if (value != "fitted" && value != "configured") {
-        refuse_setting(setting, "fitted or configured");
+    const auto mode = parse_ground_mode(value);
+    if (!mode) {
+        refuse_setting(setting, std::string(ground_mode_names));
     }
-    return value == "fitted" ? GroundMode::fitted : GroundMode::configured;
+    return *mode;
 }
 
 /// Stores the value of one KEY=VALUE.
@@ -64,6 +65,8 @@ void apply_setting(const std::string& setting, ScanOptions& options) {
         options.*(*whole) = whole_number(setting, value);
     } else if (const auto* const real = std::get_if<double ScanOptions::*>(&key->field)) {
         options.*(*real) = real_number(setting, value);
+    } else if (const auto* const text_field = std::get_if<std::string ScanOptions::*>(&key->field)) {
+        options.*(*text_field) = value;
     } else {
         options.*(std::get<GroundMode ScanOptions::*>(key->field)) = ground_mode(setting, value);
     }

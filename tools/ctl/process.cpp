@@ -247,6 +247,7 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
 struct RunFiles {
     std::optional<ProcessOutput> folder;
     std::optional<ScanCsv> scans;
+    std::uint64_t scans_by_mounting = 0;  ///< whose ground is the configured one
 };
 
 /// Writes a frame's files. A lack of memory gets a message of its own.
@@ -256,9 +257,19 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
         files.folder->write(slot);
         if (files.scans) {
             files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, slot.scan);
+            files.scans_by_mounting += slot.scan.ground_source == GroundSource::configured ? 1U : 0U;
         }
     } catch (const std::exception& error) {
         throw std::runtime_error(base::failure_text(error));
+    }
+}
+
+/// Tells of scans that wanted gravity and had to do without.
+void note_lack_of_gravity(const RunFiles& files, const std::optional<ScanOptions>& scan) {
+    if (scan && scan->ground == GroundMode::gravity && files.scans_by_mounting > 0) {
+        print_note("the configured ground was taken for " + base::counted(files.scans_by_mounting, "frame") + " of " +
+                   std::to_string(files.folder->frames()) +
+                   ": no steady acceleration in the second before, or one more than 30 degrees off; check imu_axes");
     }
 }
 
@@ -334,6 +345,7 @@ int process(ProcessArguments arguments) {
     if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
         print_note(trouble);
     }
+    note_lack_of_gravity(files, config.scan);
     return report(arguments, pipeline.status(), schedule.calibrating, news, files.folder->frames(), elapsed.count());
 }
 

@@ -77,9 +77,10 @@ std::span<const ChannelFacts> all_channels() {
 
 Offer offer_of(const v1::Status& status, std::vector<Product> products) {
     const v1::Geometry& geometry = status.geometry();
+    const bool prepared = geometry.width() > 0;  // else the daemon does not know its source yet
     return {.products = std::move(products),
             .calibrated = geometry.f() > 0 && geometry.baseline_mm() > 0,
-            .sensors = status.has_sensors() || (!status.has_camera() && !status.synthetic())};
+            .sensors = status.has_sensors() || (prepared && !status.has_camera() && !status.synthetic())};
 }
 
 void Wanted::add(const Wanted& other) {

@@ -177,14 +177,19 @@ std::vector<Message> FoxgloveSession::on_payloads(const Payloads& payloads, std:
 }
 
 std::vector<Message> FoxgloveSession::on_sensors(const disparity::SensorBatch& batch, std::int64_t received_ns) const {
-    std::vector<Message> messages;
-    for (const disparity::SensorSample& sample : batch.samples) {
-        for (const auto& [id, channel] : subscriptions_) {
-            if (std::optional<Bytes> bytes = encode(channel, sample)) {
-                messages.push_back(message(id, received_ns, std::make_shared<const Bytes>(std::move(*bytes))));
+    std::vector<Message> messages;  // the newest first
+    for (auto sample = batch.samples.rbegin(); sample != batch.samples.rend(); ++sample) {
+        for (auto entry = subscriptions_.rbegin(); entry != subscriptions_.rend(); ++entry) {
+            if (messages.size() == most_sensor_messages) {
+                break;
+            }
+            if (std::optional<Bytes> bytes = encode(entry->second, *sample)) {
+                auto payload = std::make_shared<const Bytes>(std::move(*bytes));
+                messages.push_back(message(entry->first, received_ns, std::move(payload)));
             }
         }
     }
+    std::reverse(messages.begin(), messages.end());
     return messages;
 }
 

@@ -21,6 +21,9 @@ namespace disparityd::foxglove {
 /// the viewer's that is here.
 inline constexpr std::array<std::string_view, 2> subprotocols{"foxglove.sdk.v1", "foxglove.websocket.v1"};
 
+/// A batch may hold thousands of samples after a pause, and a connection lets only so many messages wait.
+inline constexpr std::size_t most_sensor_messages = 200;
+
 /// A binary message of WebSocket: the head, then the payload.
 struct Message {
     Bytes head;       ///< 13 bytes: operation 1, u32 subscription, u64 time of receipt, ns since 1970
@@ -59,6 +62,7 @@ public:
     /// Each returns the messages for what is subscribed. `received_ns`: when the server had it, ns since 1970.
     std::vector<Message> on_frame(EncodedFrame& frame, std::int64_t received_ns) const;
     std::vector<Message> on_payloads(const Payloads& payloads, std::int64_t received_ns) const;
+    /// Of samples at most the newest most_sensor_messages.
     std::vector<Message> on_sensors(const disparity::SensorBatch& batch, std::int64_t received_ns) const;
     std::vector<Message> on_status(const v1::Status& status, std::int64_t received_ns) const;
 

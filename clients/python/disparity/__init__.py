@@ -27,7 +27,7 @@ from .frame import (
     UNRECTIFIED,
     Frame,
 )
-from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
+from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
 
@@ -43,6 +43,7 @@ __all__ = [
     "Frame",
     "GROUND_CONFIGURED",
     "GROUND_FITTED",
+    "GROUND_GRAVITY",
     "GROUND_HELD",
     "Gone",
     "INTERPOLATED",

@@ -15,10 +15,12 @@ UNKNOWN = 0
 FREE = 1
 OCCUPIED = 2
 
-# Where the ground's plane comes from: the configured mounting, a fit to this frame, a fit to an earlier one.
+# Where the ground's plane comes from: the configured mounting, a fit to this frame, a fit to an earlier one, the camera's
+# inertial sensor. A later daemon may send other numbers: the plane holds all the same.
 GROUND_CONFIGURED = 0
 GROUND_FITTED = 1
 GROUND_HELD = 2
+GROUND_GRAVITY = 3
 
 _VERSION = 1
 # The bytes of a scan; docs/protocol.md explains each field. proto/scan.h has the same.
@@ -58,13 +60,13 @@ _SECTOR = np.dtype(
 @dataclasses.dataclass
 class Scan:
     """Has one element per sector in each array, by bearing, the right-most first. Lengths in metres, distances horizontal
-    from the camera; bearings in degrees, 0 is the robot's x axis, left is positive.
+    from the robot's origin; bearings in degrees, 0 is the robot's x axis, left is positive.
 
-    The frame of reference is the robot's: the origin is on the ground below the camera, x ahead, y left, z up. The ground
-    is the plane z = ground_height_m + ground_slope_ahead x + ground_slope_left y.
+    The frame of reference is the robot's: x ahead, y left, z up, the origin on the ground below the camera, or where the
+    daemon's configuration puts it. The ground is the plane z = ground_height_m + ground_slope_ahead x + ground_slope_left y.
     """
 
-    ground: int  # GROUND_CONFIGURED, GROUND_FITTED or GROUND_HELD
+    ground: int  # GROUND_CONFIGURED, GROUND_FITTED, GROUND_HELD or GROUND_GRAVITY
     ground_age: int  # frames since the plane was fitted
     ground_height_m: float
     ground_slope_ahead: float

@@ -99,6 +99,8 @@ TEST(FoxgloveChannels, TheStatusTellsTheCalibration) {
 
 TEST(FoxgloveChannels, SensorsAreThoseOfACameraOrOfARecording) {
     v1::Status status;
+    EXPECT_FALSE(offer_of(status, {}).sensors) << "the source is being prepared";
+    status.mutable_geometry()->set_width(640);
     EXPECT_TRUE(offer_of(status, {}).sensors) << "a recording may have samples";
     status.set_synthetic(true);
     EXPECT_FALSE(offer_of(status, {}).sensors) << "a rendered source has none";

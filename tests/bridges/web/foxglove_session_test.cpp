@@ -134,6 +134,22 @@ TEST(FoxgloveSession, SamplesGiveOneMessageForWhatEachHas) {
     EXPECT_EQ(messages[2].head[1], 1);
 }
 
+TEST(FoxgloveSession, OfManySamplesTheNewestAreSent) {
+    FoxgloveSession session = session_with(everything);
+    session.on_text(subscribe(1, Channel::imu));
+    disparity::SensorBatch batch;
+    for (int i = 0; i < 2048; ++i) {
+        disparity::SensorSample sample;
+        sample.realtime_ns = i * 1'000'000'000LL;
+        sample.inertial.emplace();
+        batch.samples.push_back(sample);
+    }
+    const std::vector<Message> messages = session.on_sensors(batch, 0);
+    ASSERT_EQ(messages.size(), most_sensor_messages);
+    EXPECT_EQ(test::CdrReader(*messages.front().payload).header(), "1848.0 camera_imu");
+    EXPECT_EQ(test::CdrReader(*messages.back().payload).header(), "2047.0 camera_imu");
+}
+
 TEST(FoxgloveSession, TheStatusIsJson) {
     FoxgloveSession session = session_with({});
     EXPECT_TRUE(session.on_status(test::daemon_status(), 0).empty());

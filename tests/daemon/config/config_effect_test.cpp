@@ -17,6 +17,7 @@
 #include "daemon/config/config.h"
 #include "daemon/config/config_keys.h"
 #include "kernels/pair_matcher.h"
+#include "kernels/scan/gravity_ground.h"
 #include "kernels/scan/obstacle_scanner.h"
 
 namespace disparityd::daemon {
@@ -39,6 +40,9 @@ std::vector<std::string> values_to_try(const ConfigKey& key) {
     if (std::holds_alternative<double>(key.example)) {
         return {"-30", "-5", "-0.5", "0", "0.05", "0.1", "0.25", "0.4", "0.5", "1", "2", "3", "5", "30"};
     }
+    if (key.name == "imu_axes") {
+        return {"ahead left up", "back right up", "up down"};
+    }
     std::vector<std::string> words;
     for (std::size_t begin = key.allowed.find('"'); begin != std::string::npos;) {
         const std::size_t end = key.allowed.find('"', begin + 1);
@@ -50,12 +54,13 @@ std::vector<std::string> values_to_try(const ConfigKey& key) {
 
 /// The configuration with one key set, or nothing where the value is not allowed. Small regions are removed, so that
 /// the step between them counts; the rectified size is set, so that each side may be changed alone; winners need not be
-/// unique, because uniqueness would reject what local_extrema rejects.
+/// unique, because uniqueness would reject what local_extrema rejects. Axes count where the ground is that of gravity.
 std::optional<Config> with(const ConfigKey& key, const std::string& value) {
     const Override set{std::string(key.section), std::string(key.name), value, "--set"};
     try {
-        return parse_config("[match]\nspeckle_size = 30\nuniqueness = 0\n[rectify]\nwidth = 48\nheight = 36\n",
-                            "test.toml", {set});
+        std::string text = "[match]\nspeckle_size = 30\nuniqueness = 0\n[rectify]\nwidth = 48\nheight = 36\n";
+        text += key.name == "imu_axes" ? "[scan]\nground = \"gravity\"\nimu_axes = \"right down ahead\"\n" : "";
+        return parse_config(text, "test.toml", {set});
     } catch (const std::invalid_argument&) {
         return std::nullopt;
     }
@@ -180,7 +185,9 @@ std::vector<ScanSector> scanned(const Config& config) {
     }
     ObstacleScanner scanner(width, rows, config.scan.options, fastest_frame_steps());
     Scan scan = scanner.empty_scan();
-    scanner.scan({{disparity.data(), width, rows, width}, {confidence.data(), width, rows, width}}, camera, scan);
+    const auto axes = scan::parse_sensor_axes(config.scan.options.imu_axes);
+    const auto up = axes ? std::optional(axes->turned(0.17, 0.05, 0.98)) : std::nullopt;
+    scanner.scan({{disparity.data(), width, rows, width}, {confidence.data(), width, rows, width}}, camera, scan, up);
     return scan.sectors;
 }
 
@@ -192,7 +199,7 @@ TEST(ConfigEffect, EveryKeyOfTheScanChangesIt) {
             ++keys;
         }
     }
-    EXPECT_EQ(keys, 15);
+    EXPECT_EQ(keys, 18);
 }
 
 TEST(ConfigEffect, AKeyWithoutEffectIsFound) {

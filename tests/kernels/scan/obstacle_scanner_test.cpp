@@ -4,11 +4,13 @@
 #include "kernels/scan/obstacle_scanner.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "kernels/reference/steps.h"
@@ -307,6 +309,12 @@ TEST(ObstacleScanner, BadOptionsAreRefusedInOneLine) {
               "to_deg = 0: allowed is more than from_deg, 10, or 0 for both: the field of view");
     EXPECT_EQ(refused([](ScanOptions& o) { o.camera_height_m = 0.09; }),
               "camera_height_m = 0.09: allowed is at least 0.02 more than low_m, 0.08");
+    EXPECT_EQ(refused([](ScanOptions& o) { o.camera_left_m = 11; }), "camera_left_m = 11: allowed is -10 to 10");
+    EXPECT_THAT(
+        refused([](ScanOptions& o) { o.ground = GroundMode::gravity; }),
+        testing::AllOf(testing::StartsWith("imu_axes = \"\": allowed is where the sensor's x, y and z axes point"),
+                       testing::EndsWith("; ground = \"gravity\" needs it")));
+    EXPECT_THAT(refused([](ScanOptions& o) { o.imu_axes = "x y z"; }), testing::StartsWith("imu_axes = \"x y z\""));
     EXPECT_EQ(refused([](ScanOptions& o) { o.min_m = 30; }), "max_m = 20: allowed is more than min_m, 30");
 }
 
@@ -325,7 +333,8 @@ void expect_valid(const Scan& scan, const ScanOptions& options) {
                 EXPECT_EQ(sector.distance_mm, 0);
                 break;
             case SectorState::occupied:
-                EXPECT_GT(sector.distance_mm, 0);
+                EXPECT_GE(sector.distance_mm, least);
+                EXPECT_LE(sector.distance_mm, 1000 * options.max_m + 1);
                 EXPECT_LE(sector.free_mm, sector.distance_mm);
                 EXPECT_GT(sector.pixels, 0);
                 break;
@@ -342,13 +351,17 @@ TEST(ObstacleScanner, AnyInputGivesAValidScan) {
         const int rows = pick(random, 1, 90);
         ScanOptions options;
         options.sectors = pick(random, 1, 360);
-        options.ground = round % 2 == 0 ? GroundMode::fitted : GroundMode::configured;
+        const std::array modes{GroundMode::fitted, GroundMode::configured, GroundMode::gravity};
+        options.ground = modes.at(static_cast<std::size_t>(round) % modes.size());
+        options.imu_axes = "ahead left up";
         options.low_m = pick(random, -300, 300) / 100.0;
         options.high_m = options.low_m + pick(random, 1, 500) / 100.0;
         options.camera_height_m = options.low_m + pick(random, 2, 600) / 100.0;
         options.pitch_deg = pick(random, -45, 45);
         options.roll_deg = pick(random, -45, 45);
         options.yaw_deg = pick(random, -180, 180);
+        options.camera_ahead_m = pick(random, 0, 1) * pick(random, -1000, 1000) / 100.0;
+        options.camera_left_m = pick(random, 0, 1) * pick(random, -1000, 1000) / 100.0;
         options.from_deg = pick(random, 0, 1) * pick(random, -180, 90);
         options.to_deg = options.from_deg == 0 ? 0 : options.from_deg + pick(random, 1, 80);
         options.min_m = pick(random, 1, 200) / 100.0;
@@ -377,7 +390,7 @@ TEST(ObstacleScanner, AnyInputGivesAValidScan) {
                           1.0 * pick(random, -50, 200),
                           1.0 * pick(random, -50, 200),
                           {std::int64_t{1} << pick(random, 0, 40), pick(random, -40000, 40000)}},
-                         scan);
+                         scan, CameraDirection{pick(random, -10, 10) / 20.0, -0.8, pick(random, -10, 10) / 20.0});
             expect_valid(scan, options);
         }
     }

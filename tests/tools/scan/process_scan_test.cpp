@@ -2,11 +2,14 @@
 //
 // `process --scan`: the file of obstacle scans, its options, and what is refused.
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include "capture/frame_source.h"
+#include "capture/recording/recording_writer.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
 #include "tools/ctl/csv.h"
@@ -101,7 +104,10 @@ TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
         {"max_m=nan", "allowed: a number"},
         {"max_m=66", "max_m = 66: allowed is 0.02 to 65"},
         {"pitch_deg=-46", "pitch_deg = -46: allowed is -45 to 45"},
-        {"ground=flat", "allowed: fitted or configured"},
+        {"ground=flat", "allowed: fitted, configured or gravity"},
+        {"ground=gravity", "imu_axes = \"\": allowed is where the sensor's x, y and z axes point"},
+        {"imu_axes=ahead left", "imu_axes = \"ahead left\": allowed is"},
+        {"camera_left_m=11", "camera_left_m = 11: allowed is -10 to 10"},
         {"min_confidence=0", "min_confidence = 0: allowed is 1 to 255"},
         {"high_m=0", "high_m = 0: allowed is more than low_m"},
         {"", "allowed: KEY=VALUE"},
@@ -115,6 +121,60 @@ TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
     expect_refused(process("refused", {"--scan", path("nowhere/scan.csv")}),
                    AllOf(HasSubstr("there is no folder"), HasSubstr("nowhere")));
     EXPECT_FALSE(std::filesystem::exists(path("scan.csv")));
+}
+
+/// A recording of the rendered scene with samples of a camera that is turned by 5 degrees, its nose down.
+void record_leaning_scene(const std::string& path) {
+    capture::SourceOptions options;
+    options.uri = scene;
+    options.pace = capture::Pace::fastest;
+    const auto source = capture::open_source(options);
+    capture::RecordingWriter writer(path, source->info());
+    std::vector<capture::SensorSample> samples(40);
+    capture::RawFrame frame;
+    while (source->next(frame, std::chrono::steady_clock::now() + std::chrono::hours(1)) ==
+           capture::FrameSource::Next::frame) {
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            samples[i].flags = capture::sensor_flag_inertial;
+            samples[i].monotonic_ns = frame.monotonic_ns - static_cast<std::int64_t>(samples.size() - i) * 5'000'000;
+            // The axes are ahead, left and up.
+            samples[i].acceleration = {-9.81F * 0.0871557F, 0, 9.81F * 0.9961947F};
+        }
+        frame.sensors = samples;
+        writer.write(frame);
+        source->give_back(frame);
+    }
+    writer.close();
+}
+
+TEST_F(ProcessScanTest, TheGroundOfGravityIsThatOfTheRecordingsSamples) {
+    record_leaning_scene(path("leaning.mkv"));
+    for (const char* name : {"one", "two"}) {
+        const Outcome outcome =
+            run(DISPARITYCTL, {"process", path("leaning.mkv"), "-o", path(name), "--disparities", "32", "--scan",
+                               path(std::string(name) + ".csv"), "--scan-set", "ground=gravity", "--scan-set",
+                               "imu_axes=ahead left up", "--scan-set", "camera_left_m=0.2"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        EXPECT_THAT(outcome.err, Not(HasSubstr("configured ground")));
+    }
+    EXPECT_EQ(read_file(path("one.csv")), read_file(path("two.csv")));
+    const auto table = rows("one.csv");
+    ASSERT_GT(table.size(), 1U);
+    for (std::size_t i = 1; i < table.size(); ++i) {
+        EXPECT_THAT(std::vector(table[i].end() - 5, table[i].end()),
+                    ElementsAre("gravity", "0", "-0.001", "0.0875", "0.0000"));
+    }
+    EXPECT_EQ(scan_options("one")["ground"], "gravity");
+    EXPECT_EQ(scan_options("one")["imu_axes"], "ahead left up");
+    EXPECT_EQ(scan_options("one")["camera_left_m"], 0.2);
+}
+
+TEST_F(ProcessScanTest, WithoutSamplesTheConfiguredGroundIsTakenAndTold) {
+    const Outcome outcome = process(
+        "none", {"--scan", path("none.csv"), "--scan-set", "ground=gravity", "--scan-set", "imu_axes=ahead left up"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("the configured ground was taken for 3 frames of 3"));
+    EXPECT_EQ(rows("none.csv")[1][13], "configured");
 }
 
 TEST_F(ProcessScanTest, AFileThatIsThereIsLeftAlone) {

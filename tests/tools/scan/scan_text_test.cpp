@@ -46,6 +46,15 @@ TEST(ScanText, SaysWhatIsWrong) {
     EXPECT_THAT(tools::scan_parts(bad), testing::Contains("no obstacle seen"));
 }
 
+TEST(ScanText, SaysWhereTheGroundComesFrom) {
+    tools::ScanReading one = reading();
+    one.scan.ground = disparity::GroundSource::gravity;
+    EXPECT_EQ(tools::scan_parts(one).back(), "ground gravity");
+    one.scan.ground = static_cast<disparity::GroundSource>(17);
+    EXPECT_EQ(tools::scan_parts(one).back(), "ground other") << "that of a later daemon";
+    EXPECT_EQ(tools::scan_json(one)["ground"]["source"], "other");
+}
+
 TEST(ScanText, BreaksLinesBetweenParts) {
     EXPECT_THAT(tools::wrapped({"one", "two", "three"}, 80), ElementsAre("one, two, three"));
     EXPECT_THAT(tools::wrapped({"one", "two", "three"}, 9), ElementsAre("one, two,", "three"));

@@ -24,7 +24,7 @@ Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or 
 Prints a line for each change of state.
 
   --width-m M             width of the corridor (0.5)
-  --margin-m M            the robot stands still this far before an obstacle, counted from the camera (0.5)
+  --margin-m M            the robot stands still this far before an obstacle, counted from the scan's origin (0.5)
   --speed-mps V           speed on a free way (1.0)
   --deceleration-mps2 A   of a full brake (1.0)
   --reaction-s S          from a decision until the brakes work (0.2)

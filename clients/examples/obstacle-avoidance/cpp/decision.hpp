@@ -3,8 +3,8 @@
 // Decides how fast a robot may drive straight ahead, from obstacle scans and from what is missing. Reads no clock and
 // does no I/O: the caller says what came and when. python/decision.py is the same in Python.
 //
-// Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the camera, which looks ahead
-// from the middle of the robot's width.
+// Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the origin of the scan,
+// which is in the middle of the robot's width.
 #pragma once
 
 #include <algorithm>

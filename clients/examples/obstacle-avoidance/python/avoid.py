@@ -80,7 +80,7 @@ def parse_arguments():
     for name, default, kind, text in (
         ("--width-m", usual.width_m, number(0.01, 10), "width of the corridor"),
         ("--margin-m", usual.margin_m, number(0.05, 10),
-         "the robot stands still this far before an obstacle, counted from the camera"),
+         "the robot stands still this far before an obstacle, counted from the scan's origin"),
         ("--speed-mps", usual.speed_mps, number(0.05, 20), "speed on a free way"),
         ("--deceleration-mps2", usual.deceleration_mps2, number(0.05, 20), "of a full brake"),
         ("--reaction-s", usual.reaction_s, number(0, 10), "from a decision until the brakes work"),

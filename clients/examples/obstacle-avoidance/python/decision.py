@@ -2,8 +2,8 @@
 """Decides how fast a robot may drive straight ahead, from obstacle scans and from what is missing.
 
 Reads no clock and does no I/O: the caller says what came and when. cpp/decision.hpp is the same in C++, with more
-comments. Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the camera, which looks
-ahead from the middle of the robot's width.
+comments. Lengths are metres, times seconds, angles degrees, speeds m/s. Distances count from the origin
+of the scan, which is in the middle of the robot's width.
 """
 import dataclasses
 import math

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/access.h"
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+
+#include "tests/temporary_folder.h"
+
+namespace disparityd::web {
+namespace {
+
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+constexpr const char* view_token = "0123456789abcdef";
+constexpr const char* control_token = "fedcba9876543210";
+
+AccessRules with_tokens() {
+    AccessRules rules;
+    rules.anybody_views = false;
+    rules.viewers = {view_token};
+    rules.controllers = {control_token};
+    return rules;
+}
+
+Visitor bearing(const std::string& authorization) {
+    Visitor visitor;
+    visitor.authorization = authorization;
+    return visitor;
+}
+
+TEST(AccessTest, AnAddressAndOwnNamesAreHosts) {
+    AccessRules rules;
+    rules.hosts = {"robot.example"};
+    const Access access(rules, false);
+    for (const char* host : {"127.0.0.1:8765", "127.0.0.1", "[::1]:8765", "192.168.1.5:8765", "localhost:8765",
+                             "LOCALHOST", "Robot.Example:8765"}) {
+        EXPECT_EQ(access.refuses({host, {}, {}, {}}), "") << host;
+    }
+}
+
+TEST(AccessTest, ANameThatSomebodyPointedHereIsRefused) {
+    const Access access(AccessRules{}, false);
+    for (const char* host :
+         {"evil.example:8765", "127.0.0.1.evil.example", "localhost.evil.example", "", "[::1", ":80"}) {
+        EXPECT_THAT(access.refuses({host, {}, {}, {}}), HasSubstr("--host")) << host;
+    }
+}
+
+TEST(AccessTest, OnlyPagesOfThisServerAndNamedOnesMayUseIt) {
+    AccessRules rules;
+    rules.origins = {"https://app.example.org"};
+    const Access access(rules, false);
+    const auto why = [&](const char* origin) { return access.refuses({"127.0.0.1:8765", origin, {}, {}}); };
+    EXPECT_EQ(why("http://127.0.0.1:8765"), "");
+    EXPECT_EQ(why("https://app.example.org"), "");
+    for (const char* origin : {"http://evil.example", "http://127.0.0.1:9999", "https://127.0.0.1:8765", "null",
+                               "http://127.0.0.1:8765.evil.example", "https://app.example.org.evil.example"}) {
+        EXPECT_THAT(why(origin), HasSubstr("--origin")) << origin;
+    }
+}
+
+TEST(AccessTest, ASecureServersOriginIsHttps) {
+    const Access access(AccessRules{}, true);
+    EXPECT_EQ(access.refuses({"127.0.0.1:8765", "https://127.0.0.1:8765", {}, {}}), "");
+    EXPECT_NE(access.refuses({"127.0.0.1:8765", "http://127.0.0.1:8765", {}, {}}), "");
+}
+
+TEST(AccessTest, WhoMayLookMayNotControl) {
+    AccessRules rules;
+    EXPECT_EQ(Access(rules, false).right_of({}), Right::view);
+    rules.anybody_controls = true;
+    EXPECT_EQ(Access(rules, false).right_of({}), Right::control);
+}
+
+TEST(AccessTest, TokensGiveTheirRight) {
+    const Access access(with_tokens(), false);
+    EXPECT_TRUE(access.needs_token());
+    EXPECT_EQ(access.right_of({}), Right::none);
+    EXPECT_EQ(access.right_of(bearing(std::string("Bearer ") + view_token)), Right::view);
+    EXPECT_EQ(access.right_of(bearing(std::string("Bearer ") + control_token)), Right::control);
+    for (const char* wrong : {"Bearer ", "Bearer 0123456789abcde", "Bearer 0123456789abcdef0", "Basic 0123456789abcdef",
+                              "0123456789abcdef", "bearer"}) {
+        EXPECT_EQ(access.right_of(bearing(wrong)), Right::none) << wrong;
+    }
+}
+
+TEST(AccessTest, ALogInGivesACookieWithTheTokensRight) {
+    Access access(with_tokens(), true);
+    EXPECT_EQ(access.log_in("wrong"), "");
+    EXPECT_EQ(access.log_in(""), "");
+    const std::string cookie = access.log_in(control_token);
+    EXPECT_THAT(cookie, HasSubstr("; HttpOnly; SameSite=Strict; Secure"));
+    EXPECT_THAT(cookie, testing::Not(HasSubstr(control_token)));
+    const std::string pair = cookie.substr(0, cookie.find(';'));
+    Visitor visitor;
+    visitor.cookie = pair;
+    EXPECT_EQ(access.right_of(visitor), Right::control);
+    const std::string among_others = "a=b; " + pair + "; c=d";
+    visitor.cookie = among_others;
+    EXPECT_EQ(access.right_of(visitor), Right::control);
+    const std::string wrong = pair + "0";
+    visitor.cookie = wrong;
+    EXPECT_EQ(access.right_of(visitor), Right::none);
+    EXPECT_NE(access.log_in(view_token), cookie);
+}
+
+class TokenFileTest : public ::testing::Test {
+protected:
+    std::string written(const std::string& text, mode_t mode = 0600) {
+        const std::string path = folder_.write("tokens", text);
+        chmod(path.c_str(), mode);
+        return path;
+    }
+
+    std::string error_of(const std::string& path) {
+        try {
+            AccessRules rules;
+            read_tokens(path, rules);
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+        return "";
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(TokenFileTest, EachLineIsARightAndAToken) {
+    AccessRules rules;
+    read_tokens(
+        written("# of the robot\nview 0123456789abcdef\n\ncontrol fedcba9876543210\nview another-token-of-mine\n"),
+        rules);
+    EXPECT_THAT(rules.viewers, testing::ElementsAre("0123456789abcdef", "another-token-of-mine"));
+    EXPECT_THAT(rules.controllers, testing::ElementsAre("fedcba9876543210"));
+}
+
+TEST_F(TokenFileTest, AWrongLineIsNamed) {
+    for (const char* line : {"view short", "look 0123456789abcdef", "view", "view 0123456789 abcdef",
+                             "0123456789abcdef", "view\t0123456789abcdef"}) {
+        EXPECT_THAT(error_of(written(std::string("# one\n") + line + "\n")), HasSubstr("tokens:2: allowed: ")) << line;
+    }
+    EXPECT_THAT(error_of(written("# nobody\n")), HasSubstr("holds no token"));
+    EXPECT_THAT(error_of(folder_.path() + "/none"), HasSubstr("cannot be read"));
+    EXPECT_THAT(error_of(folder_.path()), HasSubstr("cannot be read"));
+}
+
+TEST_F(TokenFileTest, AFileThatOthersMayReadIsRefused) {
+    EXPECT_THAT(error_of(written("view 0123456789abcdef\n", 0644)), HasSubstr("chmod o-rw"));
+}
+
+}  // namespace
+}  // namespace disparityd::web

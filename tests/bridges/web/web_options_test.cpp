@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+
+#include "bridges/web/options.h"
+
+namespace disparityd::web {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string error_of(const Options& options) {
+    try {
+        options.settings();
+    } catch (const std::invalid_argument& error) {
+        return error.what();
+    }
+    return "";
+}
+
+Options at(const std::string& listen) {
+    Options options;
+    options.listen = listen;
+    return options;
+}
+
+TEST(WebOptionsTest, AnAddressAndAPort) {
+    EXPECT_EQ(at("127.0.0.1:8765").settings().port, 8765);
+    EXPECT_EQ(at("[::1]:0").settings().host, "::1");
+    for (const char* wrong : {"", ":", "8765", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1",
+                              "127.0.0.1:8765x", "robot:8765", "::1", "[::1]"}) {
+        EXPECT_THAT(error_of(at(wrong)), HasSubstr("--listen: found \"" + std::string(wrong) + "\", allowed: "))
+            << wrong;
+    }
+}
+
+TEST(WebOptionsTest, BeyondThisMachineOnlyWithTlsAndVisitorsThatAreKnown) {
+    for (const char* listen : {"0.0.0.0:8765", "[::]:8765", "192.168.1.5:8765"}) {
+        Options options = at(listen);
+        EXPECT_THAT(error_of(options), HasSubstr("other machines could look at the camera")) << listen;
+        options.certificate = "c.pem";
+        options.key = "k.pem";
+        EXPECT_THAT(error_of(options), HasSubstr("other machines could look")) << "nobody knows who looks";
+        options.client_authority = "a.pem";
+        EXPECT_EQ(error_of(options), "");
+    }
+    Options plain = at("0.0.0.0:8765");
+    plain.insecure = true;
+    EXPECT_EQ(error_of(plain), "");
+}
+
+TEST(WebOptionsTest, FilesOfTlsGoTogether) {
+    Options options;
+    options.certificate = "c.pem";
+    EXPECT_THAT(error_of(options), HasSubstr("--certificate and --key go together"));
+    options = {};
+    options.client_authority = "a.pem";
+    EXPECT_THAT(error_of(options), HasSubstr("--client-authority needs"));
+}
+
+TEST(WebOptionsTest, TheSocketHasItsForm) {
+    Options options;
+    options.socket = "/run/d.sock";
+    EXPECT_EQ(options.settings().daemon.socket, "unix:/run/d.sock");
+    options.socket = "robot";
+    EXPECT_THAT(error_of(options), HasSubstr("--socket: found 'robot', allowed: "));
+}
+
+}  // namespace
+}  // namespace disparityd::web

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// disparity-web beside a real daemon: what a visitor gets.
+#include <csignal>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/bridges/web/web_fixture.h"
+
+namespace disparityd::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr const char* as_json = "Content-Type: application/json\r\n";
+
+cv::Mat decoded(const std::string& bytes) {
+    return cv::imdecode(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), cv::IMREAD_UNCHANGED);
+}
+
+class WebPageTest : public WebTest {
+protected:
+    std::unique_ptr<DaemonProcess> start_daemon() {
+        return start_ready(config_text(scene, 160, 88, "[scan]\nenabled = true\n"));
+    }
+};
+
+TEST_F(WebPageTest, ThePageAndItsHeaders) {
+    const auto web = start_web();
+    const auto page = http(port(), "GET", "/");
+    ASSERT_TRUE(page);
+    EXPECT_EQ(page->status, 200U);
+    EXPECT_THAT(page->body, HasSubstr("<!doctype html>"));
+    EXPECT_THAT(page->head.at("content-security-policy"), StartsWith("default-src 'none'; script-src 'self'"));
+    EXPECT_EQ(page->head.at("x-content-type-options"), "nosniff");
+    const auto head = HttpClient(port());
+    EXPECT_EQ(http(port(), "GET", "/page.css")->head.at("content-type"), "text/css; charset=utf-8");
+}
+
+TEST_F(WebPageTest, NothingButThePagesFilesIsThere) {
+    const auto web = start_web();
+    for (const char* target : {"/../options.cpp", "/..%2f..%2fetc/passwd", "//etc/passwd", "/page.css/", "/PAGE.CSS",
+                               "/index.html", "/%00", "/?x", "/page.css?x=../../"}) {
+        const auto answer = http(port(), "GET", target);
+        ASSERT_TRUE(answer) << target;
+        const bool query = std::string(target).find('?') != std::string::npos;
+        EXPECT_EQ(answer->status, query ? 200U : 404U) << target;
+    }
+}
+
+TEST_F(WebPageTest, TheStatusIsTheDaemons) {
+    const auto web = start_web();
+    EXPECT_EQ(wait_for_daemon("gone")["status"], nullptr);
+    EXPECT_EQ(http(port(), "GET", "/healthz")->status, 503U);
+    const auto daemon = start_daemon();
+    const json status = wait_for_daemon("there");
+    EXPECT_EQ(status["status"]["method"], "census");
+    EXPECT_EQ(status["status"]["source"], scene);
+    EXPECT_EQ(http(port(), "GET", "/healthz")->body, "ok\n");
+    EXPECT_THAT(http(port(), "GET", "/metrics")->body, HasSubstr("\ndisparityd_up 1\n"));
+}
+
+TEST_F(WebPageTest, ADaemonThatIsKilledIsSaidAndItsNextOneFound) {
+    const auto web = start_web();
+    auto daemon = start_daemon();
+    wait_for_daemon("there");
+    WebSocketClient page(port(), "disparityd.live.v1");
+    page.send(R"({"type":"subscribe","images":["disparity"]})");
+    EXPECT_NE(next_frame(page), "");
+    daemon->send_signal(SIGKILL);
+    EXPECT_EQ(daemon->wait_for_exit(), 128 + SIGKILL);
+    EXPECT_NE(wait_for_daemon("gone")["why"], "");
+    daemon = start_daemon();
+    wait_for_daemon("there");
+    // The frames of the first daemon may still be on their way: those of the second one begin anew.
+    page.send(R"({"type":"seen","publish_index":0})");
+    std::uint64_t last = ~std::uint64_t{0};
+    for (bool anew = false; !anew;) {
+        const json frame = header_of(next_frame(page));
+        const auto index = frame["publish_index"].get<std::uint64_t>();
+        page.send(R"({"type":"seen","publish_index":)" + std::to_string(index) + "}");
+        anew = index < last && last != ~std::uint64_t{0};
+        last = index;
+        if (frame["sequence"].is_number() && index == 0) {
+            anew = true;
+        }
+    }
+    web->send_signal(SIGTERM);
+    EXPECT_EQ(web->wait_for_exit(), 0) << web->log();
+}
+
+TEST_F(WebPageTest, SnapshotsAreOfTheFrame) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    const cv::Mat disparity = decoded(http(port(), "GET", "/snapshot.png")->body);
+    EXPECT_EQ(disparity.type(), CV_16UC1);
+    EXPECT_EQ(disparity.size(), cv::Size(160, 88));
+    const cv::Mat left = decoded(http(port(), "GET", "/snapshot.png?image=left")->body);
+    EXPECT_EQ(left.type(), CV_8UC1);
+    const cv::Mat coloured = decoded(http(port(), "GET", "/snapshot.jpg?image=depth")->body);
+    EXPECT_EQ(coloured.type(), CV_8UC3);
+    EXPECT_THAT(http(port(), "GET", "/snapshot.ply")->body, StartsWith("ply\nformat binary_little_endian 1.0\n"));
+    EXPECT_EQ(http(port(), "GET", "/snapshot.png?image=x")->status, 400U);
+    const auto missing = http(port(), "GET", "/snapshot.png?image=depth_error");
+    EXPECT_EQ(missing->status, 404U);
+    EXPECT_THAT(missing->body, HasSubstr("= true in its configuration"));
+}
+
+TEST_F(WebPageTest, AStreamOfJpegs) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    HttpClient viewer(port());
+    const auto head = viewer.ask("GET", "/stream.mjpg?image=left&width=80");
+    ASSERT_TRUE(head);
+    EXPECT_EQ(head->head.at("content-type"), "multipart/x-mixed-replace; boundary=disparityd-frame");
+    for (int i = 0; i < 3; ++i) {
+        viewer.send("");  // nothing more is asked
+        const auto part = viewer.answer();
+        ASSERT_TRUE(part);
+    }
+}
+
+TEST_F(WebPageTest, FramesOfAWebSocket) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    WebSocketClient page(port(), "disparityd.live.v1");
+    EXPECT_EQ(page.protocol(), "disparityd.live.v1");
+    page.send(R"({"type":"subscribe","images":["left","disparity"],"cloud_step":4,"scan":true})");
+    page.send(R"({"type":"point","x":80,"y":44})");
+    json last;
+    for (int i = 0; i < 5; ++i) {
+        const std::string message = next_frame(page);
+        const json frame = header_of(message);
+        ASSERT_EQ(frame["images"].size(), 2U);
+        const json& disparity = frame["images"][1];
+        std::uint32_t head = 0;
+        std::memcpy(&head, message.data(), sizeof head);
+        const cv::Mat picture = decoded(
+            message.substr(4 + head + disparity["offset"].get<std::size_t>(), disparity["bytes"].get<std::size_t>()));
+        EXPECT_EQ(picture.size(), cv::Size(160, 88));
+        EXPECT_EQ(frame["scan"]["sectors"].size(), 72U);
+        EXPECT_EQ(frame["cloud"]["width"], 40);
+        if (!last.is_null()) {
+            EXPECT_GT(frame["publish_index"], last["publish_index"]);
+        }
+        last = frame;
+        page.send(R"({"type":"seen","publish_index":)" + frame["publish_index"].dump() + "}");
+    }
+    EXPECT_TRUE(last.contains("point"));
+}
+
+TEST_F(WebPageTest, APageThatSeesNothingGetsTwoFramesAndThenTheNewest) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    WebSocketClient page(port(), "disparityd.live.v1");
+    page.send(R"({"type":"subscribe","images":["disparity"]})");
+    next_frame(page);
+    const json second = header_of(next_frame(page));
+    // Ten statuses, that is five seconds, come without a frame between them.
+    for (int statuses = 0; statuses < 10;) {
+        const auto [text, message] = page.read();
+        ASSERT_TRUE(text) << "a third frame is under way";
+        statuses += json::parse(message)["type"] == "status" ? 1 : 0;
+    }
+    page.send(R"({"type":"seen","publish_index":)" + second["publish_index"].dump() + "}");
+    const json third = header_of(next_frame(page));
+    EXPECT_GT(third["skipped"], 5);
+    EXPECT_LT(third["age_ms"], 5000);
+}
+
+TEST_F(WebPageTest, ASlowPageGetsSmallerImages) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    WebSocketClient page(port(), "disparityd.live.v1");
+    page.send(R"({"type":"subscribe","images":["disparity"]})");
+    // Each frame is seen when two statuses have come after it, that is, half a second later at the earliest.
+    json frame;
+    while (frame["scale"] != 4) {
+        frame = header_of(next_frame(page));
+        for (int statuses = 0; statuses < 2;) {
+            const auto [text, message] = page.read();
+            statuses += text && json::parse(message)["type"] == "status" ? 1 : 0;
+            frame = text ? frame : header_of(message);
+        }
+        page.send(R"({"type":"seen","publish_index":)" + frame["publish_index"].dump() + "}");
+    }
+    EXPECT_EQ(frame["images"][0]["width"], 40);
+}
+
+TEST_F(WebPageTest, FoxglovesViewersAreGreeted) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    wait_for_daemon("there");
+    for (const char* protocol : {"foxglove.sdk.v1", "foxglove.websocket.v1"}) {
+        WebSocketClient viewer(port(), protocol);
+        EXPECT_EQ(viewer.protocol(), protocol);
+        EXPECT_EQ(json::parse(viewer.read().second)["op"], "serverInfo");
+        const json advertise = json::parse(viewer.read().second);
+        EXPECT_EQ(advertise["op"], "advertise");
+        json depth;
+        for (const json& channel : advertise["channels"]) {
+            depth = channel["topic"] == "/disparity" ? channel["id"] : depth;
+        }
+        viewer.send(json{{"op", "subscribe"}, {"subscriptions", {{{"id", 5}, {"channelId", depth}}}}}.dump());
+        const std::string message = next_frame(viewer);
+        EXPECT_EQ(message[0], 1);
+        EXPECT_EQ(message[1], 5);
+    }
+}
+
+TEST_F(WebPageTest, ControlIsARightOfItsOwn) {
+    const auto daemon = start_daemon();
+    const auto looks = start_web();
+    wait_for_daemon("there");
+    const std::string start = R"({"path":"a.mkv"})";
+    EXPECT_EQ(http(port(), "POST", "/api/recording", as_json, start)->status, 403U);
+    EXPECT_EQ(http(port(), "DELETE", "/api/recording")->status, 403U);
+    EXPECT_EQ(http(port(), "POST", "/api/camera", as_json, R"({"name":"gain-left","value":1})")->status, 403U);
+    EXPECT_EQ(json::parse(http(port(), "GET", "/api/session")->body)["control"], false);
+    const auto controls = start_web({"--allow-control"});
+    const auto started = http(port(), "POST", "/api/recording", as_json, start);
+    EXPECT_EQ(started->status, 200U) << started->body;
+    EXPECT_EQ(json::parse(started->body)["active"], true);
+    EXPECT_EQ(http(port(), "POST", "/api/recording", as_json, start)->status, 409U);
+    EXPECT_EQ(http(port(), "POST", "/api/recording", "Content-Type: text/plain\r\n", start)->status, 400U);
+    EXPECT_EQ(http(port(), "POST", "/api/recording", as_json, "{")->status, 400U);
+    EXPECT_EQ(http(port(), "PUT", "/api/recording")->status, 400U);
+    const auto stopped = http(port(), "DELETE", "/api/recording");
+    EXPECT_EQ(stopped->status, 200U) << stopped->body;
+    EXPECT_THAT(http(port(), "GET", "/api/camera")->body, HasSubstr("is no camera"));
+}
+
+TEST_F(WebPageTest, TokensOpenTheDoor) {
+    const auto daemon = start_daemon();
+    const std::string tokens = folder_.write("tokens", "view 0123456789abcdef\ncontrol fedcba9876543210\n");
+    chmod(tokens.c_str(), 0600);
+    const auto web = start_web({"--token-file", tokens});
+    EXPECT_EQ(http(port(), "GET", "/")->status, 200U) << "the page asks for the token";
+    EXPECT_EQ(http(port(), "GET", "/api/status")->status, 401U);
+    EXPECT_EQ(http(port(), "GET", "/metrics")->status, 401U);
+    EXPECT_EQ(http(port(), "GET", "/snapshot.png")->status, 401U);
+    EXPECT_EQ(http(port(), "GET", "/stream.mjpg")->status, 401U);
+    EXPECT_THROW(WebSocketClient(port(), "disparityd.live.v1"), boost::system::system_error);
+    EXPECT_EQ(http(port(), "GET", "/api/status", "Authorization: Bearer 0123456789abcdef\r\n")->status, 200U);
+    EXPECT_EQ(http(port(), "DELETE", "/api/recording", "Authorization: Bearer 0123456789abcdef\r\n")->status, 403U);
+    const auto session = http(port(), "POST", "/api/session", as_json, R"({"token":"fedcba9876543210"})");
+    ASSERT_EQ(session->status, 200U);
+    EXPECT_EQ(json::parse(session->body)["control"], true);
+    const std::string cookie = session->head.at("set-cookie");
+    EXPECT_EQ(http(port(), "GET", "/api/status", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n")->status,
+              200U);
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"wrong"})")->status, 403U);
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"fedcba9876543210"})")->status, 429U)
+        << "guessing is slow";
+}
+
+}  // namespace
+}  // namespace disparityd::test
