@@ -6,9 +6,13 @@ import { duration, make, write } from './text.js'
 
 const SHOWN_MS = 90000
 
+const shades = new Map() // a frame of the radar asks more than a hundred times
+matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => shades.clear())
+
 /** A colour of page.css by its name, such as "accent", for canvases. */
 export function shade(name) {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim()
+  if (!shades.has(name)) shades.set(name, getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim())
+  return shades.get(name)
 }
 
 /** A canvas as large as the screen's pixels, cleared. Returns { context, width, height } in CSS px, or null while it is not shown. */

@@ -22,6 +22,7 @@ export class Picture {
       this.canvas.height = image.bitmap.height
     }
     this.figure.style.aspectRatio = `${whole.width} / ${whole.height}`
+    this.figure.style.setProperty('--ratio', whole.width / whole.height)
     this.context.drawImage(image.bitmap, 0, 0)
     this.canvas.dataset.publishIndex = whole.publish_index
     this.figure.classList.add('has-picture')

@@ -328,8 +328,13 @@ async function checkAll(session) {
   await step('hidden', () => checkHidden(page))
   await step('the daemon is killed and comes back', () => checkDaemonRestart(page, session, daemon))
   await step('values at the pointer, JPEG', () => checkPointer(page, web.address))
+  // The page takes from raw values what the shown image has, and the rest from the server's answer.
   await choose(page, 'encoding', 'lossless')
-  await step('values at the pointer, lossless', () => checkPointer(page, web.address))
+  for (const image of ['disparity', 'depth', 'confidence', 'depth_error']) {
+    await choose(page, 'image', image)
+    await until(`raw values of ${image}`, async () => (await page.textContent('#picture-right figcaption')) === image.replace('_', ' '))
+    await step(`values at the pointer, lossless, ${image}`, () => checkPointer(page, web.address))
+  }
   await step('colours are those of the server', () => checkColours(page))
   await step('tokens', () => checkTokens(session))
   await step('a phone', () => checkPhone(session, web.address))
