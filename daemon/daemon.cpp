@@ -67,8 +67,12 @@ Daemon::Daemon(DaemonOptions options, Config config)
                                        [this](std::uint64_t client) { recording_.client_is_gone(client); },
                                        [this](const v1::CameraRequest& request, SessionHost::CameraAnswer answer) {
                                            camera_.ask(request, std::move(answer));
+                                       },
+                                       [this](const v1::TraceRequest& request, SessionHost::TraceAnswer answer) {
+                                           trace_.ask(request, std::move(answer));
                                        }}),
-      camera_([this] { return engine(); }) {
+      camera_([this] { return engine(); }),
+      trace_(control_, [this] { return engine(); }) {
     recording_.configure(record_rules(config_));
 }
 

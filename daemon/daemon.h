@@ -26,6 +26,7 @@
 #include "daemon/service_manager.h"
 #include "daemon/shared_memory_publisher.h"
 #include "daemon/socket/socket_server.h"
+#include "daemon/trace_service.h"
 
 namespace disparityd::daemon {
 
@@ -133,7 +134,8 @@ private:
     std::unique_ptr<SharedMemoryPublisher> shared_memory_;  ///< the publish thread's while an engine runs
     SocketServer server_;                                   ///< outlives recording_, which answers through it
     RecordingControl recording_;
-    CameraControlService camera_;  ///< answers through the server too
+    CameraControlService camera_;  ///< answers through the server too, as the next one
+    TraceService trace_;
 };
 
 }  // namespace disparityd::daemon

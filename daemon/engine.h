@@ -91,6 +91,9 @@ public:
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
 
+    /// Records what the threads of this engine do; see pipeline::Tracer.
+    pipeline::Tracer& tracer() { return workers_.tracer(); }
+
     std::string stuck_stage(std::chrono::milliseconds limit) const;
 
 private:

@@ -11,14 +11,16 @@ using std::chrono::steady_clock;
 
 CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
                            RectificationSchedule& rectifications, Pipeline::RawTap raw_tap,
-                           std::optional<GravityFilter> gravity)
+                           std::optional<GravityFilter> gravity, TraceTrack& trace, std::uint16_t trace_name)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
       first_stage_(first_stage),
       rectifications_(rectifications),
       raw_tap_(std::move(raw_tap)),
-      gravity_(std::move(gravity)) {}
+      gravity_(std::move(gravity)),
+      trace_(trace),
+      trace_name_(trace_name) {}
 
 void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping) {
     bool ended = false;
@@ -32,6 +34,7 @@ void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<
         if (result == CaptureResult::nothing) {
             continue;
         }
+        TraceSpan work(trace_, TraceKind::work, trace_name_);
         const auto start = steady_clock::now();
         FrameSlot* slot = policy_ == Policy::live ? slot_for_newest(pending, heartbeat, stopping, ended)
                                                   : slot_for_replay(heartbeat, stopping);
@@ -43,13 +46,15 @@ void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<
         slot->captured = start;
         slot->step_times[0] = steady_clock::now() - start - waited;
         time.record(slot->step_times[0]);
+        work.set_frame(pending.frame.sequence);
+        slot->queued_ns = work.on() ? TraceSpan::now_ns() : 0;
         enqueue(slot, std::move(pending));
     }
 }
 
 CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, steady_clock::time_point deadline) {
     capture::RawFrame& frame = pending.frame;
-    switch (source_.next(frame, deadline)) {
+    switch (next_of_source(frame, deadline)) {
         case capture::FrameSource::Next::timeout: return CaptureResult::nothing;
         case capture::FrameSource::Next::end:
         case capture::FrameSource::Next::interrupted: return CaptureResult::end;
@@ -76,7 +81,13 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     return CaptureResult::frame;
 }
 
+capture::FrameSource::Next CaptureStage::next_of_source(capture::RawFrame& frame, steady_clock::time_point deadline) {
+    const TraceSpan span(trace_, TraceKind::wait_source, trace_name_);
+    return source_.next(frame, deadline);
+}
+
 FrameSlot* CaptureStage::slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping) {
+    const TraceSpan span(trace_, TraceKind::wait_room, trace_name_);
     FrameSlot* slot = nullptr;
     while (!free_slots_.take(slot, heartbeat_interval)) {
         heartbeat.beat();

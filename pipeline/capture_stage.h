@@ -11,6 +11,7 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
 #include "pipeline/stage_queue.h"
+#include "pipeline/trace.h"
 
 namespace disparityd::pipeline {
 
@@ -27,7 +28,8 @@ public:
 
     /// `gravity`: gets the samples of all captured frames; nothing where nobody asks where up is.
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::optional<GravityFilter> gravity);
+                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::optional<GravityFilter> gravity,
+                 TraceTrack& trace, std::uint16_t trace_name);
 
     /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
@@ -45,6 +47,7 @@ private:
     };
 
     CaptureResult next_frame(PendingFrame& pending, std::chrono::steady_clock::time_point deadline);
+    capture::FrameSource::Next next_of_source(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline);
     FrameSlot* slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping);
     FrameSlot* slot_for_newest(PendingFrame& pending, Heartbeat& heartbeat, const std::atomic<bool>& stopping,
                                bool& ended);
@@ -58,6 +61,8 @@ private:
     RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
     std::optional<GravityFilter> gravity_;
+    TraceTrack& trace_;
+    const std::uint16_t trace_name_;
     Counters counters_;
     std::uint64_t lost_ = 0;  ///< frames lost since the last one that was enqueued
 };

@@ -37,6 +37,7 @@ public:
     Scan scan;                          ///< for the sink; no sectors where none is made
     std::uint64_t dropped_before = 0;   ///< frames that source or pipeline lost since the previous published frame
 
+    std::int64_t queued_ns = 0;  ///< when it was put into a queue, of the steady clock; 0 where nobody traces
     std::chrono::steady_clock::time_point captured;    ///< when the capture stage got it
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/pipeline.h"
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -74,6 +76,14 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         scanner_ = std::make_unique<ObstacleScanner>(matcher.config().width, matcher.config().height, *config.scan,
                                                      fastest_frame_steps());
     }
+    Tracer& tracer = workers.tracer();
+    for (std::size_t i = 0; i < heartbeats_.size(); ++i) {
+        const std::string name(thread_name(i));
+        traced_.push_back({std::make_unique<TraceTrack>(tracer, name), tracer.index_of(name)});
+    }
+    for (const std::string& name : step_names_) {
+        traced_steps_.push_back(tracer.index_of(name));
+    }
     // Live: one waiting frame keeps a stage busy; more would only be older.
     const auto capacity = config.policy == Policy::live ? 1U : static_cast<std::size_t>(config.slots);
     for (std::size_t i = 0; i <= matcher.stages().size(); ++i) {
@@ -88,8 +98,9 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         }
         free_slots_->put_back(slots_.back().get());
     }
-    capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
-                                                    std::move(raw_tap), gravity_filter(config));
+    capture_stage_ =
+        std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
+                                       std::move(raw_tap), gravity_filter(config), *traced_[0].track, traced_[0].name);
 }
 
 Pipeline::~Pipeline() {
@@ -245,30 +256,78 @@ void Pipeline::stage_loop(std::size_t stage) {
     FrameSlot* slot = nullptr;
     do {
         // Room first, frame second: while the stage waits for room, capture may still replace the frame by a newer one.
-        next.reserve(heartbeat);
-        slot = queues_[stage]->take(heartbeat);
+        {
+            const TraceSpan span(*traced_[stage + 1].track, TraceKind::wait_room, traced_[stage + 1].name);
+            next.reserve(heartbeat);
+        }
+        slot = take(stage + 1);
         if (slot != nullptr) {
             work(stage, *slot);
         } else {
             finished_[stage + 1].store(true, std::memory_order_relaxed);
         }
-        next.put(slot);
+        put(next, slot);
     } while (slot != nullptr);
+}
+
+/// Waits for the next slot of the queue in front of a thread.
+FrameSlot* Pipeline::take(std::size_t thread) {
+    const Traced& traced = traced_[thread];
+    FrameSlot* slot = nullptr;
+    {
+        const TraceSpan span(*traced.track, TraceKind::wait_frame, traced.name);
+        slot = queues_[thread - 1]->take(heartbeats_[thread]);
+    }
+    if (slot != nullptr && slot->queued_ns != 0 && traced.track->on()) {
+        traced.track->add({slot->queued_ns, TraceSpan::now_ns(), slot->raw.sequence, traced.name, TraceKind::queued});
+    }
+    return slot;
+}
+
+void Pipeline::put(StageQueue& queue, FrameSlot* slot) {
+    if (slot != nullptr) {
+        slot->queued_ns = workers_.tracer().on() ? TraceSpan::now_ns() : 0;
+    }
+    queue.put(slot);
+}
+
+/// Records the steps of a stage one after the other: a matcher measures them so.
+void Pipeline::trace_steps(std::size_t stage, const FrameSlot& slot, const Period& work) {
+    std::int64_t begin = work.begin_ns;
+    for (std::size_t i = 0; i < matcher_.stages()[stage].steps.size(); ++i) {
+        const std::size_t step = first_step_[stage] + i;
+        const std::int64_t end = std::min<std::int64_t>(begin + slot.step_times[step].count(), work.end_ns);
+        traced_[stage + 1].track->add({begin, end, slot.raw.sequence, traced_steps_[step], TraceKind::step});
+        begin = end;
+    }
 }
 
 void Pipeline::work(std::size_t stage, FrameSlot& slot) {
     const std::size_t first = first_step_[stage];
     const std::span<std::chrono::nanoseconds> times(&slot.step_times[first], matcher_.stages()[stage].steps.size());
+    std::optional<Period> traced_work;
     if (!failed_.load(std::memory_order_relaxed)) {
         try {
+            const Traced& traced = traced_[stage + 1];
+            std::optional<TraceSpan> waiting;
+            waiting.emplace(*traced.track, TraceKind::wait_slot, traced.name, slot.raw.sequence);
             const WorkerPool::ComputeSlot compute_slot(workers_);
+            waiting.reset();
+            trace_work = {slot.raw.sequence, traced.name};
+            const TraceSpan span(*traced.track, TraceKind::work, traced.name, slot.raw.sequence);
             matcher_.run(static_cast<int>(stage), slot.view, workers_, times);
+            if (span.on()) {
+                traced_work = {span.begin_ns(), TraceSpan::now_ns()};
+            }
         } catch (...) {
             fail();
         }
     }
     for (std::size_t i = 0; i < times.size(); ++i) {
         times_[first + i].record(times[i]);
+    }
+    if (traced_work) {
+        trace_steps(stage, slot, *traced_work);  // after they were counted: no trace has more than the status
     }
     if (stage == 0) {
         source_.give_back(slot.raw);
@@ -279,7 +338,7 @@ void Pipeline::work(std::size_t stage, FrameSlot& slot) {
 void Pipeline::publish_loop() {
     const std::size_t thread = heartbeats_.size() - 1;
     name_this_thread(thread_name(thread));
-    while (FrameSlot* slot = queues_.back()->take(heartbeats_[thread])) {
+    while (FrameSlot* slot = take(thread)) {
         if (!failed_.load(std::memory_order_relaxed) && make_scan(*slot)) {
             publish(*slot);
         }
@@ -297,6 +356,7 @@ bool Pipeline::make_scan(FrameSlot& slot) {
     if (!scanner_) {
         return true;
     }
+    const TraceSpan span(*traced_.back().track, TraceKind::work, traced_steps_.back(), slot.raw.sequence);
     const auto start = steady_clock::now();
     const calibration::Rectification& used = *slot.rectification;
     try {
@@ -312,6 +372,7 @@ bool Pipeline::make_scan(FrameSlot& slot) {
 }
 
 void Pipeline::publish(const FrameSlot& slot) {
+    const TraceSpan span(*traced_.back().track, TraceKind::work, traced_.back().name, slot.raw.sequence);
     const auto start = steady_clock::now();
     // Counted first: a client that has received a frame reads a status that counts it.
     published_.fetch_add(1, std::memory_order_release);

@@ -25,6 +25,7 @@
 #include "pipeline/histogram.h"
 #include "pipeline/rate_meter.h"
 #include "pipeline/rectification_schedule.h"
+#include "pipeline/trace.h"
 #include "pipeline/worker_pool.h"
 
 namespace disparityd::pipeline {
@@ -118,6 +119,18 @@ private:
     Pipeline(const PipelineConfig& config, capture::FrameSource& source, Matcher& matcher, WorkerPool& workers,
              std::unique_ptr<RectificationSchedule> own, RectificationSchedule* borrowed, Sink sink, RawTap raw_tap);
 
+    /// Of the steady clock.
+    struct Period {
+        std::int64_t begin_ns = 0;
+        std::int64_t end_ns = 0;
+    };
+
+    /// A thread's track, and how its work is called there.
+    struct Traced {
+        std::unique_ptr<TraceTrack> track;
+        std::uint16_t name = 0;
+    };
+
     void check(const PipelineConfig& config, const calibration::Rectification& rectification) const;
     void start_thread(std::function<void()> loop);
     void open_gate(Gate gate);
@@ -127,7 +140,10 @@ private:
     void keep_failure() noexcept;
     void capture_loop();
     void stage_loop(std::size_t stage);
+    FrameSlot* take(std::size_t thread);
+    void put(StageQueue& queue, FrameSlot* slot);
     void work(std::size_t stage, FrameSlot& slot);
+    void trace_steps(std::size_t stage, const FrameSlot& slot, const Period& work);
     void publish_loop();
     bool make_scan(FrameSlot& slot);  ///< false: it failed, and so does the pipeline
     void publish(const FrameSlot& slot);
@@ -143,6 +159,8 @@ private:
     std::vector<std::string> step_names_;
     std::vector<std::size_t> first_step_;      ///< per matcher stage, an index of step_names_
     std::vector<Histogram> times_;             ///< per step, then "publish" and "total"
+    std::vector<std::uint16_t> traced_steps_;  ///< per step, its name in the tracer
+    std::vector<Traced> traced_;               ///< per thread, as heartbeats_
     std::vector<Heartbeat> heartbeats_;        ///< per thread: capture, the matcher's stages, publish
     std::vector<std::atomic<bool>> finished_;  ///< per thread, as heartbeats_
     std::vector<std::unique_ptr<FrameSlot>> slots_;

@@ -3,6 +3,8 @@
 
 #include <condition_variable>
 #include <exception>
+#include <memory>
+#include <string>
 #include <thread>
 
 #include "base/start_thread.h"
@@ -35,6 +37,7 @@ struct WorkerPool::Job {
 
     const int count;
     FunctionRef<void(int)> task;
+    const TraceWork work = trace_work;  ///< of the caller
     std::atomic<int> next{0};
     std::atomic<bool> failed{false};
     std::exception_ptr failure;  ///< read by the caller when all helpers have left
@@ -54,6 +57,7 @@ struct WorkerPool::Waiter {
 };
 
 struct WorkerPool::Helper {
+    std::unique_ptr<TraceTrack> track;
     std::thread thread;
     Job* job = nullptr;              ///< what it works at; null: it lingers, or sleeps without a compute slot
     bool begun = false;              ///< whether it is awake and works at `job`
@@ -69,7 +73,9 @@ WorkerPool::WorkerPool(int workers, Pinning pinning)
       free_slots_(workers_),
       helpers_(static_cast<std::size_t>(workers_ - 1)) {
     try {
+        int number = 0;
         for (Helper& helper : helpers_) {
+            helper.track = std::make_unique<TraceTrack>(tracer_, "worker " + std::to_string(++number));
             helper.thread = base::start_thread([this, &helper] { help(helper); });
         }
     } catch (...) {
@@ -182,7 +188,10 @@ void WorkerPool::help(Helper& self) {
             lock.unlock();
             // A job that has come since may need help more. A stage that waits for a slot goes first: it has a
             // frame.
-            while (changes_.load(std::memory_order_relaxed) == chosen_at && job.run_one()) {
+            {
+                const TraceSpan span(*self.track, TraceKind::help, job.work.name, job.work.frame);
+                while (changes_.load(std::memory_order_relaxed) == chosen_at && job.run_one()) {
+                }
             }
             lock.lock();
             leave(self, job, lock);
@@ -222,9 +231,12 @@ void WorkerPool::linger(Helper& self, std::unique_lock<std::mutex>& lock) {
     const unsigned seen = changes_.load(std::memory_order_relaxed);
     self.lingering = true;
     lock.unlock();
-    spin_until([&] {
-        return changes_.load(std::memory_order_relaxed) != seen || callers_.load(std::memory_order_relaxed) == 0;
-    });
+    {
+        const TraceSpan span(*self.track, TraceKind::awake, 0);
+        spin_until([&] {
+            return changes_.load(std::memory_order_relaxed) != seen || callers_.load(std::memory_order_relaxed) == 0;
+        });
+    }
     lock.lock();
     self.lingering = false;
 }

@@ -12,6 +12,7 @@
 #include "kernels/parallel.h"
 #include "pipeline/core_allocator.h"
 #include "pipeline/fifo_list.h"
+#include "pipeline/trace.h"
 
 namespace disparityd::pipeline {
 
@@ -46,6 +47,10 @@ public:
         std::string text;  ///< "pinned, each to one of cores 0-3, 6", or "not pinned to cores: " and why
     };
     Placement placement() const;
+
+    /// Records what the helpers do, and whoever else adds a track to it. Helpers name the work as trace_work of the
+    /// thread that they help.
+    Tracer& tracer() { return tracer_; }
 
     /// How many threads wait for a compute slot at this moment.
     int waiting() const;
@@ -91,6 +96,7 @@ private:
     bool pin(pthread_t thread, int core);
 
     const int workers_;
+    Tracer tracer_;
     mutable std::mutex mutex_;
     CoreAllocator cores_;
     FifoList<Job> jobs_;

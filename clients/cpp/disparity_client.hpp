@@ -372,6 +372,10 @@ public:
     std::string control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,
                                std::chrono::milliseconds timeout);
 
+    /// Has the daemon record what its threads do in the next `seconds` (0.1 to 10), waits for that and returns a
+    /// serialized disparityd.v1.Trace. `timeout` counts from the end of that time.
+    std::string trace(double seconds, std::chrono::milliseconds timeout);
+
 private:
     class Impl;
     std::unique_ptr<Impl> impl_;

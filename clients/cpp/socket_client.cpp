@@ -31,6 +31,12 @@ constexpr milliseconds send_timeout{5000};
 /// The daemon must answer the Hello of a new connection within this time, over any number of calls.
 constexpr milliseconds hello_timeout{5000};
 
+/// The daemon refuses longer ones.
+constexpr double longest_trace_s = 10;
+
+/// Is several times what the longest trace takes.
+constexpr std::size_t most_trace_bytes = std::size_t{64} << 20;
+
 /// Passes between two attempts to connect again.
 constexpr milliseconds reconnect_interval{100};
 
@@ -136,6 +142,24 @@ public:
         return ask(request, v1::Envelope::kRecordStatus, "a recording request", timeout)
             .record_status()
             .SerializeAsString();
+    }
+
+    std::string trace(double seconds, milliseconds timeout) {
+        v1::Envelope request;
+        request.mutable_trace_request()->set_seconds(seconds);
+        const auto recorded = std::chrono::ceil<milliseconds>(
+            std::chrono::duration<double>(seconds > 0 ? std::min(seconds, longest_trace_s) : 0.0));
+        const Deadline deadline = after(timeout + recorded);
+        const v1::Trace* part = &ask(request, v1::Envelope::kTrace, "a trace request", timeout + recorded).trace();
+        std::string parts = part->SerializeAsString();
+        while (!part->last()) {
+            if (parts.size() > most_trace_bytes) {
+                fail("sent a trace that does not end");
+            }
+            part = &wait_for(v1::Envelope::kTrace, "a trace request", deadline).trace();
+            parts += part->SerializeAsString();  // messages behind each other are one message
+        }
+        return parts;
     }
 
 private:
@@ -372,6 +396,10 @@ std::string SocketClient::stop_recording(milliseconds timeout) {
     v1::Envelope request;
     request.mutable_record_stop();
     return impl_->record(request, timeout);
+}
+
+std::string SocketClient::trace(double seconds, milliseconds timeout) {
+    return impl_->trace(seconds, timeout);
 }
 
 std::string SocketClient::control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,

@@ -26,7 +26,7 @@ constexpr std::chrono::seconds hello_timeout{5};
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
 constexpr std::string_view messages_of_clients =
-    "hello, subscribe, status_request, record_start, record_stop, camera_request";
+    "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request";
 
 }  // namespace
 
@@ -242,6 +242,7 @@ void ClientSession::handle(const v1::Envelope& message) {
         case v1::Envelope::kRecordStart: start_recording(message.record_start()); break;
         case v1::Envelope::kRecordStop: stop_recording(); break;
         case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
+        case v1::Envelope::kTraceRequest: trace(message.trace_request()); break;
         case v1::Envelope::BODY_NOT_SET:  // a newer client, which works without the answer
             send_error(fmt::format("Envelope: no message that disparityd {} knows, allowed: {}", DISPARITYD_VERSION,
                                    messages_of_clients),
@@ -411,6 +412,22 @@ void ClientSession::control_camera(const v1::CameraRequest& request) {
         self->guarded([&] {
             v1::Envelope answer;
             *answer.mutable_camera_controls() = controls;
+            self->answer_later(std::move(answer), refusal);
+        });
+    });
+}
+
+void ClientSession::trace(const v1::TraceRequest& request) {
+    host_.trace(request, [self = shared_from_this(), question = ask()](const SessionHost::TraceParts& parts,
+                                                                       const std::string& refusal) {
+        self->guarded([&] {
+            v1::Envelope answer;
+            for (std::size_t i = 0; parts && i < parts->size(); ++i) {
+                *answer.mutable_trace() = (*parts)[i];
+                if (i + 1 < parts->size()) {
+                    self->send(answer);
+                }
+            }
             self->answer_later(std::move(answer), refusal);
         });
     });

@@ -58,6 +58,10 @@ public:
     /// The same for requests about the camera.
     using CameraAnswer = std::function<void(const v1::CameraControls& controls, const std::string& refusal)>;
 
+    /// The same for traces: the parts of one, at least one where nothing is refused.
+    using TraceParts = std::shared_ptr<const std::vector<v1::Trace>>;
+    using TraceAnswer = std::function<void(TraceParts parts, const std::string& refusal)>;
+
     virtual ~SessionHost() = default;
     virtual const StreamLayout& layout() const = 0;
     virtual FrameRing& frames() = 0;
@@ -70,14 +74,15 @@ public:
     virtual void start_recording(const RecordRequest& request, RecordAnswer answer) = 0;
     virtual void stop_recording(RecordAnswer answer) = 0;
     virtual void control_camera(const v1::CameraRequest& request, CameraAnswer answer) = 0;
+    virtual void trace(const v1::TraceRequest& request, TraceAnswer answer) = 0;
     virtual void subscription_changed() = 0;
     virtual void closed(std::uint64_t id) noexcept = 0;
 };
 
 /// One connection: reads requests, writes answers and frames, and closes when a rule is broken. Its memory is bounded:
-/// one incoming message (1 MiB at most), a few answers, one outgoing frame and one compressed frame behind it. Frames
-/// that wait belong to the server (FrameRing). A client that does not read stays connected; frames are skipped for it.
-/// Used by the server's thread only.
+/// one incoming message (1 MiB at most), a few answers or a trace (12 MiB at most), one outgoing frame and one
+/// compressed frame behind it. Frames that wait belong to the server (FrameRing). A client that does not read stays
+/// connected; frames are skipped for it. Used by the server's thread only.
 class ClientSession : public std::enable_shared_from_this<ClientSession>, public FrameCompressor::Client {
 public:
     using Socket = boost::asio::generic::stream_protocol::socket;
@@ -153,6 +158,7 @@ private:
     void stop_recording();
     SessionHost::RecordAnswer record_answer();
     void control_camera(const v1::CameraRequest& request);
+    void trace(const v1::TraceRequest& request);
     void answer_later(v1::Envelope answer, const std::string& refusal);
     void send(v1::Envelope message);
     void send_error(const std::string& why, bool closing);

@@ -347,6 +347,12 @@ void SocketServer::control_camera(const v1::CameraRequest& request, CameraAnswer
         });
 }
 
+void SocketServer::trace(const v1::TraceRequest& request, TraceAnswer answer) {
+    services_.trace(request, [this, answer = std::move(answer)](TraceParts parts, const std::string& refusal) {
+        asio::post(io_, [answer, parts = std::move(parts), refusal] { answer(parts, refusal); });
+    });
+}
+
 void SocketServer::subscription_changed() {
     std::uint32_t wanted = 0;
     bool sensors = false;

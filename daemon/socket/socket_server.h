@@ -49,6 +49,7 @@ struct SocketServices {
     std::function<bool(std::uint64_t client)> is_recording_for;  ///< RecordRequest::client; empty: never
     std::function<void(std::uint64_t client)> client_is_gone;    ///< RecordRequest::client; empty: not reported
     std::function<void(const v1::CameraRequest& request, SessionHost::CameraAnswer answer)> control_camera;
+    std::function<void(const v1::TraceRequest& request, SessionHost::TraceAnswer answer)> trace;
 };
 
 /// Serves frames and status over TCP and a Unix socket, in one thread of its own. The publisher never waits for it: it
@@ -119,6 +120,7 @@ private:
     void start_recording(const RecordRequest& request, RecordAnswer answer) override;
     void stop_recording(RecordAnswer answer) override;
     void control_camera(const v1::CameraRequest& request, CameraAnswer answer) override;
+    void trace(const v1::TraceRequest& request, TraceAnswer answer) override;
     void subscription_changed() override;
     void closed(std::uint64_t id) noexcept override;
 

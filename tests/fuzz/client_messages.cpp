@@ -34,6 +34,9 @@ public:
     }
     void stop_recording(RecordAnswer answer) override { answer({}, ""); }
     void control_camera(const v1::CameraRequest&, CameraAnswer answer) override { answer({}, ""); }
+    void trace(const v1::TraceRequest& request, TraceAnswer answer) override {
+        answer(std::make_shared<std::vector<v1::Trace>>(request.seconds() > 0 ? 2 : 0), "");
+    }
     void subscription_changed() override {}
     void closed(std::uint64_t) noexcept override { closed_ = true; }
 

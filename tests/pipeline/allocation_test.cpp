@@ -65,6 +65,7 @@ public:
     }
 
     std::uint64_t published() const { return published_.load(); }
+    Tracer& tracer() { return workers_.tracer(); }
 
 private:
     static constexpr int slots = 4;
@@ -131,6 +132,18 @@ TEST_P(NoAllocation, FromCaptureToSharedMemory) {
     counted_memory::reset();
     chain.wait_for(before + 60);
     EXPECT_EQ(counted_memory::calls(), 0U);
+}
+
+TEST_P(NoAllocation, WhileATraceIsTaken) {
+    Chain chain(GetParam().options());
+    chain.wait_for(20);
+    chain.tracer().begin();
+    chain.wait_for(chain.published() + 2);  // every thread has written an event
+    const std::uint64_t before = chain.published();
+    counted_memory::reset();
+    chain.wait_for(before + 40);
+    EXPECT_EQ(counted_memory::calls(), 0U);
+    EXPECT_FALSE(chain.tracer().end().tracks.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, NoAllocation,

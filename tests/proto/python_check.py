@@ -8,7 +8,11 @@ import gc
 import os
 import pickle
 import resource
+import socket
+import struct
 import sys
+import tempfile
+import threading
 import time
 
 try:
@@ -134,6 +138,40 @@ def check_sensors(sensors):
     assert second.environment.hectopascal == 1013.25 and second.frame_sync and not second.HasField("inertial")
 
 
+def check_trace():
+    """A trace that comes in two parts is one message."""
+    from disparity import disparity_pb2 as pb
+
+    def send(end, envelope):
+        data = envelope.SerializeToString()
+        end.sendall(struct.pack("<I", len(data)) + data)
+
+    def receive(end):
+        length, = struct.unpack("<I", end.recv(4, socket.MSG_WAITALL))
+        return pb.Envelope.FromString(end.recv(length, socket.MSG_WAITALL))
+
+    def serve(listener):
+        end, _ = listener.accept()
+        with end:
+            receive(end)
+            send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=1)))
+            asked.append(receive(end).trace_request.seconds)
+            send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="first")])))
+            send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="second")], duration_ns=7, last=True)))
+
+    asked = []
+    with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(folder + "/s")
+        listener.listen()
+        server = threading.Thread(target=serve, args=(listener,))
+        server.start()
+        with disparity.SocketClient("unix:" + folder + "/s") as client:
+            trace = client.trace(0.5)
+        server.join()
+    assert asked == [0.5] and trace.last and trace.duration_ns == 7
+    assert [track.name for track in trace.tracks] == ["first", "second"]
+
+
 def check_absent_memory(name):
     """A reader that waits for its daemon, and one that does not."""
     try:
@@ -203,6 +241,7 @@ def main():
     check_refusals()
     check_words()
     check_limits()
+    check_trace()
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
     with disparity.SocketClient(address) as client:
         client.subscribe(products, sensors=True)

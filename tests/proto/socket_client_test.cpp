@@ -293,6 +293,32 @@ TEST(SocketClient, FramesBeforeAnAnswerAreKeptForRead) {
     EXPECT_EQ(client.take_status(), "");
 }
 
+TEST(SocketClient, PartsOfATraceAreOneMessage) {
+    FakeDaemon daemon([](ServerEnd& end) {
+        end.greet();
+        v1::Envelope request;
+        end.receive(request);
+        EXPECT_EQ(request.trace_request().seconds(), 0.5);
+        v1::Envelope part;
+        part.mutable_trace()->add_tracks()->set_name("first");
+        end.send(part);
+        end.send(frame_message(1), bytes_of(12));
+        part.mutable_trace()->mutable_tracks(0)->set_name("second");
+        part.mutable_trace()->set_duration_ns(7);
+        part.mutable_trace()->set_last(true);
+        end.send(part);
+        until_closed(end);
+    });
+    disparity::SocketClient client(daemon.unix_address());
+    v1::Trace trace;
+    ASSERT_TRUE(trace.ParseFromString(client.trace(0.5, patience)));
+    ASSERT_EQ(trace.tracks_size(), 2);
+    EXPECT_EQ(trace.tracks(0).name() + trace.tracks(1).name(), "firstsecond");
+    EXPECT_EQ(trace.duration_ns(), 7U);
+    disparity::Frame frame;
+    EXPECT_EQ(client.read(frame, patience), ReadResult::frame) << "a frame that came meanwhile is kept";
+}
+
 TEST(SocketClient, AddressesThatAreNoneAreNamed) {
     for (const char* address : {"", "http:x", "tcp:", "tcp:host", "tcp:host:", "tcp:127.0.0.1:65536",
                                 "tcp:127.0.0.1:-1", "tcp:127.0.0.1:80x", "unix:"}) {

@@ -148,7 +148,7 @@ TEST_F(BadInputTest, VersionsAreTold) {
 
 TEST_F(BadInputTest, EveryHelpHasAnExample) {
     for (const char* command :
-         {"status", "watch", "scan", "snapshot", "record", "process", "camera", "sensors", "sources"}) {
+         {"status", "watch", "scan", "snapshot", "record", "process", "camera", "sensors", "trace", "sources"}) {
         const Outcome outcome = run(DISPARITYCTL, {command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0);
         EXPECT_THAT(outcome.out, HasSubstr(std::string("disparityctl ") + command)) << "an example";

@@ -21,6 +21,7 @@ void add_calibrate(CLI::App& program, Action& action);
 void add_rows(CLI::App& program, Action& action);
 void add_camera(CLI::App& program, Action& action);
 void add_sensors(CLI::App& program, Action& action);
+void add_trace(CLI::App& program, Action& action);
 void add_sources(CLI::App& program, Action& action);
 
 }  // namespace disparityd::tools

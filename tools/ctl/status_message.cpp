@@ -38,4 +38,8 @@ v1::CameraControls control_daemon_camera(disparity::SocketClient& client,
     return parsed<v1::CameraControls>(client.control_camera(settings, patience));
 }
 
+v1::Trace trace_daemon(disparity::SocketClient& client, double seconds) {
+    return parsed<v1::Trace>(client.trace(seconds, patience_for_files));
+}
+
 }  // namespace disparityd::tools

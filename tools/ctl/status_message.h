@@ -15,4 +15,7 @@ v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client);
 v1::CameraControls control_daemon_camera(disparity::SocketClient& client,
                                          const std::vector<std::pair<std::string, std::int64_t>>& settings);
 
+/// Takes a trace of so many seconds, 0.1 to 10, and waits for it.
+v1::Trace trace_daemon(disparity::SocketClient& client, double seconds);
+
 }  // namespace disparityd::tools

@@ -147,6 +147,19 @@ class SocketClient(FrameSource):
         request = pb.Envelope(camera_request=pb.CameraRequest(settings=wanted))
         return self._ask(request, "camera_controls", "a camera request", timeout)
 
+    def trace(self, seconds: float = 3.0, timeout: float = 5.0) -> pb.Trace:
+        """Has the daemon record what its threads do in the next seconds (0.1 to 10), waits for that and returns a
+        disparity_pb2.Trace. The timeout counts from the end of that time."""
+        question, patience = "a trace request", min(max(seconds, 0.0), 10.0) + timeout
+        deadline = deadline_after(patience)
+        trace = pb.Trace()
+        part = self._ask(pb.Envelope(trace_request=pb.TraceRequest(seconds=seconds)), "trace", question, patience)
+        trace.MergeFrom(part)
+        while not part.last:
+            part = self._wait_for("trace", question, deadline)
+            trace.MergeFrom(part)
+        return trace
+
     def _drop(self) -> None:
         if self._stream is not None:
             self._stream.close()

@@ -56,6 +56,14 @@ protected:
             }
             answer(controls, request.settings_size() == 0 ? "camera: nothing asked for" : "");
         };
+        services.trace = [](const v1::TraceRequest& request, const daemon::SessionHost::TraceAnswer& answer) {
+            std::vector<v1::Trace> parts(2);
+            parts[0].add_tracks()->set_name("first");
+            parts[1].add_tracks()->set_name("second");
+            parts[1].set_last(true);
+            answer(std::make_shared<const std::vector<v1::Trace>>(std::move(parts)),
+                   request.seconds() > 0 ? "" : "trace: no time");
+        };
         server_ = std::make_unique<daemon::SocketServer>(config_, services);
         server_->set_layout(feed_.layout());
         server_->start();

@@ -432,6 +432,23 @@ TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
     EXPECT_FALSE(answer->envelope.error().closing());
 }
 
+TEST_F(SocketServerTest, ATraceComesInPartsOrIsRefused) {
+    start();
+    WireClient client = connect(tcp_);
+    v1::Envelope request;
+    request.mutable_trace_request()->set_seconds(1);
+    ASSERT_TRUE(client.send(request));
+    for (const char* name : {"first", "second"}) {
+        const auto part = client.receive();
+        ASSERT_TRUE(part && part->envelope.has_trace());
+        EXPECT_EQ(part->envelope.trace().tracks(0).name(), name);
+        EXPECT_EQ(part->envelope.trace().last(), name == std::string("second"));
+    }
+    request.mutable_trace_request()->set_seconds(0);
+    ASSERT_TRUE(client.send(request));
+    EXPECT_EQ(client.receive_error(), "trace: no time");
+}
+
 TEST_F(SocketServerTest, AFileInPlaceOfTheSocketIsRefused) {
     const std::string path = "/tmp/disparityd-file-" + std::to_string(getpid());
     FILE* file = fopen(path.c_str(), "w");
