@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <opencv2/imgproc.hpp>
 
@@ -42,6 +43,10 @@ const std::array<Colour, 256>& turbo() {
 
 DisparityColours::DisparityColours(const disparity::FrameInfo& frame, Image image, const std::optional<RangeM>& range)
     : invalid_(frame.invalid) {
+    constexpr std::uint32_t most_disparities = 4096;  // as many as 16 bits hold in 1/16 px
+    if (frame.disparities > most_disparities) {
+        throw std::runtime_error("the frame says that it was searched for more disparities than there are");
+    }
     constexpr double sixteenths = 16;
     double d_low = frame.d_min;
     double d_high = frame.d_min + static_cast<double>(frame.disparities);

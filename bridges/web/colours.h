@@ -20,7 +20,8 @@ const std::array<Colour, 256>& turbo();
 class DisparityColours {
 public:
     /// `image` is disparity (linear in disparity) or depth (linear in depth). Without a range: what the searched
-    /// disparities can show; of depth, up to eight times the nearest distance.
+    /// disparities can show; of depth, up to eight times the nearest distance. Throws std::runtime_error for a frame
+    /// that no daemon makes.
     DisparityColours(const disparity::FrameInfo& frame, Image image, const std::optional<RangeM>& range);
 
     /// Takes any value; one that is not searched has the colour of the nearest end, a rejected one is black.

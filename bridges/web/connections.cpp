@@ -3,7 +3,13 @@
 
 namespace disparityd::web {
 
-bool Connections::admit(const std::shared_ptr<Connection>& connection) {
+bool Connections::admit(const std::shared_ptr<Connection>& connection, const Connection* instead_of) {
+    for (std::weak_ptr<Connection>& place : all_) {
+        if (instead_of != nullptr && place.lock().get() == instead_of) {
+            place = connection;
+            return true;
+        }
+    }
     all_.remove_if([](const std::weak_ptr<Connection>& other) { return other.expired(); });
     if (all_.size() >= most_) {
         for (auto place = all_.begin(); place != all_.end(); ++place) {

@@ -17,14 +17,14 @@ public:
     virtual bool idle() const = 0;
 };
 
-/// Limits the connections of all visitors together. When there is no room, the connection that has been idle longest
-/// makes place for a new one: who opens many and says nothing keeps nobody out.
+/// Limits the connections of all visitors together. When there is no room, the oldest one that is idle makes
+/// place for a new one: who opens many and says nothing keeps nobody out.
 class Connections {
 public:
     explicit Connections(std::size_t most) : most_(most) {}
 
-    /// Returns whether there is room for this connection. It counts until it ends.
-    bool admit(const std::shared_ptr<Connection>& connection);
+    /// Returns whether there is room for this connection. It counts until it ends. `instead_of`: gives it its place.
+    bool admit(const std::shared_ptr<Connection>& connection, const Connection* instead_of = nullptr);
 
     /// Ends all.
     void drop_all();

@@ -12,7 +12,7 @@
 namespace disparityd::web {
 namespace {
 
-constexpr std::chrono::seconds patience{5};
+constexpr std::chrono::seconds answer_patience{5};
 /// Before a recording is closed, the frames that wait are written.
 constexpr std::chrono::seconds patience_for_files{60};
 
@@ -43,7 +43,8 @@ void DaemonControl::ask(Request request, Answer answer) {
 void DaemonControl::set_controls(const std::vector<std::pair<std::string, std::int64_t>>& settings, Answer answer) {
     ask(
         [settings](disparity::SocketClient& client) {
-            return "{\"controls\":" + json_of<v1::CameraControls>(client.control_camera(settings, patience)) + "}";
+            return "{\"controls\":" + json_of<v1::CameraControls>(client.control_camera(settings, answer_patience)) +
+                   "}";
         },
         std::move(answer));
 }
@@ -51,7 +52,7 @@ void DaemonControl::set_controls(const std::vector<std::pair<std::string, std::i
 void DaemonControl::start_recording(const std::string& path, Answer answer) {
     ask(
         [path](disparity::SocketClient& client) {
-            return json_of<v1::RecordStatus>(client.start_recording(path, patience));
+            return json_of<v1::RecordStatus>(client.start_recording(path, answer_patience));
         },
         std::move(answer));
 }

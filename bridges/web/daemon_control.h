@@ -25,8 +25,11 @@ public:
     using Answer = std::function<void(ControlAnswer)>;
 
     explicit DaemonControl(DaemonAddress daemon) : daemon_(std::move(daemon)), threads_(2) {}
-    /// Waits for the requests under way.
-    ~DaemonControl() { threads_.join(); }
+    /// Waits for the requests under way; those that wait for a thread are dropped.
+    ~DaemonControl() {
+        threads_.stop();
+        threads_.join();
+    }
 
     /// Sets controls of the camera, in this order (none: only asks).
     void set_controls(const std::vector<std::pair<std::string, std::int64_t>>& settings, Answer answer);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/daemon_link.h"
 
+#include <chrono>
 #include <stdexcept>
 #include <string_view>
 
@@ -9,10 +10,18 @@
 
 namespace disparityd::web {
 
+namespace {
+
+/// A daemon that does not greet within this time is told to hang.
+constexpr std::chrono::seconds greeting_patience{2};
+
+}  // namespace
+
 disparity::SocketClient DaemonAddress::connect(const std::string& role) const {
     const clients::DaemonSockets sockets =
         socket.empty() ? clients::default_sockets(name) : clients::DaemonSockets{{{socket}}, {}};
-    return clients::connect(sockets, name, "disparity-web " + role, [](const std::string&) {});
+    return clients::connect(
+        sockets, name, "disparity-web " + role, [](const std::string&) {}, greeting_patience);
 }
 
 Welcome welcome_of(const disparity::SocketClient& client) {

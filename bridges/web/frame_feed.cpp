@@ -16,7 +16,7 @@ using disparity::Product;
 using disparity::ReadResult;
 using std::chrono::milliseconds;
 
-constexpr milliseconds patience{500};  ///< so long a change of the wants may wait for a frame that does not come
+constexpr milliseconds read_patience{500};  ///< so long a change of the wants may wait for a frame that does not come
 constexpr milliseconds pause_after_error{500};
 
 }  // namespace
@@ -33,7 +33,7 @@ public:
     explicit SharedMemoryFrames(const std::string& name) : reader_(name) {}
 
     ReadResult read(Frame& frame, const std::set<Product>& wanted) override {
-        return reader_.read(frame, patience, {wanted.begin(), wanted.end()});
+        return reader_.read(frame, read_patience, {wanted.begin(), wanted.end()});
     }
 
 private:
@@ -56,7 +56,7 @@ public:
             client_.subscribe(subscription);
             subscribed_ = wanted;
         }
-        return client_.read(frame, patience);
+        return client_.read(frame, read_patience);
     }
 
 private:
@@ -69,12 +69,16 @@ FrameFeed::FrameFeed(DaemonAddress daemon, std::function<void()> on_frame)
     : daemon_(std::move(daemon)), on_frame_(std::move(on_frame)), thread_(base::start_thread([this] { run(); })) {}
 
 FrameFeed::~FrameFeed() {
+    stop();
+    thread_.join();
+}
+
+void FrameFeed::stop() {
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;
     }
     changed_.notify_all();
-    thread_.join();
 }
 
 void FrameFeed::want(const std::set<Product>& products) {
@@ -159,6 +163,7 @@ bool FrameFeed::pause() {
 }
 
 void FrameFeed::hand_over(Frame&& frame) {
+    leave_out_unsound_planes(frame);
     auto live = std::make_shared<LiveFrame>();
     live->frame = std::move(frame);
     live->received = std::chrono::steady_clock::now();

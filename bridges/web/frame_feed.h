@@ -25,6 +25,9 @@ public:
     FrameFeed(const FrameFeed&) = delete;
     FrameFeed& operator=(const FrameFeed&) = delete;
 
+    /// Tells the thread to end, and does not wait for it; any thread.
+    void stop();
+
     /// Says which products the next frames should have, of those that the daemon serves; any thread.
     void want(const std::set<disparity::Product>& products);
 

@@ -16,7 +16,10 @@ public:
     using Time = std::chrono::steady_clock::time_point;
 
     /// Frames per second at most; 0 = all.
-    void set_max_rate(double rate) { max_rate_ = rate; }
+    void set_max_rate(double rate) {
+        max_rate_ = rate;
+        next_ = {};
+    }
 
     /// Returns whether a frame may be sent now. When only the rate forbids it, next() says from when on it may.
     bool ready(Time now) const { return under_way_.size() < most_under_way && now >= next_; }

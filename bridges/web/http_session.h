@@ -53,12 +53,16 @@ public:
     }
 
     void drop() override { boost::beast::get_lowest_layer(stream_).close(); }
-    bool idle() const override { return !answering_; }
+    /// A peer that does not read its answer holds a place, too.
+    bool idle() const override {
+        return !answering_ || (writing_since_ && std::chrono::steady_clock::now() - *writing_since_ > slow_reader);
+    }
 
 private:
     using Error = boost::system::error_code;
     /// A whole request must come within this time, also the first byte of the next one.
     static constexpr std::chrono::seconds patience{20};
+    static constexpr std::chrono::seconds slow_reader{2};
     static constexpr std::size_t most_head = 8192;
     static constexpr std::size_t most_body = 16384;
 
@@ -73,11 +77,13 @@ private:
     boost::beast::flat_buffer buffer_{most_head + most_body};
     std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
     bool answering_ = false;
+    std::optional<std::chrono::steady_clock::time_point> writing_since_;  ///< when the answer was ready
 };
 
 template <typename Stream>
 void HttpSession<Stream>::read() {
     answering_ = false;
+    writing_since_.reset();
     parser_.emplace();
     parser_->header_limit(most_head);
     parser_->body_limit(most_body);
@@ -114,7 +120,10 @@ void HttpSession<Stream>::on_request() {
 template <typename Stream>
 void HttpSession<Stream>::write(Response response) {
     const auto kept = std::make_shared<Response>(std::move(response));
-    boost::beast::get_lowest_layer(stream_).expires_after(patience);
+    constexpr std::size_t least_bytes_per_second = 65536;
+    writing_since_ = std::chrono::steady_clock::now();
+    boost::beast::get_lowest_layer(stream_).expires_after(
+        patience + std::chrono::seconds(kept->body().size() / least_bytes_per_second));
     boost::beast::http::async_write(stream_, *kept, [self = this->shared_from_this(), kept](Error error, std::size_t) {
         if (error || kept->need_eof()) {
             self->drop();
@@ -137,7 +146,7 @@ bool HttpSession<Stream>::upgrade(const Request& request) {
         return true;
     }
     const auto link = std::make_shared<WebSocketLink<Stream>>(std::move(stream_), std::move(choice.handler));
-    if (site_.connections.admit(link)) {
+    if (site_.connections.admit(link, this)) {
         link->accept(request, choice.protocol);
     }
     return true;
@@ -156,7 +165,7 @@ bool HttpSession<Stream>::stream(const Request& request) {
         return true;
     }
     const auto link = std::make_shared<MultipartLink<Stream>>(std::move(stream_), std::move(choice.handler));
-    if (site_.connections.admit(link)) {
+    if (site_.connections.admit(link, this)) {
         link->start(choice.head);
     }
     return true;

@@ -4,7 +4,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "proto/products.h"
+
 namespace disparityd::web {
+
+std::string why_not_served(const DaemonState& state, disparity::Product product) {
+    const bool served = std::find(state.products.begin(), state.products.end(), product) != state.products.end();
+    if (!state.there || served) {
+        return {};
+    }
+    const proto::ProductInfo& facts = proto::product_info(static_cast<v1::Product>(product));
+    return "the daemon does not serve the product " + std::string(facts.name) +
+           (facts.config_key.empty() ? "" : ": set " + std::string(facts.config_key) + " = true in its configuration");
+}
 
 template <typename Call>
 void Hub::for_each(const Call& call) {

@@ -18,10 +18,13 @@ namespace disparityd::web {
 /// What the daemon told last. An object does not change once it is handed out.
 struct DaemonState {
     bool there = false;
-    std::string why;                           ///< one line: why it is not there
+    std::string why = "asking the daemon";     ///< one line: why it is not there
     std::shared_ptr<const v1::Status> status;  ///< nullptr until it has told one
     std::vector<disparity::Product> products;  ///< that it serves
 };
+
+/// Returns one line: that the daemon, which is there, does not serve a product, and what to do; else "".
+std::string why_not_served(const DaemonState& state, disparity::Product product);
 
 /// What a connection wants to be told.
 struct Wants {

@@ -2,9 +2,12 @@
 #include "bridges/web/listener.h"
 
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <boost/asio/write.hpp>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
 namespace disparityd::web {
 namespace {
@@ -32,6 +35,10 @@ std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
     if (!files.authority.empty()) {
         context->load_verify_file(files.authority, error);
         check(error, files.authority, "the authority's certificate cannot be used");
+        // Without a name OpenSSL refuses the second connection of a client that goes on with its session.
+        constexpr std::string_view name = "disparity-web";
+        SSL_CTX_set_session_id_context(context->native_handle(), reinterpret_cast<const unsigned char*>(name.data()),
+                                       name.size());
         context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
     }
     return context;
@@ -63,6 +70,14 @@ asio::ip::tcp::acceptor listening(asio::io_context& network, const ServerSetting
                                  "; choose another port with --listen");
     }
     return acceptor;
+}
+
+/// A peer whose machine is gone says nothing: the kernel asks it after half a minute.
+void notice_vanished_peers(asio::ip::tcp::socket& socket) {
+    error_code ignored;
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);
+    const int seconds = 30;
+    setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_KEEPIDLE, &seconds, sizeof seconds);
 }
 
 }  // namespace
@@ -105,6 +120,7 @@ void PortListener::accept() {
             return;
         }
         socket.set_option(asio::ip::tcp::no_delay(true), error);
+        notice_vanished_peers(socket);
         if (tls_) {
             serve(TlsStream(PlainStream(std::move(socket)), *tls_));
         } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/live_message.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <exception>
@@ -22,6 +23,7 @@ using json::Json;
 using json::to_text;
 
 constexpr int most_width = 16384;
+constexpr double least_rate = 0.01;
 constexpr double most_rate = 1000;
 constexpr int most_step = 64;
 
@@ -49,13 +51,18 @@ bool flag(const Json& object, const char* key) {
 std::vector<Image> images_of(const Json& object) {
     std::vector<Image> images;
     const auto found = object.find("images");
-    const Json names = found == object.end() ? Json::array() : *found;
-    for (const Json& name : names) {
+    if (found == object.end()) {
+        return images;
+    }
+    constexpr const char* allowed = "images: allowed: each of left, disparity, depth, confidence, depth_error once";
+    if (!found->is_array()) {
+        throw std::invalid_argument(allowed);
+    }
+    for (const Json& name : *found) {
         const std::optional<Image> image =
             name.is_string() ? image_of(name.get_ref<const std::string&>()) : std::nullopt;
-        if (!image || images.size() == 5) {
-            throw std::invalid_argument(
-                "images: allowed: each of left, disparity, depth, confidence, depth_error once");
+        if (!image || std::find(images.begin(), images.end(), *image) != images.end()) {
+            throw std::invalid_argument(allowed);
         }
         images.push_back(*image);
     }
@@ -86,6 +93,9 @@ LiveSubscription subscription_of(const Json& object) {
     subscription.encoding = encoding != object.end() && *encoding == "lossless" ? Encoding::deflate : Encoding::jpeg;
     subscription.max_width = static_cast<int>(number(object, "max_width", 0, most_width, subscription.max_width));
     subscription.max_rate = number(object, "max_rate", 0, most_rate, 0);
+    if (subscription.max_rate > 0 && subscription.max_rate < least_rate) {
+        throw std::invalid_argument("max_rate: allowed: 0 for all, or 0.01 to 1000");
+    }
     subscription.range = range_of(object);
     subscription.cloud_step = static_cast<int>(number(object, "cloud_step", 0, most_step, 0));
     subscription.scan = flag(object, "scan");

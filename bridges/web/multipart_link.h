@@ -27,9 +27,11 @@ public:
 
     /// Writes the head of the response, and begins.
     void start(const std::string& head) {
+        // First the read, without a timer: a timer that runs when it begins would end the stream later.
+        boost::beast::get_lowest_layer(stream_).expires_never();
+        watch();
         handler_->on_open(*this);
         send_binary({std::make_shared<const std::string>(head)});
-        watch();
     }
 
     void send_text(std::string /*text*/) override {}  // it has no place between the parts

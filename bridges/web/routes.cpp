@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/routes.h"
 
-#include <algorithm>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include <boost/asio/post.hpp>
 
+#include "bridges/web/foxglove/status_schema.h"
 #include "bridges/web/frame_request.h"
 #include "bridges/web/metrics/prometheus_text.h"
 #include "bridges/web/page_files.h"
 #include "bridges/web/snapshot.h"
 #include "clients/json/status_json.h"
-#include "proto/products.h"
 
 namespace disparityd::web {
 
@@ -41,8 +41,11 @@ struct Routes::Asked {
 
 namespace {
 
-constexpr int most_requests = 8;  ///< to the daemon at a time
+constexpr int most_requests = 8;   ///< to the daemon at a time
+constexpr int most_looks = 4;      ///< of those, by visitors who only ask
+constexpr int most_snapshots = 4;  ///< at a time: each may take tens of MB
 constexpr std::chrono::seconds pause_after_wrong_token{1};
+constexpr const char* too_many = "too many of these requests are under way; try again";
 
 std::string_view text_of(boost::beast::string_view text) {
     return {text.data(), text.size()};
@@ -84,12 +87,6 @@ struct SnapshotKind {
     std::set<Product> welcome;
     std::function<std::string(const LiveFrame&)> make;
 };
-
-std::string not_served(Product product) {
-    const proto::ProductInfo& facts = proto::product_info(static_cast<v1::Product>(product));
-    return "the daemon does not serve the product " + std::string(facts.name) +
-           (facts.config_key.empty() ? "" : ": set " + std::string(facts.config_key) + " = true in its configuration");
-}
 
 std::optional<SnapshotKind> snapshot_kind(const std::string& path, Image image) {
     std::set<Product> welcome;
@@ -196,8 +193,14 @@ void Routes::view(const Asked& asked) {
                                    prometheus_text(state.there ? state.status.get() : nullptr, place_.hub.counters)));
     } else if (asked.path == "/api/status" && asked.is(http::verb::get)) {
         asked.json(status_json(place_.hub));
+    } else if (asked.path == "/api/status/schema" && asked.is(http::verb::get)) {
+        asked.json(foxglove::status_schema());
     } else if (asked.path == "/api/camera" && asked.is(http::verb::get)) {
-        control_.set_controls({}, to_answer(asked));
+        if (requests_under_way_ >= most_looks) {
+            asked.error(http::status::service_unavailable, too_many);
+        } else {
+            control_.set_controls({}, to_answer(asked));
+        }
     } else if (asked.path == "/api/camera" || asked.path == "/api/recording") {
         control(asked);
     } else {
@@ -210,7 +213,7 @@ void Routes::control(const Asked& asked) {
         asked.error(http::status::forbidden,
                     "you may look, not control: a control token is needed, or disparity-web --allow-control");
     } else if (requests_under_way_ >= most_requests) {
-        asked.error(http::status::service_unavailable, "too many requests to the daemon are under way; try again");
+        asked.error(http::status::service_unavailable, too_many);
     } else if (asked.path == "/api/camera" && asked.is(http::verb::post)) {
         camera(asked);
     } else if (asked.path == "/api/recording") {
@@ -230,15 +233,9 @@ void Routes::session(const Asked& asked) {
         asked.error(http::status::bad_request, "allowed: POST {\"token\": \"...\"} as application/json");
         return;
     }
-    const auto now = std::chrono::steady_clock::now();
-    if (now < log_in_next_) {
-        asked.error(http::status::too_many_requests, "a wrong token came a moment ago; try again in a second");
-        return;
-    }
     const std::string cookie = access_.log_in(text_in(*body, "token"));
     if (cookie.empty()) {
-        log_in_next_ = now + pause_after_wrong_token;
-        asked.error(http::status::forbidden, "this token is not known");
+        refuse_token(asked);
         return;
     }
     const std::string pair = cookie.substr(0, cookie.find(';'));
@@ -248,6 +245,15 @@ void Routes::session(const Asked& asked) {
                                       session_json(access_, access_.right_of(known)));
     response.set(http::field::set_cookie, cookie);
     asked.answer(std::move(response));
+}
+
+/// A wrong token is answered late: guessing is slow, and a right one waits for nobody.
+void Routes::refuse_token(const Asked& asked) {
+    const auto timer = std::make_shared<boost::asio::steady_timer>(place_.network, pause_after_wrong_token);
+    timer->async_wait([timer, answer = asked.answer,
+                       request = std::make_shared<const Request>(asked.request)](const boost::system::error_code&) {
+        answer(error_response(*request, http::status::forbidden, "this token is not known"));
+    });
 }
 
 void Routes::snapshot(const Asked& asked) {
@@ -263,39 +269,56 @@ void Routes::snapshot(const Asked& asked) {
         return;
     }
     for (const Product product : kind->needed) {
-        const auto& served = place_.hub.state().products;
-        if (place_.hub.state().there && std::find(served.begin(), served.end(), product) == served.end()) {
-            asked.error(http::status::not_found, not_served(product));
+        if (const std::string why = why_not_served(place_.hub.state(), product); !why.empty()) {
+            asked.error(http::status::not_found, why);
             return;
         }
     }
+    if (snapshots_under_way_ >= most_snapshots) {
+        asked.error(http::status::service_unavailable, too_many);
+        return;
+    }
+    ++snapshots_under_way_;
     const auto request = std::make_shared<const Request>(asked.request);
     const auto finish = [this, request, answer = asked.answer, kind](const std::shared_ptr<const LiveFrame>& live) {
         if (live == nullptr) {
+            --snapshots_under_way_;
             const DaemonState& state = place_.hub.state();
             answer(error_response(*request, http::status::service_unavailable,
                                   state.there ? "no frame with this image came within 3 s" : state.why));
             return;
         }
-        boost::asio::post(place_.encoding, [this, request, answer, kind, live] {
-            Response response;
-            try {
-                response = make_response(*request, http::status::ok, kind->type, kind->make(*live));
-                const std::string file = path_of(*request).substr(1);
-                response.set(http::field::content_disposition, "inline; filename=\"" + file + '"');
-            } catch (const std::exception& error) {
-                response = error_response(*request, http::status::conflict, error.what());
-            }
-            boost::asio::post(place_.network, [answer, response] { answer(response); });
-        });
+        make_snapshot(request, answer, kind->type, [make = kind->make, live] { return make(*live); });
     };
     FrameRequest::start(place_.network, place_.hub, kind->needed, kind->welcome, finish);
+}
+
+/// Makes the file in the encoding thread. The answer stays the network's: its last reference ends there.
+void Routes::make_snapshot(const std::shared_ptr<const Request>& request, const Answer& answer, const std::string& type,
+                           std::function<std::string()> make) {
+    auto finish = [this, answer](const std::shared_ptr<Response>& response) {
+        --snapshots_under_way_;
+        answer(std::move(*response));
+    };
+    boost::asio::post(place_.encoding, [&network = place_.network, request, type, make = std::move(make),
+                                        finish = std::move(finish)]() mutable {
+        const auto response = std::make_shared<Response>();
+        try {
+            *response = make_response(*request, http::status::ok, type, make());
+            response->set(http::field::content_disposition, "inline; filename=\"" + path_of(*request).substr(1) + '"');
+        } catch (const std::exception& error) {
+            *response = error_response(*request, http::status::conflict, error.what());
+        }
+        boost::asio::post(network, [finish = std::move(finish), response] { finish(response); });
+    });
 }
 
 void Routes::camera(const Asked& asked) {
     const std::optional<Json> body = body_of(asked.request);
     const std::string name = body ? text_in(*body, "name") : "";
-    if (name.empty() || !body->contains("value") || !body->at("value").is_number_integer()) {
+    const bool has_value = !name.empty() && body->contains("value") && body->at("value").is_number_integer();
+    if (!has_value || (body->at("value").is_number_unsigned() &&
+                       body->at("value").get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max())) {
         asked.error(http::status::bad_request,
                     "allowed: POST {\"name\": \"gain-left\", \"value\": 3} as application/json");
         return;
@@ -321,12 +344,15 @@ void Routes::recording(const Asked& asked) {
 std::function<void(ControlAnswer)> Routes::to_answer(const Asked& asked) {
     ++requests_under_way_;
     const auto request = std::make_shared<const Request>(asked.request);
-    return [this, request, answer = asked.answer](const ControlAnswer& result) {
-        boost::asio::post(place_.network, [this, request, answer, result] {
-            --requests_under_way_;
-            answer(result.done ? make_response(*request, http::status::ok, "application/json", result.text)
-                               : error_response(*request, http::status::conflict, result.text));
-        });
+    auto finish = [this, request, answer = asked.answer](const ControlAnswer& result) {
+        --requests_under_way_;
+        answer(result.done ? make_response(*request, http::status::ok, "application/json", result.text)
+                           : error_response(*request, http::status::conflict, result.text));
+    };
+    // The answer stays the network's: its last reference ends there.
+    return [&network = place_.network,
+            finish = std::make_shared<decltype(finish)>(std::move(finish))](const ControlAnswer& result) mutable {
+        boost::asio::post(network, [finish = std::move(finish), result] { (*finish)(result); });
     };
 }
 

@@ -30,7 +30,10 @@ private:
     void view(const Asked& asked);
     void control(const Asked& asked);
     void session(const Asked& asked);
+    void refuse_token(const Asked& asked);
     void snapshot(const Asked& asked);
+    void make_snapshot(const std::shared_ptr<const Request>& request, const Answer& answer, const std::string& type,
+                       std::function<std::string()> make);
     void camera(const Asked& asked);
     void recording(const Asked& asked);
     std::function<void(ControlAnswer)> to_answer(const Asked& asked);
@@ -39,7 +42,7 @@ private:
     Access& access_;
     DaemonControl& control_;
     int requests_under_way_ = 0;  ///< to the daemon
-    std::chrono::steady_clock::time_point log_in_next_{};
+    int snapshots_under_way_ = 0;
 };
 
 /// Returns what a request tells of its sender. It refers to the request.

@@ -53,6 +53,9 @@ public:
         });
         listener_.start();
         network_.run();
+        // Each may wait for a daemon that hangs: both at the same time.
+        frames_.stop();
+        statuses_.stop();
         // A second signal ends the program at once.
         signals_.clear();
         std::signal(SIGTERM, SIG_DFL);

@@ -96,6 +96,10 @@ StreamChoice choose_stream(const Request& request, const Workplace& workplace, c
             "allowed: image=left, disparity, depth, confidence, depth_error; width=0 to 16384; rate=0 to 1000");
         return choice;
     }
+    if (const std::string why = why_not_served(workplace.hub.state(), product_of(*image)); !why.empty()) {
+        choice.refusal = error_response(request, http::status::not_found, why);
+        return choice;
+    }
     constexpr int quality = 80;
     choice.handler = std::make_shared<MjpegSession>(
         workplace, ImageView{*image, Encoding::jpeg, *width, quality, std::nullopt}, *rate);

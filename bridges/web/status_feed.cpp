@@ -14,21 +14,23 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds interval{500};
-constexpr milliseconds sensors_interval{50};
-constexpr milliseconds patience{2000};  ///< a daemon that does not answer so long is told to hang
+constexpr milliseconds pause_between_sensors{50};
+constexpr milliseconds status_patience{2000};  ///< a daemon that does not answer so long is told to hang
 
 std::shared_ptr<const v1::Status> ask(disparity::SocketClient& client) {
     auto status = std::make_shared<v1::Status>();
-    if (!status->ParseFromString(client.status(patience))) {
+    if (!status->ParseFromString(client.status(status_patience))) {
         throw std::runtime_error("the daemon's status is damaged or of another version");
     }
     return status;
 }
 
-/// Whether the daemon serves the same products: a new connection is told which.
+/// Whether the daemon surely serves the same products: a new connection is told which. A new configuration begins to
+/// count anew.
 bool same_set_up(const v1::Status& a, const v1::Status& b) {
     return a.state() == b.state() && a.source() == b.source() && a.method() == b.method() &&
-           a.geometry().SerializeAsString() == b.geometry().SerializeAsString() && a.uptime_s() <= b.uptime_s();
+           a.geometry().SerializeAsString() == b.geometry().SerializeAsString() && a.uptime_s() <= b.uptime_s() &&
+           a.captured() <= b.captured() && a.published() <= b.published();
 }
 
 }  // namespace
@@ -41,12 +43,16 @@ StatusFeed::StatusFeed(DaemonAddress daemon, std::function<void(DaemonState)> on
       thread_(base::start_thread([this] { run(); })) {}
 
 StatusFeed::~StatusFeed() {
+    stop();
+    thread_.join();
+}
+
+void StatusFeed::stop() {
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;
     }
     changed_.notify_all();
-    thread_.join();
 }
 
 void StatusFeed::want_sensors(bool wanted) {
@@ -93,7 +99,7 @@ void StatusFeed::serve() {
         if (sensors && client.read_sensors(batch, milliseconds(0)) == disparity::ReadResult::frame) {
             on_sensors_(std::move(batch));
         }
-    } while (wait(sensors ? sensors_interval : interval));
+    } while (wait(sensors ? pause_between_sensors : interval));
 }
 
 /// Returns false when the feed ends.

@@ -22,6 +22,9 @@ public:
     StatusFeed(const StatusFeed&) = delete;
     StatusFeed& operator=(const StatusFeed&) = delete;
 
+    /// Tells the thread to end, and does not wait for it; any thread.
+    void stop();
+
     /// Any thread may say whether the sensors are wanted.
     void want_sensors(bool wanted);
 

@@ -69,7 +69,8 @@ void WebSocketLink<Stream>::accept(const Request& request, const std::string& pr
     boost::beast::get_lowest_layer(socket_).expires_never();
     websocket::stream_base::timeout timeouts{};
     timeouts.handshake_timeout = std::chrono::seconds(10);
-    timeouts.idle_timeout = std::chrono::seconds(20);
+    // A ping waits behind the frame that is on its way out: over a slow link that may take long.
+    timeouts.idle_timeout = std::chrono::seconds(60);
     timeouts.keep_alive_pings = true;
     socket_.set_option(timeouts);
     socket_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {

@@ -81,12 +81,13 @@ std::string socket_address(const std::string& text) {
 }
 
 disparity::SocketClient connect(const DaemonSockets& sockets, const std::string& daemon, const std::string& client_name,
-                                const std::function<void(const std::string&)>& note) {
+                                const std::function<void(const std::string&)>& note,
+                                std::chrono::milliseconds timeout) {
     std::vector<std::string> refused = sockets.refused;
     std::vector<std::string> failed;
     for (const auto& [socket, check_user] : sockets.usable) {
         try {
-            disparity::SocketClient client(socket, client_name);
+            disparity::SocketClient client(socket, client_name, timeout);
             const std::optional<unsigned> user = client.server_user();
             if (check_user && user && !is_trusted(*user)) {
                 refused.push_back(not_trusted(socket, *user, "its process belongs to"));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -32,8 +33,10 @@ DaemonSockets default_sockets(const std::string& name);
 std::string socket_address(const std::string& text);
 
 /// Connects to the first address that answers, and calls `note` with a line for each socket or process of another user
-/// that was skipped. Throws std::runtime_error with one line: which places were tried, what to do.
+/// that was skipped. `timeout`: for each address. Throws std::runtime_error with one line: which places were tried,
+/// what to do.
 disparity::SocketClient connect(const DaemonSockets& sockets, const std::string& daemon, const std::string& client_name,
-                                const std::function<void(const std::string&)>& note);
+                                const std::function<void(const std::string&)>& note,
+                                std::chrono::milliseconds timeout = std::chrono::seconds(5));
 
 }  // namespace disparityd::clients

@@ -72,6 +72,15 @@ TEST_F(FramePaceTest, TheRateIsKept) {
     EXPECT_NEAR(sent, 50, 1);
 }
 
+TEST_F(FramePaceTest, AnotherRateHoldsAtOnce) {
+    pace_.set_max_rate(0.01);
+    pace_.sent(1, now_);
+    pace_.seen(1, now_);
+    EXPECT_FALSE(pace_.ready(now_ + seconds(10)));
+    pace_.set_max_rate(0);
+    EXPECT_TRUE(pace_.ready(now_));
+}
+
 TEST_F(FramePaceTest, ASlowLinkGetsSmallerFramesDownToAQuarter) {
     run(milliseconds(400), seconds(3));
     EXPECT_EQ(pace_.scale(), 2);

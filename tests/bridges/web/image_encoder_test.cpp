@@ -201,6 +201,29 @@ TEST_F(ImageEncoderTest, TheRangeOfDistancesSetsTheEnds) {
     EXPECT_DOUBLE_EQ(*depth.far_m, 9);
 }
 
+TEST_F(ImageEncoderTest, PlanesThatAreNotAsTheirProductSaysAreLeftOut) {
+    disparity::Frame& frame = live_.frame;
+    leave_out_unsound_planes(frame);
+    ASSERT_EQ(frame.planes.size(), 2U);
+    frame.planes.push_back({Product::disparity, 2, 2, 1, {1, 2, 3, 4}});                   // of 8 bits
+    frame.planes.push_back({Product::confidence, 2, 2, 1, {1, 2, 3}});                     // too short
+    frame.planes.push_back({Product::left_colour, 0xFFFFFFFF, 0xFFFFFFFF, 3, {1, 2, 3}});  // too large to count
+    frame.planes.push_back({static_cast<Product>(0), 1, 1, 1, {1}});
+    frame.planes.push_back({static_cast<Product>(99), 1, 1, 1, {1}});
+    frame.planes.push_back({Product::scan, 3, 1, 1, {1, 2, 3}});  // a record
+    leave_out_unsound_planes(frame);
+    ASSERT_EQ(frame.planes.size(), 3U);
+    EXPECT_EQ(frame.planes[1].product, Product::left);
+    EXPECT_EQ(frame.planes[2].product, Product::scan);
+}
+
+TEST_F(ImageEncoderTest, MoreDisparitiesThanThereAreAreRefused) {
+    live_.frame.disparities = 0x0FFFFFFF;
+    EXPECT_THROW(encode(live_, {Image::disparity, Encoding::jpeg, 0, 80, std::nullopt}), std::runtime_error);
+    live_.frame.disparities = 0xFFFFFFFF;
+    EXPECT_THROW(encode(live_, {Image::depth, Encoding::deflate, 0, 80, std::nullopt}), std::runtime_error);
+}
+
 TEST_F(ImageEncoderTest, WithoutACalibrationDisparitiesStillHaveColours) {
     live_.frame.f = 0;
     for (const Image image : {Image::disparity, Image::depth}) {

@@ -257,8 +257,8 @@ TEST_F(WebPageTest, TokensOpenTheDoor) {
     EXPECT_EQ(http(port(), "GET", "/api/status", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n")->status,
               200U);
     EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"wrong"})")->status, 403U);
-    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"fedcba9876543210"})")->status, 429U)
-        << "guessing is slow";
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"fedcba9876543210"})")->status, 200U)
+        << "a right token waits for nobody";
 }
 
 }  // namespace
