@@ -46,6 +46,8 @@ void HttpClient::send(const std::string& bytes) {
 }
 
 std::optional<HttpAnswer> HttpClient::answer() {
+    // The end of a part before this one.
+    unread_.erase(0, unread_.compare(0, 2, "\r\n") == 0 ? 2 : 0);
     std::size_t end = 0;
     while ((end = unread_.find("\r\n\r\n")) == std::string::npos) {
         if (!read_some(socket_, unread_)) {
@@ -55,7 +57,9 @@ std::optional<HttpAnswer> HttpClient::answer() {
     HttpAnswer answer;
     const std::string head = unread_.substr(0, end + 2);
     unread_.erase(0, end + 4);
-    answer.status = static_cast<unsigned>(std::stoi(head.substr(head.find(' ') + 1)));
+    if (head.compare(0, 5, "HTTP/") == 0) {
+        answer.status = static_cast<unsigned>(std::stoi(head.substr(head.find(' ') + 1)));
+    }
     for (std::size_t line = head.find("\r\n") + 2; line < head.size();) {
         const std::size_t line_end = head.find("\r\n", line);
         const std::size_t colon = head.find(": ", line);

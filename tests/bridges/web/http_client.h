@@ -26,7 +26,8 @@ public:
     explicit HttpClient(unsigned short port);
 
     void send(const std::string& bytes);
-    /// Returns the next answer; nothing when the server ends the connection instead, or says nothing for a minute.
+    /// Returns the next answer, or the next part of a multipart one (status 0); nothing when the server ends the
+    /// connection instead, or says nothing for a minute.
     std::optional<HttpAnswer> answer();
     /// Returns whether the server ends the connection within a minute.
     bool ended();
