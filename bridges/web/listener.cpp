@@ -7,6 +7,7 @@
 
 #include <boost/asio/write.hpp>
 #include <netinet/tcp.h>
+#include <openssl/err.h>
 #include <sys/socket.h>
 
 namespace disparityd::web {
@@ -22,7 +23,9 @@ std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
     auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
     const auto check = [](const error_code& error, const std::string& file, const std::string& what) {
         if (error) {
-            throw std::runtime_error(file + ": " + what + ": " + error.message());
+            const char* const reason = ERR_reason_error_string(static_cast<unsigned long>(error.value()));
+            throw std::runtime_error(file + ": " + what + ": " +
+                                     (reason != nullptr ? reason : error.message().c_str()));
         }
     };
     error_code error;

@@ -8,7 +8,7 @@
 namespace disparityd::eval {
 namespace {
 
-constexpr double tolerance = 0.1;
+constexpr double distance_tolerance = 0.1;
 
 /// Two scans, and what is asked of a sector and the two next to it.
 class Sectors {
@@ -31,7 +31,7 @@ public:
     /// The scan shows an obstacle that the truth neither shows nor leaves room for.
     bool is_false_alarm(int sector) const {
         const ScanSector& seen = scan_.sectors[static_cast<std::size_t>(sector)];
-        const double margin = tolerance * seen.distance_mm + 2 * seen.sigma_mm;
+        const double margin = distance_tolerance * seen.distance_mm + 2 * seen.sigma_mm;
         const double near = seen.distance_mm - margin;
         const double far = seen.distance_mm + margin;
         return seen.state == SectorState::occupied &&
@@ -42,8 +42,8 @@ public:
     /// What the truth shows is there, or hidden behind something else that is.
     bool shown(int sector) const {
         const double distance = truth_.sectors[static_cast<std::size_t>(sector)].distance_mm;
-        const double near = (1 - tolerance) * distance;
-        return occupied_near(scan_, sector, near, (1 + tolerance) * distance) ||
+        const double near = (1 - distance_tolerance) * distance;
+        return occupied_near(scan_, sector, near, (1 + distance_tolerance) * distance) ||
                (occupied_between(scan_, sector, 0, near) && !is_false_alarm(sector));
     }
 
@@ -91,9 +91,9 @@ ScanComparison compare(const Scan& scan, const Scan& truth, double farthest_m) {
         ++counts.obstacles;
         if (!sectors.shown(s)) {
             ++counts.missed;
-            counts.declared_free += seen.free_mm > (1 + tolerance) * is.distance_mm ? 1 : 0;
-        } else if (Sectors::occupied_between(scan, s, (1 - tolerance) * is.distance_mm,
-                                             (1 + tolerance) * is.distance_mm)) {
+            counts.declared_free += seen.free_mm > (1 + distance_tolerance) * is.distance_mm ? 1 : 0;
+        } else if (Sectors::occupied_between(scan, s, (1 - distance_tolerance) * is.distance_mm,
+                                             (1 + distance_tolerance) * is.distance_mm)) {
             counts.errors.push_back(std::abs(seen.distance_mm - is.distance_mm) / static_cast<double>(is.distance_mm));
         }
     }
