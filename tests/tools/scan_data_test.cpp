@@ -25,7 +25,7 @@ using disparityd::test::TemporaryFolder;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr float unknown = std::numeric_limits<float>::infinity();
+constexpr float unknown_disparity = std::numeric_limits<float>::infinity();
 
 std::vector<int> filled(std::vector<float> values, int width, int most_gap) {
     const int height = static_cast<int>(values.size()) / width;
@@ -41,10 +41,12 @@ std::vector<int> filled(std::vector<float> values, int width, int most_gap) {
 }
 
 TEST(TruePixels, GapsGetTheFartherNeighbour) {
-    EXPECT_THAT(filled({unknown, 8, unknown, unknown, 4.5, unknown}, 6, 2), ElementsAre(-1, 128, 72, 72, 72, -1));
-    EXPECT_THAT(filled({unknown, 8, unknown, unknown, 4.5, unknown}, 6, 1), ElementsAre(-1, 128, -1, -1, 72, -1));
-    EXPECT_THAT(filled({3, unknown, 2}, 1, 8), ElementsAre(48, 32, 32)) << "in a column";
-    EXPECT_THAT(filled({unknown, unknown}, 2, 8), ElementsAre(-1, -1));
+    EXPECT_THAT(filled({unknown_disparity, 8, unknown_disparity, unknown_disparity, 4.5, unknown_disparity}, 6, 2),
+                ElementsAre(-1, 128, 72, 72, 72, -1));
+    EXPECT_THAT(filled({unknown_disparity, 8, unknown_disparity, unknown_disparity, 4.5, unknown_disparity}, 6, 1),
+                ElementsAre(-1, 128, -1, -1, 72, -1));
+    EXPECT_THAT(filled({3, unknown_disparity, 2}, 1, 8), ElementsAre(48, 32, 32)) << "in a column";
+    EXPECT_THAT(filled({unknown_disparity, unknown_disparity}, 2, 8), ElementsAre(-1, -1));
 }
 
 ScanSector occupied(std::uint16_t mm, std::uint16_t free_mm) {

@@ -13,7 +13,7 @@
 #include "kernels/scan/obstacle_scanner.h"
 #include "tests/kernels/support.h"
 
-namespace disparityd::test {
+namespace disparityd::test::origin_shift {
 namespace {
 
 constexpr int width = 320;
@@ -242,4 +242,4 @@ TEST(OriginShift, TheScanAroundTheCameraReachesFartherAside) {
 }
 
 }  // namespace
-}  // namespace disparityd::test
+}  // namespace disparityd::test::origin_shift
