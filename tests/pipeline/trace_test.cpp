@@ -106,7 +106,8 @@ TEST(Tracer, BeginsAndEndsBesideAThreadThatWrites) {
     for (std::uint64_t last = 0, traces = 0; traces < 100; ++traces) {
         tracer.begin();
         std::this_thread::yield();
-        for (const TraceEvent& event : tracer.end().tracks[0].events) {
+        const TraceLog log = tracer.end();
+        for (const TraceEvent& event : log.tracks[0].events) {
             ASSERT_GT(event.frame, last);
             last = event.frame;
         }

@@ -110,7 +110,7 @@ TEST(TraceJson, QueuesAreNoPartOfAThread) {
 TEST(TraceJson, ArrowsFollowAFrame) {
     std::vector<std::pair<std::string, int>> way;
     for (const json& event : written(small_trace())) {
-        if (event["cat"] == "frame") {
+        if (event.value("cat", "") == "frame") {
             EXPECT_EQ(event["id"], 17);
             way.emplace_back(event["ph"], event["tid"]);
         }
