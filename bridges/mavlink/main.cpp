@@ -3,28 +3,19 @@
 // Sends the daemon's obstacle scans to an autopilot, as MAVLink 2.
 #include <atomic>
 #include <csignal>
-#include <exception>
-#include <iostream>
-#include <stdexcept>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
-#include "base/option_tree.h"
-#include "base/version.h"
 #include "bridges/mavlink/bridge.h"
 #include "bridges/mavlink/options.h"
+#include "bridges/program/program.h"
 
 namespace {
 
 using namespace disparityd::mavlink;
 
 constexpr const char* program = "disparity-mavlink";
-
-enum ExitStatus : int {
-    exit_stopped = 0,  ///< SIGTERM or SIGINT ended it
-    exit_failed = 1,   ///< the system refuses
-    exit_user = 2,     ///< an argument is wrong
-};
 
 std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need lock-free atomics");
@@ -42,23 +33,13 @@ void catch_signals() {
     sigaction(SIGINT, &action, nullptr);
 }
 
-/// Writes one line on stderr. What came from outside may hold anything; a control character becomes "?".
-void print(const char* kind, std::string text) {
-    for (char& character : text) {
-        const auto code = static_cast<unsigned char>(character);
-        character = code < 0x20 || code == 0x7f ? '?' : character;
-    }
-    std::cerr << program << ": " << kind << ": " << text << std::endl;
-}
-
-int run(const Options& options) {
+void run(const Options& options) {
     const BridgeSettings settings = options.settings();
     const auto link = options.make_link();
     const auto source = options.make_source();
-    Notes notes([](const std::string& line) { print("note", line); });
+    Notes notes([](const std::string& line) { disparityd::bridges::print_line(program, "note", line); });
     catch_signals();
     Bridge(settings, *source, *link, notes).run(stop);
-    return exit_stopped;
 }
 
 }  // namespace
@@ -71,25 +52,9 @@ int main(int argc, char** argv) {
         program);
     Options options;
     options.add_to(app);
-    app.set_version_flag("--version", disparityd::base::version_line(program));
-    disparityd::base::add_option_tree(app);
     app.footer(
         "Examples: disparity-mavlink --udp 127.0.0.1:14550\n"
         "          disparity-mavlink --serial /dev/ttyACM0:921600 --max-distance-m 12 --3d --camera-height-m 0.3\n"
         "Exit status: 0 SIGTERM or Ctrl-C ended it; 1 the system refuses; 2 an argument is wrong.");
-    try {
-        app.parse(argc, argv);
-        return run(options);
-    } catch (const CLI::Success& help) {
-        return app.exit(help);
-    } catch (const CLI::ParseError& error) {
-        print("error", std::string(error.what()) + "; see " + program + " --help");
-        return exit_user;
-    } catch (const std::invalid_argument& error) {
-        print("error", std::string(error.what()) + "; see " + program + " --help");
-        return exit_user;
-    } catch (const std::exception& error) {
-        print("error", error.what());
-        return exit_failed;
-    }
+    return disparityd::bridges::run_program(app, argc, argv, [&options] { run(options); });
 }
