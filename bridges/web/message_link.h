@@ -21,8 +21,6 @@ public:
     virtual void send_binary(std::vector<Bytes> parts) = 0;
     /// Whether a binary message is on its way out: what is sent now would wait, and be older when it arrives.
     virtual bool busy() const = 0;
-    /// Ends the connection; no call of its handler follows.
-    virtual void close(const std::string& reason) = 0;
 };
 
 /// Is told what a connection receives. It is kept alive by its connection.

@@ -37,10 +37,6 @@ public:
     void send_text(std::string /*text*/) override {}  // it has no place between the parts
     void send_binary(std::vector<Bytes> parts) override;
     bool busy() const override { return !written_.empty(); }
-    void close(const std::string& /*reason*/) override {
-        handler_ = nullptr;
-        drop();
-    }
     void drop() override { boost::beast::get_lowest_layer(stream_).close(); }
     bool idle() const override { return false; }
 

@@ -34,7 +34,6 @@ public:
     void send_text(std::string text) override;
     void send_binary(std::vector<Bytes> parts) override;
     bool busy() const override { return binary_waits_ > 0; }
-    void close(const std::string& reason) override;
     void drop() override { boost::beast::get_lowest_layer(socket_).close(); }
     bool idle() const override { return false; }
 
@@ -165,14 +164,6 @@ void WebSocketLink<Stream>::read_next() {
         handler->on_text(text);
         self->read_next();
     });
-}
-
-template <typename Stream>
-void WebSocketLink<Stream>::close(const std::string& reason) {
-    closing_ = true;
-    handler_ = nullptr;
-    socket_.async_close({boost::beast::websocket::close_code::policy_error, reason.substr(0, 120)},
-                        [self = this->shared_from_this()](Error) {});
 }
 
 /// Tells the handler once.
