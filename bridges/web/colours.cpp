@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bridges/web/depth.h"
+#include "bridges/web/frames/depth.h"
 
 namespace disparityd::web {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/start_thread.h"
+#include "bridges/web/frames/planes.h"
 
 namespace disparityd::web {
 namespace {
@@ -163,7 +164,7 @@ bool FrameFeed::pause() {
 }
 
 void FrameFeed::hand_over(Frame&& frame) {
-    leave_out_unsound_planes(frame);
+    leave_out_broken_planes(frame);
     auto live = std::make_shared<LiveFrame>();
     live->frame = std::move(frame);
     live->received = std::chrono::steady_clock::now();

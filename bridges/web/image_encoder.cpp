@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
-#include <turbojpeg.h>
 #include <zlib.h>
 
 #include "bridges/web/colours.h"
-#include "bridges/web/depth.h"
+#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/jpeg.h"
 
 namespace disparityd::web {
 namespace {
@@ -21,30 +21,6 @@ using disparity::PlaneData;
 using disparity::Product;
 
 constexpr double sigma_shown_mm = 1000;  ///< the depth error that gets the last colour
-
-/// Owns the library's state: one for each thread that encodes.
-class JpegCompressor {
-public:
-    ~JpegCompressor() { tjDestroy(handle_); }
-
-    /// `picture`: 8 bit, grey or BGR.
-    std::string compress(const cv::Mat& picture, int quality) {
-        const bool grey = picture.channels() == 1;
-        const int sampling = grey ? TJSAMP_GRAY : TJSAMP_420;
-        std::string bytes(tjBufSize(picture.cols, picture.rows, sampling), '\0');
-        auto* to = reinterpret_cast<unsigned char*>(bytes.data());
-        unsigned long size = bytes.size();
-        if (tjCompress2(handle_, picture.data, picture.cols, static_cast<int>(picture.step), picture.rows,
-                        grey ? TJPF_GRAY : TJPF_BGR, &to, &size, sampling, quality, TJFLAG_NOREALLOC) != 0) {
-            throw std::runtime_error(std::string("an image cannot be compressed: ") + tjGetErrorStr2(handle_));
-        }
-        bytes.resize(size);
-        return bytes;
-    }
-
-private:
-    tjhandle handle_ = tjInitCompress();
-};
 
 std::string deflated(const void* data, std::size_t bytes) {
     uLongf size = compressBound(bytes);
@@ -176,12 +152,13 @@ std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageVie
     made->image = view.image;
     made->encoding = view.encoding;
     if (view.encoding == Encoding::jpeg) {
-        thread_local JpegCompressor compressor;
         const cv::Mat picture = draw(live.frame, *plane, view, *made);
         made->width = picture.cols;
         made->height = picture.rows;
         made->type = picture.channels() == 3 ? "bgr8" : "u8";
-        made->bytes = std::make_shared<const std::string>(compressor.compress(picture, view.quality));
+        made->bytes = std::make_shared<const std::string>(
+            jpeg_of({picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), picture.channels() == 1},
+                    view.quality));
     } else {
         draw(live.frame, *plane, {view.image, view.encoding, 1, 0, view.range}, *made);
         made->width = static_cast<int>(plane->width);

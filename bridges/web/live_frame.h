@@ -21,10 +21,6 @@ struct LiveFrame {
     mutable std::unique_ptr<foxglove::EncodedFrame> foxglove;  ///< the same for Foxglove's viewers
 };
 
-/// Removes planes that are not as their product says: no daemon of ours sends them, and what reads planes by their
-/// product would read beyond them.
-void leave_out_unsound_planes(disparity::Frame& frame);
-
 /// Returns the age of the frame now, from its capture, in ms: by this machine's clock where it agrees with the age that
 /// the daemon told; a replayed frame has the time of its recording.
 double age_ms(const LiveFrame& live);

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/version.h"
-#include "bridges/web/depth.h"
+#include "bridges/web/frames/depth.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
 #include "clients/json/status_json.h"

@@ -4,28 +4,18 @@
 #include <cstring>
 #include <limits>
 
+#include "bridges/web/frames/planes.h"
+
 namespace disparityd::foxglove {
 namespace {
 
 using disparity::Frame;
 using disparity::PlaneData;
 using disparity::Product;
+using web::whole_plane;
 
 constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
 constexpr float too_far = std::numeric_limits<float>::infinity();
-
-std::uint32_t bytes_per_pixel(Product product) {
-    switch (product) {
-        case Product::disparity:
-        case Product::depth:
-        case Product::depth_error: return 2;
-        case Product::left_colour: return 3;
-        case Product::confidence:
-        case Product::left:
-        case Product::scan: break;
-    }
-    return 1;
-}
 
 /// Calls a function with each number of 16 bits.
 template <typename Number, typename Function>
@@ -50,16 +40,6 @@ std::vector<float> metres_of_disparities(const Frame& frame, const PlaneData& pl
 }
 
 }  // namespace
-
-const PlaneData* whole_plane(const Frame& frame, Product product) {
-    const PlaneData* plane = frame.plane(product);
-    const std::uint32_t size = bytes_per_pixel(product);
-    if (plane == nullptr || plane->bytes_per_pixel != size || plane->bytes.empty() ||
-        plane->bytes.size() != std::uint64_t{plane->width} * plane->height * size) {
-        return nullptr;
-    }
-    return plane;
-}
 
 std::vector<float> metres_of(std::span<const std::uint8_t> millimetres) {
     std::vector<float> metres;

@@ -16,9 +16,6 @@ struct Depths {
     std::vector<float> metres;  ///< width * height
 };
 
-/// Returns the plane of a product when it is there and has the bytes that its size asks for, else nullptr.
-const disparity::PlaneData* whole_plane(const disparity::Frame& frame, disparity::Product product);
-
 /// Returns the depths from the first of these products (depth, disparity) that the frame carries. Nothing when it
 /// carries none, or only the disparity without a focal length or baseline.
 std::optional<Depths> depths_of(const disparity::Frame& frame, std::span<const disparity::Product> order);

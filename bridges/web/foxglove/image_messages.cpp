@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/foxglove/image_messages.h"
 
+#include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
 #include <string_view>
 
 #include "bridges/web/foxglove/depth_metres.h"
-#include "bridges/web/foxglove/jpeg_image.h"
 #include "bridges/web/foxglove/message_header.h"
+#include "bridges/web/frames/jpeg.h"
+#include "bridges/web/frames/planes.h"
 
 namespace disparityd::foxglove {
 namespace {
@@ -15,6 +18,7 @@ namespace {
 using disparity::Frame;
 using disparity::PlaneData;
 using disparity::Product;
+using web::whole_plane;
 
 constexpr std::size_t room_for_fields = 256;
 
@@ -86,16 +90,16 @@ std::optional<Bytes> left_image(const Frame& frame) {
 
 std::optional<Bytes> left_jpeg(const Frame& frame, int quality) {
     const PlaneData* plane = left_plane(frame);
-    if (plane == nullptr) {
+    if (plane == nullptr || std::max(plane->width, plane->height) > web::most_jpeg_side) {
         return std::nullopt;
     }
-    const JpegImage jpeg(*plane, quality);
-    if (jpeg.bytes().empty()) {
-        return std::nullopt;
-    }
-    CdrWriter cdr(jpeg.bytes().size() + room_for_fields);
+    const bool grey = plane->bytes_per_pixel == 1;
+    const int row = static_cast<int>(plane->width * plane->bytes_per_pixel);
+    const std::string jpeg = web::jpeg_of(
+        {plane->bytes.data(), static_cast<int>(plane->width), static_cast<int>(plane->height), row, grey}, quality);
+    CdrWriter cdr(jpeg.size() + room_for_fields);
     write_header(cdr, frame.realtime_ns, left_frame);
-    cdr.text("jpeg").u8_sequence(jpeg.bytes());
+    cdr.text("jpeg").u8_sequence({reinterpret_cast<const std::uint8_t*>(jpeg.data()), jpeg.size()});
     return cdr.take();
 }
 

@@ -10,6 +10,7 @@
 
 #include "bridges/web/foxglove/depth_metres.h"
 #include "bridges/web/foxglove/message_header.h"
+#include "bridges/web/frames/planes.h"
 
 namespace disparityd::foxglove {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 using disparity::Frame;
 using disparity::PlaneData;
 using disparity::Product;
+using web::whole_plane;
 
 constexpr std::uint8_t float32 = 7;  // sensor_msgs/msg/PointField
 

@@ -12,7 +12,8 @@
 #include <zlib.h>
 
 #include "bridges/web/colours.h"
-#include "bridges/web/depth.h"
+#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/planes.h"
 #include "bridges/web/snapshot.h"
 #include "kernels/reference/steps.h"
 
@@ -203,7 +204,7 @@ TEST_F(ImageEncoderTest, TheRangeOfDistancesSetsTheEnds) {
 
 TEST_F(ImageEncoderTest, PlanesThatAreNotAsTheirProductSaysAreLeftOut) {
     disparity::Frame& frame = live_.frame;
-    leave_out_unsound_planes(frame);
+    leave_out_broken_planes(frame);
     ASSERT_EQ(frame.planes.size(), 2U);
     frame.planes.push_back({Product::disparity, 2, 2, 1, {1, 2, 3, 4}});                   // of 8 bits
     frame.planes.push_back({Product::confidence, 2, 2, 1, {1, 2, 3}});                     // too short
@@ -211,7 +212,7 @@ TEST_F(ImageEncoderTest, PlanesThatAreNotAsTheirProductSaysAreLeftOut) {
     frame.planes.push_back({static_cast<Product>(0), 1, 1, 1, {1}});
     frame.planes.push_back({static_cast<Product>(99), 1, 1, 1, {1}});
     frame.planes.push_back({Product::scan, 3, 1, 1, {1, 2, 3}});  // a record
-    leave_out_unsound_planes(frame);
+    leave_out_broken_planes(frame);
     ASSERT_EQ(frame.planes.size(), 3U);
     EXPECT_EQ(frame.planes[1].product, Product::left);
     EXPECT_EQ(frame.planes[2].product, Product::scan);

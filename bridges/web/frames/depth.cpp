@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/web/depth.h"
+#include "bridges/web/frames/depth.h"
 
 #include <algorithm>
 #include <cmath>
