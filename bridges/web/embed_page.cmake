@@ -25,7 +25,7 @@ foreach(path IN LISTS FILES)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE ${OUTPUT} "// Written by embed_page.cmake.
-#include \"bridges/web/page_files.h\"
+#include \"bridges/web/http/page_files.h\"
 
 #include <array>
 #include <cstddef>

@@ -8,9 +8,9 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/thread_pool.hpp>
 
-#include "bridges/web/frame_feed.h"
-#include "bridges/web/listener.h"
-#include "bridges/web/status_feed.h"
+#include "bridges/web/daemon/frame_feed.h"
+#include "bridges/web/daemon/status_feed.h"
+#include "bridges/web/http/listener.h"
 
 namespace disparityd::web {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/web/access.h"
+#include "bridges/web/http/access.h"
 
 #include <stdexcept>
 

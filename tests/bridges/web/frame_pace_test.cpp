@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/web/frame_pace.h"
+#include "bridges/web/live/frame_pace.h"
 
 #include <gtest/gtest.h>
 

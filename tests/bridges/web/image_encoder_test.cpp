@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Images, against OpenCV's decoders and zlib's, and depth against the reference kernel.
-#include "bridges/web/image_encoder.h"
+#include "bridges/web/images/image_encoder.h"
 
 #include <cmath>
 #include <cstring>
@@ -11,10 +11,10 @@
 #include <opencv2/imgcodecs.hpp>
 #include <zlib.h>
 
-#include "bridges/web/colours.h"
 #include "bridges/web/frames/depth.h"
 #include "bridges/web/frames/planes.h"
-#include "bridges/web/snapshot.h"
+#include "bridges/web/images/colours.h"
+#include "bridges/web/images/snapshot.h"
 #include "kernels/reference/steps.h"
 
 namespace disparityd::web {

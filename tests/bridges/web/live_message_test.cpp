@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/web/live_message.h"
+#include "bridges/web/live/live_message.h"
 
 #include <cstring>
 

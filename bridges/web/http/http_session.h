@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/ssl.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "bridges/web/http/connections.h"
+#include "bridges/web/http/multipart_link.h"
+#include "bridges/web/http/routes.h"
+#include "bridges/web/http/sessions.h"
+#include "bridges/web/http/websocket_link.h"
+
+namespace disparityd::web {
+
+/// What all connections share.
+struct Site {
+    Workplace place;
+    Access& access;
+    Routes& routes;
+    Connections& connections;
+};
+
+using PlainStream = boost::beast::tcp_stream;
+using TlsStream = boost::beast::ssl_stream<boost::beast::tcp_stream>;
+
+/// One HTTP connection, until it ends or becomes a WebSocket or a stream. `Stream` is PlainStream or TlsStream. The
+/// operations under way keep it alive.
+template <typename Stream>
+class HttpSession : public Connection, public std::enable_shared_from_this<HttpSession<Stream>> {
+public:
+    HttpSession(Stream&& stream, const Site& site) : stream_(std::move(stream)), site_(site) {}
+
+    void start() {
+        if constexpr (std::is_same_v<Stream, TlsStream>) {
+            boost::beast::get_lowest_layer(stream_).expires_after(patience);
+            stream_.async_handshake(boost::asio::ssl::stream_base::server,
+                                    [self = this->shared_from_this()](Error error) {
+                                        if (!error) {
+                                            self->read();
+                                        }
+                                    });
+        } else {
+            read();
+        }
+    }
+
+    void drop() override { boost::beast::get_lowest_layer(stream_).close(); }
+    /// A peer that does not read its answer holds a place, too.
+    bool idle() const override {
+        return !answering_ || (writing_since_ && std::chrono::steady_clock::now() - *writing_since_ > slow_reader);
+    }
+
+private:
+    using Error = boost::system::error_code;
+    /// A whole request must come within this time, also the first byte of the next one.
+    static constexpr std::chrono::seconds patience{20};
+    static constexpr std::chrono::seconds slow_reader{2};
+    static constexpr std::size_t most_head = 8192;
+    static constexpr std::size_t most_body = 16384;
+
+    void read();
+    void on_request();
+    void write(Response response);
+    bool upgrade(const Request& request);
+    bool stream(const Request& request);
+
+    Stream stream_;
+    Site site_;
+    boost::beast::flat_buffer buffer_{most_head + most_body};
+    std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
+    bool answering_ = false;
+    std::optional<std::chrono::steady_clock::time_point> writing_since_;  ///< when the answer was ready
+};
+
+template <typename Stream>
+void HttpSession<Stream>::read() {
+    answering_ = false;
+    writing_since_.reset();
+    parser_.emplace();
+    parser_->header_limit(most_head);
+    parser_->body_limit(most_body);
+    boost::beast::get_lowest_layer(stream_).expires_after(patience);
+    boost::beast::http::async_read(stream_, buffer_, *parser_,
+                                   [self = this->shared_from_this()](Error error, std::size_t) {
+                                       if (!error) {
+                                           self->on_request();
+                                           return;
+                                       }
+                                       // What is no HTTP is not worth an answer.
+                                       self->drop();
+                                   });
+}
+
+template <typename Stream>
+void HttpSession<Stream>::on_request() {
+    answering_ = true;
+    const auto request = std::make_shared<const Request>(parser_->release());
+    ++site_.place.hub.counters.requests;
+    if (upgrade(*request) || stream(*request)) {
+        return;
+    }
+    // An answer may take as long as the daemon needs to close a recording.
+    boost::beast::get_lowest_layer(stream_).expires_never();
+    site_.routes.respond(*request, [self = this->shared_from_this(), request](Response response) {
+        if (response.result_int() >= 400) {
+            ++self->site_.place.hub.counters.refused;
+        }
+        self->write(std::move(response));
+    });
+}
+
+template <typename Stream>
+void HttpSession<Stream>::write(Response response) {
+    const auto kept = std::make_shared<Response>(std::move(response));
+    constexpr std::size_t least_bytes_per_second = 65536;
+    writing_since_ = std::chrono::steady_clock::now();
+    boost::beast::get_lowest_layer(stream_).expires_after(
+        patience + std::chrono::seconds(kept->body().size() / least_bytes_per_second));
+    boost::beast::http::async_write(stream_, *kept, [self = this->shared_from_this(), kept](Error error, std::size_t) {
+        if (error || kept->need_eof()) {
+            self->drop();
+        } else {
+            self->read();
+        }
+    });
+}
+
+/// Makes the connection a WebSocket when the request asks for one. Returns whether it has been dealt with.
+template <typename Stream>
+bool HttpSession<Stream>::upgrade(const Request& request) {
+    if (!boost::beast::websocket::is_upgrade(request)) {
+        return false;
+    }
+    WebSocketChoice choice = choose_websocket(request, site_.place, site_.access);
+    if (choice.handler == nullptr) {
+        ++site_.place.hub.counters.refused;
+        write(std::move(choice.refusal));
+        return true;
+    }
+    const auto link = std::make_shared<WebSocketLink<Stream>>(std::move(stream_), std::move(choice.handler));
+    if (site_.connections.admit(link, this)) {
+        link->accept(request, choice.protocol);
+    }
+    return true;
+}
+
+/// Makes the connection an MJPEG stream when the request asks for one. Returns whether it has been dealt with.
+template <typename Stream>
+bool HttpSession<Stream>::stream(const Request& request) {
+    if (path_of(request) != "/stream.mjpg" || request.method() != boost::beast::http::verb::get) {
+        return false;
+    }
+    StreamChoice choice = choose_stream(request, site_.place, site_.access);
+    if (choice.handler == nullptr) {
+        ++site_.place.hub.counters.refused;
+        write(std::move(choice.refusal));
+        return true;
+    }
+    const auto link = std::make_shared<MultipartLink<Stream>>(std::move(stream_), std::move(choice.handler));
+    if (site_.connections.admit(link, this)) {
+        link->start(choice.head);
+    }
+    return true;
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/http/listener.h"
+
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <boost/asio/write.hpp>
+#include <netinet/tcp.h>
+#include <openssl/err.h>
+#include <sys/socket.h>
+
+namespace disparityd::web {
+namespace {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
+    if (!files.on()) {
+        return nullptr;
+    }
+    auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
+    const auto check = [](const error_code& error, const std::string& file, const std::string& what) {
+        if (error) {
+            const char* const reason = ERR_reason_error_string(static_cast<unsigned long>(error.value()));
+            throw std::runtime_error(file + ": " + what + ": " +
+                                     (reason != nullptr ? reason : error.message().c_str()));
+        }
+    };
+    error_code error;
+    context->set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
+                         asio::ssl::context::no_tlsv1_1);
+    context->use_certificate_chain_file(files.certificate, error);
+    check(error, files.certificate, "the certificate cannot be used");
+    context->use_private_key_file(files.key, asio::ssl::context::pem, error);
+    check(error, files.key, "the key cannot be used, or is not that of the certificate");
+    if (!files.authority.empty()) {
+        context->load_verify_file(files.authority, error);
+        check(error, files.authority, "the authority's certificate cannot be used");
+        // Without a name OpenSSL refuses the second connection of a client that goes on with its session.
+        constexpr std::string_view name = "disparity-web";
+        SSL_CTX_set_session_id_context(context->native_handle(), reinterpret_cast<const unsigned char*>(name.data()),
+                                       name.size());
+        context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
+    }
+    return context;
+}
+
+asio::ip::tcp::acceptor listening(asio::io_context& network, const ServerSettings& settings) {
+    const std::string where = settings.host + ':' + std::to_string(settings.port);
+    error_code error;
+    const auto address = asio::ip::make_address(settings.host, error);
+    if (error) {
+        throw std::runtime_error("cannot listen at " + where +
+                                 ": the host must be an address of this machine, such as "
+                                 "127.0.0.1 or 0.0.0.0");
+    }
+    asio::ip::tcp::acceptor acceptor(network);
+    const asio::ip::tcp::endpoint endpoint(address, settings.port);
+    acceptor.open(endpoint.protocol(), error);
+    if (!error) {
+        acceptor.set_option(asio::ip::tcp::acceptor::reuse_address(true), error);
+    }
+    if (!error) {
+        acceptor.bind(endpoint, error);
+    }
+    if (!error) {
+        acceptor.listen(asio::socket_base::max_listen_connections, error);
+    }
+    if (error) {
+        throw std::runtime_error("cannot listen at " + where + ": " + error.message() +
+                                 "; choose another port with --listen");
+    }
+    return acceptor;
+}
+
+/// A peer whose machine is gone says nothing: the kernel asks it after half a minute.
+void notice_vanished_peers(asio::ip::tcp::socket& socket) {
+    error_code ignored;
+    socket.set_option(asio::socket_base::keep_alive(true), ignored);
+    const int seconds = 30;
+    setsockopt(socket.native_handle(), IPPROTO_TCP, TCP_KEEPIDLE, &seconds, sizeof seconds);
+}
+
+}  // namespace
+
+PortListener::PortListener(const ServerSettings& settings, const Site& site)
+    : site_(site),
+      acceptor_(listening(site.place.network, settings)),
+      pause_(site.place.network),
+      tls_(tls_context(settings.tls)) {}
+
+void PortListener::stop() {
+    error_code ignored;
+    acceptor_.close(ignored);
+    pause_.cancel();
+}
+
+template <typename Stream>
+void PortListener::serve(Stream&& stream) {
+    const auto session = std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_);
+    if (site_.connections.admit(session)) {
+        session->start();
+    } else {
+        ++site_.place.hub.counters.refused;
+    }
+}
+
+void PortListener::accept() {
+    acceptor_.async_accept([this](error_code error, asio::ip::tcp::socket socket) {
+        if (error == asio::error::operation_aborted) {
+            return;
+        }
+        if (error) {
+            // Without descriptors the next try fails at once: others must end theirs first.
+            pause_.expires_after(std::chrono::milliseconds(200));
+            pause_.async_wait([this](error_code ended) {
+                if (!ended) {
+                    accept();
+                }
+            });
+            return;
+        }
+        socket.set_option(asio::ip::tcp::no_delay(true), error);
+        notice_vanished_peers(socket);
+        if (tls_) {
+            serve(TlsStream(PlainStream(std::move(socket)), *tls_));
+        } else {
+            serve(PlainStream(std::move(socket)));
+        }
+        accept();
+    });
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/images/image_encoder.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+#include <zlib.h>
+
+#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/jpeg.h"
+#include "bridges/web/images/colours.h"
+
+namespace disparityd::web {
+namespace {
+
+using disparity::PlaneData;
+using disparity::Product;
+
+constexpr double sigma_shown_mm = 1000;  ///< the depth error that gets the last colour
+
+std::string deflated(const void* data, std::size_t bytes) {
+    uLongf size = compressBound(bytes);
+    std::string packed(size, '\0');
+    constexpr int fastest = 1;
+    if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size, static_cast<const Bytef*>(data), bytes, fastest) !=
+        Z_OK) {
+        throw std::runtime_error("an image cannot be compressed: no memory");
+    }
+    packed.resize(size);
+    return packed;
+}
+
+cv::Size scaled_size(const PlaneData& plane, int max_width) {
+    const int width = static_cast<int>(plane.width);
+    const int height = static_cast<int>(plane.height);
+    if (max_width <= 0 || width <= max_width) {
+        return {width, height};
+    }
+    return {max_width, std::max(1, (height * max_width + width / 2) / width)};
+}
+
+/// Returns the plane as it is seen, without a copy.
+cv::Mat mat_of(const PlaneData& plane, int type) {
+    return {static_cast<int>(plane.height), static_cast<int>(plane.width), type,
+            const_cast<std::uint8_t*>(plane.bytes.data())};
+}
+
+/// Pixels of the camera: means of what falls together.
+cv::Mat scaled_picture(const PlaneData& plane, int max_width) {
+    const cv::Mat whole = mat_of(plane, plane.bytes_per_pixel == 3 ? CV_8UC3 : CV_8UC1);
+    const cv::Size size = scaled_size(plane, max_width);
+    if (size == whole.size()) {
+        return whole;
+    }
+    cv::Mat smaller;
+    cv::resize(whole, smaller, size, 0, 0, cv::INTER_AREA);
+    return smaller;
+}
+
+/// Colours of measured values: one pixel of those that fall together, since a mean of two distances is none of them.
+template <typename T, typename ColourOf>
+cv::Mat coloured(const PlaneData& plane, int max_width, const ColourOf& colour_of) {
+    const cv::Size size = scaled_size(plane, max_width);
+    cv::Mat picture(size, CV_8UC3);
+    std::vector<std::size_t> column(static_cast<std::size_t>(size.width));
+    for (std::size_t x = 0; x < column.size(); ++x) {
+        column[x] = x * plane.width / column.size();
+    }
+    for (int y = 0; y < size.height; ++y) {
+        const std::size_t from = static_cast<std::size_t>(y) * plane.height / static_cast<std::size_t>(size.height);
+        const std::uint8_t* const row = plane.bytes.data() + from * plane.width * sizeof(T);
+        auto* to = picture.ptr<std::uint8_t>(y);
+        for (const std::size_t x : column) {
+            T value;
+            std::memcpy(&value, row + x * sizeof(T), sizeof(T));
+            const Colour& colour = colour_of(value);
+            to = std::copy(colour.begin(), colour.end(), to);
+        }
+    }
+    return picture;
+}
+
+cv::Mat draw(const disparity::Frame& frame, const PlaneData& plane, const ImageView& view, EncodedImage& made) {
+    switch (view.image) {
+        case Image::disparity:
+        case Image::depth: {
+            const DisparityColours colours(frame, view.image, view.range);
+            made.low = colours.low;
+            made.high = colours.high;
+            made.near_m = colours.near_m;
+            made.far_m = colours.far_m;
+            return coloured<std::int16_t>(plane, view.max_width,
+                                          [&](std::int16_t d16) -> const Colour& { return colours.of(d16); });
+        }
+        case Image::depth_error: {
+            static constexpr Colour unknown{0, 0, 0};
+            made.high = sigma_shown_mm;
+            return coloured<std::uint16_t>(plane, view.max_width, [](std::uint16_t mm) -> const Colour& {
+                return mm == 0 ? unknown
+                               : turbo()[static_cast<std::size_t>(std::min(255.0, 255.0 * mm / sigma_shown_mm))];
+            });
+        }
+        case Image::left:
+        case Image::confidence: break;
+    }
+    made.high = 255;
+    return scaled_picture(plane, view.max_width);
+}
+
+/// The values as they are. Depth is computed here: the daemon need not make it.
+std::string values_of(const disparity::Frame& frame, const PlaneData& plane, const ImageView& view) {
+    if (view.image != Image::depth) {
+        return deflated(plane.bytes.data(), plane.bytes.size());
+    }
+    std::vector<std::uint16_t> depth(static_cast<std::size_t>(plane.width) * plane.height);
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        std::int16_t d16;
+        std::memcpy(&d16, plane.bytes.data() + 2 * i, sizeof d16);
+        depth[i] = depth_mm(frame, d16);
+    }
+    return deflated(depth.data(), 2 * depth.size());
+}
+
+const char* type_of(const PlaneData& plane, Image image) {
+    if (plane.bytes_per_pixel == 2) {
+        return image == Image::disparity ? "i16" : "u16";
+    }
+    return plane.bytes_per_pixel == 3 ? "bgr8" : "u8";
+}
+
+const PlaneData* plane_of(const disparity::Frame& frame, Image image) {
+    const PlaneData* const colour = image == Image::left ? frame.plane(Product::left_colour) : nullptr;
+    const PlaneData* const plane = colour != nullptr ? colour : frame.plane(product_of(image));
+    return plane != nullptr && plane->width > 0 && plane->height > 0 ? plane : nullptr;
+}
+
+}  // namespace
+
+std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageView& view) {
+    const PlaneData* const plane = plane_of(live.frame, view.image);
+    if (plane == nullptr) {
+        return nullptr;
+    }
+    if (const auto found = live.encoded.find(view); found != live.encoded.end()) {
+        return found->second;
+    }
+    auto made = std::make_shared<EncodedImage>();
+    made->image = view.image;
+    made->encoding = view.encoding;
+    if (view.encoding == Encoding::jpeg) {
+        const cv::Mat picture = draw(live.frame, *plane, view, *made);
+        made->width = picture.cols;
+        made->height = picture.rows;
+        made->type = picture.channels() == 3 ? "bgr8" : "u8";
+        made->bytes = std::make_shared<const std::string>(
+            jpeg_of({picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), picture.channels() == 1},
+                    view.quality));
+    } else {
+        draw(live.frame, *plane, {view.image, view.encoding, 1, 0, view.range}, *made);
+        made->width = static_cast<int>(plane->width);
+        made->height = static_cast<int>(plane->height);
+        made->type = type_of(*plane, view.image);
+        made->bytes = std::make_shared<const std::string>(values_of(live.frame, *plane, view));
+    }
+    live.encoded.emplace(view, made);
+    return made;
+}
+
+std::shared_ptr<const DepthGrid> depth_grid(const disparity::Frame& frame, int step) {
+    const PlaneData* const plane = frame.plane(Product::disparity);
+    if (plane == nullptr || step < 1 || !has_metres(frame)) {
+        return nullptr;
+    }
+    auto grid = std::make_shared<DepthGrid>();
+    const auto stride = static_cast<std::uint32_t>(step);
+    grid->step = step;
+    grid->width = static_cast<int>((plane->width + stride - 1) / stride);
+    grid->height = static_cast<int>((plane->height + stride - 1) / stride);
+    std::vector<std::uint16_t> depth;
+    depth.reserve(static_cast<std::size_t>(grid->width) * static_cast<std::size_t>(grid->height));
+    for (std::uint32_t y = 0; y < plane->height; y += stride) {
+        for (std::uint32_t x = 0; x < plane->width; x += stride) {
+            depth.push_back(depth_mm(frame, value_at<std::int16_t>(*plane, x, y)));
+        }
+    }
+    grid->bytes = std::make_shared<const std::string>(deflated(depth.data(), 2 * depth.size()));
+    return grid;
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/web/live/foxglove_link.h"
+
+#include <chrono>
+#include <exception>
+#include <string>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+#include "base/version.h"
+
+namespace disparityd::web {
+namespace {
+
+std::int64_t now_ns() {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+/// The same for all connections of this process, another one after a restart.
+const std::string& session_id() {
+    static const std::string id = std::to_string(now_ns());
+    return id;
+}
+
+foxglove::Offer offer_of(const DaemonState& state) {
+    return state.status ? foxglove::offer_of(*state.status, state.products) : foxglove::Offer{state.products};
+}
+
+}  // namespace
+
+FoxgloveLink::FoxgloveLink(const Workplace& workplace)
+    : place_(workplace),
+      session_({"disparityd", base::version_line("disparity-web"), session_id()}, offer_of(workplace.hub.state())) {}
+
+void FoxgloveLink::on_open(MessageLink& link) {
+    link_ = &link;
+    ++place_.hub.counters.clients;
+    send_texts(session_.greeting());
+    place_.hub.add(weak_from_this());
+}
+
+void FoxgloveLink::on_closed() {
+    link_ = nullptr;
+    --place_.hub.counters.clients;
+    place_.hub.update_wants();
+}
+
+void FoxgloveLink::on_text(std::string_view text) {
+    send_texts(session_.on_text(text));
+    place_.hub.update_wants();
+}
+
+void FoxgloveLink::on_binary() {
+    send_texts(session_.on_binary());
+}
+
+Wants FoxgloveLink::wants() const {
+    Wants wants;
+    if (link_ != nullptr) {
+        const foxglove::Wanted wanted = session_.wanted();
+        wants.products.insert(wanted.products.begin(), wanted.products.end());
+        wants.sensors = wanted.sensors;
+    }
+    return wants;
+}
+
+void FoxgloveLink::on_frame(const std::shared_ptr<const LiveFrame>& frame) {
+    if (link_ != nullptr && !session_.wanted().products.empty()) {
+        waiting_ = frame;
+        ++passed_;
+        send_next();
+    }
+}
+
+void FoxgloveLink::on_state(const DaemonState& state) {
+    if (link_ == nullptr || !state.there) {
+        return;  // viewers keep their panels while the daemon is away
+    }
+    send_texts(session_.set_offer(offer_of(state)));
+    if (state.status) {
+        send_messages(session_.on_status(*state.status, now_ns()));
+    }
+    place_.hub.update_wants();
+}
+
+void FoxgloveLink::on_sensors(const disparity::SensorBatch& batch) {
+    if (link_ != nullptr && !link_->busy()) {
+        send_messages(session_.on_sensors(batch, now_ns()));
+    }
+}
+
+void FoxgloveLink::send_texts(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+        link_->send_text(text);
+    }
+}
+
+void FoxgloveLink::send_messages(const std::vector<foxglove::Message>& messages) {
+    for (const foxglove::Message& message : messages) {
+        place_.hub.counters.bytes_sent += message.head.size() + message.payload->size();
+        link_->send_binary({std::make_shared<const std::string>(message.head), message.payload});
+    }
+}
+
+/// Sends the newest frame when the messages before it are out. They are made in the encoding thread.
+void FoxgloveLink::send_next() {
+    if (link_ == nullptr || encoding_ || waiting_ == nullptr || link_->busy()) {
+        return;
+    }
+    encoding_ = true;
+    const std::uint64_t skipped = std::exchange(passed_, 0) - 1;
+    place_.hub.counters.frames_skipped += skipped;
+    boost::asio::post(place_.encoding, [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
+                                        channels = session_.subscribed(), received = now_ns()] {
+        foxglove::Payloads payloads;
+        try {
+            if (!live->foxglove) {
+                live->foxglove = std::make_unique<foxglove::EncodedFrame>(live->frame);
+            }
+            payloads = live->foxglove->payloads(channels);
+        } catch (const std::exception&) {
+            // A frame that cannot be encoded is left out; the next one comes soon.
+        }
+        boost::asio::post(self->place_.network, [self, payloads, received] { self->send_frame(payloads, received); });
+    });
+}
+
+void FoxgloveLink::send_frame(const foxglove::Payloads& payloads, std::int64_t received_ns) {
+    encoding_ = false;
+    if (link_ != nullptr) {
+        ++place_.hub.counters.frames_sent;
+        send_messages(session_.on_payloads(payloads, received_ns));
+        send_next();
+    }
+}
+
+}  // namespace disparityd::web

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "bridges/web/foxglove/session.h"
+#include "bridges/web/live/live_session.h"
+
+namespace disparityd::web {
+
+/// One viewer that speaks Foxglove's protocol: brings the session and its connection together.
+class FoxgloveLink : public MessageHandler, public Listener, public std::enable_shared_from_this<FoxgloveLink> {
+public:
+    explicit FoxgloveLink(const Workplace& workplace);
+
+    void on_open(MessageLink& link) override;
+    void on_text(std::string_view text) override;
+    void on_binary() override;
+    void on_sent() override { send_next(); }
+    void on_closed() override;
+    void on_frame(const std::shared_ptr<const LiveFrame>& frame) override;
+    void on_state(const DaemonState& state) override;
+    void on_sensors(const disparity::SensorBatch& batch) override;
+    Wants wants() const override;
+
+private:
+    void send_texts(const std::vector<std::string>& texts);
+    void send_messages(const std::vector<foxglove::Message>& messages);
+    void send_next();
+    void send_frame(const foxglove::Payloads& payloads, std::int64_t received_ns);
+
+    Workplace place_;
+    foxglove::FoxgloveSession session_;
+    MessageLink* link_ = nullptr;  ///< nullptr after the end
+    std::shared_ptr<const LiveFrame> waiting_;
+    std::uint64_t passed_ = 0;  ///< frames that came since the last one that was sent
+    bool encoding_ = false;
+};
+
+}  // namespace disparityd::web

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+
+#include "bridges/web/daemon/hub.h"
+#include "bridges/web/live/frame_pace.h"
+#include "bridges/web/live/live_message.h"
+#include "bridges/web/live/message_link.h"
+
+namespace disparityd::web {
+
+/// Where connections do their work.
+struct Workplace {
+    boost::asio::io_context& network;    ///< one thread: sockets, the hub, the sessions
+    boost::asio::thread_pool& encoding;  ///< one thread: images
+    Hub& hub;
+};
+
+/// One page: what it asks for, and what it is told. docs/web.md defines the messages.
+class LiveSession : public MessageHandler, public Listener, public std::enable_shared_from_this<LiveSession> {
+public:
+    explicit LiveSession(const Workplace& workplace) : place_(workplace), timer_(workplace.network) {}
+
+    void on_open(MessageLink& link) override;
+    void on_text(std::string_view text) override;
+    void on_binary() override { handle(WrongMessage{"a message is binary; allowed: text"}); }
+    void on_sent() override { send_next(); }
+    void on_closed() override;
+
+    void on_frame(const std::shared_ptr<const LiveFrame>& frame) override;
+    void on_state(const DaemonState& state) override;
+    void on_sensors(const disparity::SensorBatch& batch) override;
+    Wants wants() const override;
+
+private:
+    void handle(const LiveSubscription& subscription);
+    void handle(const Seen& seen);
+    void handle(const Point& point);
+    void handle(const WrongMessage& wrong);
+    void greet(const DaemonState& state);
+    void send_next();
+    void wait_for_rate();
+    std::vector<ImageView> views() const;
+    void send(const LiveFrame& live, const std::vector<Bytes>& parts, std::uint64_t skipped);
+
+    Workplace place_;
+    MessageLink* link_ = nullptr;  ///< nullptr after the end
+    LiveSubscription subscription_;
+    Point point_;
+    FramePace pace_;
+    LinkFacts facts_;
+    std::vector<disparity::Product> told_products_;
+    boost::asio::steady_timer timer_;
+    std::shared_ptr<const LiveFrame> waiting_;  ///< the newest frame that was not sent
+    std::uint64_t passed_ = 0;                  ///< frames that came since the last one that was sent
+    bool encoding_ = false;
+    std::chrono::steady_clock::time_point sensors_next_{};
+};
+
+}  // namespace disparityd::web
