@@ -65,12 +65,12 @@ bool solve(std::array<Row, 3>& m) {
 }  // namespace
 
 GroundFit::GroundFit() {
-    points_.reserve(std::size_t{2} * grid_rows * 2 * grid_columns);
+    points_.resize(std::size_t{2} * grid_rows * 2 * grid_columns);
     sample_.reserve(2 * sample_size);
 }
 
 void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
-    points_.clear();
+    point_count_ = 0;
     sample_.clear();
     const Camera& camera = geometry.camera();
     const Rays& rays = geometry.rays();
@@ -82,24 +82,24 @@ void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
     for (int y = step_y / 2; y < camera.height; y += step_y) {
         for (int x = step_x / 2; x < camera.width; x += step_x) {
             const double n = pixels.disparity.at(x, y) + camera.scale.offset16;
-            const bool measured = pixels.confidence.at(x, y) > 0 &&
-                                  n * geometry.weights(y / group_rows)[x] >= geometry.limits().seen * weight_one;
-            if (!measured) {
-                continue;
-            }
+            const int measured =
+                static_cast<int>(pixels.confidence.at(x, y) > 0) &
+                static_cast<int>(n * geometry.weights(y / group_rows)[x] >= geometry.limits().seen * weight_one);
             const double up = rays.up(x, y);
             const double ahead = rays.ahead(x, y);
             const double left = rays.left(x, y);
             // n times the height above the configured ground, against n times what slope and step allow there.
             const double horizontal = std::sqrt(ahead * ahead + left * left);
-            if (std::abs(h * n + k * up) <= step * n + 1.5 * max_ground_slope * k * horizontal) {
-                points_.push_back({static_cast<float>(n), static_cast<float>(-k * up), static_cast<float>(k * ahead),
-                                   static_cast<float>(k * left)});
-            }
+            const int near =
+                static_cast<int>(std::abs(h * n + k * up) <= step * n + 1.5 * max_ground_slope * k * horizontal);
+            // Written in any case, counted or not: branches would be guessed wrongly at every edge.
+            points_[point_count_] = {static_cast<float>(n), static_cast<float>(-k * up), static_cast<float>(k * ahead),
+                                     static_cast<float>(k * left)};
+            point_count_ += static_cast<std::size_t>(measured & near);
         }
     }
-    const std::size_t every = std::max<std::size_t>(points_.size() / sample_size, 1);
-    for (std::size_t i = every / 2; i < points_.size(); i += every) {
+    const std::size_t every = std::max<std::size_t>(point_count_ / sample_size, 1);
+    for (std::size_t i = every / 2; i < point_count_; i += every) {
         sample_.push_back(points_[i]);
     }
 }
@@ -134,7 +134,7 @@ std::optional<GroundFit::Parameters> GroundFit::least_squares(const Parameters& 
                                                               int& inliers) const {
     std::array<Row, 3> m{};
     inliers = 0;
-    for (const Point& point : points_) {
+    for (const Point& point : points()) {
         const std::array<double, 4> row{point.up, point.ahead, point.left, point.n};
         const double above = row[3] - (row[0] * plane.p + row[1] * plane.q + row[2] * plane.t);
         if (std::abs(above) > tolerance) {
@@ -142,11 +142,14 @@ std::optional<GroundFit::Parameters> GroundFit::least_squares(const Parameters& 
         }
         ++inliers;
         for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t j = 0; j < 4; ++j) {
+            for (std::size_t j = i; j < 4; ++j) {
                 m[i][j] += row[i] * row[j];
             }
         }
     }
+    m[1][0] = m[0][1];
+    m[2][0] = m[0][2];
+    m[2][1] = m[1][2];
     if (!solve(m)) {
         return std::nullopt;
     }
@@ -164,7 +167,7 @@ bool GroundFit::allowed(const Parameters& plane, double h) const {
 
 std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near) {
     collect(pixels, geometry);
-    if (points_.size() < least_inliers) {
+    if (point_count_ < least_inliers) {
         return std::nullopt;
     }
     const double h = 1000 * geometry.options().camera_height_m;
@@ -195,7 +198,7 @@ std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& 
         }
         best = *better;
     }
-    if (inliers < least_inliers || inliers < least_share * static_cast<double>(points_.size())) {
+    if (inliers < least_inliers || inliers < least_share * static_cast<double>(point_count_)) {
         return std::nullopt;
     }
     return GroundPlane{(h - 1 / best.p) / 1000, best.q / best.p, best.t / best.p};

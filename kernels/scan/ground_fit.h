@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "kernels/scan/scan.h"
@@ -43,7 +44,10 @@ private:
     std::optional<Parameters> least_squares(const Parameters& plane, float tolerance, int& inliers) const;
     bool allowed(const Parameters& plane, double h) const;
 
-    std::vector<Point> points_;
+    std::span<const Point> points() const { return {points_.data(), point_count_}; }
+
+    std::vector<Point> points_;  ///< the first point_count_ of them count
+    std::size_t point_count_ = 0;
     std::vector<Point> sample_;  ///< some of them, evenly
 };
 

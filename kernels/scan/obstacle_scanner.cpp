@@ -40,7 +40,7 @@ ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& optio
       shift_(scan::is_shifted(options) ? std::optional<scan::OriginShift>(options) : std::nullopt),
       geometry_(width, height, shift_ ? shift_->camera_options() : options),
       band_(width, height),
-      counts_(geometry_.sectors(), geometry_.groups()),
+      counts_(geometry_.sectors(), geometry_.groups(), width),
       decision_(geometry_),
       camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
@@ -68,10 +68,10 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     }
     steps_.scan_counts(pixels, geometry_, band_, counts_);
     if (!shift_) {
-        decision_.decide(pixels, geometry_, band_, scan.ground, counts_, scan.sectors);
+        decision_.decide(pixels, geometry_, scan.ground, counts_, scan.sectors);
         return;
     }
-    decision_.decide(pixels, geometry_, band_, scan.ground, counts_, camera_sectors_);
+    decision_.decide(pixels, geometry_, scan.ground, counts_, camera_sectors_);
     shift_->move(camera_sectors_, scan.sectors);
     scan.ground.height_m -=
         scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;

@@ -17,14 +17,16 @@ struct Pixels {
     Plane<const std::uint8_t> confidence;
 };
 
-/// How many pixels of each sector lie in which bin of distance, and how many of its pixels were measured per group of
-/// rows.
+/// How many pixels of each sector lie in which bin of distance, how many of its pixels were measured per group of rows,
+/// and the bins of the pixels in the middle row of each group.
 struct Counts {
-    Counts(int sector_count, int group_count)
+    Counts(int sector_count, int group_count, int image_width)
         : sectors(sector_count),
           groups(group_count),
+          width(image_width),
           obstacle((static_cast<std::size_t>(sector_count) + 1) * bins),
-          seen(static_cast<std::size_t>(sector_count) * static_cast<std::size_t>(group_count)) {}
+          seen(static_cast<std::size_t>(sector_count) * static_cast<std::size_t>(group_count)),
+          middle_bins(static_cast<std::size_t>(group_count) * static_cast<std::size_t>(image_width)) {}
 
     std::uint32_t* obstacle_of(int sector) { return &obstacle[static_cast<std::size_t>(sector) * bins]; }
     const std::uint32_t* obstacle_of(int sector) const { return &obstacle[static_cast<std::size_t>(sector) * bins]; }
@@ -37,12 +39,22 @@ struct Counts {
                     static_cast<std::size_t>(group)];
     }
 
+    /// The bins of row Geometry::group_middle(group), one per column.
+    std::uint8_t* middle_bins_of(int group) {
+        return &middle_bins[static_cast<std::size_t>(group) * static_cast<std::size_t>(width)];
+    }
+    const std::uint8_t* middle_bins_of(int group) const {
+        return &middle_bins[static_cast<std::size_t>(group) * static_cast<std::size_t>(width)];
+    }
+
     int sectors;
     int groups;
+    int width;
     /// By sector and bin. The last bin of each, and a sector more, hold what is counted nowhere else; their values are
     /// not defined.
     std::vector<std::uint32_t> obstacle;
-    std::vector<std::uint32_t> seen;  ///< by sector and group
+    std::vector<std::uint32_t> seen;        ///< by sector and group
+    std::vector<std::uint8_t> middle_bins;  ///< by group and column: no_bin where a pixel is not counted in a bin
 };
 
 /// Step 14, the part that looks at every pixel: fills in all of `counts`. Image, geometry, band and counts have one

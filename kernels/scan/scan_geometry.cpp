@@ -68,6 +68,10 @@ int Geometry::group_end(int group) const {
     return std::min((group + 1) * group_rows, camera_.height);
 }
 
+int Geometry::group_middle(int group) const {
+    return std::min(group * group_rows + group_rows / 2, camera_.height - 1);
+}
+
 double Geometry::edge_deg(int edge) const {
     return from_deg_ + (to_deg_ - from_deg_) * edge / sectors();
 }
@@ -115,7 +119,7 @@ void Geometry::set_limits() {
 }
 
 void Geometry::set_group(int group) {
-    const double y = std::min(group * group_rows + group_rows / 2, camera_.height - 1);
+    const double y = group_middle(group);
     std::uint16_t* weight = &weights_[index(group) * index(camera_.width)];
     for (int x = 0; x < camera_.width; ++x) {
         const double ahead = rays_.ahead(x, y);

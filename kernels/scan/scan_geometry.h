@@ -83,6 +83,8 @@ public:
     int groups() const { return groups_; }
     /// The last row of a group, plus one.
     int group_end(int group) const;
+    /// The row in the middle of a group, of the last group perhaps its last one.
+    int group_middle(int group) const;
 
     /// The bearing of an edge in degrees, 0 .. sectors().
     double edge_deg(int edge) const;

@@ -222,38 +222,34 @@ void SectorDecision::describe(const Geometry& geometry, const Counts& counts, in
     out.sigma_mm = rounded<std::uint16_t>(k * 16 * geometry.options().subpixel_error_px / (m * m));
 }
 
-/// Fills in heights and confidence of an obstacle, from one row of each group.
-void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, const Band& band,
-                                const GroundPlane& ground, int sector, ScanSector& out) const {
+/// Fills in heights and confidence of an obstacle, from the middle row of each group.
+void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground,
+                                const Counts& counts, int sector, ScanSector& out) const {
     const Found& found = found_[index(sector)];
-    const int least = bin_begin(found.first);
-    const int most = bin_begin(found.last + 1) - 1;
+    const auto first = static_cast<std::uint8_t>(found.first);
+    const auto span = static_cast<std::uint8_t>(found.last - found.first);
     const int offset = geometry.camera().scale.offset16;
     const auto k = static_cast<double>(geometry.camera().scale.k);
     const double h = 1000 * (geometry.options().camera_height_m - ground.height_m);
     const Linear rise = rise_above(geometry.rays(), ground);
-    const int sure = geometry.options().min_confidence;
     double low = 1e9;
     double high = -1e9;
     int confidence = 0;
     int seen = 0;
     for (int group = 0; group < geometry.groups(); ++group) {
-        const int y = std::min(group * group_rows + group_rows / 2, geometry.camera().height - 1);
+        const int y = geometry.group_middle(group);
         const std::int16_t* edges = geometry.edges(group);
-        const std::uint16_t* weights = geometry.weights(group);
+        const std::uint8_t* bin = counts.middle_bins_of(group);
         const std::int16_t* disparity = pixels.disparity.row(y);
         const std::uint8_t* sureness = pixels.confidence.row(y);
         int sum_of_n = 0;
         int count = 0;
         for (int x = edges[sector + 1]; x < edges[sector]; ++x) {
-            const int n = disparity[x] + offset;
-            const int m = at_horizontal_distance(n, weights[x]);
             // Without branches, which would be guessed wrongly at every edge.
-            const int in = static_cast<int>(m >= least) & static_cast<int>(m <= most) &
-                           static_cast<int>(sureness[x] >= sure) & static_cast<int>(band.contains(x, y, n));
-            sum_of_n += in * n;
-            confidence += in * sureness[x];
-            count += in;
+            const int in = static_cast<std::uint8_t>(bin[x] - first) <= span ? -1 : 0;
+            sum_of_n += in & (disparity[x] + offset);
+            confidence += in & sureness[x];
+            count -= in;
         }
         if (count > 0) {
             const double x = (edges[sector + 1] + edges[sector] - 1) / 2.0;
@@ -270,7 +266,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
     }
 }
 
-void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
+void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground,
                             const Counts& counts, std::span<ScanSector> sectors) {
     sum_windows(counts);
     find_obstacles(geometry);
@@ -282,7 +278,7 @@ void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, cons
         const double free = free_distance(geometry, ground, counts, s);
         if (found_[index(s)].last >= 0) {
             describe(geometry, counts, s, out);
-            add_extent(pixels, geometry, band, ground, s, out);
+            add_extent(pixels, geometry, ground, counts, s, out);
             out.free_mm = std::min(rounded<std::uint16_t>(free), out.distance_mm);
         } else {
             out.free_mm = rounded<std::uint16_t>(free);

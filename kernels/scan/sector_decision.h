@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "kernels/scan/band.h"
 #include "kernels/scan/scan.h"
 #include "kernels/scan/scan_counts.h"
 #include "kernels/scan/scan_geometry.h"
@@ -22,8 +21,8 @@ public:
     void set(const Geometry& geometry);
 
     /// Fills in all sectors. `sectors` has geometry.sectors() elements.
-    void decide(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
-                const Counts& counts, std::span<ScanSector> sectors);
+    void decide(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
+                std::span<ScanSector> sectors);
 
 private:
     /// The bins in which an obstacle was found: [first, last], last < 0: none.
@@ -37,7 +36,7 @@ private:
     void find_obstacles(const Geometry& geometry);
     double free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts, int sector) const;
     void describe(const Geometry& geometry, const Counts& counts, int sector, ScanSector& out) const;
-    void add_extent(const Pixels& pixels, const Geometry& geometry, const Band& band, const GroundPlane& ground,
+    void add_extent(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
                     int sector, ScanSector& out) const;
 
     std::vector<std::uint32_t> windows_;      ///< by sector and bin: the pixels in it and the three before it

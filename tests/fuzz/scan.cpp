@@ -166,13 +166,14 @@ void expect_same_counts(const scan::Pixels& pixels, const ScanOptions& options, 
     geometry.set(camera);
     scan::Band band(camera.width, camera.height);
     band.set(geometry, {});
-    scan::Counts expected(geometry.sectors(), geometry.groups());
+    scan::Counts expected(geometry.sectors(), geometry.groups(), camera.width);
     reference::scan_counts(pixels, geometry, band, expected);
     static const std::vector<scan::CountPixels*> vectorised = fuzz::vectorised_scan_counts();
     for (scan::CountPixels* const count : vectorised) {
-        scan::Counts counts(geometry.sectors(), geometry.groups());
+        scan::Counts counts(geometry.sectors(), geometry.groups(), camera.width);
         count(pixels, geometry, band, counts);
         fuzz::expect(counts.seen == expected.seen, "an instruction set sees other pixels than the reference");
+        fuzz::expect(counts.middle_bins == expected.middle_bins, "an instruction set keeps other bins");
         for (int s = 0; s < geometry.sectors(); ++s) {
             fuzz::expect(
                 std::equal(counts.obstacle_of(s), counts.obstacle_of(s) + scan::used_bins, expected.obstacle_of(s)),

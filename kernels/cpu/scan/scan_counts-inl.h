@@ -41,8 +41,9 @@ public:
           too_near_(number(geometry.limits().nearest + 1)) {}
 
     /// Adds the pixels of a row to `count`, at the counters of their columns, and adds 1 to `seen` where one is known.
+    /// `kept` gets their bins, if it is not null.
     HWY_INLINE void row(const scan::Pixels& pixels, const std::uint16_t* weights, int y, const std::uint32_t* counters,
-                        std::uint32_t* count, std::int16_t* seen) const {
+                        std::uint32_t* count, std::int16_t* seen, std::uint8_t* kept) const {
         const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
         const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
         const int width = pixels.disparity.width;
@@ -72,9 +73,15 @@ public:
             }
             hn::StoreU(hn::Sub(hn::LoadU(Numbers(), seen + x), hn::VecFromMask(Numbers(), known)), Numbers(), seen + x);
 
-            if (!hn::AllFalse(Numbers(), counts)) {
+            const bool any = !hn::AllFalse(Numbers(), counts);
+            if (any || kept != nullptr) {
                 const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
                 hn::Store(hn::DemoteTo(Bytes(), bin), Bytes(), bins.data());
+            }
+            if (kept != nullptr) {
+                std::copy(bins.begin(), bins.end(), kept + x);
+            }
+            if (any) {
                 for (int i = begin - x; i < lanes; ++i) {
                     ++count[counters[x + i] + bins[static_cast<std::size_t>(i)]];
                 }
@@ -131,7 +138,8 @@ inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geomet
         find_counters(geometry, group, width, counters.data());
         std::fill_n(seen.data(), width, std::int16_t{0});
         for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
-            row_bins.row(pixels, geometry.weights(group), y, counters.data(), count, seen.data());
+            std::uint8_t* const kept = y == geometry.group_middle(group) ? counts.middle_bins_of(group) : nullptr;
+            row_bins.row(pixels, geometry.weights(group), y, counters.data(), count, seen.data(), kept);
         }
         const std::int16_t* edges = geometry.edges(group);
         for (int s = 0; s < counts.sectors; ++s) {

@@ -218,10 +218,11 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
     geometry->set(camera);
     const auto band = std::make_shared<scan::Band>(width, height);
     band->set(*geometry, {pick(data->random, -10, 10) / 100.0, pick(data->random, -20, 20) / 100.0, 0.05});
-    const auto counts = std::make_shared<scan::Counts>(options.sectors, geometry->groups());
+    const auto counts = std::make_shared<scan::Counts>(options.sectors, geometry->groups(), width);
     const auto obstacles =
         data->buffers.memory<std::uint32_t>(static_cast<std::size_t>(options.sectors) * scan::used_bins, true);
     const auto seen = data->buffers.memory<std::uint32_t>(counts->seen.size(), true);
+    const auto middle_bins = data->buffers.memory<std::uint8_t>(counts->middle_bins.size(), true);
     return {[=](const FrameSteps& steps) {
                 steps.scan_counts({disparity->plane(), confidence->plane()}, *geometry, *band, *counts);
                 for (int s = 0; s < counts->sectors; ++s) {
@@ -229,6 +230,7 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
                                 &obstacles[static_cast<std::size_t>(s) * scan::used_bins]);
                 }
                 std::copy(counts->seen.begin(), counts->seen.end(), seen.begin());
+                std::copy(counts->middle_bins.begin(), counts->middle_bins.end(), middle_bins.begin());
             },
             {}};
 }
