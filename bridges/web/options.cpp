@@ -127,7 +127,7 @@ ServerSettings Options::settings() const {
     settings.access.origins = origins;
     settings.access.anybody_controls = allow_control;
     if (!token_file.empty()) {
-        read_tokens(token_file, settings.access);
+        settings.access.tokens = base::read_tokens(token_file);
         settings.access.anybody_views = false;
     }
     settings.max_connections = max_connections;

@@ -3,13 +3,10 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
 #include <stdexcept>
 
 #include <boost/asio/ip/address.hpp>
-#include <openssl/crypto.h>
 #include <openssl/rand.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace disparityd::web {
@@ -18,23 +15,8 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr std::string_view cookie_name = "disparityd=";
-constexpr std::size_t least_token = 16;
-constexpr std::size_t most_token = 256;
 constexpr std::size_t most_sessions = 1024;
 constexpr std::chrono::hours session_life{12};
-
-/// Takes the same time wherever two texts differ, so that nobody finds a token letter by letter.
-bool same(std::string_view a, std::string_view b) {
-    return a.size() == b.size() && CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
-}
-
-bool any_of(const std::vector<std::string>& tokens, std::string_view token) {
-    bool found = false;
-    for (const std::string& other : tokens) {
-        found = same(other, token) || found;
-    }
-    return found;
-}
 
 bool equal_without_case(std::string_view a, std::string_view b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(),
@@ -84,38 +66,6 @@ std::string random_name() {
 
 }  // namespace
 
-void read_tokens(const std::string& path, AccessRules& rules) {
-    struct stat facts {};
-    std::ifstream file(path);
-    if (!file || stat(path.c_str(), &facts) != 0 || S_ISDIR(facts.st_mode)) {
-        throw std::invalid_argument(path + ": the file with the tokens cannot be read");
-    }
-    if ((facts.st_mode & (S_IROTH | S_IWOTH)) != 0) {
-        throw std::invalid_argument(path + ": every user may read the tokens; chmod o-rw " + path);
-    }
-    std::string line;
-    for (int number = 1; std::getline(file, line); ++number) {
-        if (line.empty() || line.front() == '#') {
-            continue;
-        }
-        const std::size_t blank = line.find(' ');
-        const std::string word = line.substr(0, blank);
-        const std::string token = blank == std::string::npos ? "" : line.substr(blank + 1);
-        const bool printable = std::all_of(token.begin(), token.end(), [](unsigned char c) { return std::isgraph(c); });
-        if ((word != "view" && word != "control") || !printable || token.size() < least_token ||
-            token.size() > most_token) {
-            throw std::invalid_argument(
-                path + ":" + std::to_string(number) +
-                ": allowed: \"view TOKEN\" or \"control TOKEN\", a token of 16 to 256 characters "
-                "without blanks, such as openssl rand -hex 16 makes");
-        }
-        (word == "view" ? rules.viewers : rules.controllers).push_back(token);
-    }
-    if (rules.viewers.empty() && rules.controllers.empty()) {
-        throw std::invalid_argument(path + ": holds no token; add a line \"view TOKEN\" or \"control TOKEN\"");
-    }
-}
-
 bool Access::is_own_host(std::string_view host) const {
     const std::string_view name = without_port(host);
     boost::system::error_code error;
@@ -146,18 +96,11 @@ std::string Access::refuses(const Visitor& visitor) const {
                : "pages of other servers may not use this one; start disparity-web with --origin URL to allow it";
 }
 
-Right Access::right_of_token(std::string_view token) const {
-    if (any_of(rules_.controllers, token)) {
-        return Right::control;
-    }
-    return any_of(rules_.viewers, token) ? Right::view : Right::none;
-}
-
 Right Access::right_of(const Visitor& visitor) const {
     Right right = rules_.anybody_views ? Right::view : Right::none;
     constexpr std::string_view bearer = "Bearer ";
     if (visitor.authorization.substr(0, bearer.size()) == bearer) {
-        right = std::max(right, right_of_token(visitor.authorization.substr(bearer.size())));
+        right = std::max(right, rules_.tokens.right_of(visitor.authorization.substr(bearer.size())));
     }
     const auto session = sessions_.find(value_of_cookie(visitor.cookie));
     if (session != sessions_.end() && session->second.ends > steady_clock::now()) {
@@ -167,7 +110,7 @@ Right Access::right_of(const Visitor& visitor) const {
 }
 
 std::string Access::log_in(std::string_view token) {
-    const Right right = right_of_token(token);
+    const Right right = rules_.tokens.right_of(token);
     if (right == Right::none) {
         return {};
     }

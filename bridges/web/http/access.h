@@ -8,29 +8,20 @@
 #include <string_view>
 #include <vector>
 
+#include "base/access/tokens.h"
+
 namespace disparityd::web {
 
-/// What a visitor may do. Each right contains those before it.
-enum class Right {
-    none,
-    view,     ///< frames, status
-    control,  ///< recordings, camera controls
-};
+using base::Right;
 
 /// Says who may do what.
 struct AccessRules {
-    bool anybody_views = true;         ///< without a token
-    bool anybody_controls = false;     ///< whoever may view may control
-    std::vector<std::string> viewers;  ///< tokens
-    std::vector<std::string> controllers;
+    bool anybody_views = true;      ///< without a token
+    bool anybody_controls = false;  ///< whoever may view may control
+    base::Tokens tokens;
     std::vector<std::string> hosts;    ///< further names under which this program is reached
     std::vector<std::string> origins;  ///< pages of other servers that may use this one, "https://app.example.org"
 };
-
-/// Reads tokens: each line is "view TOKEN" or "control TOKEN", a token of 16 to 256 printable characters without
-/// blanks; empty lines and those that begin with # say nothing. Throws std::invalid_argument with one line: file, line,
-/// found, allowed; also when others may read the file.
-void read_tokens(const std::string& path, AccessRules& rules);
 
 /// What a request tells of its sender.
 struct Visitor {
@@ -57,8 +48,7 @@ public:
     std::string log_in(std::string_view token);
 
 private:
-    bool has_controllers() const { return !rules_.controllers.empty(); }
-    Right right_of_token(std::string_view token) const;
+    bool has_controllers() const { return !rules_.tokens.controllers().empty(); }
     bool is_own_host(std::string_view host) const;
 
     AccessRules rules_;

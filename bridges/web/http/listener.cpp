@@ -2,12 +2,10 @@
 #include "bridges/web/http/listener.h"
 
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include <boost/asio/write.hpp>
 #include <netinet/tcp.h>
-#include <openssl/err.h>
 #include <sys/socket.h>
 
 namespace disparityd::web {
@@ -16,35 +14,13 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-std::unique_ptr<asio::ssl::context> tls_context(const TlsFiles& files) {
+std::unique_ptr<asio::ssl::context> tls_context(const proto::TlsFiles& files) {
     if (!files.on()) {
         return nullptr;
     }
-    auto context = std::make_unique<asio::ssl::context>(asio::ssl::context::tls_server);
-    const auto check = [](const error_code& error, const std::string& file, const std::string& what) {
-        if (error) {
-            const char* const reason = ERR_reason_error_string(static_cast<unsigned long>(error.value()));
-            throw std::runtime_error(file + ": " + what + ": " +
-                                     (reason != nullptr ? reason : error.message().c_str()));
-        }
-    };
-    error_code error;
-    context->set_options(asio::ssl::context::default_workarounds | asio::ssl::context::no_tlsv1 |
-                         asio::ssl::context::no_tlsv1_1);
-    context->use_certificate_chain_file(files.certificate, error);
-    check(error, files.certificate, "the certificate cannot be used");
-    context->use_private_key_file(files.key, asio::ssl::context::pem, error);
-    check(error, files.key, "the key cannot be used, or is not that of the certificate");
-    if (!files.authority.empty()) {
-        context->load_verify_file(files.authority, error);
-        check(error, files.authority, "the authority's certificate cannot be used");
-        // Without a name OpenSSL refuses the second connection of a client that goes on with its session.
-        constexpr std::string_view name = "disparity-web";
-        SSL_CTX_set_session_id_context(context->native_handle(), reinterpret_cast<const unsigned char*>(name.data()),
-                                       name.size());
-        context->set_verify_mode(asio::ssl::verify_peer | asio::ssl::verify_fail_if_no_peer_cert);
-    }
-    return context;
+    const proto::TlsContext made = proto::make_server_tls(files, "disparity-web");
+    SSL_CTX_up_ref(made.get());  // Asio's object frees it, too
+    return std::make_unique<asio::ssl::context>(made.get());
 }
 
 asio::ip::tcp::acceptor listening(asio::io_context& network, const ServerSettings& settings) {

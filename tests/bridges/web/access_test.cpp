@@ -1,17 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/http/access.h"
 
-#include <stdexcept>
-
 #include <gmock/gmock.h>
-#include <sys/stat.h>
-
-#include "tests/temporary_folder.h"
 
 namespace disparityd::web {
 namespace {
 
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 constexpr const char* view_token = "0123456789abcdef";
@@ -20,8 +14,7 @@ constexpr const char* control_token = "fedcba9876543210";
 AccessRules with_tokens() {
     AccessRules rules;
     rules.anybody_views = false;
-    rules.viewers = {view_token};
-    rules.controllers = {control_token};
+    rules.tokens = {{view_token}, {control_token}};
     return rules;
 }
 
@@ -105,50 +98,6 @@ TEST(AccessTest, ALogInGivesACookieWithTheTokensRight) {
     visitor.cookie = wrong;
     EXPECT_EQ(access.right_of(visitor), Right::none);
     EXPECT_NE(access.log_in(view_token), cookie);
-}
-
-class TokenFileTest : public ::testing::Test {
-protected:
-    std::string written(const std::string& text, mode_t mode = 0600) {
-        const std::string path = folder_.write("tokens", text);
-        chmod(path.c_str(), mode);
-        return path;
-    }
-
-    std::string error_of(const std::string& path) {
-        try {
-            AccessRules rules;
-            read_tokens(path, rules);
-        } catch (const std::invalid_argument& error) {
-            return error.what();
-        }
-        return "";
-    }
-
-    TemporaryFolder folder_;
-};
-
-TEST_F(TokenFileTest, EachLineIsARightAndAToken) {
-    AccessRules rules;
-    read_tokens(
-        written("# of the robot\nview 0123456789abcdef\n\ncontrol fedcba9876543210\nview another-token-of-mine\n"),
-        rules);
-    EXPECT_THAT(rules.viewers, testing::ElementsAre("0123456789abcdef", "another-token-of-mine"));
-    EXPECT_THAT(rules.controllers, testing::ElementsAre("fedcba9876543210"));
-}
-
-TEST_F(TokenFileTest, AWrongLineIsNamed) {
-    for (const char* line : {"view short", "look 0123456789abcdef", "view", "view 0123456789 abcdef",
-                             "0123456789abcdef", "view\t0123456789abcdef"}) {
-        EXPECT_THAT(error_of(written(std::string("# one\n") + line + "\n")), HasSubstr("tokens:2: allowed: ")) << line;
-    }
-    EXPECT_THAT(error_of(written("# nobody\n")), HasSubstr("holds no token"));
-    EXPECT_THAT(error_of(folder_.path() + "/none"), HasSubstr("cannot be read"));
-    EXPECT_THAT(error_of(folder_.path()), HasSubstr("cannot be read"));
-}
-
-TEST_F(TokenFileTest, AFileThatOthersMayReadIsRefused) {
-    EXPECT_THAT(error_of(written("view 0123456789abcdef\n", 0644)), HasSubstr("chmod o-rw"));
 }
 
 }  // namespace

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "proto/tls/tls_context.h"
+
+#include <new>
+#include <stdexcept>
+
+#include <openssl/err.h>
+
+namespace disparityd::proto {
+namespace {
+
+void check(bool done, const std::string& file, const std::string& what) {
+    if (!done) {
+        throw std::invalid_argument(file + ": " + what + ": " + take_tls_error());
+    }
+}
+
+/// Refuses to ask at the terminal for the password of an encrypted key.
+int no_password(char*, int, int, void*) {
+    return 0;
+}
+
+TlsContext make_context(const SSL_METHOD* method) {
+    ERR_clear_error();
+    TlsContext context(SSL_CTX_new(method), SSL_CTX_free);
+    if (!context) {
+        throw std::bad_alloc();
+    }
+    SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
+    SSL_CTX_set_options(context.get(), SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION);
+    SSL_CTX_set_default_passwd_cb(context.get(), no_password);
+    return context;
+}
+
+void use_own(SSL_CTX* context, const TlsFiles& files) {
+    if (files.certificate.empty()) {
+        return;
+    }
+    check(SSL_CTX_use_certificate_chain_file(context, files.certificate.c_str()) == 1, files.certificate,
+          "the certificate cannot be used");
+    check(SSL_CTX_use_PrivateKey_file(context, files.key.c_str(), SSL_FILETYPE_PEM) == 1, files.key,
+          "the key cannot be used, or is not that of the certificate");
+}
+
+void use_authority(SSL_CTX* context, const std::string& authority) {
+    check(SSL_CTX_load_verify_locations(context, authority.c_str(), nullptr) == 1, authority,
+          "the authority's certificate cannot be used");
+}
+
+}  // namespace
+
+std::string take_tls_error() {
+    const unsigned long code = ERR_peek_last_error();
+    const char* const reason = ERR_reason_error_string(code);
+    const std::string text = reason == nullptr ? "no reason is known" : reason;
+    ERR_clear_error();
+    return text;
+}
+
+TlsContext make_server_tls(const TlsFiles& files, const std::string& name) {
+    TlsContext context = make_context(TLS_server_method());
+    use_own(context.get(), files);
+    if (!files.authority.empty()) {
+        use_authority(context.get(), files.authority);
+        // A client sees whose certificates are wanted, and chooses among several.
+        SSL_CTX_set_client_CA_list(context.get(), SSL_load_client_CA_file(files.authority.c_str()));
+        // Without a name OpenSSL refuses the second connection of a client that goes on with its session.
+        SSL_CTX_set_session_id_context(context.get(), reinterpret_cast<const unsigned char*>(name.data()),
+                                       static_cast<unsigned>(name.size()));
+        SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
+    }
+    return context;
+}
+
+TlsContext make_client_tls(const TlsFiles& files) {
+    if (files.certificate.empty() != files.key.empty()) {
+        throw std::invalid_argument("a client's certificate and its key go together: one of them is missing");
+    }
+    TlsContext context = make_context(TLS_client_method());
+    use_own(context.get(), files);
+    if (files.authority.empty()) {
+        SSL_CTX_set_default_verify_paths(context.get());
+    } else {
+        use_authority(context.get(), files.authority);
+    }
+    SSL_CTX_set_verify(context.get(), SSL_VERIFY_PEER, nullptr);
+    return context;
+}
+
+}  // namespace disparityd::proto

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <openssl/ssl.h>
+
+namespace disparityd::proto {
+
+/// What connections of one end have in common. Any number of connections, of any threads, may use one.
+using TlsContext = std::shared_ptr<SSL_CTX>;
+
+/// Files in PEM. Empty names: none.
+struct TlsFiles {
+    std::string certificate;  ///< this end's own, with its chain
+    std::string key;          ///< of that certificate, not encrypted
+    std::string authority;    ///< the other end's certificate must be signed by one of these
+    bool on() const { return !certificate.empty(); }
+};
+
+/// Makes the context of a server, for TLS 1.2 and newer. With an authority every client must have a certificate. `name`
+/// is the program's. Throws std::invalid_argument with one line when a file cannot be used: which, why.
+TlsContext make_server_tls(const TlsFiles& files, const std::string& name);
+
+/// Makes the context of a client, for TLS 1.2 and newer. The server's certificate is always checked: against the
+/// authority, without one against the authorities that the system trusts. Throws as make_server_tls().
+TlsContext make_client_tls(const TlsFiles& files);
+
+/// Returns the reason of OpenSSL's newest error in this thread, and forgets all of them.
+std::string take_tls_error();
+
+}  // namespace disparityd::proto
