@@ -147,8 +147,8 @@ TEST_F(BadInputTest, VersionsAreTold) {
 }
 
 TEST_F(BadInputTest, EveryHelpHasAnExample) {
-    for (const char* command :
-         {"status", "watch", "scan", "snapshot", "record", "process", "camera", "sensors", "trace", "sources"}) {
+    for (const char* command : {"status", "watch", "scan", "snapshot", "record", "process", "camera", "sensors",
+                                "trace", "sources", "certificates"}) {
         const Outcome outcome = run(DISPARITYCTL, {command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0);
         EXPECT_THAT(outcome.out, HasSubstr(std::string("disparityctl ") + command)) << "an example";

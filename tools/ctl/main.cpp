@@ -29,11 +29,12 @@ int main(int argc, char** argv) {
     add_sensors(program, action);
     add_trace(program, action);
     add_sources(program, action);
+    add_certificates(program, action);
     return run_program(program, argc, argv, [&action] {
         if (!action) {
             throw std::invalid_argument(
                 "found no sub-command, allowed: status, watch, scan, snapshot, record, process, calibrate, rows, "
-                "camera, sensors, trace, sources; see disparityctl --help");
+                "camera, sensors, trace, sources, certificates; see disparityctl --help");
         }
         return action();
     });
