@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "base/failure_text.h"
+#include "daemon/configured_access.h"
 #include "daemon/descriptor_limit.h"
 #include "daemon/freed_memory.h"
 #include "daemon/log.h"
@@ -29,7 +30,8 @@ SocketServerConfig server_config(const Config& config) {
     server.unix_path = resolved_unix_path(config);
     server.max_clients = static_cast<std::size_t>(config.socket.max_clients);
     server.client_queue = static_cast<std::size_t>(config.socket.client_queue);
-    server.tcp_control = config.socket.tcp_control;
+    server.access = client_access(config);
+    server.tls = client_tls(config);
     server.idle_timeout = std::chrono::seconds(config.socket.idle_timeout_s);
     server.descriptors = raise_descriptor_limit();
     return server;

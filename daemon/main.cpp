@@ -13,6 +13,7 @@
 #include "base/failure_text.h"
 #include "base/message_text.h"
 #include "daemon/command_line.h"
+#include "daemon/configured_access.h"
 #include "daemon/daemon.h"
 #include "daemon/engine.h"
 #include "daemon/freed_memory.h"
@@ -34,6 +35,8 @@ int run(int argc, char** argv) {
     if (line->check) {
         // Building an engine finds what the text of a configuration cannot show.
         const disparityd::daemon::Engine would_run(config, {}, {});
+        disparityd::daemon::client_access(config);
+        disparityd::daemon::client_tls(config);
         for (const std::string& note : config.notes) {
             std::printf("disparityd: note: %s\n", disparityd::base::printable(note, note.size()).c_str());
         }

@@ -167,6 +167,30 @@ std::string where_set(const std::vector<Assignment>& assignments, std::string_vi
     return where;
 }
 
+void check_socket(const Config& config, const std::vector<Assignment>& assignments, const std::string& file) {
+    const Config::Socket& socket = config.socket;
+    const auto refuse_key = [&](const char* section, const char* key, const std::string& why) {
+        refuse(where_set(assignments, section, key, file) + ": " + key_name(section, key) + ": " + why);
+    };
+    if (socket.certificate.empty() != socket.key.empty()) {
+        refuse_key("socket", socket.certificate.empty() ? "key" : "certificate",
+                   "found without its " + std::string(socket.certificate.empty() ? "certificate" : "key") +
+                       ", allowed: certificate and key, or neither");
+    }
+    if (!socket.client_authority.empty() && socket.certificate.empty()) {
+        refuse_key("socket", "client_authority", "found without certificate and key, allowed: with both (TLS)");
+    }
+    if (!config.access.control_certificates.empty() && socket.client_authority.empty()) {
+        refuse_key("access", "control_certificates",
+                   "found names, allowed: with [socket] client_authority, which clients' certificates are checked by");
+    }
+    const bool is_protected =
+        !socket.certificate.empty() && (!socket.client_authority.empty() || !socket.tokens.empty());
+    if (const std::string problem = tcp_address_problem(socket.tcp, is_protected, socket.insecure); !problem.empty()) {
+        refuse_key("socket", "tcp", problem);
+    }
+}
+
 void check_together(const Config& config, const std::vector<Assignment>& assignments, const std::string& file) {
     const SgmOptions& sgm = config.match.options.sgm;
     if (sgm.p1 >= sgm.p2) {
@@ -188,10 +212,7 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
                ": [rectify] width and height: found " + std::to_string(geometry.width) + " and " +
                std::to_string(geometry.height) + ", allowed: both 0 (the camera's size) or both set");
     }
-    const std::string address_problem = tcp_address_problem(config.socket.tcp, config.socket.insecure);
-    if (!address_problem.empty()) {
-        refuse(where_set(assignments, "socket", "tcp", file) + ": [socket] tcp: " + address_problem);
-    }
+    check_socket(config, assignments, file);
 }
 
 /// Returns a note for a configuration that sets how SGM matches and chooses no preset: from before there were presets,

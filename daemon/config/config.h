@@ -70,10 +70,21 @@ struct Config {
         std::string unix_path = "auto";      ///< empty = off; see resolved_unix_path()
         int max_clients = 64;
         int client_queue = 4;
+        std::string certificate;       ///< PEM; empty = TCP is not encrypted
+        std::string key;               ///< PEM
+        std::string client_authority;  ///< PEM; empty = clients need no certificate
+        std::string tokens;            ///< a file; empty = clients need no token
         bool insecure = false;
         bool tcp_control = false;
         int idle_timeout_s = 60;  ///< 0 = never
     } socket;
+
+    /// Names of groups and certificates; empty lists: see disparityd.example.toml.
+    struct Access {
+        std::vector<std::string> view_groups;
+        std::vector<std::string> control_groups;
+        std::vector<std::string> control_certificates;
+    } access;
 
     struct Log {
         LogLevel level = LogLevel::info;

@@ -49,6 +49,29 @@ ConfigKey text_key(std::string_view section, std::string_view name, std::string 
             [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
 }
 
+/// Makes a key for a list of names, none of them empty.
+template <typename Field>
+ConfigKey names_key(std::string_view section, std::string_view name, std::string allowed, Field field) {
+    return {section,
+            name,
+            std::move(allowed),
+            std::vector<std::string>{},
+            [field](Config& config, const ConfigValue& value) {
+                const auto* numbers = std::get_if<std::vector<std::int64_t>>(&value);
+                const auto* names = std::get_if<std::vector<std::string>>(&value);
+                if (numbers != nullptr && numbers->empty()) {  // [] may be a list of either
+                    field(config).clear();
+                    return true;
+                }
+                if (names == nullptr || std::find(names->begin(), names->end(), "") != names->end()) {
+                    return false;
+                }
+                field(config) = *names;
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
+}
+
 template <typename Field>
 ConfigKey bool_key(std::string_view section, std::string_view name, Field field) {
     return {section,
@@ -329,9 +352,17 @@ void add_output_keys(std::vector<ConfigKey>& keys) {
                             FIELD(socket.unix_path), is_socket_path));
     keys.push_back(range_key("socket", "max_clients", 1, 1024, FIELD(socket.max_clients)));
     keys.push_back(range_key("socket", "client_queue", 1, 64, FIELD(socket.client_queue)));
+    keys.push_back(text_key("socket", "certificate", "a file name, or \"\"", FIELD(socket.certificate)));
+    keys.push_back(text_key("socket", "key", "a file name, or \"\"", FIELD(socket.key)));
+    keys.push_back(text_key("socket", "client_authority", "a file name, or \"\"", FIELD(socket.client_authority)));
+    keys.push_back(text_key("socket", "tokens", "a file name, or \"\"", FIELD(socket.tokens)));
     keys.push_back(bool_key("socket", "insecure", FIELD(socket.insecure)));
     keys.push_back(bool_key("socket", "tcp_control", FIELD(socket.tcp_control)));
     keys.push_back(range_key("socket", "idle_timeout_s", 0, 86400, FIELD(socket.idle_timeout_s)));
+    keys.push_back(names_key("access", "view_groups", "[] or names of groups", FIELD(access.view_groups)));
+    keys.push_back(names_key("access", "control_groups", "[] or names of groups", FIELD(access.control_groups)));
+    keys.push_back(names_key("access", "control_certificates", "[] or common names of clients' certificates",
+                             FIELD(access.control_certificates)));
     keys.push_back(name_key<LogLevel>("log", "level",
                                       {{"debug", LogLevel::debug},
                                        {"info", LogLevel::info},
@@ -386,8 +417,13 @@ std::string to_text(const ConfigValue& value) {
         return toml_text(*number);
     }
     std::string list;
-    for (const auto number : std::get<std::vector<std::int64_t>>(value)) {
-        list += (list.empty() ? "" : ", ") + std::to_string(number);
+    const auto add = [&list](const std::string& element) { list += (list.empty() ? "" : ", ") + element; };
+    if (const auto* names = std::get_if<std::vector<std::string>>(&value)) {
+        std::for_each(names->begin(), names->end(), [&](const std::string& name) { add(in_quotes(name)); });
+    } else {
+        for (const auto number : std::get<std::vector<std::int64_t>>(value)) {
+            add(std::to_string(number));
+        }
     }
     return '[' + list + ']';
 }

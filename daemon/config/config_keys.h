@@ -13,7 +13,8 @@
 namespace disparityd::daemon {
 
 /// A value of a key, as a TOML file has it.
-using ConfigValue = std::variant<std::string, std::int64_t, bool, std::vector<std::int64_t>, double>;
+using ConfigValue =
+    std::variant<std::string, std::int64_t, bool, std::vector<std::int64_t>, double, std::vector<std::string>>;
 
 /// Returns the value in TOML syntax, for messages.
 std::string to_text(const ConfigValue& value);

@@ -42,7 +42,7 @@ std::optional<TcpAddress> parse(std::string_view text) {
 
 }  // namespace
 
-std::string tcp_address_problem(const std::string& text, bool insecure) {
+std::string tcp_address_problem(const std::string& text, bool protected_by_tls, bool insecure) {
     if (text.empty()) {
         return {};
     }
@@ -50,10 +50,12 @@ std::string tcp_address_problem(const std::string& text, bool insecure) {
     if (!address) {
         return "found \"" + base::printable(text) + "\"" + form;
     }
-    if (!insecure && !boost::asio::ip::make_address(address->host).is_loopback()) {
+    if (!insecure && !protected_by_tls && !boost::asio::ip::make_address(address->host).is_loopback()) {
         return "found \"" + text +
-               "\", which other machines can reach without encryption, allowed: a loopback address such as "
-               "127.0.0.1, or set insecure = true to accept the risk";
+               "\", which other machines can reach, allowed: with certificate, key and one of client_authority and "
+               "tokens "
+               "(disparityctl certificates makes the files); a loopback address such as 127.0.0.1; or insecure = true "
+               "to accept that whoever reaches it sees what the camera sees";
     }
     return {};
 }

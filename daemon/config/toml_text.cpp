@@ -40,6 +40,23 @@ std::string position_of_section(const std::string& name, const Value& section) {
     return position(name, at.line(), bracket == std::string_view::npos ? at.column() : bracket + 1);
 }
 
+/// Returns a list of whole numbers or of texts; an empty one is one of numbers.
+std::optional<ConfigValue> to_list(const Value::array_type& elements) {
+    std::vector<std::int64_t> numbers;
+    std::vector<std::string> texts;
+    for (const Value& element : elements) {
+        if (element.is_integer()) {
+            numbers.push_back(element.as_integer());
+        } else if (element.is_string()) {
+            texts.push_back(element.as_string().str);
+        }
+    }
+    if (texts.size() == elements.size() && !texts.empty()) {
+        return texts;
+    }
+    return numbers.size() == elements.size() ? std::optional<ConfigValue>(numbers) : std::nullopt;
+}
+
 std::optional<ConfigValue> to_value(const Value& value) {
     if (value.is_string()) {
         return value.as_string().str;
@@ -56,14 +73,7 @@ std::optional<ConfigValue> to_value(const Value& value) {
     if (!value.is_array()) {
         return std::nullopt;
     }
-    std::vector<std::int64_t> numbers;
-    for (const Value& element : value.as_array()) {
-        if (!element.is_integer()) {
-            return std::nullopt;
-        }
-        numbers.push_back(element.as_integer());
-    }
-    return numbers;
+    return to_list(value.as_array());
 }
 
 TomlSetting to_setting(std::string_view key, const Value& value, std::string where) {

@@ -21,7 +21,6 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-constexpr std::chrono::seconds hello_timeout{5};
 /// Answers that may wait for a client before nothing more is read from it.
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
@@ -30,37 +29,23 @@ constexpr std::string_view messages_of_clients =
 
 }  // namespace
 
-ClientSession::ClientSession(Socket socket, ClientPeer peer, std::uint64_t id, SessionHost& host)
-    : socket_(std::move(socket)),
+ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, SessionHost& host)
+    : stream_(std::move(stream)),
       peer_(std::move(peer)),
       id_(id),
       host_(host),
-      deadline_(socket_.get_executor()),
-      status_timer_(socket_.get_executor()),
-      pace_timer_(socket_.get_executor()),
+      deadline_(stream_.get_executor()),
+      status_timer_(stream_.get_executor()),
+      pace_timer_(stream_.get_executor()),
       requests_(ClientRules::most_at_once, host.rules().request_interval) {
-    socket_.non_blocking(true);  // for write_some()
-}
-
-void ClientSession::start() {
-    deadline_.expires_after(hello_timeout);
-    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
-        if (!error && !self.greeted_) {
-            self.send_error(fmt::format("no Hello within {} s: the first message must be Hello", hello_timeout.count()),
-                            true);
-        }
-    }));
-    read_length();
-}
-
-void ClientSession::refuse(const std::string& why) {
-    send_error(why, true);
+    stream_.do_not_block();
+    peer_.encrypted = stream_.encrypted();
 }
 
 void ClientSession::stop() noexcept {
     closed_ = true;
     error_code ignored;
-    socket_.close(ignored);
+    stream_.close();
     deadline_.cancel(ignored);
     status_timer_.cancel(ignored);
     pace_timer_.cancel(ignored);
@@ -80,7 +65,7 @@ void ClientSession::watch() {
         return;
     }
     const ClientRules& rules = host_.rules();
-    if (!peer_.local && has_vanished(socket_.native_handle(), rules.liveness)) {
+    if (!peer_.local && has_vanished(stream_.native_handle(), rules.liveness)) {
         close(fmt::format("connection lost: its machine has not answered for {} s",
                           rules.liveness.longest_silence().count()));
         return;
@@ -141,7 +126,9 @@ v1::ClientStatus ClientSession::status() {
 }
 
 std::string ClientSession::label() const {
-    return fmt::format("client {} ({}{}{})", id_, name_, name_.empty() ? "" : ", ", peer_.address);
+    const std::string certificate =
+        peer_.certificate ? ", certificate " + base::printable(*peer_.certificate, max_name) : "";
+    return fmt::format("client {} ({}{}{}{})", id_, name_, name_.empty() ? "" : ", ", peer_.address, certificate);
 }
 
 void ClientSession::read_length() {
@@ -164,7 +151,7 @@ void ClientSession::read_length() {
 }
 
 void ClientSession::await_length() {
-    asio::async_read(socket_, asio::buffer(length_),
+    asio::async_read(stream_, asio::buffer(length_),
                      handler([](ClientSession& self, error_code error, std::size_t) { self.length_arrived(error); }));
 }
 
@@ -174,7 +161,7 @@ void ClientSession::length_arrived(const error_code& error) {
         return;
     }
     if (error) {
-        close(error == asio::error::eof ? "left" : "connection lost: " + error.message());
+        close(error == asio::error::eof ? "left" : "connection lost: " + stream_.reason(error));
         return;
     }
     std::uint32_t length = 0;
@@ -191,14 +178,14 @@ void ClientSession::read_message(std::uint32_t length) {
     reading_ = true;
     incoming_.clear();
     // The buffer grows with the bytes that arrive: a client may announce more than it sends.
-    asio::async_read(socket_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
+    asio::async_read(stream_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
                      handler([](ClientSession& self, error_code error, std::size_t) {
                          self.reading_ = false;
                          if (self.closed_ || self.closing_) {
                              return;
                          }
                          if (error) {
-                             self.close("left in the middle of a message: " + error.message());
+                             self.close("left in the middle of a message: " + self.stream_.reason(error));
                              return;
                          }
                          self.message_arrived();
@@ -267,8 +254,11 @@ void ClientSession::hello(const v1::Hello& hello) {
                    true);
         return;
     }
-    greeted_ = true;
     name_ = base::printable(hello.client_name(), max_name);
+    if (!admit(hello.token())) {
+        return;
+    }
+    greeted_ = true;
     deadline_.cancel();
     v1::Envelope answer;
     v1::Welcome& welcome = *answer.mutable_welcome();
@@ -362,16 +352,6 @@ void ClientSession::send_status_every(double seconds) {
         }
         self.send_status_every(seconds);
     }));
-}
-
-/// Returns whether the client may do that; sends an Error if not.
-bool ClientSession::may_control(const char* what) {
-    const std::string& refusal = host_.rules().control_over_tcp;
-    if (peer_.local || refusal.empty()) {
-        return true;
-    }
-    send_error(fmt::format("{}: {}", what, refusal), false);
-    return false;
 }
 
 void ClientSession::start_recording(const v1::RecordStart& start) {

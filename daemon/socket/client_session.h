@@ -12,15 +12,16 @@
 #include <string_view>
 #include <vector>
 
-#include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "daemon/log.h"
 #include "daemon/published_frame.h"
 #include "daemon/record_request.h"
+#include "daemon/socket/client_access.h"
 #include "daemon/socket/client_handler.h"
 #include "daemon/socket/client_peer.h"
+#include "daemon/socket/client_stream.h"
 #include "daemon/socket/frame_compressor.h"
 #include "daemon/socket/frame_feed.h"
 #include "daemon/socket/frame_ring.h"
@@ -41,7 +42,8 @@ struct ClientLog {
 
 /// Rights and time limits of clients, as configured.
 struct ClientRules {
-    std::string control_over_tcp;  ///< why clients over TCP may not record or set the camera; empty: they may
+    ClientAccess access;
+    proto::TlsContext tls;                      ///< for clients over TCP; null: they use none
     std::chrono::milliseconds idle_timeout{0};  ///< for clients without subscription and request; 0 = unlimited
     TcpLiveness liveness;
     std::chrono::microseconds request_interval{5000};  ///< between two messages of a client, after most_at_once
@@ -85,11 +87,11 @@ public:
 /// connected; frames are skipped for it. Used by the server's thread only.
 class ClientSession : public std::enable_shared_from_this<ClientSession>, public FrameCompressor::Client {
 public:
-    using Socket = boost::asio::generic::stream_protocol::socket;
+    using Socket = ClientStream::Socket;
 
-    ClientSession(Socket socket, ClientPeer peer, std::uint64_t id, SessionHost& host);
+    ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, SessionHost& host);
 
-    /// Waits for the client's Hello.
+    /// Waits for the client's Hello, with TLS after the handshake.
     void start();
 
     /// Sends the reason as an Error and closes.
@@ -107,6 +109,12 @@ public:
     /// Closes the connection if the client has been idle for too long or its machine no longer answers. The server
     /// calls this at intervals.
     void watch();
+
+    /// Closes the connection if its client may no longer look. The server calls this after a reload.
+    void access_changed();
+
+    /// Closes the connection of a client that has not said hello, for another one. Returns false after hello.
+    bool make_place() noexcept;
 
     /// Closes without an Error and releases the frames; for a server that stops.
     void stop() noexcept;
@@ -143,6 +151,9 @@ private:
     }
     std::shared_ptr<void> ask();
     void failed() noexcept;
+    template <typename Then>
+    void shake_hands(Then then);
+    void handshake_failed(const boost::system::error_code& error);
     void read_length();
     void await_length();
     bool waits_for_something() const;
@@ -151,6 +162,8 @@ private:
     void message_arrived();
     void handle(const v1::Envelope& message);
     void hello(const v1::Hello& hello);
+    bool admit(const std::string& token);
+    void refuse_late(const std::string& why);
     void subscribe(const v1::Subscribe& subscribe);
     void send_status_every(double seconds);
     bool may_control(const char* what);
@@ -178,13 +191,14 @@ private:
     void write();
     void write_some();
     void await_writable();
+    void close_later();
     void end_output();
     void drain();
     void close(std::string_view why) noexcept;
     std::string label() const;
 
-    Socket socket_;
-    const ClientPeer peer_;
+    ClientStream stream_;
+    ClientPeer peer_;
     const std::uint64_t id_;
     SessionHost& host_;
     boost::asio::steady_timer deadline_;  ///< for the Hello, later for the client's end of a close
@@ -194,6 +208,8 @@ private:
     std::chrono::steady_clock::time_point last_request_;
 
     std::string name_;
+    std::string token_;           ///< of its Hello
+    bool shaking_hands_ = false;  ///< TLS
     bool greeted_ = false;
     bool closing_ = false;  ///< an Error with closing = true is the last message
     bool output_ended_ = false;

@@ -70,15 +70,19 @@ void ClientSession::send_error(const std::string& why, bool closing) {
     if (closing) {
         closing_ = true;
         host_.subscription_changed();
-        // The connection ends even if the message cannot be written.
-        deadline_.expires_after(close_timeout);
-        deadline_.async_wait(handler([](ClientSession& self, error_code error) {
-            if (!error) {
-                self.close("closed after an error");
-            }
-        }));
+        close_later();
     }
     pump();
+}
+
+/// Ends the connection even if its last message cannot be written.
+void ClientSession::close_later() {
+    deadline_.expires_after(close_timeout);
+    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (!error) {
+            self.close("closed after an error");
+        }
+    }));
 }
 
 void ClientSession::frame_arrived() {
@@ -259,9 +263,9 @@ void ClientSession::write_some() {
         return;
     }
     error_code error;
-    message_.sent(socket_.write_some(message_.rest(), error));
+    message_.sent(stream_.write_some(message_.rest(), error));
     if (error && error != asio::error::would_block && error != asio::error::interrupted) {
-        close("connection lost: " + error.message());
+        close("connection lost: " + stream_.reason(error));
     } else if (message_.is_done()) {
         writing_ = false;
         stall_logged_ = false;
@@ -273,17 +277,17 @@ void ClientSession::write_some() {
 }
 
 void ClientSession::await_writable() {
-    socket_.async_wait(Socket::wait_write, handler([](ClientSession& self, error_code error) {
-                           if (self.closed_) {
-                               return;
-                           }
-                           if (error) {
-                               self.close("connection lost: " + error.message());
-                               return;
-                           }
-                           self.write_some();
-                           self.pump();
-                       }));
+    stream_.async_wait_writable(handler([](ClientSession& self, error_code error) {
+        if (self.closed_) {
+            return;
+        }
+        if (error) {
+            self.close("connection lost: " + error.message());
+            return;
+        }
+        self.write_some();
+        self.pump();
+    }));
 }
 
 /// Tells the client, once, that nothing follows its last message, and lets it read that one.
@@ -291,23 +295,22 @@ void ClientSession::end_output() {
     if (std::exchange(output_ended_, true)) {
         return;
     }
-    error_code ignored;
-    socket_.shutdown(Socket::shutdown_send, ignored);
+    stream_.end_output();
     drain();
 }
 
 /// Reads until the client closes: the system throws the last message away if input is unread at a close.
 void ClientSession::drain() {
-    socket_.async_read_some(asio::buffer(discarded_), handler([](ClientSession& self, error_code error, std::size_t) {
-                                if (self.closed_) {
-                                    return;
-                                }
-                                if (error) {
-                                    self.close("closed after an error");
-                                } else {
-                                    self.drain();
-                                }
-                            }));
+    stream_.async_discard(asio::buffer(discarded_), handler([](ClientSession& self, error_code error, std::size_t) {
+                              if (self.closed_) {
+                                  return;
+                              }
+                              if (error) {
+                                  self.close("closed after an error");
+                              } else {
+                                  self.drain();
+                              }
+                          }));
 }
 
 }  // namespace disparityd::daemon

@@ -177,8 +177,9 @@ private:
         error_code error;
         socket.set_option(tcp::no_delay(true), error);
         const tcp::endpoint peer = socket.remote_endpoint(error);
-        return {error ? std::string("tcp") : fmt::format("tcp:{}:{}", peer.address().to_string(), peer.port()), false,
-                std::nullopt};
+        return {
+            .address = error ? std::string("tcp") : fmt::format("tcp:{}:{}", peer.address().to_string(), peer.port()),
+            .user = {}};
     }
 
     std::string address_;
@@ -226,11 +227,12 @@ private:
     const char* key() const override { return "unix"; }
 
     ClientPeer peer_of(local::socket& socket) override {
-        ClientPeer peer{"unix", true, std::nullopt};
+        ClientPeer peer{.address = "unix", .local = true, .user = {}};
         ucred credentials{};
         socklen_t size = sizeof(credentials);
         if (getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) == 0) {
             peer.user = credentials.uid;
+            peer.groups = groups_of_peer(socket.native_handle());
         }
         return peer;
     }

@@ -21,18 +21,11 @@ namespace asio = boost::asio;
 /// being compressed and the one before it.
 constexpr std::size_t copies_on_the_way = 5;
 
-std::string refused_over_tcp(const SocketServerConfig& config) {
-    if (config.tcp_control) {
-        return {};
-    }
-    return fmt::format(
-        "refused over TCP, which every user of a machine reaches, allowed: over {}, or with [socket] tcp_control = "
-        "true",
-        config.unix_path.empty() ? "a Unix socket ([socket] unix)" : "unix:" + config.unix_path);
-}
-
 ClientRules rules_of(const SocketServerConfig& config) {
-    return {refused_over_tcp(config), config.idle_timeout, config.liveness, config.request_interval};
+    ClientRules rules{config.access, config.tls, config.idle_timeout, config.liveness, config.request_interval};
+    rules.access.unix_path = config.unix_path;
+    rules.access.encrypted = config.tls != nullptr;
+    return rules;
 }
 
 /// Makes the limit of clients; logs a line if it is lower than configured.
@@ -195,6 +188,7 @@ void SocketServer::reconfigure(const SocketServerConfig& config) {
                    }
                    places_ = places;
                    rules_ = rules_of(config);
+                   for_each_session([](ClientSession& session) { session.access_changed(); });
                    ring_.set_capacity(config.client_queue);
                });
     listeners_ = std::move(listeners);
@@ -249,7 +243,8 @@ void SocketServer::publish_sensors(std::span<const capture::SensorSample> sample
 std::vector<std::string> SocketServer::addresses() const {
     std::vector<std::string> addresses;
     for (const auto& listener : listeners_) {
-        addresses.push_back(listener->address());
+        const std::string address = listener->address();
+        addresses.push_back(config_.tls && address.starts_with("tcp:") ? "tls:" + address.substr(4) : address);
     }
     return addresses;
 }
@@ -385,6 +380,22 @@ void SocketServer::closed(std::uint64_t id) noexcept {
     subscription_changed();
 }
 
+bool SocketServer::has_place(bool local) const {
+    const auto by_tcp = static_cast<std::size_t>(
+        std::count_if(clients_.begin(), clients_.end(), [](const auto& client) { return !client.second->local(); }));
+    return places_.free_for(local, clients_.size(), by_tcp);
+}
+
+/// Closes the oldest connection over TCP that has not said hello: who shows nothing keeps out nobody.
+void SocketServer::make_place() {
+    for (const auto& [_, client] : clients_) {
+        const auto session = client;  // it removes itself from the table
+        if (!session->local() && session->make_place()) {
+            return;
+        }
+    }
+}
+
 void SocketServer::accepted(ClientSession::Socket socket, ClientPeer peer) {
     const std::uint64_t id = next_id_++;
     SessionHost& host = *this;
@@ -392,14 +403,22 @@ void SocketServer::accepted(ClientSession::Socket socket, ClientPeer peer) {
     if (!local) {
         keep_alive(socket.native_handle(), rules_.liveness);
     }
-    const auto by_tcp = static_cast<std::size_t>(
-        std::count_if(clients_.begin(), clients_.end(), [](const auto& client) { return !client.second->local(); }));
-    if (places_.free_for(local, clients_.size(), by_tcp)) {
-        const auto session = std::make_shared<ClientSession>(std::move(socket), std::move(peer), id, host);
+    const bool encrypted = !local && rules_.tls;
+    if (encrypted) {
+        peer.address.replace(0, 3, "tls");
+    }
+    const auto to_stream = [&](ClientSession::Socket&& from) {
+        return encrypted ? ClientStream(std::move(from), rules_.tls) : ClientStream(std::move(from));
+    };
+    if (!local && rules_.access.asks_over_tcp() && !has_place(local)) {
+        make_place();
+    }
+    if (has_place(local)) {
+        const auto session = std::make_shared<ClientSession>(to_stream(std::move(socket)), std::move(peer), id, host);
         clients_.emplace(id, session);
         session->guarded([&] { session->start(); });
     } else if (refused_.size() < ClientPlaces::max_refused) {
-        const auto session = std::make_shared<ClientSession>(std::move(socket), std::move(peer), id, host);
+        const auto session = std::make_shared<ClientSession>(to_stream(std::move(socket)), std::move(peer), id, host);
         refused_.emplace(id, session);
         session->guarded([&] { session->refuse(places_.refusal(local)); });
     } else {

@@ -33,7 +33,8 @@ struct SocketServerConfig {
     std::string unix_path;  ///< empty = off
     std::size_t max_clients = 64;
     std::size_t client_queue = 4;
-    bool tcp_control = false;                        ///< clients over TCP may record and set the camera
+    ClientAccess access;                             ///< unix_path and encrypted are set by the server
+    proto::TlsContext tls;                           ///< for TCP; null: not encrypted
     std::chrono::milliseconds idle_timeout{60'000};  ///< for clients without subscription and request; 0 = unlimited
     std::size_t descriptors = SIZE_MAX;              ///< that the process may have open
     TcpLiveness liveness;
@@ -84,7 +85,8 @@ public:
     /// next one counts them.
     void publish_sensors(std::span<const capture::SensorSample> samples, SensorRing::Time newest);
 
-    /// Returns the addresses that are served, with the ports as bound. Same thread as reconfigure().
+    /// Returns the addresses that are served, with the ports as bound: "tls:..." where TCP is encrypted. Same thread as
+    /// reconfigure().
     std::vector<std::string> addresses() const;
 
     /// Returns the address whose file was removed or replaced; empty if there is none. Same thread as reconfigure().
@@ -127,6 +129,8 @@ private:
     void serve(Listener& listener);
     Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
     void accepted(ClientSession::Socket socket, ClientPeer peer);
+    bool has_place(bool local) const;
+    void make_place();
     void frame_arrived(FrameHandle frame);
     void sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest);
     template <typename Action>

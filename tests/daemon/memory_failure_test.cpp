@@ -66,7 +66,7 @@ protected:
     }
 
     void refuse_each_in_turn(v1::Encoding encoding, std::uint64_t count) {
-        config_.tcp_control = true;
+        config_.access.tcp_control = true;
         start();
         const v1::Envelope subscription = wanted(encoding);
         ASSERT_NO_FATAL_FAILURE(expect_all_is_well(subscription, 0));

@@ -92,10 +92,11 @@ bool WireClient::send(const v1::Envelope& message) {
     return send_bytes(bytes);
 }
 
-std::optional<v1::Envelope> WireClient::hello(const std::string& name) {
+std::optional<v1::Envelope> WireClient::hello(const std::string& name, const std::string& token) {
     v1::Envelope message;
     message.mutable_hello()->set_protocol_version(proto::protocol_version);
     message.mutable_hello()->set_client_name(name);
+    message.mutable_hello()->set_token(token);
     send(message);
     const auto answer = receive();
     return answer ? std::optional(answer->envelope) : std::nullopt;

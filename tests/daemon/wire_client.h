@@ -17,18 +17,18 @@ class WireClient {
 public:
     /// "tcp:127.0.0.1:1234" or "unix:/path", as the daemon prints them. Throws std::runtime_error.
     explicit WireClient(const std::string& address);
-    ~WireClient();
+    virtual ~WireClient();
     WireClient(WireClient&& other) noexcept;
     WireClient& operator=(WireClient&& other) noexcept;
 
     int descriptor() const { return fd_; }
 
     /// False when the other end has closed.
-    bool send_bytes(std::span<const std::uint8_t> bytes);
+    virtual bool send_bytes(std::span<const std::uint8_t> bytes);
     bool send(const v1::Envelope& message);
 
     /// Sends Hello and returns the answer.
-    std::optional<v1::Envelope> hello(const std::string& name = "test");
+    std::optional<v1::Envelope> hello(const std::string& name = "test", const std::string& token = "");
 
     /// Asks for a recording, or for the end of it when the path is empty; whether that was granted.
     bool record(const std::string& path);
@@ -48,11 +48,12 @@ public:
     std::string receive_error(std::chrono::milliseconds timeout = std::chrono::seconds(10));
 
     /// Whether the other end closes within the timeout; what still comes is thrown away.
-    bool is_closed(std::chrono::milliseconds timeout = std::chrono::seconds(10));
+    virtual bool is_closed(std::chrono::milliseconds timeout = std::chrono::seconds(10));
+
+protected:
+    virtual bool receive_bytes(std::span<std::uint8_t> bytes, std::chrono::steady_clock::time_point deadline);
 
 private:
-    bool receive_bytes(std::span<std::uint8_t> bytes, std::chrono::steady_clock::time_point deadline);
-
     int fd_ = -1;
 };
 

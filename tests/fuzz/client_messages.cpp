@@ -54,7 +54,7 @@ private:
     daemon::SensorRing samples_;
     daemon::ClientLog log_;
     // Without a pause between messages.
-    daemon::ClientRules rules_{"", {}, {}, {}};
+    daemon::ClientRules rules_{{}, {}, {}, {}, {}};
     bool closed_ = false;
 };
 
@@ -72,7 +72,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Host host(loop);
     const auto session = std::make_shared<daemon::ClientSession>(
         daemon::ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]),
-        daemon::ClientPeer{"fuzz", true, ::geteuid()}, 1, host);
+        daemon::ClientPeer{.address = "fuzz", .local = true, .user = ::geteuid()}, 1, host);
     session->start();
     std::size_t sent = 0;
     // Until the session has read all and has nothing to do; what it answers is thrown away.

@@ -269,7 +269,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"region_of_three",
                 "[rectify]\nregion = [1, 2, 3]\n",
                 {"[rectify] region", "found [1, 2, 3]", "[x, y, width, height]"}},
-        BadCase{"region_of_text", "[rectify]\nregion = [\"a\"]\n", {"[rectify] region", "array"}},
+        BadCase{"region_of_text", "[rectify]\nregion = [\"a\"]\n", {"[rectify] region", "found [\"a\"]"}},
         BadCase{"only_width", "[rectify]\nwidth = 640\n", {"my.toml:2:1:", "[rectify] width and height", "640 and 0"}},
         BadCase{"not_toml", "[match\n", {"my.toml:1:", "not TOML"}},
         BadCase{"html", "<!DOCTYPE html>\n<html></html>\n", {"my.toml:1:", "not TOML"}},
@@ -281,7 +281,30 @@ INSTANTIATE_TEST_SUITE_P(
                 {"my.toml:2:1:", "[socket] tcp", "found \"9876\"", "ADDRESS:PORT"}},
         BadCase{"tcp_port", "[socket]\ntcp = \"127.0.0.1:99999\"\n", {"[socket] tcp", "99999"}},
         BadCase{"tcp_name", "[socket]\ntcp = \"example.com:9876\"\n", {"[socket] tcp", "example.com"}},
-        BadCase{"tcp_open", "[socket]\ntcp = \"0.0.0.0:9876\"\n", {"[socket] tcp", "0.0.0.0:9876", "insecure = true"}},
+        BadCase{"tcp_open",
+                "[socket]\ntcp = \"0.0.0.0:9876\"\n",
+                {"[socket] tcp", "0.0.0.0:9876", "disparityctl certificates", "insecure = true"}},
+        BadCase{"tls_for_everybody",
+                "[socket]\ntcp = \"0.0.0.0:9876\"\ncertificate = \"c\"\nkey = \"k\"\n",
+                {"my.toml:2:1:", "[socket] tcp", "client_authority and tokens"}},
+        BadCase{"tokens_without_tls",
+                "[socket]\ntcp = \"0.0.0.0:9876\"\ntokens = \"t\"\n",
+                {"my.toml:2:1:", "[socket] tcp", "certificate, key"}},
+        BadCase{
+            "certificate_alone", "[socket]\ncertificate = \"c\"\n", {"my.toml:2:1:", "certificate", "without its key"}},
+        BadCase{"key_alone", "[socket]\nkey = \"k\"\n", {"my.toml:2:1:", "key", "without its certificate"}},
+        BadCase{"authority_without_tls",
+                "[socket]\nclient_authority = \"a\"\n",
+                {"my.toml:2:1:", "client_authority", "TLS"}},
+        BadCase{"certificates_unchecked",
+                "[access]\ncontrol_certificates = [\"pilot\"]\n",
+                {"my.toml:2:1:", "control_certificates", "client_authority"}},
+        BadCase{"group_no_list",
+                "[access]\ncontrol_groups = \"video\"\n",
+                {"my.toml:2:1:", "\"video\"", "names of groups"}},
+        BadCase{"group_numbers", "[access]\ncontrol_groups = [44]\n", {"my.toml:2:1:", "found [44]"}},
+        BadCase{"group_mixed", "[access]\ncontrol_groups = [\"video\", 44]\n", {"my.toml:2:1:", "array"}},
+        BadCase{"group_empty", "[access]\nview_groups = [\"\"]\n", {"my.toml:2:1:", "found [\"\"]"}},
         BadCase{"log_level", "[log]\nlevel = \"verbose\"\n", {"[log] level", "\"debug\" or"}},
         BadCase{"empty_uri", "[source]\nuri = \"\"\n", {"[source] uri", "found \"\""}}),
     [](const auto& parameter) { return std::string(parameter.param.name); });
@@ -290,6 +313,16 @@ TEST(Config, InsecureAllowsOtherAddresses) {
     EXPECT_EQ(daemon::parse_config("[socket]\ntcp = \"0.0.0.0:9876\"\ninsecure = true\n", "my.toml").socket.tcp,
               "0.0.0.0:9876");
     EXPECT_EQ(daemon::parse_config("[socket]\ntcp = \"localhost:9876\"\n", "my.toml").socket.tcp, "localhost:9876");
+    const std::string tls = "[socket]\ntcp = \"0.0.0.0:9876\"\ncertificate = \"c\"\nkey = \"k\"\n";
+    EXPECT_EQ(daemon::parse_config(tls + "tokens = \"t\"\n", "my.toml").socket.tokens, "t");
+    const auto config = daemon::parse_config(tls +
+                                                 "client_authority = \"a\"\n[access]\ncontrol_certificates = "
+                                                 "[\"pilot\", \"b\"]\ncontrol_groups = [\"video\"]\n",
+                                             "my.toml");
+    EXPECT_EQ(config.socket.client_authority, "a");
+    EXPECT_EQ(config.access.control_certificates, (std::vector<std::string>{"pilot", "b"}));
+    EXPECT_EQ(config.access.control_groups, std::vector<std::string>{"video"});
+    EXPECT_TRUE(config.access.view_groups.empty());
 }
 
 TEST(Config, KeysThatTheMethodDoesNotUseAreNoted) {

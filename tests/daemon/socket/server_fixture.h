@@ -21,9 +21,14 @@ class ServerTest : public ::testing::Test {
 protected:
     void start(std::size_t max_clients = 64, std::size_t client_queue = 4) {
         config_.tcp = "127.0.0.1:0";
-        config_.unix_path = "/tmp/disparityd-test-" + std::to_string(getpid()) + ".sock";
         config_.max_clients = max_clients;
         config_.client_queue = client_queue;
+        restart();
+    }
+
+    /// Makes a server from the configuration as it is.
+    void restart() {
+        config_.unix_path = "/tmp/disparityd-test-" + std::to_string(getpid()) + ".sock";
         daemon::SocketServices services;
         services.status = [] {
             v1::Status status;

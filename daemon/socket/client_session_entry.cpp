@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How a client comes in: the TLS handshake, the time until its Hello, its token, and what it may do.
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "daemon/socket/client_session.h"
+
+namespace disparityd::daemon {
+namespace {
+
+using boost::system::error_code;
+
+constexpr std::chrono::seconds hello_timeout{5};
+/// Passes before a wrong token is told: guessing is slow, and a right token waits for nobody.
+constexpr std::chrono::seconds pause_after_wrong_token{1};
+
+}  // namespace
+
+void ClientSession::start() {
+    deadline_.expires_after(hello_timeout);
+    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (error || self.greeted_) {
+            return;
+        }
+        if (self.shaking_hands_) {
+            self.close(fmt::format("no TLS handshake within {} s", hello_timeout.count()));
+        } else {
+            self.send_error(fmt::format("no Hello within {} s: the first message must be Hello", hello_timeout.count()),
+                            true);
+        }
+    }));
+    shake_hands([](ClientSession& self) { self.read_length(); });
+}
+
+void ClientSession::refuse(const std::string& why) {
+    deadline_.expires_after(hello_timeout);
+    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (!error) {
+            self.close("refused, and does not read why");
+        }
+    }));
+    shake_hands([why](ClientSession& self) { self.send_error(why, true); });
+}
+
+/// Calls then(self) after the TLS handshake, at once without TLS.
+template <typename Then>
+void ClientSession::shake_hands(Then then) {
+    if (!stream_.encrypted()) {
+        then(*this);
+        return;
+    }
+    shaking_hands_ = true;
+    stream_.async_handshake(handler([then = std::move(then)](ClientSession& self, error_code error) {
+        self.shaking_hands_ = false;
+        if (self.closed_) {
+            return;
+        }
+        if (error) {
+            self.handshake_failed(error);
+            return;
+        }
+        self.peer_.certificate = self.stream_.certificate();
+        then(self);
+    }));
+}
+
+void ClientSession::handshake_failed(const error_code& error) {
+    if (error == ClientStream::no_tls()) {
+        peer_.encrypted = false;
+        send_error(
+            "this port speaks TLS only: connect to tls:HOST:PORT, with --authority FILE where the daemon's certificate "
+            "is signed by an authority of your own",
+            true);
+        return;
+    }
+    host_.log().errors.write(LogLevel::warning,
+                             fmt::format("{}: closed: no TLS handshake: {}", label(), stream_.reason(error)));
+    closing_ = true;
+    close_later();
+    end_output();  // after OpenSSL's alert, which tells the client why
+}
+
+bool ClientSession::make_place() noexcept {
+    if (greeted_) {
+        return false;
+    }
+    close("closed: it had not said hello, and another client needs its place");
+    return true;
+}
+
+void ClientSession::access_changed() {
+    if (!greeted_ || closed_ || closing_) {
+        return;
+    }
+    const ClientAccess& access = host_.rules().access;
+    if (access.right_of(peer_, token_) == base::Right::none) {
+        send_error("since the daemon was reconfigured: " + access.why_not_view(peer_, token_), true);
+    }
+}
+
+/// Returns whether the client may look; else sends an Error, which a wrong token waits for.
+bool ClientSession::admit(const std::string& token) {
+    const ClientAccess& access = host_.rules().access;
+    if (access.right_of(peer_, token) != base::Right::none) {
+        token_ = token;
+        return true;
+    }
+    const std::string why = access.why_not_view(peer_, token);
+    if (peer_.local || token.empty()) {
+        send_error(why, true);
+    } else {
+        refuse_late(why);
+    }
+    return false;
+}
+
+void ClientSession::refuse_late(const std::string& why) {
+    deadline_.expires_after(pause_after_wrong_token);
+    // Nothing is read meanwhile, as before any answer.
+    deadline_.async_wait(handler([why, question = ask()](ClientSession& self, error_code error) {
+        if (!error) {
+            self.send_error(why, true);
+        }
+    }));
+}
+
+/// Returns whether the client may do that; sends an Error if not.
+bool ClientSession::may_control(const char* what) {
+    const ClientAccess& access = host_.rules().access;
+    if (access.right_of(peer_, token_) == base::Right::control) {
+        return true;
+    }
+    send_error(fmt::format("{}: {}", what, access.why_not_control(peer_)), false);
+    return false;
+}
+
+}  // namespace disparityd::daemon
