@@ -31,7 +31,8 @@ namespace {
 
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
                   sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
-                  sizeof(disparity_scan_info) == 40 && sizeof(disparity_scan_sector) == 40,
+                  sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 40 &&
+                  sizeof(disparity_scan_sector) == 40,
               "part of the binary interface");
 
 std::string& error_text() {
@@ -299,10 +300,21 @@ int64_t disparity_shared_memory_heartbeat_age_ns(const disparity_shared_memory* 
 }
 
 disparity_socket* disparity_socket_open(const char* address, const char* client_name, int timeout_ms) {
+    const disparity_connect_options none{};
+    return disparity_socket_open_with(address, client_name, timeout_ms, &none, sizeof none);
+}
+
+disparity_socket* disparity_socket_open_with(const char* address, const char* client_name, int timeout_ms,
+                                             const disparity_connect_options* options, size_t options_bytes) {
     return guarded<disparity_socket*>(nullptr, [&] {
         given(address, "address");
+        disparity_connect_options from{};
+        std::memcpy(&from, &given(options, "options"), std::min(options_bytes, sizeof from));
+        const auto text = [](const char* given_text) { return std::string(given_text == nullptr ? "" : given_text); };
+        const disparity::ConnectOptions to{text(from.authority),   text(from.certificate), text(from.key),
+                                           text(from.server_name), text(from.token_file),  text(from.token)};
         return new disparity_socket{
-            disparity::SocketClient(address, client_name == nullptr ? "disparity-client" : client_name,
+            disparity::SocketClient(address, to, client_name == nullptr ? "disparity-client" : client_name,
                                     std::chrono::milliseconds(timeout_ms)),
             {},
             {}};

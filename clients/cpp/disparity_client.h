@@ -199,8 +199,28 @@ DISPARITY_API int disparity_shared_memory_borrow(disparity_shared_memory* reader
 /** Returns the nanoseconds since the daemon's last heartbeat; INT64_MAX when it is gone. */
 DISPARITY_API int64_t disparity_shared_memory_heartbeat_age_ns(const disparity_shared_memory* reader);
 
-/** Connects to "tcp:HOST:PORT" or "unix:PATH" and sends Hello; client_name may be NULL. Returns NULL on failure. */
+/** Connects to "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT", and sends Hello; client_name may be NULL.
+ * Returns NULL on failure. */
 DISPARITY_API disparity_socket* disparity_socket_open(const char* address, const char* client_name, int timeout_ms);
+
+/** How a client and a daemon beyond this machine know each other; memset to 0 first. NULL or "": none. The files are
+ * read whenever a connection is made. Fields are only added at the end. */
+typedef struct disparity_connect_options {
+    const char*
+        authority; /**< file (PEM): who must have signed the daemon's certificate; none: the system's authorities */
+    const char* certificate; /**< file of this client's own certificate, with its chain (PEM) */
+    const char* key;         /**< file of that certificate's key (PEM, not encrypted) */
+    const char* server_name; /**< name or address in the daemon's certificate; none: HOST of the address */
+    const char* token_file;  /**< file with the token that the daemon asks for, which not every user may read */
+    const char* token;       /**< the token itself; goes before token_file */
+} disparity_connect_options;
+
+/** Does the same as disparity_socket_open() with options; pass sizeof(disparity_connect_options). Over "tls:" the
+ * daemon's certificate is always checked. A token is sent over "tls:", and over "tcp:" only to this machine. The
+ * strings are copied. */
+DISPARITY_API disparity_socket* disparity_socket_open_with(const char* address, const char* client_name, int timeout_ms,
+                                                           const disparity_connect_options* options,
+                                                           size_t options_bytes);
 /** Ends the connection; its frames stay. NULL is allowed. */
 DISPARITY_API void disparity_socket_close(disparity_socket* client);
 

@@ -308,7 +308,25 @@ struct SensorBatch {
     std::int64_t age_ns = 0;            ///< of the last one when it was sent
 };
 
-/// Reads frames and status from a socket: "tcp:HOST:PORT" or "unix:PATH".
+/// Says how a client and a daemon beyond this machine know each other. The files are read whenever a connection is
+/// made, so that new ones take effect at the next one.
+struct ConnectOptions {
+    /// File of the authorities (PEM), one of which must have signed the daemon's certificate. Empty: those that the
+    /// system trusts. For "tls:HOST:PORT", as the next three.
+    std::string authority{};
+    std::string certificate{};  ///< file of this client's own certificate, with its chain (PEM); empty: none
+    std::string key{};          ///< file of that certificate's key (PEM, not encrypted)
+    std::string server_name{};  ///< name or address in the daemon's certificate; empty: HOST of the address
+    /// File with the token that the daemon asks for ([socket] tokens): a line "TOKEN", or as in the daemon's file. It
+    /// must not be readable by every user. Empty: none.
+    std::string token_file{};
+    std::string token{};  ///< the token itself, for a program that has it from elsewhere; goes before token_file
+};
+
+/// Reads frames and status from a socket: "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT".
+///
+/// Over "tls:" the daemon's certificate is always checked: that an authority which is trusted has signed it, that it is
+/// for this host, and that it is valid now. A token is sent over "tls:", and over "tcp:" only to this machine.
 ///
 /// When the connection ends, the first read() or read_sensors() after it returns `gone`. The calls after that connect
 /// again, send Hello and subscribe as before. They return `gone` again when no daemon answers until the timeout, which
@@ -320,6 +338,11 @@ public:
     /// one line when connecting fails or the daemon refuses.
     explicit SocketClient(const std::string& address, const std::string& client_name = "disparity-client",
                           std::chrono::milliseconds timeout = std::chrono::seconds(5));
+    /// The same with options. Also throws std::invalid_argument for a file that cannot be used, and for a token that
+    /// would be sent unencrypted to another machine.
+    SocketClient(const std::string& address, const ConnectOptions& options,
+                 const std::string& client_name = "disparity-client",
+                 std::chrono::milliseconds timeout = std::chrono::seconds(5));
     ~SocketClient();
     /// A client that was moved from may only be assigned to or destroyed.
     SocketClient(SocketClient&&) noexcept;

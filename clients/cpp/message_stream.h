@@ -17,7 +17,9 @@ class MessageStream {
 public:
     using Outcome = Transport::Outcome;
 
-    MessageStream(const std::string& address, Deadline deadline) : transport_(address, deadline) {}
+    /// Connects as Transport does.
+    MessageStream(const std::string& address, Deadline deadline, const ConnectOptions& options = {})
+        : transport_(address, deadline, options) {}
 
     /// Waits for the next message. Throws std::invalid_argument when it breaks the protocol; the connection is then
     /// closed.
@@ -31,7 +33,9 @@ public:
     /// already, receive() still returns the messages sent before.
     Outcome send(const disparityd::v1::Envelope& envelope, Deadline deadline);
 
-    /// Returns Transport::server_user().
+    /// Return what Transport knows of the connection.
+    const std::string& why_closed() const { return transport_.why_closed(); }
+    bool is_private() const { return transport_.is_private(); }
     std::optional<unsigned> server_user() const { return transport_.server_user(); }
 
 private:

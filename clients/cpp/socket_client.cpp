@@ -13,6 +13,7 @@
 #include "clients/cpp/message_stream.h"
 #include "clients/cpp/missed.h"
 #include "clients/cpp/sensor_message.h"
+#include "clients/cpp/token_file.h"
 #include "proto/text.h"
 
 namespace disparity {
@@ -50,7 +51,8 @@ public:
 
 class SocketClient::Impl {
 public:
-    Impl(const std::string& address, const std::string& name, milliseconds timeout) : address_(address), name_(name) {
+    Impl(const std::string& address, ConnectOptions options, const std::string& name, milliseconds timeout)
+        : address_(address), options_(std::move(options)), name_(name) {
         const Deadline deadline = after(timeout);
         connect(deadline, deadline);
         if (!greeted(deadline)) {
@@ -170,12 +172,32 @@ private:
 
     /// Opens another connection and sends Hello. The daemon must answer until `greeting`.
     void connect(Deadline deadline, Deadline greeting) {
-        stream_ = std::make_unique<MessageStream>(address_, deadline);
+        stream_ = std::make_unique<MessageStream>(address_, deadline, options_);
         greeting_ = greeting;
         v1::Envelope hello;
+        hello.mutable_hello()->set_token(token());
         hello.mutable_hello()->set_protocol_version(proto::protocol_version);
         hello.mutable_hello()->set_client_name(name_);
         send(hello, greeting);
+    }
+
+    /// Returns the token for this connection; empty over a Unix socket, where the daemon needs none.
+    std::string token() const {
+        if (address_.starts_with("unix:")) {
+            return {};
+        }
+        std::string token = options_.token.empty() ? read_token(options_.token_file) : options_.token;
+        if (!token.empty() && !stream_->is_private()) {
+            throw std::invalid_argument(address_ +
+                                        ": a token would be sent unencrypted, allowed: over tls:HOST:PORT, or to this "
+                                        "machine");
+        }
+        return token;
+    }
+
+    /// Returns why the connection has ended, where TLS has told it, for the end of a message.
+    std::string told_by_tls() const {
+        return !stream_ || stream_->why_closed().empty() ? "" : ": " + stream_->why_closed();
     }
 
     /// Waits for the daemon's answer to Hello. Returns false when it has not come by the deadline and may still come.
@@ -189,7 +211,7 @@ private:
                 return false;
             }
             if (outcome == MessageStream::Outcome::closed) {
-                fail("the connection has ended before hello was answered");
+                fail("the connection has ended before hello was answered" + ended_by_);
             }
             if (stream_->envelope().has_welcome()) {
                 break;
@@ -228,6 +250,11 @@ private:
                 lost_ = true;
                 why_gone_ = error.what();
                 refusal = dynamic_cast<const Refused*>(&error) != nullptr ? std::current_exception() : nullptr;
+            } catch (const std::invalid_argument& error) {  // a file that was right before
+                stream_.reset();
+                lost_ = true;
+                why_gone_ = error.what();
+                refusal = std::make_exception_ptr(Refused(error.what()));
             }
             const Deadline next = std::chrono::steady_clock::now() + reconnect_interval;
             std::this_thread::sleep_until(std::min(deadline, next));
@@ -266,8 +293,9 @@ private:
         }
         if (outcome == MessageStream::Outcome::closed) {
             lost_ = true;
+            ended_by_ = told_by_tls();
             stream_.reset();
-            why_gone_ = "disparityd at " + address_ + ": the connection has ended";
+            why_gone_ = "disparityd at " + address_ + ": the connection has ended" + ended_by_;
         }
         return outcome;
     }
@@ -342,7 +370,9 @@ private:
     }
 
     std::string address_;
+    ConnectOptions options_;
     std::string name_;
+    std::string ended_by_;                   ///< ": why", where TLS has told it
     std::unique_ptr<MessageStream> stream_;  ///< none between two connections
     bool lost_ = false;                      ///< the connection has ended; a new stream_ has no answer to Hello yet
     Deadline greeting_;
@@ -356,7 +386,10 @@ private:
 };
 
 SocketClient::SocketClient(const std::string& address, const std::string& client_name, milliseconds timeout)
-    : impl_(std::make_unique<Impl>(address, client_name, timeout)) {}
+    : SocketClient(address, ConnectOptions(), client_name, timeout) {}
+SocketClient::SocketClient(const std::string& address, const ConnectOptions& options, const std::string& client_name,
+                           milliseconds timeout)
+    : impl_(std::make_unique<Impl>(address, options, client_name, timeout)) {}
 SocketClient::~SocketClient() = default;
 SocketClient::SocketClient(SocketClient&&) noexcept = default;
 SocketClient& SocketClient::operator=(SocketClient&&) noexcept = default;

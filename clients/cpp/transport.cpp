@@ -20,6 +20,8 @@
 namespace disparity {
 namespace {
 
+using TlsStream = disparityd::proto::TlsStream;
+
 /// Returns milliseconds for poll(), rounded up: rounded down, the caller would spin before the deadline.
 int remaining(Deadline deadline) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now()).count();
@@ -94,10 +96,17 @@ int connect_unix(const std::string& address, const std::string& path, Deadline d
     return fd;
 }
 
-int connect_tcp(const std::string& address, const std::string& host_and_port, Deadline deadline) {
+/// The two parts of "tcp:HOST:PORT" and "tls:HOST:PORT"; IPv6 without its brackets.
+struct Place {
+    std::string host;
+    std::string port;
+};
+
+Place place_of(const std::string& address) {
+    const std::string host_and_port = address.substr(4);
     const std::size_t colon = host_and_port.rfind(':');
     if (colon == std::string::npos || colon == 0 || colon + 1 == host_and_port.size()) {
-        throw std::invalid_argument(address + ": expected tcp:HOST:PORT");
+        throw std::invalid_argument(address + ": expected " + address.substr(0, 4) + "HOST:PORT");
     }
     const std::string port = host_and_port.substr(colon + 1);
     int number = 0;
@@ -109,11 +118,15 @@ int connect_tcp(const std::string& address, const std::string& host_and_port, De
     if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
         host = host.substr(1, host.size() - 2);
     }
+    return {host, port};
+}
+
+int connect_tcp(const std::string& address, const Place& place, Deadline deadline) {
     addrinfo hints{};
     hints.ai_family = AF_UNSPEC;
     hints.ai_socktype = SOCK_STREAM;
     addrinfo* found = nullptr;
-    const int result = ::getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
+    const int result = ::getaddrinfo(place.host.c_str(), place.port.c_str(), &hints, &found);
     if (result != 0) {
         no_connection(address, result == EAI_SYSTEM ? errno : 0,
                       result == EAI_SYSTEM ? nullptr : ::gai_strerror(result));
@@ -133,6 +146,39 @@ int connect_tcp(const std::string& address, const std::string& host_and_port, De
     no_connection(address, error);
 }
 
+/// Returns what a user may do about a handshake that failed.
+std::string advice_on(const std::string& problem, const std::string& name) {
+    const auto says = [&](const char* words) { return problem.find(words) != std::string::npos; };
+    if (says("mismatch")) {
+        return ": the certificate is not for " + name +
+               ": connect by a name that it has, or say which one (server_name)";
+    }
+    if (says("not yet valid") || says("expired")) {
+        return ": is the clock of this machine right?";
+    }
+    if (says("certificate verify failed")) {
+        return ": the daemon's certificate is signed by nobody who is trusted: give its authority's file";
+    }
+    if (says("wrong version number") || says("packet length") || says("record layer failure")) {
+        return ": that port speaks no TLS: the daemon needs [socket] certificate and key, or is reached at "
+               "tcp:HOST:PORT";
+    }
+    return "";
+}
+
+bool is_loopback(const sockaddr_storage& peer) {
+    if (peer.ss_family == AF_INET) {
+        const auto& address = reinterpret_cast<const sockaddr_in&>(peer);
+        return ntohl(address.sin_addr.s_addr) >> 24U == 127;
+    }
+    if (peer.ss_family == AF_INET6) {
+        const in6_addr& address = reinterpret_cast<const sockaddr_in6&>(peer).sin6_addr;
+        return IN6_IS_ADDR_LOOPBACK(&address) != 0 ||
+               (IN6_IS_ADDR_V4MAPPED(&address) != 0 && address.s6_addr[12] == 127);
+    }
+    return peer.ss_family == AF_UNIX;
+}
+
 }  // namespace
 
 Deadline after(std::chrono::milliseconds timeout) {
@@ -141,14 +187,56 @@ Deadline after(std::chrono::milliseconds timeout) {
     return std::chrono::steady_clock::now() + std::clamp(timeout, milliseconds(0), longest);
 }
 
-Transport::Transport(const std::string& address, Deadline deadline) {
+Transport::Transport(const std::string& address, Deadline deadline, const ConnectOptions& options) {
     if (address.starts_with("unix:")) {
         fd_ = connect_unix(address, address.substr(5), deadline);
     } else if (address.starts_with("tcp:")) {
-        fd_ = connect_tcp(address, address.substr(4), deadline);
+        fd_ = connect_tcp(address, place_of(address), deadline);
+    } else if (address.starts_with("tls:")) {
+        try {
+            begin_tls(address, deadline, options);
+        } catch (...) {
+            close();
+            throw;
+        }
     } else {
-        throw std::invalid_argument("address \"" + address + "\": expected tcp:HOST:PORT or unix:PATH");
+        throw std::invalid_argument("address \"" + address + "\": expected tcp:HOST:PORT, tls:HOST:PORT or unix:PATH");
     }
+}
+
+void Transport::begin_tls(const std::string& address, Deadline deadline, const ConnectOptions& options) {
+    const Place place = place_of(address);
+    const auto context = disparityd::proto::make_client_tls({options.certificate, options.key, options.authority});
+    fd_ = connect_tcp(address, place, deadline);
+    tls_ = std::make_unique<TlsStream>(context, fd_, TlsStream::End::client);
+    const std::string& name = options.server_name.empty() ? place.host : options.server_name;
+    tls_->expect_server(name);
+    while (true) {
+        const TlsStream::Outcome outcome = tls_->handshake();
+        switch (outcome) {
+            case TlsStream::Outcome::done: return;
+            case TlsStream::Outcome::closed:
+                throw std::runtime_error(address + ": cannot connect: closed during the TLS handshake" +
+                                         advice_on("wrong version number", name));
+            case TlsStream::Outcome::failed:
+                throw std::runtime_error(address + ": cannot connect: TLS: " + tls_->problem() +
+                                         advice_on(tls_->problem(), name));
+            default: break;
+        }
+        if (!wait(outcome, deadline)) {
+            throw std::runtime_error(address + ": cannot connect: no TLS handshake in time");
+        }
+    }
+}
+
+bool Transport::wait(TlsStream::Outcome outcome, Deadline deadline) const {
+    return wait_for(fd_, outcome == TlsStream::Outcome::wants_write ? POLLOUT : POLLIN, deadline);
+}
+
+bool Transport::is_private() const {
+    sockaddr_storage peer{};
+    socklen_t size = sizeof peer;
+    return tls_ || (::getpeername(fd_, reinterpret_cast<sockaddr*>(&peer), &size) == 0 && is_loopback(peer));
 }
 
 Transport::~Transport() {
@@ -176,7 +264,52 @@ std::optional<unsigned> Transport::server_user() const {
     return peer.uid;
 }
 
+/// Returns what a call that cannot go on comes to.
+Transport::Outcome Transport::end_of(TlsStream::Outcome outcome) {
+    if (outcome == TlsStream::Outcome::done) {
+        return Outcome::done;
+    }
+    if (outcome == TlsStream::Outcome::failed) {
+        const bool certificate = tls_->problem().find("certificate") != std::string::npos;
+        why_closed_ =
+            "TLS: " + tls_->problem() +
+            (certificate ? ": the daemon takes only clients with a certificate that its authority has signed" : "");
+    }
+    return Outcome::closed;
+}
+
+Transport::Outcome Transport::send_tls(std::span<const std::uint8_t> bytes, Deadline deadline) {
+    while (!bytes.empty()) {
+        std::size_t sent = 0;
+        const TlsStream::Outcome outcome = tls_->write(bytes, sent);
+        bytes = bytes.subspan(sent);
+        if (outcome != TlsStream::Outcome::wants_read && outcome != TlsStream::Outcome::wants_write) {
+            if (outcome != TlsStream::Outcome::done) {
+                return end_of(outcome);
+            }
+        } else if (!wait(outcome, deadline)) {
+            return Outcome::timeout;
+        }
+    }
+    return Outcome::done;
+}
+
+Transport::Outcome Transport::receive_tls(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline) {
+    while (true) {
+        const TlsStream::Outcome outcome = tls_->read(bytes, received);
+        if (outcome != TlsStream::Outcome::wants_read && outcome != TlsStream::Outcome::wants_write) {
+            return end_of(outcome);
+        }
+        if (!wait(outcome, deadline)) {
+            return Outcome::timeout;
+        }
+    }
+}
+
 Transport::Outcome Transport::send(std::span<const std::uint8_t> bytes, Deadline deadline) {
+    if (tls_ && fd_ >= 0) {
+        return send_tls(bytes, deadline);
+    }
     while (!bytes.empty()) {
         const ssize_t sent = fd_ < 0 ? -1 : ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
         if (sent >= 0) {
@@ -192,6 +325,9 @@ Transport::Outcome Transport::send(std::span<const std::uint8_t> bytes, Deadline
 
 Transport::Outcome Transport::receive(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline) {
     received = 0;
+    if (tls_ && fd_ >= 0) {
+        return receive_tls(bytes, received, deadline);
+    }
     while (fd_ >= 0) {
         const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), 0);
         if (got > 0) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Prints the nearest measured depth of each frame, over a socket. Goes on when the daemon has been started again.
- *   nearest-c [tcp:HOST:PORT | unix:PATH]
+ *   nearest-c [tcp:HOST:PORT | tls:HOST:PORT | unix:PATH]
  */
 #include <disparity_client.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints the nearest measured depth of each frame. Goes on when the daemon has been started again.
 
-    nearest.py [tcp:HOST:PORT | unix:PATH | shm:NAME]
+    nearest.py [tcp:HOST:PORT | tls:HOST:PORT | unix:PATH | shm:NAME]
 """
 import sys
 

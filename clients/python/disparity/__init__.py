@@ -11,6 +11,7 @@
     with disparity.SharedMemoryReader("default") as reader:
         frame = reader.read(timeout=1.0)
 """
+from .connection import ConnectOptions
 from .errors import DisparityError, Gone, Refused
 from .frame import (
     CONFIDENCE,
@@ -33,6 +34,7 @@ from .socket_client import SocketClient
 
 __all__ = [
     "CONFIDENCE",
+    "ConnectOptions",
     "DEPTH",
     "DEPTH_ERROR",
     "DISCONTINUITY",

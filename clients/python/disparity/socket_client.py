@@ -8,6 +8,7 @@ import time
 import typing
 
 from . import disparity_pb2 as pb
+from .connection import ConnectOptions
 from .errors import DisparityError, Gone, Refused
 from .frame import DISPARITY, Bytes, Frame, frame_of_message, plane_array, product_name
 from .frame_source import FrameSource
@@ -32,17 +33,26 @@ _MOST_SENSORS = 256
 
 
 class SocketClient(FrameSource):
-    """Connects to "tcp:HOST:PORT" or "unix:PATH". One thread at a time may use it.
+    """Connects to "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT". One thread at a time may use it.
 
-    Times are in seconds. Raises ValueError for an address of another form, DisparityError when the daemon cannot be
-    reached or refuses.
+    Over "tls:" the daemon's certificate is always checked; the options say by which authority, and what the daemon may ask
+    of the client. A token is sent over "tls:", and over "tcp:" only to this machine.
+
+    Times are in seconds. Raises ValueError for an address of another form and for files that cannot be used,
+    DisparityError when the daemon cannot be reached, is not who it should be, or refuses.
 
     When the connection ends, the first read() or read_sensors() after it raises Gone. The calls after that connect
     again, send Hello and subscribe as before. They raise Gone again when no daemon answers in time, Refused when it
     refuses until then. Requests connect again, too.
     """
 
-    def __init__(self, address: str, client_name: str = "disparity-python", timeout: float = 5.0) -> None:
+    def __init__(
+        self,
+        address: str,
+        client_name: str = "disparity-python",
+        timeout: float = 5.0,
+        options: ConnectOptions | None = None,
+    ) -> None:
         self._pending: collections.deque[Frame] = collections.deque(maxlen=_MOST_PENDING)
         self._last_index: int | None = None
         self._decompress: zstandard.ZstdDecompressor | None = None
@@ -50,7 +60,7 @@ class SocketClient(FrameSource):
         self._sensors_dropped = 0
         self.last_status: pb.Status | None = None  # the newest status message that came unasked
         self.welcome: pb.Welcome | None = None
-        self._address, self._name = address, client_name
+        self._address, self._name, self._options = address, client_name, options
         self._subscription: pb.Envelope | None = None
         self._stream: MessageStream | None = None
         self._closed = False
@@ -173,9 +183,11 @@ class SocketClient(FrameSource):
 
     def _connect(self, timeout: float, greeting: float) -> None:
         """Opens another connection and sends Hello. The daemon must answer until `greeting`."""
-        self._stream = MessageStream(self._address, timeout)
+        self._stream = MessageStream(self._address, timeout, self._options)
         self._greeting = greeting
-        hello = pb.Envelope(hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=self._name))
+        hello = pb.Envelope(
+            hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=self._name, token=self._stream.token)
+        )
         self._stream.send(hello, timeout)
 
     def _greeted(self, deadline: float) -> bool:
@@ -217,6 +229,9 @@ class SocketClient(FrameSource):
             except DisparityError as error:
                 self._drop()
                 reason = error
+            except ValueError as error:  # a file that was right before
+                self._drop()
+                reason = Refused(str(error))
             left = deadline - time.monotonic()
             time.sleep(min(max(0.0, left), _RECONNECT_INTERVAL))
             if left <= _RECONNECT_INTERVAL:

@@ -2,8 +2,8 @@
 """Sends and receives whole messages over a socket: u32 length (little endian) | Envelope | payload."""
 from __future__ import annotations
 
-import errno
 import socket
+import ssl
 import struct
 import time
 import typing
@@ -12,6 +12,7 @@ import unicodedata
 from google.protobuf.message import DecodeError
 
 from . import disparity_pb2 as pb
+from .connection import LONGEST_WAIT, ConnectOptions, connect, token_for
 from .errors import DisparityError, Gone, Refused
 
 # docs/protocol.md has these limits.
@@ -23,9 +24,6 @@ MAX_BYTES_PER_PIXEL = 8
 # The buffer grows by this much at a time, beyond the bytes that have arrived.
 _GROWTH = 1 << 20
 
-# This is longer than any use, and clocks and sockets can still hold it.
-LONGEST_WAIT = 1e9
-
 # An Envelope and its payload.
 Message = typing.Tuple[pb.Envelope, bytearray]
 
@@ -33,34 +31,6 @@ Message = typing.Tuple[pb.Envelope, bytearray]
 def printable(text: str) -> str:
     """Returns a text of the daemon as one line. Control characters become "?": they could move a terminal's cursor."""
     return "".join("?" if unicodedata.category(c) == "Cc" else c for c in text)
-
-
-def connect(address: str, timeout: float) -> socket.socket:
-    """Returns a connected socket. ValueError for an address of another form, DisparityError when no process accepts."""
-    kind, _, rest = address.partition(":")
-    host, _, port = rest.rpartition(":")
-    if not (kind == "unix" and rest) and not (kind == "tcp" and host and port.isdigit()):
-        raise ValueError(f'address "{address}": expected tcp:HOST:PORT or unix:PATH')
-    if kind == "tcp" and not 1 <= int(port) <= 65535:
-        raise ValueError(f"{address}: port: found {port}, allowed: 1 .. 65535")
-    try:
-        if kind == "tcp":
-            connection = socket.create_connection((host.strip("[]"), int(port)), min(timeout, LONGEST_WAIT))
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            return connection
-        connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-        try:
-            connection.settimeout(min(timeout, LONGEST_WAIT))
-            connection.connect(rest)
-        except BaseException:
-            connection.close()
-            raise
-        return connection
-    except (OSError, OverflowError) as error:
-        if getattr(error, "errno", None) in (errno.EMFILE, errno.ENFILE):
-            raise DisparityError(f"{address}: cannot connect: too many files are open: raise the limit (ulimit -n, or "
-                                 "LimitNOFILE= of a service)") from None
-        raise DisparityError(f"{address}: cannot connect: {error}: is disparityd running, with this address?") from None
 
 
 def deadline_after(timeout: float | None) -> float:
@@ -104,9 +74,14 @@ def check_payload(envelope: pb.Envelope) -> None:
 class MessageStream:
     """Sends and receives messages over one connection. It keeps a part of a message over a timeout."""
 
-    def __init__(self, address: str, timeout: float) -> None:
+    def __init__(self, address: str, timeout: float, options: ConnectOptions | None = None) -> None:
         self.address = address
-        self._socket = connect(address, timeout)
+        self._socket = connect(address, timeout, options)
+        try:
+            self.token = token_for(address, self._socket, options)
+        except BaseException:
+            self._socket.close()
+            raise
         self._part = "length"
         self._wanted = 4
         self._buffer = bytearray(4)
@@ -183,7 +158,7 @@ class MessageStream:
         try:
             self._socket.settimeout(max(0.0, deadline - time.monotonic()))
             received = self._socket.recv_into(view)
-        except (BlockingIOError, TimeoutError, socket.timeout):
+        except (BlockingIOError, TimeoutError, socket.timeout, ssl.SSLWantReadError, ssl.SSLWantWriteError):
             return None
         except OSError as error:
             raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None

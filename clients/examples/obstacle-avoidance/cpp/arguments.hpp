@@ -18,7 +18,7 @@ namespace avoid {
 inline constexpr const char* help =
     R"(Says how fast a robot may drive straight ahead, and brakes when it does not know.
 
-obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | unix:PATH]
+obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | tls:HOST:PORT | unix:PATH]
 
 Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket.
 Prints a line for each change of state.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Says how fast a robot may drive straight ahead, and brakes when it does not know. See docs/howto/avoid-obstacles.md.
-//   obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | unix:PATH]
+//   obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | tls:HOST:PORT | unix:PATH]
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -62,7 +62,9 @@ public:
 
     std::string why_gone() const { return client_ ? client_->why_gone() : memory_ ? memory_->why_gone() : why_closed_; }
     bool is_open() const { return client_ || memory_; }
-    bool over_socket() const { return address_.starts_with("tcp:") || address_.starts_with("unix:"); }
+    bool over_socket() const {
+        return address_.starts_with("tcp:") || address_.starts_with("tls:") || address_.starts_with("unix:");
+    }
 
 private:
     /// Returns false when there is no daemon that answers.

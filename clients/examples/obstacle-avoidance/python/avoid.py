@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Says how fast a robot may drive straight ahead, and brakes when it does not know. See docs/howto/avoid-obstacles.md.
 
-Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket, tcp:HOST:PORT or
-unix:PATH. Prints a line for each change of state.
+Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket, tcp:HOST:PORT,
+tls:HOST:PORT or unix:PATH. Prints a line for each change of state.
 """
 import argparse
 import json
@@ -60,12 +60,12 @@ def number(least, most, kind=float):
 
 def check_source(text):
     """Raises ArgumentTypeError for a source that cannot be right."""
-    if text.startswith(("tcp:", "unix:")):
+    if text.startswith(("tcp:", "tls:", "unix:")):
         host, _, port = text[4:].rpartition(":")
-        if text == "unix:" or text.startswith("tcp:") and not (
+        if text == "unix:" or text.startswith(("tcp:", "tls:")) and not (
             host and port.isascii() and port.isdigit() and 1 <= int(port) <= 65535
         ):
-            raise argparse.ArgumentTypeError(f'"{text}": expected tcp:HOST:PORT or unix:PATH')
+            raise argparse.ArgumentTypeError(f'"{text}": expected tcp:HOST:PORT, tls:HOST:PORT or unix:PATH')
     elif not re.fullmatch(r"[A-Za-z0-9._-]{1,64}", text):
         raise argparse.ArgumentTypeError(
             f'shared memory name "{text}": 1 to 64 characters are allowed, of A-Z a-z 0-9 . _ -'
@@ -101,7 +101,7 @@ class Source:
     def __init__(self, address):
         self._address = address
         self._reader = None
-        self.over_socket = address.startswith(("tcp:", "unix:"))
+        self.over_socket = address.startswith(("tcp:", "tls:", "unix:"))
 
     def read(self, timeout):
         """Returns a frame, or None when none came in time. Raises Gone without a daemon, DisparityError or ValueError
