@@ -91,11 +91,11 @@ public:
 
     ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, SessionHost& host);
 
-    /// Waits for the client's Hello, with TLS after the handshake.
-    void start();
+    /// Waits for the client's Hello, with TLS after the handshake, which begins after `wait`.
+    void start(std::chrono::nanoseconds wait = {});
 
-    /// Sends the reason as an Error and closes.
-    void refuse(const std::string& why);
+    /// Sends the reason as an Error and closes; with TLS after the handshake.
+    void refuse(const std::string& why, std::chrono::nanoseconds wait = {});
 
     /// The server calls this when the ring has a new frame.
     void frame_arrived();
@@ -151,6 +151,8 @@ private:
     }
     std::shared_ptr<void> ask();
     void failed() noexcept;
+    template <typename Then>
+    void shake_hands_after(std::chrono::nanoseconds wait, Then then);
     template <typename Then>
     void shake_hands(Then then);
     void handshake_failed(const boost::system::error_code& error);

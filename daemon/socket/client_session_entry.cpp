@@ -18,7 +18,7 @@ constexpr std::chrono::seconds pause_after_wrong_token{1};
 
 }  // namespace
 
-void ClientSession::start() {
+void ClientSession::start(std::chrono::nanoseconds wait) {
     deadline_.expires_after(hello_timeout);
     deadline_.async_wait(handler([](ClientSession& self, error_code error) {
         if (error || self.greeted_) {
@@ -31,27 +31,41 @@ void ClientSession::start() {
                             true);
         }
     }));
-    shake_hands([](ClientSession& self) { self.read_length(); });
+    shake_hands_after(wait, [](ClientSession& self) { self.read_length(); });
 }
 
-void ClientSession::refuse(const std::string& why) {
+void ClientSession::refuse(const std::string& why, std::chrono::nanoseconds wait) {
     deadline_.expires_after(hello_timeout);
     deadline_.async_wait(handler([](ClientSession& self, error_code error) {
         if (!error) {
             self.close("refused, and does not read why");
         }
     }));
-    shake_hands([why](ClientSession& self) { self.send_error(why, true); });
+    shake_hands_after(wait, [why](ClientSession& self) { self.send_error(why, true); });
 }
 
-/// Calls then(self) after the TLS handshake, at once without TLS.
+/// Calls then(self) after the TLS handshake, which begins after `wait`; at once without TLS.
 template <typename Then>
-void ClientSession::shake_hands(Then then) {
+void ClientSession::shake_hands_after(std::chrono::nanoseconds wait, Then then) {
     if (!stream_.encrypted()) {
         then(*this);
         return;
     }
     shaking_hands_ = true;
+    if (wait.count() == 0) {
+        shake_hands(std::move(then));
+        return;
+    }
+    pace_timer_.expires_after(wait);
+    pace_timer_.async_wait(handler([then = std::move(then)](ClientSession& self, error_code error) mutable {
+        if (!error && !self.closed_ && !self.closing_) {
+            self.shake_hands(std::move(then));
+        }
+    }));
+}
+
+template <typename Then>
+void ClientSession::shake_hands(Then then) {
     stream_.async_handshake(handler([then = std::move(then)](ClientSession& self, error_code error) {
         self.shaking_hands_ = false;
         if (self.closed_) {

@@ -21,6 +21,12 @@ namespace asio = boost::asio;
 /// being compressed and the one before it.
 constexpr std::size_t copies_on_the_way = 5;
 
+/// A TLS handshake takes about a millisecond of the server's thread. So many may be done at once, for programs with
+/// several connections. A client whose turn is later than this is closed: a flood of them must not keep frames from the
+/// others.
+constexpr int handshakes_at_once = 32;
+constexpr std::chrono::seconds longest_wait_for_handshake{1};
+
 ClientRules rules_of(const SocketServerConfig& config) {
     ClientRules rules{config.access, config.tls, config.idle_timeout, config.liveness, config.request_interval};
     rules.access.unix_path = config.unix_path;
@@ -58,7 +64,8 @@ SocketServer::SocketServer(const SocketServerConfig& config, SocketServices serv
       compressor_(io_, compressing_.get_executor()),
       watch_timer_(io_),
       places_(places_of(config)),
-      rules_(rules_of(config)) {}
+      rules_(rules_of(config)),
+      handshakes_(handshakes_at_once, config.handshake_interval) {}
 
 SocketServer::~SocketServer() {
     stop();
@@ -407,6 +414,15 @@ void SocketServer::accepted(ClientSession::Socket socket, ClientPeer peer) {
     if (encrypted) {
         peer.address.replace(0, 3, "tls");
     }
+    const RateLimit::Clock::duration wait = encrypted ? handshakes_.wait() : RateLimit::Clock::duration::zero();
+    if (wait > longest_wait_for_handshake) {
+        log_.errors.write(LogLevel::warning,
+                          fmt::format("{}: closed at once: too many clients begin with TLS", peer.address));
+        return;
+    }
+    if (encrypted) {
+        handshakes_.take();
+    }
     const auto to_stream = [&](ClientSession::Socket&& from) {
         return encrypted ? ClientStream(std::move(from), rules_.tls) : ClientStream(std::move(from));
     };
@@ -416,11 +432,11 @@ void SocketServer::accepted(ClientSession::Socket socket, ClientPeer peer) {
     if (has_place(local)) {
         const auto session = std::make_shared<ClientSession>(to_stream(std::move(socket)), std::move(peer), id, host);
         clients_.emplace(id, session);
-        session->guarded([&] { session->start(); });
+        session->guarded([&] { session->start(wait); });
     } else if (refused_.size() < ClientPlaces::max_refused) {
         const auto session = std::make_shared<ClientSession>(to_stream(std::move(socket)), std::move(peer), id, host);
         refused_.emplace(id, session);
-        session->guarded([&] { session->refuse(places_.refusal(local)); });
+        session->guarded([&] { session->refuse(places_.refusal(local), wait); });
     } else {
         log_.errors.write(LogLevel::warning,
                           fmt::format("{}: closed at once: too many clients wait for a refusal", peer.address));

@@ -39,6 +39,7 @@ struct SocketServerConfig {
     std::size_t descriptors = SIZE_MAX;              ///< that the process may have open
     TcpLiveness liveness;
     std::chrono::microseconds request_interval = ClientRules().request_interval;
+    std::chrono::milliseconds handshake_interval{10};  ///< between two TLS handshakes, after a few at once
 };
 
 /// What the server asks of the daemon; called in the server's thread, must not block.
@@ -178,6 +179,7 @@ private:
     std::chrono::steady_clock::time_point watch_due_;
     ClientPlaces places_;
     ClientRules rules_;
+    RateLimit handshakes_;
     std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;
     std::map<std::uint64_t, std::shared_ptr<ClientSession>> refused_;
     v1::Totals served_;  ///< of the clients that have gone

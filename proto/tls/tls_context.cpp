@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/tls/tls_context.h"
 
+#include <cstring>
 #include <new>
 #include <stdexcept>
 
@@ -50,8 +51,10 @@ void use_authority(SSL_CTX* context, const std::string& authority) {
 }  // namespace
 
 std::string take_tls_error() {
-    const unsigned long code = ERR_peek_last_error();
-    const char* const reason = ERR_reason_error_string(code);
+    // The first one is the cause of those that follow.
+    const unsigned long code = ERR_get_error();
+    const char* const reason =
+        ERR_SYSTEM_ERROR(code) ? std::strerror(ERR_GET_REASON(code)) : ERR_reason_error_string(code);
     const std::string text = reason == nullptr ? "no reason is known" : reason;
     ERR_clear_error();
     return text;

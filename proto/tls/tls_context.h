@@ -27,7 +27,7 @@ TlsContext make_server_tls(const TlsFiles& files, const std::string& name);
 /// authority, without one against the authorities that the system trusts. Throws as make_server_tls().
 TlsContext make_client_tls(const TlsFiles& files);
 
-/// Returns the reason of OpenSSL's newest error in this thread, and forgets all of them.
+/// Returns the reason of OpenSSL's first error in this thread, and forgets all of them.
 std::string take_tls_error();
 
 }  // namespace disparityd::proto

@@ -254,6 +254,21 @@ TEST_F(TlsServerTest, WhoeverSaysNothingMakesPlace) {
     EXPECT_EQ(status(local).clients_size(), 4);
 }
 
+TEST_F(TlsServerTest, AFloodOfHandshakesIsCutOff) {
+    config_.handshake_interval = std::chrono::hours(1);
+    start_with_tls();
+    TlsWireClient client = enter();
+    subscribe(client, subscription({v1::DISPARITY}));
+    // Some have their turn at once; that of the others would come in an hour.
+    for (int i = 0; i < 40; ++i) {
+        WireClient probe(tcp_);
+    }
+    EXPECT_NE(refusal("", files_.client()), "");
+    server_->publish(feed_.next());
+    EXPECT_TRUE(client.receive_frame());
+    connect(unix_);
+}
+
 TEST_F(TlsServerTest, OneThatDoesNotReadCostsNobodyAFrame) {
     feed_ = PatternFrames(1280, 720, all_products());
     start_with_tls();
