@@ -94,9 +94,10 @@ void add_daemon(CLI::App& app, Options& options) {
         ->type_name("NAME")
         ->capture_default_str()
         ->group(group);
-    app.add_option("--socket", options.socket, "tcp:HOST:PORT or unix:PATH instead of shared memory")
+    app.add_option("--socket", options.socket, "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH instead of shared memory")
         ->type_name("ADDRESS")
         ->group(group);
+    options.reach.add_to(app);
 }
 
 void add_autopilot(CLI::App& app, Options& options) {
@@ -189,7 +190,8 @@ std::unique_ptr<Link> Options::make_link() const {
 
 std::unique_ptr<ScanSource> Options::make_source() const {
     // A little more than is sent, so that none of the right moment is missing.
-    return socket.empty() ? shared_memory_source(name) : socket_source(socket, 2 * rate);
+    reach.check(socket);
+    return socket.empty() ? shared_memory_source(name) : socket_source(socket, reach.options, 2 * rate);
 }
 
 }  // namespace disparityd::mavlink

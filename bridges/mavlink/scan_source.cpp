@@ -48,7 +48,8 @@ private:
 class SocketSource : public ScanSource {
 public:
     /// Throws std::invalid_argument; a daemon that is away waits for read().
-    SocketSource(std::string address, double max_rate) : address_(std::move(address)), max_rate_(max_rate) {
+    SocketSource(std::string address, disparity::ConnectOptions options, double max_rate)
+        : address_(std::move(address)), options_(std::move(options)), max_rate_(max_rate) {
         try {
             connect();
         } catch (const std::runtime_error&) {
@@ -58,7 +59,7 @@ public:
 
 private:
     void connect() {
-        disparity::SocketClient client(address_, "disparity-mavlink", milliseconds(1000));
+        disparity::SocketClient client(address_, options_, "disparity-mavlink", milliseconds(1000));
         client.subscribe({.products = {Product::scan}, .max_rate = max_rate_});
         client_.emplace(std::move(client));
         served_ = false;
@@ -81,6 +82,7 @@ private:
     }
 
     std::string address_;
+    disparity::ConnectOptions options_;
     double max_rate_;
     std::optional<disparity::SocketClient> client_;
     bool served_ = false;  ///< a frame has come over this connection
@@ -146,8 +148,9 @@ std::unique_ptr<ScanSource> shared_memory_source(const std::string& name) {
     return std::make_unique<SharedMemorySource>(name);
 }
 
-std::unique_ptr<ScanSource> socket_source(const std::string& address, double max_rate) {
-    return std::make_unique<SocketSource>(address, max_rate);
+std::unique_ptr<ScanSource> socket_source(const std::string& address, const disparity::ConnectOptions& options,
+                                          double max_rate) {
+    return std::make_unique<SocketSource>(address, options, max_rate);
 }
 
 }  // namespace disparityd::mavlink

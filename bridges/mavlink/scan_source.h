@@ -56,8 +56,9 @@ private:
 /// Returns a source that reads shared memory of this name. Throws std::invalid_argument for a name that is not allowed.
 std::unique_ptr<ScanSource> shared_memory_source(const std::string& name);
 
-/// Returns a source that reads a socket, "tcp:HOST:PORT" or "unix:PATH", and asks for at most so many frames per
-/// second. Throws std::invalid_argument for an address of another form.
-std::unique_ptr<ScanSource> socket_source(const std::string& address, double max_rate);
+/// Returns a source that reads a socket, at an address as SocketClient takes it, and asks for at most so many frames
+/// per second. Throws std::invalid_argument for an address of another form.
+std::unique_ptr<ScanSource> socket_source(const std::string& address, const disparity::ConnectOptions& options,
+                                          double max_rate);
 
 }  // namespace disparityd::mavlink

@@ -70,24 +70,24 @@ DaemonSockets default_sockets(const std::string& name) {
 }
 
 std::string socket_address(const std::string& text) {
-    if (starts_with(text, "tcp:") || starts_with(text, "unix:")) {
+    if (starts_with(text, "tcp:") || starts_with(text, "tls:") || starts_with(text, "unix:")) {
         return text;
     }
     if (text.find('/') != std::string::npos) {
         return "unix:" + text;
     }
     throw std::invalid_argument("--socket: found '" + text +
-                                "', allowed: tcp:HOST:PORT such as tcp:127.0.0.1:9876, or unix:PATH");
+                                "', allowed: tcp:HOST:PORT such as tcp:127.0.0.1:9876, tls:HOST:PORT, or unix:PATH");
 }
 
 disparity::SocketClient connect(const DaemonSockets& sockets, const std::string& daemon, const std::string& client_name,
-                                const std::function<void(const std::string&)>& note,
-                                std::chrono::milliseconds timeout) {
+                                const std::function<void(const std::string&)>& note, std::chrono::milliseconds timeout,
+                                const disparity::ConnectOptions& options) {
     std::vector<std::string> refused = sockets.refused;
     std::vector<std::string> failed;
     for (const auto& [socket, check_user] : sockets.usable) {
         try {
-            disparity::SocketClient client(socket, client_name, timeout);
+            disparity::SocketClient client(socket, options, client_name, timeout);
             const std::optional<unsigned> user = client.server_user();
             if (check_user && user && !is_trusted(*user)) {
                 refused.push_back(not_trusted(socket, *user, "its process belongs to"));

@@ -28,8 +28,8 @@ struct DaemonSockets {
 /// to, a socket must belong to this user or root.
 DaemonSockets default_sockets(const std::string& name);
 
-/// Returns the address as SocketClient takes it: "tcp:HOST:PORT" and "unix:PATH" as they are, "/PATH" as a Unix socket.
-/// Throws std::invalid_argument, which names --socket, when it has another form.
+/// Returns the address as SocketClient takes it: "tcp:HOST:PORT", "tls:HOST:PORT" and "unix:PATH" as they are, "/PATH"
+/// as a Unix socket. Throws std::invalid_argument, which names --socket, when it has another form.
 std::string socket_address(const std::string& text);
 
 /// Connects to the first address that answers, and calls `note` with a line for each socket or process of another user
@@ -37,6 +37,7 @@ std::string socket_address(const std::string& text);
 /// what to do.
 disparity::SocketClient connect(const DaemonSockets& sockets, const std::string& daemon, const std::string& client_name,
                                 const std::function<void(const std::string&)>& note,
-                                std::chrono::milliseconds timeout = std::chrono::seconds(5));
+                                std::chrono::milliseconds timeout = std::chrono::seconds(5),
+                                const disparity::ConnectOptions& options = {});
 
 }  // namespace disparityd::clients

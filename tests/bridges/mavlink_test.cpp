@@ -204,7 +204,7 @@ TEST_F(MavlinkTest, RefusesArgumentsInOneLine) {
         {{"--serial", "/dev/tty"}, "expected DEVICE:BAUD"},
         {{"--serial", "/dev/tty:57601"}, "found 57601 baud, allowed: 9600, "},
         {{"--udp", to, "--name", "a/b"}, "shared memory name"},
-        {{"--udp", to, "--socket", "b"}, "expected tcp:HOST:PORT or unix:PATH"},
+        {{"--udp", to, "--socket", "b"}, "expected tcp:HOST:PORT, tls:HOST:PORT or unix:PATH"},
         {{"--udp", to, "--rate", "nan"}, "--rate: found nan, allowed: 0.1 .. 100"},
         {{"--udp", to, "--system-id", "0"}, "--system-id: found 0, allowed: 1 .. 255"},
         {{"--udp", to, "--max-age-ms", "5000"}, "--max-age-ms: found 5000, allowed: 10 .. 2000"},

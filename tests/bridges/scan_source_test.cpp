@@ -147,9 +147,9 @@ TEST(ScanSource, SaysWhatIsWrongWithAScan) {
 
 TEST(ScanSource, RefusesNamesThatCanBeNone) {
     EXPECT_THROW(shared_memory_source("a/b"), std::invalid_argument);
-    EXPECT_THROW(socket_source("somewhere", 10), std::invalid_argument);
+    EXPECT_THROW(socket_source("somewhere", {}, 10), std::invalid_argument);
     EXPECT_NO_THROW(shared_memory_source("nobody-serves-this"));
-    EXPECT_NO_THROW(socket_source("unix:/nobody/serves/this", 10));
+    EXPECT_NO_THROW(socket_source("unix:/nobody/serves/this", {}, 10));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-std::string read_file(const std::string& path) {
+std::string contents_of(const std::string& path) {
     std::ifstream file(path);
     std::ostringstream text;
     text << file.rdbuf();
@@ -154,7 +154,7 @@ std::optional<int> DaemonProcess::wait_for_exit(std::chrono::milliseconds timeou
 }
 
 std::string DaemonProcess::log() const {
-    return read_file(log_path_);
+    return contents_of(log_path_);
 }
 
 bool DaemonProcess::wait_for_log(const std::string& text, std::chrono::milliseconds timeout) const {
@@ -169,7 +169,7 @@ bool DaemonProcess::wait_for_log(const std::string& text, std::chrono::milliseco
 }
 
 double DaemonProcess::peak_memory_mib() const {
-    std::istringstream status(read_file("/proc/" + std::to_string(pid_) + "/status"));
+    std::istringstream status(contents_of("/proc/" + std::to_string(pid_) + "/status"));
     for (std::string line; std::getline(status, line);) {
         if (line.starts_with("VmHWM:")) {
             return std::stod(line.substr(6)) / 1024;

@@ -58,7 +58,7 @@ protected:
 
     static bool is_root() { return geteuid() == 0; }
 
-    tools::DaemonAddress mine_{{}, "mine"};
+    tools::DaemonAddress mine_{{}, "mine", {}};
     TemporaryFolder folder_;
     std::string path_ = folder_.file("disparityd-mine.sock");
     int fd_ = -1;
@@ -84,14 +84,14 @@ TEST_F(SocketOfADaemon, OfAnotherUserIsLeftAlone) {
                 testing::ThrowsMessage<std::runtime_error>(
                     AllOf(HasSubstr("no daemon answers"), HasSubstr("belongs to user 65534"))));
     // Who names it means it.
-    tools::DaemonAddress named{"unix:" + path_, "mine"};
+    tools::DaemonAddress named{"unix:" + path_, "mine", {}};
     EXPECT_EQ(named.sockets().usable.size(), 1U);
     EXPECT_FALSE(named.sockets().usable[0].check_user);
 }
 
 TEST_F(SocketOfADaemon, BehindALinkIsLeftAlone) {
     std::filesystem::create_symlink(path_, folder_.file("disparityd-linked.sock"));
-    const tools::DaemonAddress linked{{}, "linked"};
+    const tools::DaemonAddress linked{{}, "linked", {}};
     EXPECT_THAT(linked.sockets().usable, IsEmpty());
 }
 

@@ -9,19 +9,29 @@ namespace disparityd::tools {
 
 void DaemonAddress::add_to(CLI::App& app) {
     const std::string group = "Which daemon";
-    app.add_option("--socket", socket,
-                   "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, " +
-                       std::string(clients::default_tcp))
+    app.add_option(
+           "--socket", socket,
+           "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, " +
+               std::string(clients::default_tcp))
         ->type_name("ADDRESS")
         ->group(group);
     app.add_option("--name", name, "name of its shared memory and Unix socket, as disparityd --name; default: default")
         ->type_name("NAME")
         ->group(group);
+    reach.add_to(app);
 }
 
 std::string DaemonAddress::command(const std::string& words) const {
-    return "disparityctl " + words + (name == "default" ? "" : " --name " + name) +
-           (socket.empty() ? "" : " --socket " + socket);
+    std::string command = "disparityctl " + words + (name == "default" ? "" : " --name " + name) +
+                          (socket.empty() ? "" : " --socket " + socket);
+    const disparity::ConnectOptions& options = reach.options;
+    for (const auto& [option, value] :
+         {std::pair("--authority", &options.authority), std::pair("--certificate", &options.certificate),
+          std::pair("--key", &options.key), std::pair("--server-name", &options.server_name),
+          std::pair("--token-file", &options.token_file)}) {
+        command += value->empty() ? "" : ' ' + std::string(option) + ' ' + *value;
+    }
+    return command;
 }
 
 clients::DaemonSockets DaemonAddress::sockets() const {
@@ -30,15 +40,18 @@ clients::DaemonSockets DaemonAddress::sockets() const {
 }
 
 disparity::SocketClient connect(const DaemonAddress& daemon) {
-    return clients::connect(daemon.sockets(), daemon.name, "disparityctl", print_note);
+    daemon.reach.check(daemon.socket);
+    return clients::connect(daemon.sockets(), daemon.name, "disparityctl", print_note, std::chrono::seconds(5),
+                            daemon.reach.options);
 }
 
 bool is_local(const std::string& socket) {
     const auto starts_with = [](const std::string& text, const std::string& start) {
         return text.compare(0, start.size(), start) == 0;
     };
-    return starts_with(socket, "unix:") || starts_with(socket, "tcp:127.") || starts_with(socket, "tcp:localhost:") ||
-           starts_with(socket, "tcp:[::1]:");
+    const std::string place = starts_with(socket, "tls:") ? "tcp:" + socket.substr(4) : socket;
+    return starts_with(place, "unix:") || starts_with(place, "tcp:127.") || starts_with(place, "tcp:localhost:") ||
+           starts_with(place, "tcp:[::1]:");
 }
 
 }  // namespace disparityd::tools

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "clients/places/connect_arguments.h"
 #include "clients/places/daemon_sockets.h"
 
 namespace CLI {
@@ -15,6 +16,8 @@ namespace disparityd::tools {
 struct DaemonAddress {
     std::string socket;            ///< as the user typed it; empty = where a daemon listens by default
     std::string name = "default";  ///< of its shared memory
+
+    clients::ConnectArguments reach;  ///< how, over TLS
 
     void add_to(CLI::App& app);
 
