@@ -40,11 +40,13 @@ void add_daemon(CLI::App& app, Options& options) {
         ->type_name("NAME")
         ->capture_default_str()
         ->group(group);
-    app.add_option("--socket", options.socket,
-                   "tcp:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, "
-                   "tcp:127.0.0.1:9876")
+    app.add_option(
+           "--socket", options.socket,
+           "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, "
+           "tcp:127.0.0.1:9876")
         ->type_name("ADDRESS")
         ->group(group);
+    options.reach.add_to(app, "daemon-");
 }
 
 void add_visitors(CLI::App& app, Options& options) {
@@ -119,6 +121,8 @@ ServerSettings Options::settings() const {
     ServerSettings settings;
     settings.daemon.name = name;
     settings.daemon.socket = socket.empty() ? "" : clients::socket_address(socket);
+    reach.check(socket);
+    settings.daemon.options = reach.options;
     set_listen(listen, settings);
     check_files(*this);
     settings.tls = {certificate, key, client_authority};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bridges/web/server.h"
+#include "clients/places/connect_arguments.h"
 
 namespace CLI {
 class App;
@@ -16,6 +17,7 @@ namespace disparityd::web {
 struct Options {
     std::string name = "default";
     std::string socket;
+    clients::ConnectArguments reach;  ///< how the daemon is reached over TLS
     std::string listen = "127.0.0.1:8765";
     std::string token_file;
     bool allow_control = false;

@@ -21,7 +21,7 @@ disparity::SocketClient DaemonAddress::connect(const std::string& role) const {
     const clients::DaemonSockets sockets =
         socket.empty() ? clients::default_sockets(name) : clients::DaemonSockets{{{socket}}, {}};
     return clients::connect(
-        sockets, name, "disparity-web " + role, [](const std::string&) {}, greeting_patience);
+        sockets, name, "disparity-web " + role, [](const std::string&) {}, greeting_patience, options);
 }
 
 Welcome welcome_of(const disparity::SocketClient& client) {

@@ -10,7 +10,10 @@ namespace disparityd::web {
 /// Says which daemon is meant.
 struct DaemonAddress {
     std::string name = "default";
-    std::string socket;  ///< "tcp:HOST:PORT", "unix:PATH"; empty = where a daemon of this name listens by default
+    std::string socket;  ///< "tcp:HOST:PORT", "tls:HOST:PORT", "unix:PATH"; empty = where a daemon of this name listens
+                         ///< by default
+
+    disparity::ConnectOptions options{};
 
     /// Connects. `role` tells this program's connections apart in the daemon's status. Throws std::runtime_error with
     /// one line.

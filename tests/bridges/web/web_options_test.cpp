@@ -67,5 +67,18 @@ TEST(WebOptionsTest, TheSocketHasItsForm) {
     EXPECT_THAT(error_of(options), HasSubstr("--socket: found 'robot', allowed: "));
 }
 
+TEST(WebOptionsTest, ADaemonElsewhereIsReachedOverTls) {
+    Options options;
+    options.socket = "tls:robot.local:9876";
+    options.reach.options.authority = "authority.crt";
+    options.reach.options.token_file = "token";
+    const ServerSettings settings = options.settings();
+    EXPECT_EQ(settings.daemon.socket, "tls:robot.local:9876");
+    EXPECT_EQ(settings.daemon.options.authority, "authority.crt");
+    EXPECT_EQ(settings.daemon.options.token_file, "token");
+    options.socket = "tcp:127.0.0.1:9876";
+    EXPECT_THAT(error_of(options), HasSubstr("authority: found without TLS"));
+}
+
 }  // namespace
 }  // namespace disparityd::web
