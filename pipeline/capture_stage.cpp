@@ -38,8 +38,8 @@ void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<
         const auto start = steady_clock::now();
         FrameSlot* slot = policy_ == Policy::live ? slot_for_newest(pending, heartbeat, stopping, ended)
                                                   : slot_for_replay(heartbeat, stopping);
-        if (slot == nullptr) {
-            source_.give_back(pending.frame);
+        if (slot == nullptr) {  // the pipeline stops
+            drop(pending.frame);
             return;
         }
         const auto waited = policy_ == Policy::live ? steady_clock::duration::zero() : steady_clock::now() - start;
@@ -73,7 +73,7 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     }
     frame.sensors = {};  // their memory ends before the frame does
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
-        counters_.corrupt.fetch_add(1, std::memory_order_relaxed);
+        counters_.corrupt.fetch_add(1, std::memory_order_release);
         ++lost_;
         source_.give_back(frame);
         return CaptureResult::nothing;
@@ -147,7 +147,7 @@ FrameSlot* CaptureStage::slot_for_newest(PendingFrame& pending, Heartbeat& heart
 
 void CaptureStage::drop(const capture::RawFrame& frame) {
     source_.give_back(frame);
-    counters_.dropped.fetch_add(1, std::memory_order_relaxed);
+    counters_.dropped.fetch_add(1, std::memory_order_release);
     ++lost_;
 }
 

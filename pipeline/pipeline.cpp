@@ -151,12 +151,12 @@ PipelineStatus Pipeline::status() const {
         status.error = failure_ ? base::failure_text(failure_) : std::string();
     }
     const CaptureStage::Counters& counters = capture_stage_->counters();
-    // Read against the flow of frames: so no status has more published than captured frames.
+    // Read against the flow of frames: so no status has more frames that have ended than captured ones.
     status.published = published_.load(std::memory_order_acquire);
+    status.dropped = abandoned_.load(std::memory_order_acquire) + counters.dropped.load(std::memory_order_acquire);
+    status.skipped_corrupt = counters.corrupt.load(std::memory_order_acquire);
     status.captured = counters.captured.load(std::memory_order_relaxed);
-    status.dropped = counters.dropped.load(std::memory_order_relaxed);
     status.lost_before = counters.lost_before.load(std::memory_order_relaxed);
-    status.skipped_corrupt = counters.corrupt.load(std::memory_order_relaxed);
     status.rate = rate_.per_second(steady_clock::now());
     for (std::size_t i = 0; i < times_.size(); ++i) {
         const std::size_t extra = i - step_names_.size();
@@ -339,8 +339,8 @@ void Pipeline::publish_loop() {
     const std::size_t thread = heartbeats_.size() - 1;
     name_this_thread(thread_name(thread));
     while (FrameSlot* slot = take(thread)) {
-        if (!failed_.load(std::memory_order_relaxed) && make_scan(*slot)) {
-            publish(*slot);
+        if (failed_.load(std::memory_order_relaxed) || !make_scan(*slot) || !publish(*slot)) {
+            abandoned_.fetch_add(1, std::memory_order_release);
         }
         free_slots_->put_finished(slot);
     }
@@ -371,7 +371,7 @@ bool Pipeline::make_scan(FrameSlot& slot) {
     return true;
 }
 
-void Pipeline::publish(const FrameSlot& slot) {
+bool Pipeline::publish(const FrameSlot& slot) {
     const TraceSpan span(*traced_.back().track, TraceKind::work, traced_.back().name, slot.raw.sequence);
     const auto start = steady_clock::now();
     // Counted first: a client that has received a frame reads a status that counts it.
@@ -382,11 +382,12 @@ void Pipeline::publish(const FrameSlot& slot) {
     } catch (...) {
         published_.fetch_sub(1, std::memory_order_relaxed);
         fail();
-        return;
+        return false;
     }
     const auto end = steady_clock::now();
     times_[step_names_.size()].record(end - start);
     times_[step_names_.size() + 1].record(end - slot.captured);
+    return true;
 }
 
 }  // namespace disparityd::pipeline

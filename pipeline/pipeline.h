@@ -54,7 +54,7 @@ struct PipelineConfig {
 struct PipelineStatus {
     std::uint64_t captured = 0;         ///< frames taken from the source
     std::uint64_t published = 0;        ///< frames that reached the sink
-    std::uint64_t dropped = 0;          ///< by the live policy
+    std::uint64_t dropped = 0;          ///< for newer ones by the live policy, or because the pipeline ended early
     std::uint64_t lost_before = 0;      ///< by the source: the sum of RawFrame::dropped_before
     std::uint64_t skipped_corrupt = 0;  ///< frames that came flagged as damaged and were not processed
     bool ended = false;                 ///< the source has ended and every frame was published
@@ -145,8 +145,8 @@ private:
     void work(std::size_t stage, FrameSlot& slot);
     void trace_steps(std::size_t stage, const FrameSlot& slot, const Period& work);
     void publish_loop();
-    bool make_scan(FrameSlot& slot);  ///< false: it failed, and so does the pipeline
-    void publish(const FrameSlot& slot);
+    bool make_scan(FrameSlot& slot);      ///< false: it failed, and so does the pipeline
+    bool publish(const FrameSlot& slot);  ///< the same
 
     const std::unique_ptr<RectificationSchedule> own_rectifications_;  ///< where the caller has one rectification only
     RectificationSchedule& rectifications_;
@@ -171,6 +171,7 @@ private:
     std::atomic<bool> stopping_{false};
     std::atomic<bool> failed_{false};
     std::atomic<std::uint64_t> published_{0};
+    std::atomic<std::uint64_t> abandoned_{0};  ///< frames that the publish thread got and did not publish
     RateMeter rate_;
     mutable std::mutex mutex_;  ///< the two below
     bool ended_ = false;

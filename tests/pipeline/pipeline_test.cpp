@@ -307,8 +307,10 @@ TEST(Pipeline, ASinkThatFailsEndsThePipeline) {
     pipeline.start();
     ASSERT_TRUE(pipeline.wait_until_ended(forever));
     EXPECT_EQ(frames, 5);
-    EXPECT_EQ(pipeline.status().published, 4U);
-    EXPECT_EQ(pipeline.status().error, "out/000004.png: no space left on device");
+    const PipelineStatus status = pipeline.status();
+    EXPECT_EQ(status.published, 4U);
+    EXPECT_EQ(status.captured, status.published + status.dropped) << "none is forgotten";
+    EXPECT_EQ(status.error, "out/000004.png: no space left on device");
     EXPECT_EQ(source.out(), 0U);
 }
 
@@ -322,8 +324,10 @@ TEST(Pipeline, AStageThatFailsEndsThePipeline) {
     Chain chain({.policy = Policy::replay, .slots = 3}, source, matcher, 2);
     chain.pipeline.start();
     ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
-    EXPECT_EQ(chain.pipeline.status().error, "device lost");
-    EXPECT_LE(chain.sink.frames.size(), 9U);
+    const PipelineStatus status = chain.pipeline.status();
+    EXPECT_EQ(status.error, "device lost");
+    EXPECT_LE(status.published, 9U);
+    EXPECT_EQ(status.captured, status.published + status.dropped) << "none is forgotten";
     EXPECT_EQ(source.out(), 0U);
 }
 
@@ -337,6 +341,38 @@ TEST(Pipeline, StopsWhileWaitingForFrames) {
     chain.pipeline.stop();
     EXPECT_TRUE(chain.pipeline.status().ended);
     EXPECT_EQ(source.out(), 0U);
+}
+
+// The second stage is held, so that both slots are busy and the third frame waits for one.
+TEST(Pipeline, AFrameThatWaitsWhenThePipelineStopsCountsAsDropped) {
+    for (const Policy policy : {Policy::live, Policy::replay}) {
+        std::counting_semaphore<> gate(0);
+        fakes::Source source;
+        fakes::Matcher matcher([&](int stage, const FrameView&) {
+            if (stage == 1) {
+                gate.acquire();
+            }
+        });
+        Chain chain({.policy = policy, .slots = 2}, source, matcher, 2);
+        chain.pipeline.start();
+        for (std::uint64_t sequence = 0; sequence < 3; ++sequence) {
+            source.push(sequence);
+            while (chain.pipeline.status().captured <= sequence || source.out() > sequence / 2) {
+                std::this_thread::yield();  // until it is rectified, or waits
+            }
+        }
+        std::thread stopper([&] { chain.pipeline.stop(); });
+        while (source.out() > 0) {
+            std::this_thread::yield();
+        }
+        gate.release(100);
+        stopper.join();
+        const PipelineStatus status = chain.pipeline.status();
+        EXPECT_EQ(status.captured, 3U);
+        EXPECT_EQ(status.published, 2U);
+        EXPECT_EQ(status.dropped, 1U);
+        EXPECT_EQ(source.wrong_returns(), 0);
+    }
 }
 
 TEST(Pipeline, TellsWhichStageIsStuck) {

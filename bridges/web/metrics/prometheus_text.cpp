@@ -66,8 +66,8 @@ void put_totals(Exposition& out, const v1::Totals& totals) {
     out.counter("disparityd_frames_captured_total", "Frames taken from the source.", totals.captured());
     out.counter("disparityd_frames_published_total", "Frames that were finished and offered to clients.",
                 totals.published());
-    out.counter("disparityd_frames_dropped_total", "Frames that were captured and dropped for newer ones.",
-                totals.dropped());
+    out.counter("disparityd_frames_dropped_total",
+                "Frames that were captured and dropped for newer ones, or by a reload or a failure.", totals.dropped());
     out.counter("disparityd_frames_lost_total", "Frames that were lost before the daemon got them.",
                 totals.lost_before());
     out.counter("disparityd_frames_corrupt_total", "Frames that came damaged and were not processed.",
