@@ -298,6 +298,9 @@ void Engine::fill(v1::Status& status) const {
     const std::string_view substitute = matcher_->substitute();
     status.set_backend(substitute.empty() ? backend_ : std::string(substitute));
     status.set_workers(to_u32(workers_.workers()));
+    for (const v1::Product product : layout_.products) {
+        status.add_products(product);
+    }
     for (const std::string& notice : notices()) {
         status.add_notices(proto::to_valid_utf8(notice));
     }

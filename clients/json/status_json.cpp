@@ -2,6 +2,9 @@
 #include "clients/json/status_json.h"
 
 #include <cstdio>
+#include <utility>
+
+#include "proto/products.h"
 
 namespace disparityd::json {
 namespace {
@@ -49,6 +52,10 @@ Json list(const List& items) {
 }  // namespace
 
 Json to_json(const v1::Status& status) {
+    Json products = Json::array();
+    for (const int product : status.products()) {
+        products.push_back(proto::product_name(static_cast<std::uint32_t>(product)));
+    }
     Json json{{"server_version", status.server_version()},
               {"state", status.state()},
               {"detail", status.detail()},
@@ -58,6 +65,7 @@ Json to_json(const v1::Status& status) {
               {"backend", status.backend()},
               {"workers", status.workers()},
               {"geometry", to_json(status.geometry())},
+              {"products", std::move(products)},
               {"frames_per_second", status.rate()},
               {"captured", status.captured()},
               {"published", status.published()},

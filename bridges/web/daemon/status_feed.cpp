@@ -4,6 +4,7 @@
 #include <exception>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "base/start_thread.h"
 
@@ -25,12 +26,13 @@ std::shared_ptr<const v1::Status> ask(disparity::SocketClient& client) {
     return status;
 }
 
-/// Whether the daemon surely serves the same products: a new connection is told which. A new configuration begins to
-/// count anew.
-bool same_set_up(const v1::Status& a, const v1::Status& b) {
-    return a.state() == b.state() && a.source() == b.source() && a.method() == b.method() &&
-           a.geometry().SerializeAsString() == b.geometry().SerializeAsString() && a.uptime_s() <= b.uptime_s() &&
-           a.captured() <= b.captured() && a.published() <= b.published();
+/// Returns what the daemon serves. While it prepares its first source it does not know.
+std::vector<disparity::Product> products_of(const v1::Status& status) {
+    std::vector<disparity::Product> products;
+    for (const int product : status.products()) {
+        products.push_back(static_cast<disparity::Product>(product));
+    }
+    return products;
 }
 
 }  // namespace
@@ -73,18 +75,13 @@ void StatusFeed::run() {
 /// Returns when the feed ends; throws when the daemon is gone.
 void StatusFeed::serve() {
     disparity::SocketClient client = daemon_.connect("status");
-    DaemonState state{true, {}, nullptr, welcome_of(client).products};
+    DaemonState state{true, {}, nullptr, {}};
     bool sensors = false;
     auto next = steady_clock::now();
     do {
         if (steady_clock::now() >= next) {
-            const auto status = ask(client);
-            if (state.status && !same_set_up(*state.status, *status)) {
-                client = daemon_.connect("status");
-                state.products = welcome_of(client).products;
-                sensors = false;
-            }
-            state.status = status;
+            state.status = ask(client);
+            state.products = products_of(*state.status);
             on_state_(state);
             next = steady_clock::now() + interval;
         }

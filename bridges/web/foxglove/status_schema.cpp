@@ -13,6 +13,7 @@ v1::Status full_status() {
     v1::Status status;
     status.add_steps();
     status.add_clients();
+    status.add_products(v1::DISPARITY);
     status.add_notices();
     status.mutable_self_calibration();
     status.mutable_camera();

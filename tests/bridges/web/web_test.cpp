@@ -11,7 +11,9 @@ namespace disparityd::test {
 namespace {
 
 using nlohmann::json;
+using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr const char* as_json = "Content-Type: application/json\r\n";
@@ -210,6 +212,29 @@ TEST_F(WebPageTest, FoxglovesViewersAreGreeted) {
         EXPECT_EQ(message[0], 1);
         EXPECT_EQ(message[1], 5);
     }
+}
+
+TEST_F(WebPageTest, ProductsFollowAReload) {
+    const auto daemon = start_daemon();
+    const auto web = start_web();
+    const json before = wait_for_daemon("there")["status"]["products"];
+    EXPECT_THAT(before, Contains("depth"));
+    EXPECT_THAT(before, Not(Contains("depth_error")));
+    EXPECT_EQ(http(port(), "GET", "/snapshot.png?image=depth_error")->status, 404U);
+    WebSocketClient page(port(), "disparityd.live.v1");
+    EXPECT_EQ(json::parse(page.read().second)["products"], before);
+
+    std::string config = config_text();
+    config.insert(config.find("method ="), "depth = false\ndepth_error = true\n");
+    folder_.write("d.toml", config);
+    daemon->send_signal(SIGHUP);
+    json hello;
+    while (hello["type"] != "hello") {
+        hello = json::parse(page.read().second);
+    }
+    EXPECT_THAT(hello["products"], Contains("depth_error"));
+    EXPECT_THAT(hello["products"], Not(Contains("depth")));
+    EXPECT_EQ(http(port(), "GET", "/snapshot.png?image=depth_error")->status, 200U);
 }
 
 TEST_F(WebPageTest, ControlIsARightOfItsOwn) {
