@@ -30,7 +30,7 @@ public:
           place_{network_, encoding_, hub_},
           control_(settings.daemon),
           routes_(place_, access_, control_),
-          listener_(settings, {place_, access_, routes_, connections_}),
+          listener_(settings, {place_, access_, routes_, connections_, guesses_}),
           frames_(settings.daemon, [this] { asio::post(network_, [this] { hub_.on_frame(frames_.take()); }); }),
           statuses_(
               settings.daemon,
@@ -76,6 +76,7 @@ private:
     asio::thread_pool encoding_;
     Hub hub_;
     Connections connections_;
+    TokenGuesses guesses_;
     Workplace place_;
     DaemonControl control_;
     Routes routes_;

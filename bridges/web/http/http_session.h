@@ -16,6 +16,7 @@
 #include "bridges/web/http/multipart_link.h"
 #include "bridges/web/http/routes.h"
 #include "bridges/web/http/sessions.h"
+#include "bridges/web/http/token_guesses.h"
 #include "bridges/web/http/websocket_link.h"
 
 namespace disparityd::web {
@@ -26,6 +27,7 @@ struct Site {
     Access& access;
     Routes& routes;
     Connections& connections;
+    TokenGuesses& guesses;
 };
 
 using PlainStream = boost::beast::tcp_stream;
@@ -36,7 +38,9 @@ using TlsStream = boost::beast::ssl_stream<boost::beast::tcp_stream>;
 template <typename Stream>
 class HttpSession : public Connection, public std::enable_shared_from_this<HttpSession<Stream>> {
 public:
-    HttpSession(Stream&& stream, const Site& site) : stream_(std::move(stream)), site_(site) {}
+    /// `sender`: the visitor's, for TokenGuesses.
+    HttpSession(Stream&& stream, const Site& site, std::string sender)
+        : stream_(std::move(stream)), site_(site), sender_(std::move(sender)) {}
 
     void start() {
         if constexpr (std::is_same_v<Stream, TlsStream>) {
@@ -69,11 +73,14 @@ private:
     void read();
     void on_request();
     void write(Response response);
+    bool logs_in(const Request& request) const;
+    bool refuse_guess(const Request& request);
     bool upgrade(const Request& request);
     bool stream(const Request& request);
 
     Stream stream_;
     Site site_;
+    std::string sender_;
     boost::beast::flat_buffer buffer_{most_head + most_body};
     std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
     bool answering_ = false;
@@ -104,7 +111,7 @@ void HttpSession<Stream>::on_request() {
     answering_ = true;
     const auto request = std::make_shared<const Request>(parser_->release());
     ++site_.place.hub.counters.requests;
-    if (upgrade(*request) || stream(*request)) {
+    if (refuse_guess(*request) || upgrade(*request) || stream(*request)) {
         return;
     }
     // An answer may take as long as the daemon needs to close a recording.
@@ -112,6 +119,9 @@ void HttpSession<Stream>::on_request() {
     site_.routes.respond(*request, [self = this->shared_from_this(), request](Response response) {
         if (response.result_int() >= 400) {
             ++self->site_.place.hub.counters.refused;
+        }
+        if (response.result() == boost::beast::http::status::forbidden && self->logs_in(*request)) {
+            self->site_.guesses.count(self->sender_, std::chrono::steady_clock::now());
         }
         self->write(std::move(response));
     });
@@ -131,6 +141,36 @@ void HttpSession<Stream>::write(Response response) {
             self->read();
         }
     });
+}
+
+/// Returns whether the request brings a token in its body. What a page of another server sends does not count.
+template <typename Stream>
+bool HttpSession<Stream>::logs_in(const Request& request) const {
+    return is_log_in(request) && site_.access.refuses(visitor_of(request)).empty();
+}
+
+/// Counts a wrong bearer token. Refuses every token of a sender that has sent too many wrong ones; whoever brings none,
+/// or has a cookie, does not notice. Returns whether the request has been dealt with.
+template <typename Stream>
+bool HttpSession<Stream>::refuse_guess(const Request& request) {
+    Visitor bearer;
+    bearer.authorization = visitor_of(request).authorization;
+    // Other schemes are a proxy's affair.
+    const bool brings_token = bearer.authorization.starts_with("Bearer ");
+    if (!brings_token && !logs_in(request)) {
+        return false;
+    }
+    const auto now = std::chrono::steady_clock::now();
+    if (site_.guesses.blocks(sender_, now)) {
+        ++site_.place.hub.counters.refused;
+        write(error_response(request, boost::beast::http::status::too_many_requests,
+                             "too many wrong tokens came from this address: try again in a minute"));
+        return true;
+    }
+    if (brings_token && site_.access.right_of(bearer) == Right::none) {
+        site_.guesses.count(sender_, now);
+    }
+    return false;
 }
 
 /// Makes the connection a WebSocket when the request asks for one. Returns whether it has been dealt with.

@@ -74,8 +74,9 @@ void PortListener::stop() {
 }
 
 template <typename Stream>
-void PortListener::serve(Stream&& stream) {
-    const auto session = std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_);
+void PortListener::serve(Stream&& stream, const std::string& sender) {
+    const auto session =
+        std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_, sender);
     if (site_.connections.admit(session)) {
         session->start();
     } else {
@@ -100,10 +101,12 @@ void PortListener::accept() {
         }
         socket.set_option(asio::ip::tcp::no_delay(true), error);
         notice_vanished_peers(socket);
+        const auto peer = socket.remote_endpoint(error);
+        const std::string sender = error ? std::string() : sender_of(peer.address());
         if (tls_) {
-            serve(TlsStream(PlainStream(std::move(socket)), *tls_));
+            serve(TlsStream(PlainStream(std::move(socket)), *tls_), sender);
         } else {
-            serve(PlainStream(std::move(socket)));
+            serve(PlainStream(std::move(socket)), sender);
         }
         accept();
     });

@@ -25,7 +25,7 @@ public:
 private:
     void accept();
     template <typename Stream>
-    void serve(Stream&& stream);
+    void serve(Stream&& stream, const std::string& sender);
 
     Site site_;
     boost::asio::ip::tcp::acceptor acceptor_;

@@ -122,6 +122,10 @@ std::string path_of(const Request& request) {
     return target.substr(0, target.find('?'));
 }
 
+bool is_log_in(const Request& request) {
+    return request.method() == http::verb::post && path_of(request) == "/api/session";
+}
+
 std::string query_of(const Request& request, const std::string& key) {
     const std::string target(text_of(request.target()));
     std::size_t from = target.find('?');

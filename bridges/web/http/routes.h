@@ -48,6 +48,9 @@ private:
 /// Returns what a request tells of its sender. It refers to the request.
 Visitor visitor_of(const Request& request);
 
+/// Returns whether the request is one to log in with a token.
+bool is_log_in(const Request& request);
+
 /// Returns the path of the target, without the query; the value of a query's key, "" where there is none.
 std::string path_of(const Request& request);
 std::string query_of(const Request& request, const std::string& key);

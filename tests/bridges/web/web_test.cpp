@@ -283,5 +283,29 @@ TEST_F(WebPageTest, TokensOpenTheDoor) {
         << "a right token waits for nobody";
 }
 
+TEST_F(WebPageTest, WhoGuessesTokensIsToldToWait) {
+    const auto daemon = start_daemon();
+    const std::string tokens = folder_.write("tokens", "view 0123456789abcdef\n");
+    chmod(tokens.c_str(), 0600);
+    const auto web = start_web({"--token-file", tokens});
+    const auto logged_in = http(port(), "POST", "/api/session", as_json, R"({"token":"0123456789abcdef"})");
+    const std::string right = "Authorization: Bearer 0123456789abcdef\r\n";
+    unsigned status = 0;
+    int guesses = 0;
+    // The time that this takes gives some of them back.
+    for (; status != 429U && guesses < 1000; ++guesses) {
+        status = http(port(), "GET", "/api/status", "Authorization: Bearer 000000000000000f\r\n")->status;
+    }
+    EXPECT_GT(guesses, 10);
+    ASSERT_EQ(status, 429U);
+    EXPECT_EQ(http(port(), "GET", "/api/status", right)->status, 429U) << "nobody learns whether a guess was right";
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"0123456789abcdef"})")->status, 429U);
+    EXPECT_EQ(http(port(), "GET", "/")->status, 200U);
+    const std::string cookie = logged_in->head.at("set-cookie");
+    EXPECT_EQ(http(port(), "GET", "/api/session", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n")->status,
+              200U)
+        << "who has logged in does not notice";
+}
+
 }  // namespace
 }  // namespace disparityd::test
