@@ -270,12 +270,11 @@ v1::Totals Daemon::totals_of_ended() const {
 
 /// Replaces the engine in use. Steps that the system may refuse come first, while the old engine still runs.
 void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engine) {
-    const bool same_object = shared_memory_ && config.shared_memory.enabled &&
-                             config.shared_memory.name == config_.shared_memory.name &&
-                             config.shared_memory.slots == config_.shared_memory.slots;
+    // Another number of slots, too, is another layout under the same name: readers find no gap.
+    const bool same_object =
+        shared_memory_ && config.shared_memory.enabled && config.shared_memory.name == config_.shared_memory.name;
     std::unique_ptr<SharedMemoryPublisher> new_object;
-    const bool same_name = shared_memory_ && config.shared_memory.name == config_.shared_memory.name;
-    if (config.shared_memory.enabled && !same_object && !same_name) {
+    if (config.shared_memory.enabled && !same_object) {
         new_object = std::make_unique<SharedMemoryPublisher>(config.shared_memory.name, engine->layout(),
                                                              static_cast<std::uint32_t>(config.shared_memory.slots));
     }
@@ -329,7 +328,7 @@ void Daemon::serve_shared_memory(const Config& config, const StreamLayout& layou
     }
     try {
         if (shared_memory_) {
-            shared_memory_->relayout(layout);
+            shared_memory_->relayout(layout, static_cast<std::uint32_t>(config.shared_memory.slots));
         } else {
             shared_memory_ = std::make_unique<SharedMemoryPublisher>(
                 config.shared_memory.name, layout, static_cast<std::uint32_t>(config.shared_memory.slots));

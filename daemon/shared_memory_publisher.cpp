@@ -34,7 +34,7 @@ proto::ShmLayout to_shm(const StreamLayout& layout) {
 }  // namespace
 
 SharedMemoryPublisher::SharedMemoryPublisher(const std::string& name, const StreamLayout& layout, std::uint32_t slots)
-    : layout_(layout), writer_(name, to_shm(layout), slots) {
+    : layout_(layout), slots_(slots), writer_(name, to_shm(layout), slots) {
     if (!writer_.note().empty()) {
         log_warning(writer_.note());
     }
@@ -67,14 +67,15 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
     }
 }
 
-void SharedMemoryPublisher::relayout(const StreamLayout& layout) {
-    const bool same = layout.products == layout_.products && layout.scan_sectors == layout_.scan_sectors &&
-                      layout.geometry.width == layout_.geometry.width &&
+void SharedMemoryPublisher::relayout(const StreamLayout& layout, std::uint32_t slots) {
+    const bool same = slots == slots_ && layout.products == layout_.products &&
+                      layout.scan_sectors == layout_.scan_sectors && layout.geometry.width == layout_.geometry.width &&
                       layout.geometry.height == layout_.geometry.height;
     if (!same) {
-        writer_.relayout(to_shm(layout));
+        writer_.relayout(to_shm(layout), slots);
     }
     layout_ = layout;
+    slots_ = slots;
 }
 
 void SharedMemoryPublisher::keep_alive() {

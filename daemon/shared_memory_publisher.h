@@ -27,9 +27,9 @@ public:
     /// Publishes a frame of the layout. One thread; allocates nothing.
     void publish(const PublishedFrame& frame);
 
-    /// Changes the layout, while no thread publishes. Does nothing when it is the same. Throws as
-    /// proto::SharedMemoryWriter.
-    void relayout(const StreamLayout& layout);
+    /// Changes the layout and the number of slots, while no thread publishes. Does nothing when they are the same.
+    /// Throws as proto::SharedMemoryWriter.
+    void relayout(const StreamLayout& layout, std::uint32_t slots);
 
     /// Returns whether readers still find the object by its name. The thread that calls relayout() calls these two,
     /// also while another thread publishes.
@@ -42,6 +42,7 @@ private:
     void keep_alive();
 
     StreamLayout layout_;
+    std::uint32_t slots_;
     proto::SharedMemoryWriter writer_;
     std::mutex mutex_;
     std::condition_variable changed_;

@@ -288,11 +288,17 @@ std::string SharedMemoryWriter::create(const ShmLayout& layout) {
     return found.note;
 }
 
-void SharedMemoryWriter::relayout(const ShmLayout& layout) {
+void SharedMemoryWriter::relayout(const ShmLayout& layout, std::uint32_t slot_count) {
     if (header_ == nullptr) {
         throw std::invalid_argument("shared memory " + object_name_ + " is closed");
     }
-    create(layout);
+    const std::uint32_t before = std::exchange(slot_count_, slot_count);
+    try {
+        create(layout);
+    } catch (...) {
+        slot_count_ = before;
+        throw;
+    }
 }
 
 void SharedMemoryWriter::restore() {

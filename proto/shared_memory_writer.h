@@ -70,7 +70,9 @@ public:
 
     /// Replaces the object by one with another layout; readers map the new one. Throws as the constructor does; the old
     /// object then stays in use.
-    void relayout(const ShmLayout& layout);
+    void relayout(const ShmLayout& layout) { relayout(layout, slot_count_); }
+    /// The same, with another number of slots.
+    void relayout(const ShmLayout& layout, std::uint32_t slot_count);
 
     /// Whether the name still belongs to this object. Another process may have removed or replaced it.
     bool has_name() const;

@@ -208,6 +208,26 @@ TEST_F(EndToEndTest, ReloadBringsAnotherGeometryToConnectedClients) {
     EXPECT_EQ(frame.width, 96U);
 }
 
+TEST_F(EndToEndTest, AReloadWithOtherSlotsIsNoEndForReaders) {
+    const auto daemon = start_ready(config_text());
+    disparity::SharedMemoryReader memory(shared_memory_name());
+    disparity::Frame frame;
+    ASSERT_EQ(memory.read(frame, 10s), disparity::ReadResult::frame);
+    std::string config = config_text();
+    config.insert(config.find("[socket]"), "slots = 8\n");
+    folder_.write("d.toml", config);
+    daemon->send_signal(SIGHUP);
+    const auto is_loaded = [&] {
+        const std::string log = daemon->log();
+        const std::size_t loading = log.find("loading the configuration again");
+        return loading != std::string::npos && log.find("serving scene", loading) != std::string::npos;
+    };
+    while (!is_loaded()) {
+        ASSERT_EQ(memory.read(frame, 30s), disparity::ReadResult::frame) << memory.why_gone();
+    }
+    EXPECT_EQ(memory.read(frame, 30s), disparity::ReadResult::frame) << memory.why_gone();
+}
+
 TEST_F(EndToEndTest, ClientsOutliveACameraThatIsNotThere) {
     const auto daemon = start_ready(config_text());
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});

@@ -189,9 +189,24 @@ TEST_F(SharedMemory, ReadersFollowANewLayout) {
 
     // A layout that is refused leaves the object as it is.
     EXPECT_THROW(writer.relayout({0, 50, {{4, 1}}}), std::invalid_argument);
+    EXPECT_THROW(writer.relayout(layout_, 1), std::invalid_argument);
     publish(writer, 3);
     ASSERT_EQ(got.read(reader, 0ms), Result::frame);
     expect_frame(got, 3);
+}
+
+TEST_F(SharedMemory, ReadersFollowAnotherNumberOfSlots) {
+    proto::SharedMemoryWriter writer(name_, layout_, 4);
+    proto::ShmReader reader(name_);
+    Collected got;
+    for (const std::uint32_t slots : {8U, 2U}) {
+        writer.relayout(layout_, slots);
+        EXPECT_EQ(got.read(reader, 0ms), Result::timeout) << "the daemon is not gone";
+        EXPECT_EQ(reader.view().slot_count, slots);
+        writer.relayout(layout_);
+        EXPECT_EQ(got.read(reader, 0ms), Result::timeout);
+        EXPECT_EQ(reader.view().slot_count, slots) << "it stays";
+    }
 }
 
 TEST_F(SharedMemory, SleepingReaderFollowsANewLayout) {
