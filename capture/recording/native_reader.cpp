@@ -2,11 +2,13 @@
 #include "capture/recording/native_reader.h"
 
 #include <charconv>
+#include <cstdint>
 #include <system_error>
 #include <utility>
 
 #include "base/number_text.h"
 #include "calibration/calibration_identity.h"
+#include "capture/frame_source.h"
 #include "capture/pixel_format.h"
 #include "capture/recording/recording_sensors.h"
 
@@ -129,7 +131,20 @@ recording::FrameFacts NativeReader::take_facts(const AVFrame& frame) {
     }
     recording::FrameFacts facts = std::move(facts_.front());
     facts_.pop_front();
+    count_gap(facts);
     return facts;
+}
+
+/// Counts frames that a damaged file lacks inside as lost before the next one: the numbers count every frame, recorded
+/// or lost. Numbers of another program's cuts mean nothing, nor those after a gap of the source.
+void NativeReader::count_gap(recording::FrameFacts& facts) {
+    constexpr std::uint64_t most_missing = 1'000'000;  // with more, the number itself is damaged
+    const bool follows = next_sequence_ && !edited_ && (facts.flags & frame_flag_discontinuity) == 0;
+    if (follows && facts.sequence > *next_sequence_ + facts.dropped_before) {
+        const std::uint64_t missing = facts.sequence - *next_sequence_ - facts.dropped_before;
+        facts.dropped_before += missing <= most_missing ? static_cast<std::uint32_t>(missing) : 0;
+    }
+    next_sequence_ = facts.sequence + 1;
 }
 
 void NativeReader::check_end() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <span>
@@ -28,10 +29,12 @@ private:
     void read_calibration();
     std::string_view required_tag(const char* key) const;
     std::invalid_argument damaged_tag(const char* key) const;
+    void count_gap(recording::FrameFacts& facts);
     std::optional<recording::FrameFacts> facts_of(std::span<const std::uint8_t> bytes) const;
 
-    std::deque<recording::FrameFacts> facts_;  ///< of the packets in the decoder
-    bool edited_ = false;                      ///< another program has written it anew, such as a part of it
+    std::deque<recording::FrameFacts> facts_;     ///< of the packets in the decoder
+    std::optional<std::uint64_t> next_sequence_;  ///< if no frame is lost
+    bool edited_ = false;                         ///< another program has written it anew, such as a part of it
 };
 
 }  // namespace disparityd::capture

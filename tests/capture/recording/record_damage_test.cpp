@@ -61,6 +61,30 @@ TEST(RecordDamage, CutAnywhereItPlaysWhatIsWholeAndSaysSo) {
     EXPECT_EQ(most, std::size_t{count});  // cut inside the index, after the last frame
 }
 
+// The numbers of frames count on, so that what the damage has swallowed is known.
+TEST(RecordDamage, FramesThatAreMissingInsideCountAsLost) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("whole.mkv");
+    const std::string holed = folder.file("holed.mkv");
+    write_recording(path, make_info(PixelFormat::yuyv, 16, 12), 40);
+    const std::vector<std::uint8_t> whole = file_bytes(path);
+    std::size_t gaps = 0;
+    for (std::size_t at = whole.size() / 3; at < whole.size() * 2 / 3; at += 397) {
+        SCOPED_TRACE(at);
+        std::vector<std::uint8_t> bytes = whole;
+        std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), bytes.size() / 8, std::uint8_t{0x55});
+        put_file(holed, bytes.data(), bytes.size());
+        const Replay played = replay(holed);
+        EXPECT_THAT(played.error, HasSubstr("of 40 frames"));
+        for (std::size_t i = 1; i < played.frames.size(); ++i) {
+            const SeenFrame& frame = played.frames[i];
+            EXPECT_EQ(frame.sequence, played.frames[i - 1].sequence + 1 + frame.dropped_before);
+            gaps += frame.dropped_before > 2 ? 1U : 0U;
+        }
+    }
+    EXPECT_GT(gaps, 0U) << "no reader went on behind a hole";
+}
+
 TEST(RecordDamage, FlippedBytesNeverCrash) {
     const TemporaryFolder folder;
     const SourceInfo info = make_info(PixelFormat::bgr24, 9, 7);
