@@ -233,6 +233,8 @@ class Course:
             visitor.vanish()
         for program in (*self.webs.values(), *self.daemons.values()):
             program.child.kill()
+        for daemon in self.daemons.values():
+            daemon.shared_memory_file.unlink(missing_ok=True)  # a daemon that was killed has left it
         for name, mounted in self.small_disks.items():
             if mounted:
                 subprocess.run(["umount", str(self.folder / name / "recordings" / "small")], check=False)
