@@ -22,8 +22,8 @@ constexpr int place_width = 33;
 constexpr int place_height = 15;
 constexpr int magnified = 6;
 constexpr int gap = 8;
-constexpr int line_height = 24;
-constexpr int head_height = 2 * line_height;
+constexpr int text_height = 24;
+constexpr int head_height = 2 * text_height;
 constexpr int columns = 3;  // of places over the image
 constexpr int rows = 2;
 
@@ -102,8 +102,8 @@ void write_headline(cv::Mat& picture, const char* when, const RowsOfPair& pair, 
     write_text(picture,
                std::string(when) + ": " + fixed(offsets.median, 2) + " px, median of " +
                    base::counted(offsets.agreeing.size(), "corner"),
-               x, line_height - 7);
-    write_text(picture, "wrong matches, left out: " + fixed(100 * offsets.wrong, 0) + " %", x, 2 * line_height - 7);
+               x, text_height - 7);
+    write_text(picture, "wrong matches, left out: " + fixed(100 * offsets.wrong, 0) + " %", x, 2 * text_height - 7);
 }
 
 }  // namespace
