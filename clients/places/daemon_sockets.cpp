@@ -106,6 +106,9 @@ disparity::SocketClient connect(const DaemonSockets& sockets, const std::string&
     for (std::size_t i = 1; i < failed.size(); ++i) {
         reasons += "; " + failed[i];
     }
+    if (!sockets.looked_for) {
+        throw std::runtime_error(reasons);
+    }
     throw std::runtime_error("no daemon answers: " + reasons + " (start one with disparityd" +
                              (daemon == "default" ? "" : " --name " + daemon) +
                              ", or say with --socket where it listens)");

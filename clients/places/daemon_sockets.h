@@ -22,6 +22,7 @@ struct DaemonSockets {
     };
     std::vector<Candidate> usable;     ///< in the order in which to try them
     std::vector<std::string> refused;  ///< one line each: which socket is not used, and why
+    bool looked_for = true;            ///< in the default places; false: somebody has said which one
 };
 
 /// Returns the default places where there is a socket of a daemon of this name. In folders that other users may write

@@ -36,7 +36,7 @@ std::string DaemonAddress::command(const std::string& words) const {
 
 clients::DaemonSockets DaemonAddress::sockets() const {
     return socket.empty() ? clients::default_sockets(name)
-                          : clients::DaemonSockets{{{clients::socket_address(socket)}}, {}};
+                          : clients::DaemonSockets{{{clients::socket_address(socket)}}, {}, false};
 }
 
 disparity::SocketClient connect(const DaemonAddress& daemon) {

@@ -19,7 +19,7 @@ constexpr std::chrono::seconds greeting_patience{2};
 
 disparity::SocketClient DaemonAddress::connect(const std::string& role) const {
     const clients::DaemonSockets sockets =
-        socket.empty() ? clients::default_sockets(name) : clients::DaemonSockets{{{socket}}, {}};
+        socket.empty() ? clients::default_sockets(name) : clients::DaemonSockets{{{socket}}, {}, false};
     return clients::connect(
         sockets, name, "disparity-web " + role, [](const std::string&) {}, greeting_patience, options);
 }
