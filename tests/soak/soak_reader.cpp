@@ -42,6 +42,17 @@ void check_planes(const AnyFrame& frame) {
     }
 }
 
+/// Returns nothing, and adds the refusal, when `next` throws one.
+template <typename Next>
+std::optional<SeenFrame> frame_or_refusal(Next& next, ReaderAccount& account) {
+    try {
+        return next();
+    } catch (const std::runtime_error& refusal) {
+        account.add_refusal(refusal.what());
+        return std::nullopt;
+    }
+}
+
 /// Reads with `next` until the end is asked for, then one frame more. After a reload without a product that was
 /// subscribed to, the client throws once, and frames go on.
 template <typename Next>
@@ -49,13 +60,7 @@ ReaderAccount follow(Next next) {
     ReaderAccount account;
     std::optional<steady_clock::time_point> end_by;
     while (!end_by || steady_clock::now() < *end_by) {
-        std::optional<SeenFrame> frame;
-        try {
-            frame = next();
-        } catch (const std::runtime_error& refusal) {
-            account.add_refusal(refusal.what());
-        }
-        if (frame) {
+        if (const auto frame = frame_or_refusal(next, account)) {
             account.add(*frame);
             if (account.frames() == 1) {
                 std::puts("frame");
