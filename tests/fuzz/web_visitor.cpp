@@ -26,7 +26,7 @@ constexpr std::size_t most_kept = 65536;
 web::AccessRules rules() {
     web::AccessRules rules;
     rules.anybody_controls = true;
-    rules.viewers = {"0123456789abcdef"};
+    rules.tokens = {{"0123456789abcdef"}, {}};
     return rules;
 }
 
