@@ -146,6 +146,9 @@ int connect_tcp(const std::string& address, const Place& place, Deadline deadlin
     no_connection(address, error);
 }
 
+constexpr const char* port_without_tls =
+    ": that port speaks no TLS: the daemon needs [socket] certificate and key, or is reached at tcp:HOST:PORT";
+
 /// Returns what a user may do about a handshake that failed.
 std::string advice_on(const std::string& problem, const std::string& name) {
     const auto says = [&](const char* words) { return problem.find(words) != std::string::npos; };
@@ -160,8 +163,7 @@ std::string advice_on(const std::string& problem, const std::string& name) {
         return ": the daemon's certificate is signed by nobody who is trusted: give its authority's file";
     }
     if (says("wrong version number") || says("packet length") || says("record layer failure")) {
-        return ": that port speaks no TLS: the daemon needs [socket] certificate and key, or is reached at "
-               "tcp:HOST:PORT";
+        return port_without_tls;
     }
     return "";
 }
@@ -217,7 +219,7 @@ void Transport::begin_tls(const std::string& address, Deadline deadline, const C
             case TlsStream::Outcome::done: return;
             case TlsStream::Outcome::closed:
                 throw std::runtime_error(address + ": cannot connect: closed during the TLS handshake" +
-                                         advice_on("wrong version number", name));
+                                         port_without_tls);
             case TlsStream::Outcome::failed:
                 throw std::runtime_error(address + ": cannot connect: TLS: " + tls_->problem() +
                                          advice_on(tls_->problem(), name));
@@ -283,12 +285,12 @@ Transport::Outcome Transport::send_tls(std::span<const std::uint8_t> bytes, Dead
         std::size_t sent = 0;
         const TlsStream::Outcome outcome = tls_->write(bytes, sent);
         bytes = bytes.subspan(sent);
-        if (outcome != TlsStream::Outcome::wants_read && outcome != TlsStream::Outcome::wants_write) {
-            if (outcome != TlsStream::Outcome::done) {
-                return end_of(outcome);
+        if (TlsStream::is_wanting(outcome)) {
+            if (!wait(outcome, deadline)) {
+                return Outcome::timeout;
             }
-        } else if (!wait(outcome, deadline)) {
-            return Outcome::timeout;
+        } else if (outcome != TlsStream::Outcome::done) {
+            return end_of(outcome);
         }
     }
     return Outcome::done;
@@ -297,7 +299,7 @@ Transport::Outcome Transport::send_tls(std::span<const std::uint8_t> bytes, Dead
 Transport::Outcome Transport::receive_tls(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline) {
     while (true) {
         const TlsStream::Outcome outcome = tls_->read(bytes, received);
-        if (outcome != TlsStream::Outcome::wants_read && outcome != TlsStream::Outcome::wants_write) {
+        if (!TlsStream::is_wanting(outcome)) {
             return end_of(outcome);
         }
         if (!wait(outcome, deadline)) {

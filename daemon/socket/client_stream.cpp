@@ -78,7 +78,7 @@ std::size_t ClientStream::write_some(const OutgoingMessage::Buffers& buffers, Er
         sent += write_record(buffers, sent, outcome);
         if (outcome != Outcome::done) {
             write_waits_ = wait_for(outcome);
-            error = is_wanting(outcome) ? Error(asio::error::would_block) : error_of(outcome);
+            error = proto::TlsStream::is_wanting(outcome) ? Error(asio::error::would_block) : error_of(outcome);
             break;
         }
     }

@@ -76,9 +76,6 @@ private:
     static Socket::wait_type wait_for(Outcome outcome) {
         return outcome == Outcome::wants_write ? Socket::wait_write : Socket::wait_read;
     }
-    static bool is_wanting(Outcome outcome) {
-        return outcome == Outcome::wants_read || outcome == Outcome::wants_write;
-    }
     static Error error_of(Outcome outcome);
     /// Returns whether the client begins with another protocol; it then has no TLS any more.
     bool begins_without_tls();
@@ -110,7 +107,7 @@ void ClientStream::async_handshake(Handler handler) {
 template <typename Handler>
 void ClientStream::shake_hands(Handler handler) {
     const Outcome outcome = tls_->handshake();
-    if (!is_wanting(outcome)) {
+    if (!proto::TlsStream::is_wanting(outcome)) {
         handler(error_of(outcome));
         return;
     }
@@ -138,7 +135,7 @@ void ClientStream::read_tls(boost::asio::mutable_buffer buffer, Handler handler)
     const Outcome outcome = buffer.size() == 0
                                 ? Outcome::done
                                 : tls_->read({static_cast<std::uint8_t*>(buffer.data()), buffer.size()}, received);
-    if (!is_wanting(outcome)) {
+    if (!proto::TlsStream::is_wanting(outcome)) {
         boost::asio::post(get_executor(), [handler = std::move(handler), error = error_of(outcome),
                                            received]() mutable { handler(error, received); });
         return;

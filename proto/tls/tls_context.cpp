@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/tls/tls_context.h"
 
+#include <array>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
+#include <arpa/inet.h>
 #include <openssl/err.h>
 
 namespace disparityd::proto {
@@ -58,6 +60,12 @@ std::string take_tls_error() {
     const std::string text = reason == nullptr ? "no reason is known" : reason;
     ERR_clear_error();
     return text;
+}
+
+bool is_address(const std::string& name) {
+    std::array<unsigned char, sizeof(in6_addr)> address{};
+    return inet_pton(AF_INET, name.c_str(), address.data()) == 1 ||
+           inet_pton(AF_INET6, name.c_str(), address.data()) == 1;
 }
 
 TlsContext make_server_tls(const TlsFiles& files, const std::string& name) {

@@ -30,4 +30,7 @@ TlsContext make_client_tls(const TlsFiles& files);
 /// Returns the reason of OpenSSL's first error in this thread, and forgets all of them.
 std::string take_tls_error();
 
+/// Returns whether the text is an IP address, which certificates have in another field than names.
+bool is_address(const std::string& name);
+
 }  // namespace disparityd::proto

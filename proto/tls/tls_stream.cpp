@@ -2,11 +2,9 @@
 #include "proto/tls/tls_stream.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <new>
 
-#include <arpa/inet.h>
 #include <openssl/err.h>
 #include <openssl/x509.h>
 #include <openssl/x509v3.h>
@@ -70,12 +68,6 @@ const BIO_METHOD* quiet_socket() {
         return made;
     }();
     return method;
-}
-
-bool is_address(const std::string& name) {
-    std::array<unsigned char, sizeof(in6_addr)> address{};
-    return inet_pton(AF_INET, name.c_str(), address.data()) == 1 ||
-           inet_pton(AF_INET6, name.c_str(), address.data()) == 1;
 }
 
 }  // namespace

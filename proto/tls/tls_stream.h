@@ -20,6 +20,10 @@ public:
     /// failed: problem() says why; the connection cannot go on.
     enum class Outcome { done, wants_read, wants_write, closed, failed };
     enum class End { client, server };
+    /// Whether the same call is to be made again later.
+    static bool is_wanting(Outcome outcome) {
+        return outcome == Outcome::wants_read || outcome == Outcome::wants_write;
+    }
 
     /// The socket stays the caller's, and open as long as this object. Throws std::bad_alloc.
     TlsStream(const TlsContext& context, int socket, End end);

@@ -6,35 +6,28 @@
 #include <ctime>
 #include <stdexcept>
 
-#include <arpa/inet.h>
 #include <openssl/bn.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/x509v3.h>
+
+#include "proto/tls/tls_context.h"
 
 namespace disparityd::tools {
 namespace {
 
 using Purpose = CertificateFacts::Purpose;
 
-std::string reason() {
-    const char* const text = ERR_reason_error_string(ERR_peek_last_error());
-    const std::string line = text == nullptr ? "no reason is known" : text;
-    ERR_clear_error();
-    return line;
-}
-
 void check(bool done, const char* what) {
     if (!done) {
-        throw std::runtime_error(std::string("OpenSSL cannot make a certificate: ") + what + ": " + reason());
+        throw std::runtime_error(std::string("OpenSSL cannot make a certificate: ") + what + ": " +
+                                 proto::take_tls_error());
     }
 }
 
 /// Returns "DNS:robot.local" or "IP:192.168.1.5". No comma can stand in either, so that a name adds no others.
 std::string alternative_name(const std::string& host) {
-    std::array<unsigned char, sizeof(in6_addr)> address{};
-    if (inet_pton(AF_INET, host.c_str(), address.data()) == 1 ||
-        inet_pton(AF_INET6, host.c_str(), address.data()) == 1) {
+    if (proto::is_address(host)) {
         return "IP:" + host;
     }
     constexpr const char* allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-._*";
@@ -114,7 +107,8 @@ Object* read_pem(const std::string& path, Read read) {
                                       file.get(), nullptr, [](char*, int, int, void*) { return 0; }, nullptr)
                                 : nullptr;
     if (object == nullptr) {
-        throw std::invalid_argument(path + ": cannot be used: " + (file ? reason() : "it cannot be read"));
+        throw std::invalid_argument(path +
+                                    ": cannot be used: " + (file ? proto::take_tls_error() : "it cannot be read"));
     }
     return object;
 }
@@ -163,7 +157,8 @@ Certificate read_authority(const std::string& certificate_path, const std::strin
     authority.certificate.reset(read_pem<X509>(certificate_path, PEM_read_X509));
     authority.key.reset(read_pem<EVP_PKEY>(key_path, PEM_read_PrivateKey));
     if (X509_check_private_key(authority.certificate.get(), authority.key.get()) != 1) {
-        throw std::invalid_argument(key_path + ": is not the key of " + certificate_path + ": " + reason());
+        throw std::invalid_argument(key_path + ": is not the key of " + certificate_path + ": " +
+                                    proto::take_tls_error());
     }
     return authority;
 }
