@@ -41,6 +41,7 @@ struct Routes::Asked {
 
 namespace {
 
+constexpr const char* session_path = "/api/session";
 constexpr int most_requests = 8;   ///< to the daemon at a time
 constexpr int most_looks = 4;      ///< of those, by visitors who only ask
 constexpr int most_snapshots = 4;  ///< at a time: each may take tens of MB
@@ -123,7 +124,7 @@ std::string path_of(const Request& request) {
 }
 
 bool is_log_in(const Request& request) {
-    return request.method() == http::verb::post && path_of(request) == "/api/session";
+    return request.method() == http::verb::post && path_of(request) == session_path;
 }
 
 std::string query_of(const Request& request, const std::string& key) {
@@ -176,7 +177,7 @@ void Routes::respond(const Request& request, const Answer& answer) {
                                                   : "asking the daemon";
         answer(make_response(request, runs ? http::status::ok : http::status::service_unavailable,
                              "text/plain; charset=utf-8", runs ? "ok\n" : reason + '\n'));
-    } else if (asked.path == "/api/session") {
+    } else if (asked.path == session_path) {
         session(asked);
     } else if (const PageFile* const file = page_file(asked.path); file != nullptr && asked.is(http::verb::get)) {
         answer(make_response(request, http::status::ok, std::string(file->type), std::string(file->bytes)));
