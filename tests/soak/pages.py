@@ -11,6 +11,15 @@ import time
 from children import PATIENCE_S, Failure, wait_for
 
 
+def end_connection(connection):
+    """Closes it. A thread that reads hears of a shutdown, not of a close."""
+    try:
+        connection.shutdown(socket.SHUT_RDWR)
+    except OSError:
+        pass  # the server was first
+    connection.close()
+
+
 class WebSocket:
     """The client's side, without extensions."""
 
@@ -57,12 +66,7 @@ class WebSocket:
                 return operation == 1, body
 
     def close(self):
-        # A thread that reads hears of a shutdown, not of a close.
-        try:
-            self._socket.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # the server was first
-        self._socket.close()
+        end_connection(self._socket)
 
 
 class WebVisitor:
@@ -186,11 +190,7 @@ class Stream(WebVisitor):
         self._file = self._socket.makefile("rb")
 
     def close(self):
-        try:
-            self._socket.shutdown(socket.SHUT_RDWR)
-        except OSError:
-            pass  # the server was first
-        self._socket.close()
+        end_connection(self._socket)
 
     def read(self):
         if b" 200 " not in self._file.readline():

@@ -16,27 +16,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class ClientRightsTest : public ServerTest {
-protected:
-    /// The refusal; empty: it was granted.
-    static std::string ask(WireClient& client, const v1::Envelope& request) {
-        EXPECT_TRUE(client.send(request));
-        const auto answer = client.receive();
-        if (!answer) {
-            return "no answer";
-        }
-        EXPECT_FALSE(answer->envelope.error().closing());
-        return answer->envelope.error().message();
-    }
-
-    static std::vector<v1::Envelope> control_requests() {
-        std::vector<v1::Envelope> requests(3);
-        requests[0].mutable_record_start()->set_path("a.mkv");
-        requests[1].mutable_record_stop();
-        requests[2].mutable_camera_request()->add_settings()->set_name("gain-left");
-        return requests;
-    }
-};
+class ClientRightsTest : public ServerTest {};
 
 TEST_F(ClientRightsTest, ControlOverTcpIsRefusedUnlessConfigured) {
     start();

@@ -83,6 +83,26 @@ protected:
         return client;
     }
 
+    /// The refusal of a request; empty: it was granted.
+    static std::string ask(WireClient& client, const v1::Envelope& request) {
+        EXPECT_TRUE(client.send(request));
+        const auto answer = client.receive();
+        if (!answer) {
+            return "no answer";
+        }
+        EXPECT_FALSE(answer->envelope.error().closing());
+        return answer->envelope.error().message();
+    }
+
+    /// What only those who may control are granted.
+    static std::vector<v1::Envelope> control_requests() {
+        std::vector<v1::Envelope> requests(3);
+        requests[0].mutable_record_start()->set_path("a.mkv");
+        requests[1].mutable_record_stop();
+        requests[2].mutable_camera_request()->add_settings()->set_name("gain-left");
+        return requests;
+    }
+
     /// Subscribes and waits until the server has taken it in.
     void subscribe(WireClient& client, const v1::Envelope& subscription) {
         ASSERT_TRUE(client.send(subscription));

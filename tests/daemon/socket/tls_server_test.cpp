@@ -52,21 +52,6 @@ protected:
         }
     }
 
-    /// The refusal of a request; empty: it was granted.
-    static std::string ask(WireClient& client, const v1::Envelope& request) {
-        EXPECT_TRUE(client.send(request));
-        const auto answer = client.receive();
-        return answer ? answer->envelope.error().message() : "no answer";
-    }
-
-    static std::vector<v1::Envelope> control_requests() {
-        std::vector<v1::Envelope> requests(3);
-        requests[0].mutable_record_start()->set_path("a.mkv");
-        requests[1].mutable_record_stop();
-        requests[2].mutable_camera_request()->add_settings()->set_name("gain-left");
-        return requests;
-    }
-
     void expect_view_only(WireClient& client, const std::string& why) {
         for (const v1::Envelope& request : control_requests()) {
             EXPECT_THAT(ask(client, request), HasSubstr(why));
