@@ -94,6 +94,9 @@ void ClientStream::end_output() noexcept {
 }
 
 void ClientStream::close() noexcept {
+    if (tls_) {
+        tls_->leave_socket();  // a handler that is on its way still calls it
+    }
     Error ignored;
     socket_.close(ignored);
 }

@@ -65,6 +65,7 @@ public:
 
     /// Tells the client that nothing follows.
     void end_output() noexcept;
+    /// Handlers that wait are still called.
     void close() noexcept;
 
     /// Returns why a call failed, for people.

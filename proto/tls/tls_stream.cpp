@@ -55,6 +55,10 @@ int bio_create(BIO* bio) {
     return 1;
 }
 
+void set_socket(BIO* bio, int socket) {
+    BIO_set_data(bio, reinterpret_cast<void*>(static_cast<std::intptr_t>(socket)));
+}
+
 /// OpenSSL's own BIO of a socket writes with write(), which raises SIGPIPE in programs that do not ignore it.
 const BIO_METHOD* quiet_socket() {
     static BIO_METHOD* const method = [] {
@@ -78,7 +82,7 @@ TlsStream::TlsStream(const TlsContext& context, int socket, End end) : ssl_(SSL_
         ERR_clear_error();
         throw std::bad_alloc();
     }
-    BIO_set_data(bio, reinterpret_cast<void*>(static_cast<std::intptr_t>(socket)));
+    set_socket(bio, socket);
     SSL_set_bio(ssl_.get(), bio, bio);
     // The planes of a frame may move between two calls; a connection that is idle keeps no buffers.
     SSL_set_mode(ssl_.get(),
@@ -146,6 +150,10 @@ void TlsStream::end_output() noexcept {
         SSL_shutdown(ssl_.get());
     }
     ERR_clear_error();
+}
+
+void TlsStream::leave_socket() noexcept {
+    set_socket(SSL_get_rbio(ssl_.get()), -1);
 }
 
 std::optional<std::string> TlsStream::peer_name() const {

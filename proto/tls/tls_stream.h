@@ -25,7 +25,7 @@ public:
         return outcome == Outcome::wants_read || outcome == Outcome::wants_write;
     }
 
-    /// The socket stays the caller's, and open as long as this object. Throws std::bad_alloc.
+    /// The socket stays the caller's, and open until leave_socket(). Throws std::bad_alloc.
     TlsStream(const TlsContext& context, int socket, End end);
     ~TlsStream();
     TlsStream(const TlsStream&) = delete;
@@ -46,6 +46,10 @@ public:
 
     /// Tells the other end that nothing follows, if the socket takes that at once.
     void end_output() noexcept;
+
+    /// Comes before the socket is closed: its number may soon be that of another file. Every later call returns
+    /// `closed` or what had arrived before.
+    void leave_socket() noexcept;
 
     /// Returns one line: why the last call failed.
     const std::string& problem() const { return problem_; }
