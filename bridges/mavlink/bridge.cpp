@@ -77,7 +77,7 @@ void Bridge::send_scan(const TimedScan& timed) {
     if (age > settings_.max_age) {
         notes_.say("scan", "a scan is " + std::to_string(std::chrono::ceil<milliseconds>(age).count()) +
                                " ms old, allowed: " + std::to_string(settings_.max_age.count()) +
-                               " ms; it is not sent. A faster preset of the daemon or a higher --max-age-ms helps");
+                               " ms; it is not sent. A faster method of the daemon or a higher --max-age-ms helps");
         return;
     }
     if (!link_.open() || !limit_.pass(now)) {
