@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -84,30 +85,31 @@ cv::Mat coloured(const PlaneData& plane, int max_width, const ColourOf& colour_o
     return picture;
 }
 
-cv::Mat draw(const disparity::Frame& frame, const PlaneData& plane, const ImageView& view, EncodedImage& made) {
-    switch (view.image) {
-        case Image::disparity:
-        case Image::depth: {
-            const DisparityColours colours(frame, view.image, view.range);
-            made.low = colours.low;
-            made.high = colours.high;
-            made.near_m = colours.near_m;
-            made.far_m = colours.far_m;
-            return coloured<std::int16_t>(plane, view.max_width,
-                                          [&](std::int16_t d16) -> const Colour& { return colours.of(d16); });
-        }
-        case Image::depth_error: {
-            static constexpr Colour unknown{0, 0, 0};
-            made.high = sigma_shown_mm;
-            return coloured<std::uint16_t>(plane, view.max_width, [](std::uint16_t mm) -> const Colour& {
-                return mm == 0 ? unknown
-                               : turbo()[static_cast<std::size_t>(std::min(255.0, 255.0 * mm / sigma_shown_mm))];
-            });
-        }
-        case Image::left:
-        case Image::confidence: break;
+/// Sets which values have the first and the last colour. Returns the colours of disparities, for images that have them.
+std::optional<DisparityColours> set_range(const disparity::Frame& frame, const ImageView& view, EncodedImage& made) {
+    if (view.image == Image::disparity || view.image == Image::depth) {
+        DisparityColours colours(frame, view.image, view.range);
+        made.low = colours.low;
+        made.high = colours.high;
+        made.near_m = colours.near_m;
+        made.far_m = colours.far_m;
+        return colours;
     }
-    made.high = 255;
+    made.high = view.image == Image::depth_error ? sigma_shown_mm : 255;
+    return std::nullopt;
+}
+
+cv::Mat draw(const PlaneData& plane, const ImageView& view, const std::optional<DisparityColours>& colours) {
+    if (colours) {
+        return coloured<std::int16_t>(plane, view.max_width,
+                                      [&](std::int16_t d16) -> const Colour& { return colours->of(d16); });
+    }
+    if (view.image == Image::depth_error) {
+        static constexpr Colour unknown{0, 0, 0};
+        return coloured<std::uint16_t>(plane, view.max_width, [](std::uint16_t mm) -> const Colour& {
+            return mm == 0 ? unknown : turbo()[static_cast<std::size_t>(std::min(255.0, 255.0 * mm / sigma_shown_mm))];
+        });
+    }
     return scaled_picture(plane, view.max_width);
 }
 
@@ -151,8 +153,9 @@ std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageVie
     auto made = std::make_shared<EncodedImage>();
     made->image = view.image;
     made->encoding = view.encoding;
+    const auto colours = set_range(live.frame, view, *made);
     if (view.encoding == Encoding::jpeg) {
-        const cv::Mat picture = draw(live.frame, *plane, view, *made);
+        const cv::Mat picture = draw(*plane, view, colours);
         made->width = picture.cols;
         made->height = picture.rows;
         made->type = picture.channels() == 3 ? "bgr8" : "u8";
@@ -160,7 +163,6 @@ std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageVie
             jpeg_of({picture.data, picture.cols, picture.rows, static_cast<int>(picture.step), picture.channels() == 1},
                     view.quality));
     } else {
-        draw(live.frame, *plane, {view.image, view.encoding, 1, 0, view.range}, *made);
         made->width = static_cast<int>(plane->width);
         made->height = static_cast<int>(plane->height);
         made->type = type_of(*plane, view.image);
