@@ -17,16 +17,16 @@
 
 #include "capture/camera/control_overrides.h"
 #include "daemon/build_reason.h"
-#include "daemon/camera_control.h"
 #include "daemon/config/config.h"
 #include "daemon/engine.h"
 #include "daemon/engine_builder.h"
 #include "daemon/place_watch.h"
-#include "daemon/recording_control.h"
+#include "daemon/requests/camera_control.h"
+#include "daemon/requests/recording_control.h"
+#include "daemon/requests/trace_service.h"
 #include "daemon/service_manager.h"
 #include "daemon/shared_memory_publisher.h"
 #include "daemon/socket/socket_server.h"
-#include "daemon/trace_service.h"
 
 namespace disparityd::daemon {
 

@@ -17,7 +17,7 @@
 
 #include "daemon/log.h"
 #include "daemon/published_frame.h"
-#include "daemon/record_request.h"
+#include "daemon/requests/record_request.h"
 #include "daemon/socket/client_access.h"
 #include "daemon/socket/client_handler.h"
 #include "daemon/socket/client_peer.h"

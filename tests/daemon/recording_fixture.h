@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/recording_control.h"
+#include "daemon/requests/recording_control.h"
 #include "tests/capture/recording/record_fixture.h"
 
 namespace disparityd::test {

@@ -13,7 +13,7 @@
 #include "capture/recording/recorder.h"
 #include "daemon/log.h"
 #include "daemon/one_thread.h"
-#include "daemon/record_request.h"
+#include "daemon/requests/record_request.h"
 #include "daemon/socket/rate_limit.h"
 #include "proto/disparity.pb.h"
 

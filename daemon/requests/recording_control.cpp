@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/recording_control.h"
+#include "daemon/requests/recording_control.h"
 
 #include <algorithm>
 #include <cctype>

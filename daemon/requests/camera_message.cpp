@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/camera_message.h"
+#include "daemon/requests/camera_message.h"
 
 #include "proto/text.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/trace_service.h"
+#include "daemon/requests/trace_service.h"
 
 #include <utility>
 
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/failure_text.h"
-#include "daemon/trace_message.h"
+#include "daemon/requests/trace_message.h"
 
 namespace disparityd::daemon {
 

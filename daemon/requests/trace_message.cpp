@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/trace_message.h"
+#include "daemon/requests/trace_message.h"
 
 #include <algorithm>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/camera_control.h"
+#include "daemon/requests/camera_control.h"
 
 #include <stdexcept>
 #include <utility>
 
 #include "base/failure_text.h"
-#include "daemon/camera_message.h"
+#include "daemon/requests/camera_message.h"
 
 namespace disparityd::daemon {
 
