@@ -16,9 +16,9 @@
 
 #include "base/failure_text.h"
 #include "daemon/configured_access.h"
-#include "daemon/descriptor_limit.h"
-#include "daemon/freed_memory.h"
 #include "daemon/log.h"
+#include "daemon/system/descriptor_limit.h"
+#include "daemon/system/freed_memory.h"
 #include "daemon/totals.h"
 
 namespace disparityd::daemon {

@@ -24,9 +24,9 @@
 #include "daemon/requests/camera_control.h"
 #include "daemon/requests/recording_control.h"
 #include "daemon/requests/trace_service.h"
-#include "daemon/service_manager.h"
 #include "daemon/shared_memory_publisher.h"
 #include "daemon/socket/socket_server.h"
+#include "daemon/system/service_manager.h"
 
 namespace disparityd::daemon {
 

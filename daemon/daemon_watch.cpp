@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "daemon/daemon.h"
-#include "daemon/freed_memory.h"
 #include "daemon/log.h"
+#include "daemon/system/freed_memory.h"
 #include "daemon/totals.h"
 #include "proto/text.h"
 

@@ -13,12 +13,12 @@
 #include "calibration/online/correction_file.h"
 #include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
-#include "daemon/huge_pages.h"
 #include "daemon/log.h"
 #include "daemon/product_planes.h"
 #include "daemon/requests/camera_message.h"
 #include "daemon/scan_record.h"
 #include "daemon/sensor_message.h"
+#include "daemon/system/huge_pages.h"
 #include "daemon/totals.h"
 #include "proto/text.h"
 

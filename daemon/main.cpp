@@ -16,8 +16,8 @@
 #include "daemon/configured_access.h"
 #include "daemon/daemon.h"
 #include "daemon/engine.h"
-#include "daemon/freed_memory.h"
 #include "daemon/log.h"
+#include "daemon/system/freed_memory.h"
 
 namespace {
 

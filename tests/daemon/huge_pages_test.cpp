@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/huge_pages.h"
+#include "daemon/system/huge_pages.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/freed_memory.h"
+#include "daemon/system/freed_memory.h"
 
 #include <cstdlib>
 

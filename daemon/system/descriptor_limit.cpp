@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/descriptor_limit.h"
+#include "daemon/system/descriptor_limit.h"
 
 #include <cstdint>
 
