@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/capture/recording/file_size_limit.h"
-#include "tests/daemon/recording_fixture.h"
+#include "tests/daemon/requests/recording_fixture.h"
 
 namespace disparityd::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/daemon/recording_fixture.h"
+#include "tests/daemon/requests/recording_fixture.h"
 
 namespace disparityd::test {
 namespace {
