@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
+
+#include "bridges/program/host_and_port.h"
 
 namespace disparityd::mavlink {
 namespace {
@@ -30,47 +31,34 @@ CLI::Validator between(double least, double most) {
         "", "");
 }
 
-/// "left:number" as the user wrote it.
-struct Pair {
-    std::string left;
-    unsigned number = 0;
-};
-
-Pair split(const std::string& option, const std::string& text, const std::string& form) {
-    const std::size_t colon = text.rfind(':');
-    Pair pair;
-    if (colon != std::string::npos && colon > 0) {
-        pair.left = text.substr(0, colon);
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, pair.number);
-        if (error == std::errc() && stop == end) {
-            return pair;
-        }
-    }
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& form) {
     throw std::invalid_argument(option + ": found \"" + text + "\", expected " + form);
 }
 
 std::unique_ptr<Link> make_udp(const std::string& text) {
-    Pair to = split("--udp", text, "HOST:PORT, such as 127.0.0.1:14550");
-    if (to.number < 1 || to.number > 65535) {
-        throw std::invalid_argument("--udp: found port " + std::to_string(to.number) + ", allowed: 1 .. 65535");
+    const auto to = bridges::parse_host_and_port(text);
+    if (!to) {
+        refuse("--udp", text, "HOST:PORT, such as 127.0.0.1:14550");
     }
-    if (to.left.size() > 2 && to.left.front() == '[' && to.left.back() == ']') {
-        to.left = to.left.substr(1, to.left.size() - 2);
+    if (to->number < 1 || to->number > 65535) {
+        throw std::invalid_argument("--udp: found port " + std::to_string(to->number) + ", allowed: 1 .. 65535");
     }
-    return udp_link(to.left, static_cast<std::uint16_t>(to.number));
+    return udp_link(to->name, static_cast<std::uint16_t>(to->number));
 }
 
 std::unique_ptr<Link> make_serial(const std::string& text) {
-    const Pair to = split("--serial", text, "DEVICE:BAUD, such as /dev/ttyACM0:921600");
-    if (!is_baud_rate(to.number)) {
+    const auto to = bridges::parse_name_and_number(text);
+    if (!to) {
+        refuse("--serial", text, "DEVICE:BAUD, such as /dev/ttyACM0:921600");
+    }
+    if (!is_baud_rate(to->number)) {
         std::string allowed;
         for (const unsigned baud : baud_rates) {
             allowed += (allowed.empty() ? "" : ", ") + std::to_string(baud);
         }
-        throw std::invalid_argument("--serial: found " + std::to_string(to.number) + " baud, allowed: " + allowed);
+        throw std::invalid_argument("--serial: found " + std::to_string(to->number) + " baud, allowed: " + allowed);
     }
-    return serial_link(to.left, to.number);
+    return serial_link(to->name, to->number);
 }
 
 /// Returns the limits of the message in whole cm: not narrower than the user's, and at least one apart.

@@ -1,37 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/options.h"
 
-#include <charconv>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
 #include <boost/asio/ip/address.hpp>
 
+#include "bridges/program/host_and_port.h"
 #include "clients/places/daemon_sockets.h"
 
 namespace disparityd::web {
 namespace {
 
-/// Splits "HOST:PORT" and "[::1]:PORT".
 void set_listen(const std::string& text, ServerSettings& settings) {
-    const std::size_t colon = text.rfind(':');
-    unsigned port = 65536;
-    if (colon != std::string::npos && colon > 0) {
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, port);
-        port = error == std::errc() && stop == end ? port : 65536;
-        settings.host = text.substr(0, colon);
-    }
-    if (settings.host.size() > 2 && settings.host.front() == '[' && settings.host.back() == ']') {
-        settings.host = settings.host.substr(1, settings.host.size() - 2);
-    }
+    const auto at = bridges::parse_host_and_port(text);
     boost::system::error_code error;
-    boost::asio::ip::make_address(settings.host, error);
-    if (error || port > 65535) {
+    if (at) {
+        boost::asio::ip::make_address(at->name, error);
+    }
+    if (!at || error || at->number > 65535) {
         throw std::invalid_argument("--listen: found \"" + text +
                                     "\", allowed: ADDRESS:PORT such as 127.0.0.1:8765 or 0.0.0.0:8765; port 0 is any");
     }
-    settings.port = static_cast<std::uint16_t>(port);
+    settings.host = at->name;
+    settings.port = static_cast<std::uint16_t>(at->number);
 }
 
 void add_daemon(CLI::App& app, Options& options) {
