@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints one frame as the Python client gives it, in the form that same_frame_test.cpp compares.
 
-python_check.py ADDRESS NAME-OF-SHARED-MEMORY. Exit status 77: a Python module is missing, said on stderr.
+python_check.py ADDRESS NAME-OF-SHARED-MEMORY; or --written-over NAME FILE, a file that is made when a frame is
+borrowed. Exit status 77: a Python module is missing, said on stderr.
 """
 import copy
 import gc
 import os
+import pathlib
 import pickle
 import resource
 import socket
@@ -235,7 +237,26 @@ def print_borrowed(name):
     assert plane.tobytes() == before
 
 
+def check_written_over(name, borrowed):
+    """A borrowed frame is whole until another is written over it, then never again; a copy stays."""
+    with disparity.SharedMemoryReader(name) as reader:
+        frame = reader.borrow(timeout=20)
+        copied = frame.copy()
+        assert frame.whole()
+        pathlib.Path(borrowed).touch()
+        end = time.monotonic() + 60
+        while frame.whole():
+            assert time.monotonic() < end, "nobody wrote over the frame"
+            time.sleep(0.01)
+        assert not frame.whole() and copied.whole()
+        another = reader.borrow(timeout=20)
+        assert another.whole() and another.sequence > frame.sequence and not frame.whole()
+
+
 def main():
+    if sys.argv[1] == "--written-over":
+        check_written_over(*sys.argv[2:])
+        return
     address, name = sys.argv[1:]
     check_fields()
     check_refusals()

@@ -18,6 +18,7 @@
 #include "tests/proto/fake_daemon.h"
 #include "tests/proto/pattern.h"
 #include "tests/proto/sensor_pattern.h"
+#include "tests/temporary_folder.h"
 
 namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
@@ -124,6 +125,14 @@ protected:
         end.send(error);
     }
 
+    /// Publishes as many frames as there are slots.
+    void write_over() {
+        pattern::Source source(layout_);
+        for (std::uint64_t later = 1; later <= 4; ++later) {
+            writer_.publish(pattern::head(sequence + later, layout_), source.make(sequence + later));
+        }
+    }
+
     /// As the C++ client sees it, over both ways.
     std::string wanted(const std::string& address, bool with_shared_memory = true) {
         disparity::Frame frame;
@@ -198,10 +207,7 @@ TEST_F(SameFrame, ABorrowedFrameSaysWhenItWasWrittenOver) {
     ASSERT_EQ(disparity_shared_memory_borrow(c_reader, c_frame, 20000), DISPARITY_FRAME);
     EXPECT_TRUE(frame.whole());
     EXPECT_EQ(disparity_frame_is_whole(c_frame), 1);
-    pattern::Source source(layout_);
-    for (std::uint64_t later = 1; later <= 4; ++later) {  // as many as there are slots
-        writer_.publish(pattern::head(sequence + later, layout_), source.make(sequence + later));
-    }
+    write_over();
     EXPECT_FALSE(frame.whole());
     EXPECT_EQ(disparity_frame_is_whole(c_frame), 0);
 
@@ -237,6 +243,26 @@ TEST_F(SameFrame, PythonReadsTheSame) {
         EXPECT_EQ(status, 0);
         EXPECT_EQ(text, wanted(address, python.find("DISPARITY_SKIP_LIBRARY") == std::string::npos));
     }
+}
+
+TEST_F(SameFrame, PythonSaysWhenABorrowedFrameWasWrittenOver) {
+    const std::string python = PYTHON_CHECK;
+    if (python.empty() || python.find("DISPARITY_SKIP_LIBRARY") != std::string::npos) {
+        GTEST_SKIP() << "no Python that loads the library";
+    }
+    const disparityd::test::TemporaryFolder folder;
+    const std::string borrowed = folder.file("borrowed");
+    const std::jthread later([&](const std::stop_token& stop) {
+        while (::access(borrowed.c_str(), F_OK) != 0 && !stop.stop_requested()) {
+            std::this_thread::sleep_for(5ms);
+        }
+        write_over();
+    });
+    const auto [status, text] = command_output(python + " --written-over " + name_ + " " + borrowed);
+    if (status == 77) {
+        GTEST_SKIP() << "numpy or protobuf is not installed for Python";
+    }
+    EXPECT_EQ(status, 0) << text;
 }
 
 }  // namespace
