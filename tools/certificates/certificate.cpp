@@ -2,28 +2,20 @@
 #include "tools/certificates/certificate.h"
 
 #include <array>
-#include <cstdio>
 #include <ctime>
 #include <stdexcept>
 
 #include <openssl/bn.h>
 #include <openssl/err.h>
-#include <openssl/pem.h>
 #include <openssl/x509v3.h>
 
 #include "proto/tls/tls_context.h"
+#include "tools/certificates/pem.h"
 
 namespace disparityd::tools {
 namespace {
 
 using Purpose = CertificateFacts::Purpose;
-
-void check(bool done, const char* what) {
-    if (!done) {
-        throw std::runtime_error(std::string("OpenSSL cannot make a certificate: ") + what + ": " +
-                                 proto::take_tls_error());
-    }
-}
 
 /// Returns "DNS:robot.local" or "IP:192.168.1.5". No comma can stand in either, so that a name adds no others.
 std::string alternative_name(const std::string& host) {
@@ -43,7 +35,7 @@ void add_extension(X509* certificate, X509* issuer, int kind, const std::string&
     X509V3_set_ctx(&context, issuer, certificate, nullptr, nullptr, 0);
     const std::unique_ptr<X509_EXTENSION, decltype(&X509_EXTENSION_free)> extension(
         X509V3_EXT_conf_nid(nullptr, &context, kind, value.c_str()), X509_EXTENSION_free);
-    check(extension && X509_add_ext(certificate, extension.get(), -1) == 1, value.c_str());
+    check_openssl(extension && X509_add_ext(certificate, extension.get(), -1) == 1, value.c_str());
 }
 
 void add_extensions(X509* certificate, X509* issuer, const CertificateFacts& facts) {
@@ -71,9 +63,9 @@ void add_extensions(X509* certificate, X509* issuer, const CertificateFacts& fac
 void set_serial(X509* certificate) {
     constexpr int bits = 127;
     const std::unique_ptr<BIGNUM, decltype(&BN_free)> number(BN_new(), BN_free);
-    check(number && BN_rand(number.get(), bits, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1 &&
-              BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(certificate)) != nullptr,
-          "a serial number");
+    check_openssl(number && BN_rand(number.get(), bits, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1 &&
+                      BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(certificate)) != nullptr,
+                  "a serial number");
 }
 
 void set_subject(X509* certificate, const std::string& common_name) {
@@ -81,36 +73,10 @@ void set_subject(X509* certificate, const std::string& common_name) {
     if (common_name.empty() || common_name.size() > longest || common_name.find('\0') != std::string::npos) {
         throw std::invalid_argument("found the name \"" + common_name + "\", allowed: 1 to 64 bytes");
     }
-    check(X509_NAME_add_entry_by_NID(X509_get_subject_name(certificate), NID_commonName, MBSTRING_UTF8,
-                                     reinterpret_cast<const unsigned char*>(common_name.data()),
-                                     static_cast<int>(common_name.size()), -1, 0) == 1,
-          "a name");
-}
-
-template <typename Write>
-std::string pem_text(Write write) {
-    const std::unique_ptr<BIO, decltype(&BIO_free)> memory(BIO_new(BIO_s_mem()), BIO_free);
-    check(memory && write(memory.get()) == 1, "PEM");
-    char* text = nullptr;
-    const long length = BIO_get_mem_data(memory.get(), &text);
-    return {text, static_cast<std::size_t>(length)};
-}
-
-/// Reads one object in PEM. No password is asked for.
-template <typename Object, typename Read>
-Object* read_pem(const std::string& path, Read read) {
-    struct Close {
-        void operator()(std::FILE* opened) const { std::fclose(opened); }
-    };
-    const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "re"));
-    Object* const object = file ? read(
-                                      file.get(), nullptr, [](char*, int, int, void*) { return 0; }, nullptr)
-                                : nullptr;
-    if (object == nullptr) {
-        throw std::invalid_argument(path +
-                                    ": cannot be used: " + (file ? proto::take_tls_error() : "it cannot be read"));
-    }
-    return object;
+    check_openssl(X509_NAME_add_entry_by_NID(X509_get_subject_name(certificate), NID_commonName, MBSTRING_UTF8,
+                                             reinterpret_cast<const unsigned char*>(common_name.data()),
+                                             static_cast<int>(common_name.size()), -1, 0) == 1,
+                  "a name");
 }
 
 }  // namespace
@@ -126,7 +92,7 @@ std::string Certificate::certificate_text() const {
 
 std::string Certificate::last_day() const {
     std::tm end{};
-    check(ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &end) == 1, "its last day");
+    check_openssl(ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &end) == 1, "its last day");
     std::array<char, 16> text{};
     return {text.data(), std::strftime(text.data(), text.size(), "%Y-%m-%d", &end)};
 }
@@ -137,17 +103,18 @@ Certificate make_certificate(const CertificateFacts& facts, const Certificate* a
     made.key.reset(EVP_EC_gen("P-256"));
     made.certificate.reset(X509_new());
     X509* const certificate = made.certificate.get();
-    check(made.key && made.certificate, "a key");
+    check_openssl(made.key && made.certificate, "a key");
     const Certificate& issuer = authority == nullptr ? made : *authority;
     set_serial(certificate);
     set_subject(certificate, facts.common_name);
-    check(X509_set_version(certificate, X509_VERSION_3) == 1 && X509_set_pubkey(certificate, made.key.get()) == 1 &&
-              X509_set_issuer_name(certificate, X509_get_subject_name(issuer.certificate.get())) == 1 &&
-              X509_gmtime_adj(X509_getm_notBefore(certificate), facts.valid_from.count()) != nullptr &&
-              X509_gmtime_adj(X509_getm_notAfter(certificate), facts.valid_to.count()) != nullptr,
-          "its fields");
+    check_openssl(X509_set_version(certificate, X509_VERSION_3) == 1 &&
+                      X509_set_pubkey(certificate, made.key.get()) == 1 &&
+                      X509_set_issuer_name(certificate, X509_get_subject_name(issuer.certificate.get())) == 1 &&
+                      X509_gmtime_adj(X509_getm_notBefore(certificate), facts.valid_from.count()) != nullptr &&
+                      X509_gmtime_adj(X509_getm_notAfter(certificate), facts.valid_to.count()) != nullptr,
+                  "its fields");
     add_extensions(certificate, issuer.certificate.get(), facts);
-    check(X509_sign(certificate, issuer.key.get(), EVP_sha256()) > 0, "a signature");
+    check_openssl(X509_sign(certificate, issuer.key.get(), EVP_sha256()) > 0, "a signature");
     return made;
 }
 

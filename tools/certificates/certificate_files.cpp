@@ -3,16 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tools/certificates/certificate.h"
+#include "tools/certificates/new_file.h"
 
 namespace disparityd::tools {
 namespace {
@@ -27,31 +24,9 @@ bool exists(const std::string& path) {
     return std::filesystem::symlink_status(path, error).type() != std::filesystem::file_type::not_found;
 }
 
-[[noreturn]] void fail(const std::string& path, const char* what) {
-    throw std::runtime_error(path + ": " + what + ": " + std::strerror(errno));
-}
-
-/// Writes a new file, from the beginning with its mode; never through a link of somebody else.
-void write_new(const std::string& path, const std::string& text, mode_t mode) {
-    const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
-    if (file < 0) {
-        fail(path, "cannot be made");
-    }
-    const bool written = ::fchmod(file, mode) == 0 &&
-                         ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
-                         ::fsync(file) == 0;
-    const int error = errno;
-    ::close(file);
-    if (!written) {
-        ::unlink(path.c_str());
-        errno = error;
-        fail(path, "cannot be written");
-    }
-}
-
 void write_pair(const std::string& stem, const Certificate& made) {
-    write_new(stem + ".key", made.key_text(), key_mode);
-    write_new(stem + ".crt", made.certificate_text(), certificate_mode);
+    write_new_file(stem + ".key", made.key_text(), key_mode);
+    write_new_file(stem + ".crt", made.certificate_text(), certificate_mode);
 }
 
 void check_new(const std::string& stem) {
