@@ -8,6 +8,7 @@
 #include "proto/tls/tls_context.h"
 #include "tests/temporary_folder.h"
 #include "tools/certificates/certificate.h"
+#include "tools/certificates/revocation.h"
 
 namespace disparityd::test {
 
@@ -25,6 +26,8 @@ public:
     void make(const Facts& facts, const tools::Certificate* other = nullptr) {
         write(facts.common_name, tools::make_certificate(facts, other == nullptr ? &authority_ : other));
     }
+
+    void revoke(const std::string& name) { tools::revoke_certificates(folder_.path(), {name}); }
 
     void write(const std::string& name, const tools::Certificate& certificate) {
         folder_.write(name + ".crt", certificate.certificate_text());

@@ -272,10 +272,13 @@ Transport::Outcome Transport::end_of(TlsStream::Outcome outcome) {
         return Outcome::done;
     }
     if (outcome == TlsStream::Outcome::failed) {
-        const bool certificate = tls_->problem().find("certificate") != std::string::npos;
-        why_closed_ =
-            "TLS: " + tls_->problem() +
-            (certificate ? ": the daemon takes only clients with a certificate that its authority has signed" : "");
+        const auto says = [&](const char* word) { return tls_->problem().find(word) != std::string::npos; };
+        why_closed_ = "TLS: " + tls_->problem();
+        if (says("revoked")) {
+            why_closed_ += ": whoever runs the daemon has taken this certificate back";
+        } else if (says("certificate")) {
+            why_closed_ += ": the daemon takes only clients with a certificate that its authority has signed";
+        }
     }
     return Outcome::closed;
 }

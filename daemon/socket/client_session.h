@@ -164,6 +164,7 @@ private:
     void message_arrived();
     void handle(const v1::Envelope& message);
     void hello(const v1::Hello& hello);
+    std::string why_refused(const std::string& token) const;
     bool admit(const std::string& token);
     void refuse_late(const std::string& why);
     void subscribe(const v1::Subscribe& subscribe);

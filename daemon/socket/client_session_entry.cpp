@@ -108,20 +108,30 @@ void ClientSession::access_changed() {
     if (!greeted_ || closed_ || closing_) {
         return;
     }
-    const ClientAccess& access = host_.rules().access;
-    if (access.right_of(peer_, token_) == base::Right::none) {
-        send_error("since the daemon was reconfigured: " + access.why_not_view(peer_, token_), true);
+    if (const std::string why = why_refused(token_); !why.empty()) {
+        send_error("since the daemon was reconfigured: " + why, true);
     }
+}
+
+/// Returns why the client may not look; empty: it may. The rules may be newer than the handshake.
+std::string ClientSession::why_refused(const std::string& token) const {
+    const ClientRules& rules = host_.rules();
+    if (rules.access.right_of(peer_, token) == base::Right::none) {
+        return rules.access.why_not_view(peer_, token);
+    }
+    if (stream_.encrypted() && rules.access.certificates && !stream_.would_be_taken_by(rules.tls)) {
+        return "the certificate of this client is revoked, or of no authority in the file of [socket] client_authority";
+    }
+    return {};
 }
 
 /// Returns whether the client may look; else sends an Error, which a wrong token waits for.
 bool ClientSession::admit(const std::string& token) {
-    const ClientAccess& access = host_.rules().access;
-    if (access.right_of(peer_, token) != base::Right::none) {
+    const std::string why = why_refused(token);
+    if (why.empty()) {
         token_ = token;
         return true;
     }
-    const std::string why = access.why_not_view(peer_, token);
     if (peer_.local || token.empty()) {
         send_error(why, true);
     } else {

@@ -38,6 +38,9 @@ public:
     /// The name in the client's certificate; see proto::TlsStream::peer_name().
     std::optional<std::string> certificate() const { return tls_->peer_name(); }
 
+    /// See proto::TlsStream::would_be_taken_by().
+    bool would_be_taken_by(const proto::TlsContext& context) const { return tls_->would_be_taken_by(context); }
+
     /// Calls handler(error) when the handshake has ended. no_tls: the client does not speak TLS; the connection then
     /// goes on without, so that it can be told.
     template <typename Handler>

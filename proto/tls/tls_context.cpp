@@ -45,9 +45,23 @@ void use_own(SSL_CTX* context, const TlsFiles& files) {
           "the key cannot be used, or is not that of the certificate");
 }
 
+bool has_revocations(X509_STORE* store) {
+    const STACK_OF(X509_OBJECT)* const objects = X509_STORE_get0_objects(store);
+    for (int i = 0; i < sk_X509_OBJECT_num(objects); ++i) {
+        if (X509_OBJECT_get_type(sk_X509_OBJECT_value(objects, i)) == X509_LU_CRL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 void use_authority(SSL_CTX* context, const std::string& authority) {
     check(SSL_CTX_load_verify_locations(context, authority.c_str(), nullptr) == 1, authority,
           "the authority's certificate cannot be used");
+    X509_STORE* const store = SSL_CTX_get_cert_store(context);
+    if (has_revocations(store)) {
+        X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK);  // without a list it would refuse everybody
+    }
 }
 
 }  // namespace

@@ -15,7 +15,8 @@ using TlsContext = std::shared_ptr<SSL_CTX>;
 struct TlsFiles {
     std::string certificate;  ///< this end's own, with its chain
     std::string key;          ///< of that certificate, not encrypted
-    std::string authority;    ///< the other end's certificate must be signed by one of these
+    std::string authority;  ///< the other end's certificate must be signed by one of these. Where the file has lists of
+                            ///< revoked certificates, too, each authority in it needs one, and these are refused
     bool on() const { return !certificate.empty(); }
 };
 

@@ -156,6 +156,22 @@ void TlsStream::leave_socket() noexcept {
     set_socket(SSL_get_rbio(ssl_.get()), -1);
 }
 
+bool TlsStream::would_be_taken_by(const TlsContext& context) const {
+    if (SSL_get_SSL_CTX(ssl_.get()) == context.get()) {
+        return true;  // the handshake was made with it
+    }
+    ERR_clear_error();
+    const std::unique_ptr<X509, decltype(&X509_free)> certificate(SSL_get1_peer_certificate(ssl_.get()), X509_free);
+    const std::unique_ptr<X509_STORE_CTX, decltype(&X509_STORE_CTX_free)> check(X509_STORE_CTX_new(),
+                                                                                X509_STORE_CTX_free);
+    const bool taken = certificate && check &&
+                       X509_STORE_CTX_init(check.get(), SSL_CTX_get_cert_store(context.get()), certificate.get(),
+                                           SSL_get_peer_cert_chain(ssl_.get())) == 1 &&
+                       X509_STORE_CTX_set_default(check.get(), "ssl_client") == 1 && X509_verify_cert(check.get()) == 1;
+    ERR_clear_error();
+    return taken;
+}
+
 std::optional<std::string> TlsStream::peer_name() const {
     const std::unique_ptr<X509, decltype(&X509_free)> certificate(SSL_get1_peer_certificate(ssl_.get()), X509_free);
     if (!certificate) {

@@ -57,6 +57,10 @@ public:
     /// Returns the common name in the other end's certificate, which was checked; nothing where it has none.
     std::optional<std::string> peer_name() const;
 
+    /// Of a server, after the handshake: returns whether the client's certificate would be taken with this context,
+    /// too.
+    bool would_be_taken_by(const TlsContext& context) const;
+
     /// The largest part that write() takes at once.
     static constexpr std::size_t record_bytes = 16384;
 

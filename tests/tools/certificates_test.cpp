@@ -118,6 +118,46 @@ TEST_F(CertificatesTest, NothingIsReplaced) {
     expect_refused({"--client", "c"}, HasSubstr("authority.key"));
 }
 
+TEST_F(CertificatesTest, RevokedOnesAreOnAListThatOpensslReads) {
+    if (command_output("openssl version").first != 0) {
+        GTEST_SKIP() << "the program openssl is not installed";
+    }
+    ASSERT_EQ(make({"--client", "a", "--client", "b", "--client", "c"}).exit_code, 0);
+    const Outcome first = make({"--revoke", "a"});
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    EXPECT_THAT(first.out, AllOf(HasSubstr("a on it now"), HasSubstr("reload")));
+    const auto expect_revoked = [&](const std::string& name, bool revoked) {
+        const std::string says = verdict("-crl_check -purpose sslclient", name + ".crt");
+        EXPECT_THAT(says, HasSubstr(revoked ? "certificate revoked" : "OK")) << name;
+    };
+    expect_revoked("a", true);
+    expect_revoked("b", false);
+    ASSERT_EQ(make({"--revoke", "b", "--revoke", "c"}).exit_code, 0);
+    for (const char* name : {"a", "b", "c"}) {
+        expect_revoked(name, true);
+    }
+    EXPECT_THAT(verdict("-crl_check -purpose sslserver", "server.crt"), HasSubstr("OK"));
+    EXPECT_THAT(command_output("openssl crl -noout -crlnumber -in " + path("tls/authority.crt")).second,
+                testing::EndsWith("2\n"));
+    ASSERT_EQ(make({"--client", "d"}).exit_code, 0) << "the authority with its list is used again";
+    expect_revoked("d", false);
+    EXPECT_EQ(mode("authority.crt"), 0644U);
+    EXPECT_EQ(files().size(), 12U) << "nothing else is left";
+}
+
+TEST_F(CertificatesTest, WhatCannotBeRevokedChangesNothing) {
+    ASSERT_EQ(make({"--client", "a"}).exit_code, 0);
+    ASSERT_EQ(make({"--revoke", "a"}).exit_code, 0);
+    const std::string before = command_output("cat " + path("tls/authority.crt")).second;
+    expect_refused({"--revoke", "a"}, HasSubstr("of a is revoked already"));
+    expect_refused({"--revoke", "none"}, AllOf(HasSubstr("none.crt"), HasSubstr("cannot be read")));
+    expect_refused({"--revoke", "server", "--client", "b"}, HasSubstr("excludes"));
+    ASSERT_EQ(run(DISPARITYCTL, {"certificates", path("other"), "--client", "b"}).exit_code, 0);
+    std::filesystem::copy_file(path("other/b.crt"), path("tls/b.crt"));
+    expect_refused({"--revoke", "server", "--revoke", "b"}, HasSubstr("of b is not of this authority"));
+    EXPECT_EQ(command_output("cat " + path("tls/authority.crt")).second, before);
+}
+
 TEST_F(CertificatesTest, NamesThatCannotBeAreRefused) {
     for (const char* name : {"", "../a", "a/b", ".a", "authority", "server", "a b", "a\nb"}) {
         expect_refused({"--client", name}, HasSubstr("--client: found"));
@@ -231,6 +271,14 @@ TEST_F(TlsDaemonTest, ARenewedCertificateIsReadAtAReload) {
     daemon_->send_signal(SIGHUP);
     ASSERT_TRUE(daemon_->wait_for_log("server.key")) << daemon_->log();
     EXPECT_EQ(ctl("status", "guest", {"--server-name", "localhost"}).exit_code, 0);
+}
+
+TEST_F(TlsDaemonTest, ARevokedCertificateIsRefusedAfterAReload) {
+    ASSERT_EQ(make({"--revoke", "guest"}).exit_code, 0);
+    daemon_->send_signal(SIGHUP);
+    ASSERT_TRUE(eventually([&] { return ctl("status", "guest").exit_code != 0; }));
+    EXPECT_THAT(ctl("status", "guest").err, HasSubstr("has taken this certificate back"));
+    EXPECT_EQ(ctl("status", "pilot").exit_code, 0);
 }
 
 TEST_F(CertificatesTest, ADaemonRefusesWhatCannotBeUsed) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/certificates/certificate_files.h"
+#include "tools/certificates/revocation.h"
 #include "tools/ctl/commands.h"
 
 namespace disparityd::tools {
@@ -12,6 +13,7 @@ namespace {
 
 struct CertificateArguments {
     CertificateOrder order;
+    std::vector<std::string> revoked;
     int days = 825;
 };
 
@@ -55,7 +57,18 @@ void print(const CertificateOrder& order, const CertificateReport& report) {
               << ".crt --key " << client << ".key\n";
 }
 
+int revoke(const std::string& folder, const std::vector<std::string>& names) {
+    revoke_certificates(folder, names);
+    std::cout << folder << "/authority.crt has the list of revoked certificates, with " << joined(names)
+              << " on it now.\nNext: copy it to where [socket] client_authority is, and reload the daemon (systemctl "
+                 "reload disparityd).\nFor another certificate of the same name remove its two files first.\n";
+    return exit_done;
+}
+
 int certificates(CertificateArguments& arguments) {
+    if (!arguments.revoked.empty()) {
+        return revoke(arguments.order.folder, arguments.revoked);
+    }
     arguments.order.valid = std::chrono::hours(24) * arguments.days;
     const CertificateReport report = make_certificate_files(arguments.order);
     print(arguments.order, report);
@@ -71,29 +84,41 @@ void add_certificates(CLI::App& program, Action& action) {
     command
         .add_option("DIR", arguments->order.folder, "folder of the files; it is made, an authority in it is used again")
         ->required();
-    command
-        .add_option("--host", arguments->order.hosts,
-                    "name or address by which clients reach the daemon, may be repeated; default: " +
-                        std::string("this machine's name, that with .local, and loopback"))
-        ->type_name("NAME")
-        ->expected(1)
-        ->take_all()
-        ->allow_extra_args(false);
+    CLI::Option& hosts =
+        *command
+             .add_option("--host", arguments->order.hosts,
+                         "name or address by which clients reach the daemon, may be repeated; default: " +
+                             std::string("this machine's name, that with .local, and loopback"))
+             ->type_name("NAME")
+             ->expected(1)
+             ->take_all()
+             ->allow_extra_args(false);
+    CLI::Option& clients = *command
+                                .add_option("--client", arguments->order.clients,
+                                            "make a certificate for the client NAME, may be repeated; [access] "
+                                            "control_certificates knows it by that")
+                                ->type_name("NAME")
+                                ->expected(1)
+                                ->take_all()
+                                ->allow_extra_args(false);
     command
         .add_option(
-            "--client", arguments->order.clients,
-            "make a certificate for the client NAME, may be repeated; [access] control_certificates knows it by that")
+            "--revoke", arguments->revoked,
+            "take back the certificate of the client NAME: it goes on the list in authority.crt; may be repeated")
         ->type_name("NAME")
         ->expected(1)
         ->take_all()
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->excludes(&hosts)
+        ->excludes(&clients);
     command.add_option("--days", arguments->days, "how long new certificates are valid; default: 825")
         ->type_name("N")
         ->check(CLI::Range(1, 7300));
     command.footer(
-        "No file is replaced. Keys have mode 0600, and no password.\n"
+        "No file is replaced but authority.crt by --revoke. Keys have mode 0600, and no password.\n"
         "Examples: disparityctl certificates tls --client laptop\n"
         "          disparityctl certificates tls --client tablet      (later, from the same authority)\n"
+        "          disparityctl certificates tls --revoke tablet      (it was lost)\n"
         "          disparityctl certificates tls --host robot.example --host 192.168.1.5 --client laptop");
     command.callback([arguments, &action] { action = [arguments] { return certificates(*arguments); }; });
 }

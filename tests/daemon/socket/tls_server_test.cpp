@@ -298,6 +298,40 @@ TEST_F(TlsServerTest, AReloadTakesRightsAway) {
     expect_control(local);
 }
 
+TEST_F(TlsServerTest, ARevokedCertificateEndsWithTheReload) {
+    for (const char* name : {"guest", "slow", "pilot"}) {
+        files_.make({.common_name = name});
+    }
+    start_with_tls(true);
+    TlsWireClient guest = enter("", "guest");
+    TlsWireClient pilot = enter("", "pilot");
+    TlsWireClient slow(tcp_, files_.client("slow"));  // between its handshake and Hello
+    files_.revoke("guest");
+    files_.revoke("slow");
+    config_.tls = proto::make_server_tls(files_.server(true), "test");
+    server_->reconfigure(config_);
+    EXPECT_THAT(guest.receive_error(60s), AllOf(HasSubstr("reconfigured"), HasSubstr("revoked")));
+    EXPECT_TRUE(guest.is_closed(60s));
+    const auto answer = slow.hello("test", "");
+    ASSERT_TRUE(answer && answer->has_error());
+    EXPECT_THAT(answer->error().message(), HasSubstr("revoked"));
+    EXPECT_THAT(refusal("", files_.client("guest")), HasSubstr("certificate revoked"));
+    EXPECT_NO_THROW(status(pilot));
+    enter("", "pilot");
+}
+
+TEST_F(TlsServerTest, AReloadTakesAnAuthorityAway) {
+    files_.make({.common_name = "guest"});
+    start_with_tls(true);
+    TlsWireClient guest = enter("", "guest");
+    CertificateFolder others;
+    others.make({.common_name = "guest"});
+    config_.tls = proto::make_server_tls(others.server(true), "test");
+    server_->reconfigure(config_);
+    EXPECT_THAT(guest.receive_error(60s), HasSubstr("of no authority"));
+    EXPECT_TRUE(guest.is_closed(60s));
+}
+
 TEST_F(TlsServerTest, AReloadTurnsTlsOnAtTheSamePort) {
     start();
     WireClient before = connect(tcp_);
