@@ -26,6 +26,9 @@ public:
     /// Returns whether there is room for this connection. It counts until it ends. `instead_of`: gives it its place.
     bool admit(const std::shared_ptr<Connection>& connection, const Connection* instead_of = nullptr);
 
+    /// Whether the next one has to take the place of another, as far as the last admit() knows.
+    bool full() const { return all_.size() >= most_; }
+
     /// Ends all.
     void drop_all();
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include <boost/asio/ip/tcp.hpp>
@@ -24,6 +25,7 @@ public:
 
 private:
     void accept();
+    void accept_after(std::chrono::milliseconds pause);
     template <typename Stream>
     void serve(Stream&& stream, const std::string& sender);
 
