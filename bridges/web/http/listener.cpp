@@ -118,7 +118,7 @@ void PortListener::accept() {
 void PortListener::accept_after(std::chrono::milliseconds pause) {
     pause_.expires_after(pause);
     pause_.async_wait([this](error_code ended) {
-        if (!ended) {
+        if (!ended && acceptor_.is_open()) {  // its end may be on the way while stop() cancels it
             accept();
         }
     });
