@@ -5,14 +5,13 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 
 #include <openssl/err.h>
 #include <openssl/x509v3.h>
 
+#include "base/text_file.h"
 #include "tools/certificates/new_file.h"
 #include "tools/certificates/pem.h"
 
@@ -99,11 +98,6 @@ void set_extensions(X509_CRL* list, const Certificate& authority) {
     check_openssl(whose && X509_CRL_add_ext(list, whose.get(), -1) == 1, "whose the list is");
 }
 
-std::string read_text(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 /// Takes the list out of the text of a file, and returns it; empty: there was none.
 std::string take_list(std::string& text) {
     const std::size_t begin = text.find(list_begin);
@@ -159,7 +153,7 @@ void revoke_certificates(const std::string& folder, const std::vector<std::strin
         owned.emplace_back(read_pem<X509>(folder + '/' + name + ".crt", PEM_read_X509), X509_free);
         certificates.push_back(owned.back().get());
     }
-    std::string text = read_text(path);
+    std::string text = base::read_text_file(path, "the authority's certificate");
     const std::string before = take_list(text);
     replace(path, text + revocation_list(authority, before, certificates));
 }
