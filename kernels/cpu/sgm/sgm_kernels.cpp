@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cpu/sgm/sgm_kernels.h"
 
+#include "kernels/cpu/cost/census_kernels.h"
 #include "kernels/cpu/sgm/sgm_winners.h"
 
 #define HWY_TARGET_INCLUDE "kernels/cpu/sgm/sgm_kernels.cpp"
@@ -9,7 +10,6 @@
 #include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
-#include "kernels/cpu/cost/matching_cost-inl.h"
 #include "kernels/cpu/sgm/adaptive_p2-inl.h"
 #include "kernels/cpu/sgm/aggregation-inl.h"
 #include "kernels/cpu/simd/layouts-inl.h"
@@ -28,10 +28,6 @@ struct Kernels {
         kernels.cost_bias = cost_bias;
         kernels.rows_at_once = Paths::rows_at_once;
         kernels.streams = Paths::streams;
-        kernels.census_layout = census_layout<Census9x7>;
-        kernels.census_left = census_left<Census9x7, CensusUnit<Census9x7, registers>>;
-        kernels.census_right = census_right<Census9x7, registers>;
-        kernels.matching_cost = matching_cost<Tag, registers, Census9x7>;
         kernels.aggregate = Paths::aggregate;
         kernels.adaptive_p2 = adaptive_p2;
         return kernels;
@@ -56,6 +52,7 @@ SgmKernels sgm_kernels(std::int64_t target, int disparities) {
         return {};
     }
     SgmKernels kernels = built(disparities);
+    use_census_9x7(target, disparities, kernels);
     kernels.winner = sgm_winner(target, disparities);
     return kernels;
 }
