@@ -14,7 +14,7 @@ import check_house  # noqa: E402
 
 SPAN = re.compile(r"`([^`]+)`")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
-SCRIPTS = ("tools/demo", "tools/test", "tools/benchmarks", "tools/measure-daemon", "tools/instruction-counts",
+SCRIPTS = ("tools/demo", "tools/test", "tools/benchmarks", "tools/measure-daemon", "tools/instruction-counts", "tools/loop-cycles",
            "tools/measure-page", "tools/release")
 WITH_SUB_COMMANDS = {"disparityctl"}
 # What a shell would not hand to the program.
