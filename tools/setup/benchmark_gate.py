@@ -6,6 +6,7 @@ import fcntl
 import functools
 import os
 import pathlib
+import random
 import shutil
 import signal
 import subprocess
@@ -127,9 +128,31 @@ def build(source, name):
     return {target: folder / "bin" / target for target in targets}
 
 
-def measure(program, arguments, read, wanted):
-    """The kernels of one side whose names contain the text."""
-    status, output = run([str(program), *arguments], stdout=subprocess.PIPE, text=True)
+def link_again(program, layout):
+    """The program with code and constants at other addresses, which `layout` chooses. Where a loop begins can make a tenth of
+    its time, so one layout of each side would compare their luck."""
+    folder, target = program.parent.parent, program.name
+    _, commands = run(["ninja", "-C", str(folder), "-t", "commands", target], stdout=subprocess.PIPE, text=True)
+    shifted = program.with_name(f"{target}-shifted")
+    assembly, obj = shifted.with_suffix(".s"), shifted.with_suffix(".o")
+    # Functions begin at multiples of 16 bytes, tables of vectors at multiples of 64.
+    sections = (".text", 16), (".rodata", 64), (".data", 64)
+    skips = "".join(f".section {name}\n.skip {step * layout.randrange(4096 // step)}\n" for name, step in sections)
+    assembly.write_text(f'{skips}.section .note.GNU-stack,"",%progbits\n', encoding="utf-8")
+    link = commands.splitlines()[-1].replace(f" -o bin/{target} ", f" -o {shifted} {obj} ", 1)
+    if str(shifted) not in link:  # no linker made it
+        return program
+    if run(["sh", "-c", f"${{CC:-cc}} -c {assembly} -o {obj} && {link}"], cwd=folder)[0] != 0:
+        raise Trouble(f"{program.relative_to(ROOT)} cannot be linked again")
+    return shifted
+
+
+def measure(program, arguments, read, wanted, layout):
+    """The kernels of one side whose names contain the text; each time with another layout."""
+    command = [str(link_again(program, layout)), *arguments]
+    if arguments == ["--bench"] and "/" in wanted:  # cpu_kernels_check need not measure the others
+        command.append(wanted.split()[0])
+    status, output = run(command, stdout=subprocess.PIPE, text=True)
     if status != 0:
         raise Trouble(f"{program.relative_to(ROOT)} ended with exit status {status}")
     return {kernel: time for kernel, time in read(output).items() if wanted in kernel}
@@ -162,8 +185,8 @@ def compare(arguments):
             if missing:
                 print(f"{target} is left out: there is none in {' and '.join(missing)}")
                 continue
-            sides = [functools.partial(measure, built[target], options, read, arguments.kernels)
-                     for built in programs.values()]
+            sides = [functools.partial(measure, built[target], options, read, arguments.kernels, random.Random(side))
+                     for side, built in programs.items()]
             print(target)
             rows += verdict.judge(alternate(*sides, arguments.rounds))
     if not rows:
@@ -203,7 +226,8 @@ def parse(words):
     parser = argparse.ArgumentParser(
         prog="tools/benchmarks", allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Builds COMMIT and the working tree alike, measures both in alternation, kernel by kernel, and fails "
-                    "when a kernel\nhas become slower. The machine should do nothing else meanwhile.",
+                    "when a kernel\nhas become slower. Before each measurement the programs are linked anew with code at other "
+                    "addresses.\nThe machine should do nothing else meanwhile.",
         epilog="Exit status: 0 no kernel is slower; 1 one is, or the build failed; 2 arguments must be changed; 130 Ctrl-C.\n"
                "example: tools/benchmarks --against main --kernels sweep")
     parser.add_argument("--against", required=True, metavar="COMMIT", help="commit, branch or tag to compare with")
