@@ -94,11 +94,12 @@ def fetch(cache):
     return folder
 
 
-def add_to(archive, cache, command):
-    """Puts a system into the archive whose systemd runs one command, after udev is there."""
-    archive.add_tree(fetch(cache))
+def add_to(archive, root, command):
+    """Puts a system into the archive, from the folder of its root; its systemd runs one command, after udev is there."""
+    # What comes first stays: of these files, a root has others.
     for place, text in FILES.items():
         archive.add_bytes(place, text.encode())
     for unit in MASKED:
         archive.add_link(f"/etc/systemd/system/{unit}", "/dev/null")
+    archive.add_tree(root)
     archive.add_bytes("/etc/systemd/system/vm-test.service", TEST_UNIT.format(command=command).encode())

@@ -13,12 +13,14 @@
 #include <gmock/gmock.h>
 #include <grp.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 #include <sys/stat.h>
 #include <time.h>
 
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 #include "tests/vm/guest/camera_process.h"
+#include "tests/vm/guest/reading_program.h"
 #include "tests/vm/guest/system_unit.h"
 #include "tests/vm/guest/waiting.h"
 
@@ -36,13 +38,18 @@ std::int64_t monotonic_ns() {
     return now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec;
 }
 
+/// Where the unit looks for it: that of the packages, where they are installed, or of the build.
+std::string config_file() {
+    const std::string of_packages = "/etc/disparityd/disparityd.toml";
+    return fs::exists(of_packages) ? of_packages : DISPARITYD_CONFIG_FILE;
+}
+
 /// The unit's configuration, with this many candidates of disparity.
 void configure(int disparities) {
-    fs::create_directories(fs::path(DISPARITYD_CONFIG_FILE).parent_path());
-    std::ofstream(DISPARITYD_CONFIG_FILE)
-        << "[source]\nuri = \"v4l2:vga@15\"\nallow_unrectified = true\n"
-           "stall_ms = 15000\n[match]\nmethod = \"sad\"\ndepth = false\ndisparities = "
-        << disparities << '\n';
+    fs::create_directories(fs::path(config_file()).parent_path());
+    std::ofstream(config_file()) << "[source]\nuri = \"v4l2:vga@15\"\nallow_unrectified = true\n"
+                                    "stall_ms = 15000\n[match]\nmethod = \"sad\"\ndepth = false\ndisparities = "
+                                 << disparities << '\n';
 }
 
 /// Mode and group, such as "0660 video".
@@ -165,7 +172,7 @@ TEST_F(Systemd, ReloadTakesTheNewConfigurationAndKeepsClients) {
 }
 
 TEST_F(Systemd, AnInstanceHasWhatIsServedUnderItsNameBesideTheUnit) {
-    std::ofstream(fs::path(DISPARITYD_CONFIG_FILE).replace_filename("left.toml"))
+    std::ofstream(fs::path(config_file()).replace_filename("left.toml"))
         << "[source]\nuri = \"scene:vga@2?loop=1\"\n[match]\nmethod = \"sad\"\ndepth = false\n"
            "disparities = 16\n[socket]\ntcp = \"\"\n";
     const SystemUnit left("disparityd@left.service");
@@ -199,9 +206,58 @@ TEST_F(Systemd, TheWatchdogEndsADaemonThatStandsStillAndStartsAnother) {
     EXPECT_TRUE(new_frame(client));
 }
 
+TEST_F(Systemd, ClientsReturnToADaemonThatHasCrashed) {
+    std::ofstream(fs::path(config_file()).replace_filename("left.toml"))
+        << "[source]\nuri = \"scene:vga@2?width=320&height=176&loop=1\"\n[match]\nmethod = \"sad\"\n"
+           "disparities = 16\n[socket]\ntcp = \"\"\n";
+    const SystemUnit left("disparityd@left.service");
+    const Said started = left.order("start");
+    ASSERT_EQ(started.status, 0) << started.text << left.journal();
+    const ReadingProgram in_cpp({"/vm/daemon_readme_loop", "left"});
+    EXPECT_TRUE(in_cpp.goes_on()) << in_cpp.said();
+    // Where the packages are installed, Python is there too.
+    const std::string script = "/vm/readme_loop.py";
+    std::optional<ReadingProgram> in_python;
+    if (fs::exists(script)) {
+        in_python.emplace(std::vector<std::string>{"/usr/bin/python3", "-B", "-u", script});
+        EXPECT_TRUE(in_python->goes_on()) << in_python->said();
+    }
+
+    const int process = left.main_process();
+    ASSERT_EQ(::kill(process, SIGSEGV), 0);
+    EXPECT_TRUE(eventually([&] { return left.property("NRestarts") == "1" && left.comes_to_say("running, "); }));
+    EXPECT_NE(left.main_process(), process);
+    EXPECT_TRUE(in_cpp.goes_on()) << in_cpp.said();
+    EXPECT_TRUE(!in_python || in_python->goes_on()) << in_python->said();
+    EXPECT_EQ(left.order("stop").status, 0);
+}
+
+TEST_F(Systemd, TheDropInForRealTimeSchedulesAllThreadsBeforeOthers) {
+    const fs::path of_packages = "/usr/share/doc/disparityd/realtime.conf";
+    const fs::path drop_in = "/etc/systemd/system/disparityd.service.d/realtime.conf";
+    fs::copy_file(fs::exists(of_packages) ? of_packages : "/vm/realtime.conf", drop_in);
+    EXPECT_EQ(run_system_program({"systemctl", "daemon-reload"}).status, 0);
+    const Said started = unit_.order("restart");
+    EXPECT_EQ(started.status, 0) << started.text << unit_.journal();
+    EXPECT_TRUE(unit_.comes_to_say("running, ")) << unit_.property("StatusText");
+    int threads = 0;
+    for (const auto& thread : fs::directory_iterator("/proc/" + std::to_string(unit_.main_process()) + "/task")) {
+        EXPECT_EQ(::sched_getscheduler(std::stoi(thread.path().filename())), SCHED_RR) << thread.path();
+        ++threads;
+    }
+    EXPECT_GT(threads, 3);
+    auto client = connected();
+    EXPECT_TRUE(new_frame(client));
+    fs::remove(drop_in);
+    EXPECT_EQ(run_system_program({"systemctl", "daemon-reload"}).status, 0);
+    EXPECT_EQ(unit_.order("restart").status, 0);
+}
+
 TEST_F(Systemd, StopIsCleanAndLeavesNothing) {
     const int process = unit_.main_process();
+    const std::int64_t begin = monotonic_ns();
     const Said stopped = unit_.order("stop");
+    std::printf("seconds to stop: %.2f\n", static_cast<double>(monotonic_ns() - begin) * 1e-9);
     EXPECT_EQ(stopped.status, 0) << stopped.text;
     EXPECT_EQ(unit_.property("ActiveState"), "inactive");
     // Neither "timeout" nor "signal".
