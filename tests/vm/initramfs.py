@@ -45,6 +45,8 @@ class Archive:
         """All files and links of a folder; its libraries take the place of this machine's."""
         for path in sorted(folder.rglob("*")):
             place = f"/{path.relative_to(folder)}"
+            if path.parent == folder and path.name in IN_USR and path.is_symlink():
+                continue  # it is there
             if path.is_symlink():
                 self.add_link(place, os.readlink(path))
             elif path.is_file():

@@ -48,7 +48,8 @@ bool ReadingProgram::goes_on() const {
         return std::count(text.begin(), text.end(), '\n');
     };
     const auto before = lines();
-    return eventually([&] { return lines() >= before + 2; });
+    // An interpreter that reads its modules takes long under emulation.
+    return eventually([&] { return lines() >= before + 2; }, 4 * patience);
 }
 
 std::string ReadingProgram::said() const {

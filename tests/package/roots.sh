@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=bash
+# Sourced from the project's root by the tests of packages: Debian roots that are thrown away.
+
+# fresh_root ROOTS NAME PACKAGES: ROOTS/NAME, a copy of the bare root ROOTS/bare, which is made once and kept; in it /root/packages.
+fresh_root() {
+    local roots=$1 root=$1/$2 packages=$3
+    mkdir -p "$roots/archives"
+    if [[ ! -e $roots/bare/.complete ]]; then
+        rm -rf "$roots/bare"
+        tools/setup/in-bare-root "$roots/bare" true
+        touch "$roots/bare/.complete"
+    fi
+    rm -rf "$root"
+    cp -a --reflink=auto "$roots/bare" "$root"
+    mkdir "$root/root/packages"
+    cp "$packages"/*.deb "$root/root/packages"
+    # What was fetched stays for the next time.
+    find "$roots/archives" -name '*.deb' -exec cp -t "$root/var/cache/apt/archives" {} +
+}
+
+# keep_archives ROOTS NAME: what apt has fetched into this root is there for the next one.
+keep_archives() {
+    find "$1/$2/var/cache/apt/archives" -maxdepth 1 -name '*.deb' -exec mv -t "$1/archives" {} +
+}
