@@ -2,6 +2,7 @@
 # shellcheck shell=bash
 # Sourced by tools/test, which sets results (folder for outcomes), jobs and ahead (descriptor of what work_ahead says): the
 # steps it is made of. A step that fails is noted and the next one runs, so that one look at the end shows everything.
+source tools/setup/full_disk.sh
 
 step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
 
@@ -55,6 +56,8 @@ build() {
     read -ra run < <(fixed_addresses "$preset"; echo)
     step "build $preset"
     if ! cmake --preset "$preset" "$@" || ! "${run[@]}" cmake --build --preset "$preset" --parallel "${jobs:?}"; then
+        local place
+        if place=$(full_disk); then preset+=": the disk of $place is full; make 3 GB free there and run this again"; fi
         note failed "build $preset"
         return 1
     fi
