@@ -14,12 +14,12 @@
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/match_arguments.h"
-#include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
 #include "tools/eval/confidence/reliability_report.h"
 #include "tools/eval/error_picture.h"
+#include "tools/eval/eval_arguments.h"
 #include "tools/eval/fair_opencv.h"
 #include "tools/eval/fair_table.h"
 #include "tools/eval/halves.h"
@@ -34,33 +34,12 @@
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
 #include "tools/eval/summary.h"
+#include "tools/eval/thin_widths.h"
 #include "tools/eval/wins.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::eval {
 namespace {
-
-struct EvalArguments {
-    std::vector<std::string> data;
-    std::vector<std::string> methods;
-    std::vector<std::string> backends;
-    tools::MatchArguments match;
-    tools::ScanArguments scan_options;
-    std::string pictures;
-    std::optional<double> scale;
-    std::optional<int> repeat;
-    std::optional<int> workers;
-    std::optional<int> halves;  ///< the seed
-    std::optional<double> noise;
-    bool opencv = false;
-    bool fair = false;
-    bool fractions = false;
-    bool confidence = false;
-    bool scan = false;
-    bool paper = false;
-    bool json = false;
-    bool markdown = false;
-};
 
 std::vector<Method> methods_of(const EvalArguments& arguments) {
     std::vector<Method> methods;
@@ -176,6 +155,8 @@ public:
         return all;
     }
 
+    const std::vector<NamedThinWidths>& thin_widths() const { return thin_widths_; }
+
     Summary summary() const {
         Summary summary{
             arguments_.fractions ? measurements(subpixel_rows_) : measurements(rows_), {}, halves_, arguments_.noise};
@@ -271,12 +252,24 @@ private:
             one.errors.add(disparity, result.confidence, scene.truth);
             scene_reliability_.push_back(std::move(one));
         }
+        if (arguments_.thin && !scene.thin.empty()) {
+            widths_of(method + " " + backend).add(disparity, scene.truth, scene.thin);
+        }
         if (!arguments_.pictures.empty()) {
             std::string file = scene.name + '_' + method + '_' + backend + ".png";
             std::replace_if(
                 file.begin(), file.end(), [](char c) { return c == ' ' || c == '/'; }, '-');
             images::write_png(arguments_.pictures + '/' + file, error_picture(scene, result));
         }
+    }
+
+    ThinWidths& widths_of(const std::string& matcher) {
+        for (NamedThinWidths& one : thin_widths_) {
+            if (one.name == matcher) {
+                return one.widths;
+            }
+        }
+        return thin_widths_.emplace_back(NamedThinWidths{matcher, {}}).widths;
     }
 
     const EvalArguments& arguments_;
@@ -288,12 +281,17 @@ private:
     std::vector<Row> fair_rows_;  ///< with --opencv or --fair: every pixel judged
     std::vector<SubpixelRow> subpixel_rows_;
     std::vector<SceneReliability> scene_reliability_;
+    std::vector<NamedThinWidths> thin_widths_;
     std::optional<Halves> halves_;
 };
 
 void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments) {
     if (arguments.confidence) {
         print_json(reliability_json(evaluation.reliability()), std::cout);
+        return;
+    }
+    if (arguments.thin) {
+        print_json(thin_widths_json(evaluation.thin_widths()), std::cout);
         return;
     }
     nlohmann::ordered_json rows =
@@ -310,6 +308,10 @@ void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments)
 void print_as_text(const Evaluation& evaluation, const EvalArguments& arguments) {
     if (arguments.confidence) {
         print_reliability(evaluation.reliability(), arguments.markdown, std::cout);
+        return;
+    }
+    if (arguments.thin) {
+        print_thin_widths(evaluation.thin_widths(), arguments.markdown, std::cout);
         return;
     }
     const std::vector<Row>& rows = evaluation.rows();
@@ -383,85 +385,13 @@ int evaluate(EvalArguments arguments) {
     }
     Evaluation evaluation(arguments);
     evaluation.run();
+    if (arguments.thin && evaluation.thin_widths().empty()) {
+        throw std::invalid_argument(
+            "--thin: found scenes that do not say where poles and wires are, allowed: rendered "
+            "scenes, such as scene:vga");
+    }
     arguments.json ? print_as_json(evaluation, arguments) : print_as_text(evaluation, arguments);
     return tools::exit_done;
-}
-
-void add_arguments(CLI::App& program, EvalArguments& arguments) {
-    program
-        .add_option(
-            "DATA", arguments.data,
-            "scene folders with ground truth, or folders of such folders; or a rendered scene, scene:vga?frames=8")
-        ->required();
-    program
-        .add_option("--method", arguments.methods,
-                    tools::method_help() + "; all: each of them; may be repeated; default sgm")
-        ->allow_extra_args(false)
-        ->type_name("METHOD");
-    program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
-        ->allow_extra_args(false)
-        ->type_name("NAME");
-    auto* opencv = program.add_flag(
-        "--opencv", arguments.opencv,
-        "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY), and count the scenes won: ours at most "
-        "the best of OpenCV, both as --fair has them");
-    auto* fair = program.add_flag(
-        "--fair", arguments.fair,
-        "each result twice: as it is, and with every pixel judged (OpenCV on padded images, rejected pixels "
-        "filled); bad-1.0, non-occluded");
-    auto* paper = program.add_flag(
-        "--paper", arguments.paper,
-        "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
-        "disparities, all methods, whole pixels, rejected pixels filled");
-    fair->excludes(paper);
-    auto* fractions = program.add_flag(
-        "--fractions", arguments.fractions,
-        "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number");
-    fractions->excludes(paper);
-    program
-        .add_flag(
-            "--confidence", arguments.confidence,
-            "how often pixels of each confidence are right (off by at most 1 px), and one sigma of the right ones in "
-            "px, instead; of each half with --halves")
-        ->excludes(paper)
-        ->excludes(fair)
-        ->excludes(fractions)
-        ->excludes(opencv);
-    program
-        .add_flag(
-            "--scan", arguments.scan,
-            "what obstacle scans show, instead. Of made-up courses: DATA is courses:SEED, other seeds give other "
-            "courses; --repeat says how many of each kind, default 8. Of scenes with ground truth and a calibration: "
-            "against the scan that the true disparities give. The preset is obstacles unless --preset says otherwise")
-        ->excludes(paper)
-        ->excludes(fair)
-        ->excludes(fractions)
-        ->excludes(opencv);
-    arguments.scan_options.add_to(program)->needs("--scan");
-    tools::add_real(
-        program, "--scale", arguments.scale, 0.001, 65535.0,
-        "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");
-    tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
-                       "runs per scene; the median of their times counts; default 1");
-    tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
-    tools::add_integer(
-        program, "--halves", arguments.halves, 0, 2147483647,
-        "split the scenes at random into two halves, to tune on one and judge on the other: the means of "
-        "each half and the names of its scenes; SEED, 0 .. 2147483647: the same seed gives the same halves")
-        ->type_name("SEED");
-    tools::add_real(
-        program, "--noise", arguments.noise, 0, 64,
-        "add Gaussian noise to both images before any matching, OpenCV's too; SIGMA in grey levels, 0 .. 64; "
-        "each run adds the same noise")
-        ->type_name("SIGMA");
-    program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
-    program.add_flag(
-        "--json", arguments.json,
-        "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
-        "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
-        "sparsification_area, sigma_px, sigma_px_of_bins (16 numbers), weight and right (256 numbers each)");
-    program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
-    arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
 }
 
 }  // namespace

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/eval/eval_arguments.h"
+
+#include "tools/command_line/number_argument.h"
+
+namespace disparityd::eval {
+
+void add_arguments(CLI::App& program, EvalArguments& arguments) {
+    program
+        .add_option(
+            "DATA", arguments.data,
+            "scene folders with ground truth, or folders of such folders; or a rendered scene, scene:vga?frames=8")
+        ->required();
+    program
+        .add_option("--method", arguments.methods,
+                    tools::method_help() + "; all: each of them; may be repeated; default sgm")
+        ->allow_extra_args(false)
+        ->type_name("METHOD");
+    program.add_option("--backend", arguments.backends, tools::backend_help() + "; or all; may be repeated")
+        ->allow_extra_args(false)
+        ->type_name("NAME");
+    auto* opencv = program.add_flag(
+        "--opencv", arguments.opencv,
+        "also measure OpenCV's StereoBM and StereoSGBM (HH and 3WAY), and count the scenes won: ours at most "
+        "the best of OpenCV, both as --fair has them");
+    auto* fair = program.add_flag(
+        "--fair", arguments.fair,
+        "each result twice: as it is, and with every pixel judged (OpenCV on padded images, rejected pixels "
+        "filled); bad-1.0, non-occluded");
+    auto* paper = program.add_flag(
+        "--paper", arguments.paper,
+        "table 6 of the paper: bad-1.0, non-occluded, Cones, Tsukuba, Teddy, Sawtooth with 128, 32, 128, 32 "
+        "disparities, all methods, whole pixels, rejected pixels filled");
+    fair->excludes(paper);
+    auto* fractions = program.add_flag(
+        "--fractions", arguments.fractions,
+        "sub-pixel accuracy instead: bad-0.5, and the share of pixels at most 1/16 px from a whole number");
+    fractions->excludes(paper);
+    program
+        .add_flag(
+            "--confidence", arguments.confidence,
+            "how often pixels of each confidence are right (off by at most 1 px), and one sigma of the right ones in "
+            "px, instead; of each half with --halves")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes(opencv);
+    program
+        .add_flag("--thin", arguments.thin,
+                  "how many pixels of poles and wires of each width are found (at most 1 px off), instead; rendered "
+                  "scenes know them")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes("--confidence");
+    program
+        .add_flag(
+            "--scan", arguments.scan,
+            "what obstacle scans show, instead. Of made-up courses: DATA is courses:SEED, other seeds give other "
+            "courses; --repeat says how many of each kind, default 8. Of scenes with ground truth and a calibration: "
+            "against the scan that the true disparities give. The preset is obstacles unless --preset says otherwise")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes("--thin")
+        ->excludes(opencv);
+    arguments.scan_options.add_to(program)->needs("--scan");
+    tools::add_real(
+        program, "--scale", arguments.scale, 0.001, 65535.0,
+        "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");
+    tools::add_integer(program, "--repeat", arguments.repeat, 1, 1000,
+                       "runs per scene; the median of their times counts; default 1");
+    tools::add_integer(program, "--workers", arguments.workers, 0, 256, "worker threads; default 0: one per core");
+    tools::add_integer(
+        program, "--halves", arguments.halves, 0, 2147483647,
+        "split the scenes at random into two halves, to tune on one and judge on the other: the means of "
+        "each half and the names of its scenes; SEED, 0 .. 2147483647: the same seed gives the same halves")
+        ->type_name("SEED");
+    tools::add_real(
+        program, "--noise", arguments.noise, 0, 64,
+        "add Gaussian noise to both images before any matching, OpenCV's too; SIGMA in grey levels, 0 .. 64; "
+        "each run adds the same noise")
+        ->type_name("SIGMA");
+    program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
+    program.add_flag(
+        "--json", arguments.json,
+        "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
+        "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
+        "sparsification_area, sigma_px, sigma_px_of_bins (16 numbers), weight and right (256 numbers each); with "
+        "--thin a list of objects: name, width (px, 0: more than 6), pixels, found");
+    program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
+    arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
+}
+
+}  // namespace disparityd::eval
