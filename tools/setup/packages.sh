@@ -90,7 +90,7 @@ install_listed() {
     (($#)) || return 0
     echo "These packages are missing:"
     printf '  %s\n' "$@"
-    tell_failure "error: apt-get could not install them, see above (disk full? no network?); run this again when it can" \
+    tell_failure "error: apt-get could not install them, see above (another package manager at work? disk full? no network?); run this again when it can" \
         apt "$yes" install --yes --no-install-recommends "$@"
 }
 
