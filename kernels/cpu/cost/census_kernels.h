@@ -8,7 +8,7 @@
 namespace disparityd::cpu {
 
 /// Puts the census of 9 x 7 and its matching cost into `kernels`, which are those of this instruction set and number of
-/// candidates. Null functions where the instruction set has none.
+/// candidates. Without kernels for it nothing changes.
 void use_census_9x7(std::int64_t target, int disparities, SgmKernels& kernels);
 
 }  // namespace disparityd::cpu
