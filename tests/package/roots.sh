@@ -2,6 +2,18 @@
 # shellcheck shell=bash
 # Sourced from the project's root by the tests of packages: Debian roots that are thrown away.
 
+# check_ready PROGRAM PACKAGES: ends it with status 2 where there are no packages, or its user may not make roots.
+check_ready() {
+    if ! compgen -G "$2/disparityd_*.deb" >/dev/null; then
+        echo "$1: error: $2 has no disparityd_*.deb: run tools/package first" >&2
+        exit 2
+    fi
+    if ((EUID != 0)); then
+        echo "$1: error: run by user $EUID, allowed: root, who may make a Debian root and mount in it" >&2
+        exit 2
+    fi
+}
+
 # fresh_root ROOTS NAME PACKAGES: ROOTS/NAME, a copy of the bare root ROOTS/bare, which is made once and kept; in it /root/packages.
 fresh_root() {
     local roots=$1 root=$1/$2 packages=$3

@@ -104,8 +104,18 @@ protected:
         });
     }
 
+    /// Starts the instance "left" on a rendered scene; `match` has more lines of its section [match].
+    void start_left(const std::string& uri, const std::string& match = "") const {
+        std::ofstream(fs::path(config_file()).replace_filename("left.toml"))
+            << "[source]\nuri = \"" << uri << "\"\n[match]\nmethod = \"sad\"\n"
+            << match << "disparities = 16\n[socket]\ntcp = \"\"\n";
+        const Said started = left_.order("start");
+        ASSERT_EQ(started.status, 0) << started.text << left_.journal();
+    }
+
     static std::unique_ptr<CameraProcess> camera_;
     const SystemUnit unit_{"disparityd.service"};
+    const SystemUnit left_{"disparityd@left.service"};
 };
 
 std::unique_ptr<CameraProcess> Systemd::camera_;
@@ -175,13 +185,8 @@ TEST_F(Systemd, ReloadTakesTheNewConfigurationAndKeepsClients) {
 }
 
 TEST_F(Systemd, AnInstanceHasWhatIsServedUnderItsNameBesideTheUnit) {
-    std::ofstream(fs::path(config_file()).replace_filename("left.toml"))
-        << "[source]\nuri = \"scene:vga@2?loop=1\"\n[match]\nmethod = \"sad\"\ndepth = false\n"
-           "disparities = 16\n[socket]\ntcp = \"\"\n";
-    const SystemUnit left("disparityd@left.service");
-    const Said started = left.order("start");
-    ASSERT_EQ(started.status, 0) << started.text << left.journal();
-    EXPECT_TRUE(left.comes_to_say("running, ")) << left.property("StatusText");
+    ASSERT_NO_FATAL_FAILURE(start_left("scene:vga@2?loop=1", "depth = false\n"));
+    EXPECT_TRUE(left_.comes_to_say("running, ")) << left_.property("StatusText");
     EXPECT_EQ(access_to("/run/disparityd/disparityd-left.sock"), "0660 disparityd");
     EXPECT_EQ(access_to("/dev/shm/disparityd.left"), "0640 disparityd");
     EXPECT_EQ(access_to("/var/lib/disparityd/left"), "0750 disparityd");
@@ -189,7 +194,7 @@ TEST_F(Systemd, AnInstanceHasWhatIsServedUnderItsNameBesideTheUnit) {
     disparity::Frame frame;
     EXPECT_EQ(reader.read(frame, patience), disparity::ReadResult::frame);
 
-    const Said stopped = left.order("stop");
+    const Said stopped = left_.order("stop");
     EXPECT_EQ(stopped.status, 0) << stopped.text;
     EXPECT_FALSE(fs::exists("/run/disparityd/disparityd-left.sock"));
     EXPECT_FALSE(fs::exists("/dev/shm/disparityd.left"));
@@ -210,12 +215,7 @@ TEST_F(Systemd, TheWatchdogEndsADaemonThatStandsStillAndStartsAnother) {
 }
 
 TEST_F(Systemd, ClientsReturnToADaemonThatHasCrashed) {
-    std::ofstream(fs::path(config_file()).replace_filename("left.toml"))
-        << "[source]\nuri = \"scene:vga@2?width=320&height=176&loop=1\"\n[match]\nmethod = \"sad\"\n"
-           "disparities = 16\n[socket]\ntcp = \"\"\n";
-    const SystemUnit left("disparityd@left.service");
-    const Said started = left.order("start");
-    ASSERT_EQ(started.status, 0) << started.text << left.journal();
+    ASSERT_NO_FATAL_FAILURE(start_left("scene:vga@2?width=320&height=176&loop=1"));
     const ReadingProgram in_cpp({"/vm/daemon_readme_loop", "left"});
     EXPECT_TRUE(in_cpp.goes_on()) << in_cpp.said();
     // Where the packages are installed, Python is there too.
@@ -226,14 +226,14 @@ TEST_F(Systemd, ClientsReturnToADaemonThatHasCrashed) {
         EXPECT_TRUE(in_python->goes_on()) << in_python->said();
     }
 
-    const int process = left.main_process();
+    const int process = left_.main_process();
     ASSERT_EQ(::kill(process, SIGSEGV), 0);
-    EXPECT_TRUE(eventually([&] { return left.property("NRestarts") == "1"; }, 4 * patience));  // a core may be written
-    EXPECT_TRUE(left.comes_to_say("running, ")) << left.journal();
-    EXPECT_NE(left.main_process(), process);
+    EXPECT_TRUE(eventually([&] { return left_.property("NRestarts") == "1"; }, 4 * patience));  // a core may be written
+    EXPECT_TRUE(left_.comes_to_say("running, ")) << left_.journal();
+    EXPECT_NE(left_.main_process(), process);
     EXPECT_TRUE(in_cpp.goes_on()) << in_cpp.said();
     EXPECT_TRUE(!in_python || in_python->goes_on()) << in_python->said();
-    EXPECT_EQ(left.order("stop").status, 0);
+    EXPECT_EQ(left_.order("stop").status, 0);
 }
 
 TEST_F(Systemd, TheDropInForRealTimeSchedulesAllThreadsBeforeOthers) {
