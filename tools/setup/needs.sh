@@ -16,6 +16,16 @@ missing_programs() {
     command -v pkg-config >/dev/null || echo pkg-config
 }
 
+# cmake_fits: CMake is new enough to be asked.
+cmake_fits() {
+    local wanted=3.22 found
+    found=$(cmake --version 2>/dev/null | sed -n '1s/.*version //p')
+    if ! printf '%s\n' "$wanted" "$found" | sort --check=quiet --version-sort; then
+        echo "error: CMake $wanted or newer is needed; found '$found' ($(command -v cmake)). Install a newer one and run this again: docs/install.md says from where" >&2
+        return 1
+    fi
+}
+
 # report_needs: asks CMake, in a build folder of its own.
 report_needs() {
     rm -rf build/needs  # CMake keeps what pkg-config once found
@@ -60,11 +70,12 @@ packages_for() {
     return 1
 }
 
-# tell_missing: a line on standard input, as of missing_needs, is an error that says what can be done.
+# tell_missing WHY: a line on standard input, as of missing_needs, is an error that says what can be done. "@" in WHY stands for
+# the packages.
 tell_missing() {
     local what packages hint
     while IFS=$'\t' read -r what packages hint; do
-        echo "error: $what is needed, and apt has none here that is new enough (${packages//|/, or })${hint:+; $hint}. docs/install.md says what else can be done" >&2
+        echo "error: $what is needed, ${1/@/${packages//|/, or }}${hint:+; $hint}. docs/install.md says what else can be done" >&2
     done
 }
 
@@ -92,7 +103,7 @@ ensure_needs() {
     if ((${#programs[@]})); then
         update_lists "$yes" && install_listed "$yes" "${programs[@]}" || return 1
     fi
-    report_needs || return 1
+    cmake_fits && report_needs || return 1
     all_missing=$(missing_needs "$@")
     [[ -n $all_missing ]] || return 0
 
@@ -103,7 +114,7 @@ ensure_needs() {
         return 1
     fi
     if ((${#needs_unknown[@]})); then
-        printf '%s\n' "${needs_unknown[@]}" | tell_missing
+        printf '%s\n' "${needs_unknown[@]}" | tell_missing "and apt has none here that is new enough (@)"
         return 1
     fi
     if ((needs_highway)); then
@@ -120,7 +131,7 @@ ensure_needs() {
     report_needs || return 1
     all_missing=$(missing_needs "$@")
     if [[ -n $all_missing ]]; then
-        tell_missing <<<"$all_missing"
+        tell_missing "and is not found although packages for it are installed (@)" <<<"$all_missing"
         return 1
     fi
 }
