@@ -47,9 +47,13 @@ void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, con
                 }
             }
         }
+        bool counted = false;
         for (int x = 0; x < counts.width; ++x) {
-            counts.middle_bins_of(group)[x] = judge(pixels, geometry, band, x, geometry.group_middle(group)).bin;
+            const std::uint8_t bin = judge(pixels, geometry, band, x, geometry.group_middle(group)).bin;
+            counts.middle_bins_of(group)[x] = bin;
+            counted = counted || bin != scan::no_bin;
         }
+        counts.middle_counted[static_cast<std::size_t>(group)] = counted ? 1 : 0;
     }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace disparityd::scan {
 namespace {
@@ -65,54 +66,86 @@ bool solve(std::array<Row, 3>& m) {
 }  // namespace
 
 GroundFit::GroundFit() {
-    points_.resize(std::size_t{2} * grid_rows * 2 * grid_columns);
+    grid_.reserve(std::size_t{2} * grid_rows * 2 * grid_columns);
+    points_.resize(grid_.capacity());
     sample_.reserve(2 * sample_size);
 }
 
-void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
-    point_count_ = 0;
-    sample_.clear();
+void GroundFit::set(const Geometry& geometry) {
+    grid_.clear();
     const Camera& camera = geometry.camera();
     const Rays& rays = geometry.rays();
-    const int step_y = std::max(camera.height / grid_rows, 1);
-    const int step_x = std::max(camera.width / grid_columns, 1);
+    step_y_ = std::max(camera.height / grid_rows, 1);
+    step_x_ = std::max(camera.width / grid_columns, 1);
+    first_y_ = step_y_ / 2;
     const auto k = static_cast<double>(camera.scale.k);
-    const double h = 1000 * geometry.options().camera_height_m;
-    const double step = largest_step(h);
-    for (int y = step_y / 2; y < camera.height; y += step_y) {
-        for (int x = step_x / 2; x < camera.width; x += step_x) {
-            const double n = pixels.disparity.at(x, y) + camera.scale.offset16;
-            const int measured =
-                static_cast<int>(pixels.confidence.at(x, y) > 0) &
-                static_cast<int>(n * geometry.weights(y / group_rows)[x] >= geometry.limits().seen * weight_one);
+    for (int y = first_y_; y < camera.height; y += step_y_) {
+        // Below a camera that has the ground under it, no ray that rises more than this meets it.
+        bool may_show = geometry.options().camera_height_m <= 0;
+        for (int x = step_x_ / 2; x < camera.width; x += step_x_) {
             const double up = rays.up(x, y);
             const double ahead = rays.ahead(x, y);
             const double left = rays.left(x, y);
-            // n times the height above the configured ground, against n times what slope and step allow there.
             const double horizontal = std::sqrt(ahead * ahead + left * left);
-            const int near =
-                static_cast<int>(std::abs(h * n + k * up) <= step * n + 1.5 * max_ground_slope * k * horizontal);
-            // Written in any case, counted or not: branches would be guessed wrongly at every edge.
-            points_[point_count_] = {static_cast<float>(n), static_cast<float>(-k * up), static_cast<float>(k * ahead),
-                                     static_cast<float>(k * left)};
-            point_count_ += static_cast<std::size_t>(measured & near);
+            grid_.push_back({k * up, 1.5 * max_ground_slope * k * horizontal, static_cast<float>(-k * up),
+                             static_cast<float>(k * ahead), static_cast<float>(k * left),
+                             geometry.weights(y / group_rows)[x]});
+            may_show = may_show || grid_.back().rise <= grid_.back().slack;
+        }
+        if (!may_show && y == first_y_) {
+            grid_.clear();
+            first_y_ += step_y_;
         }
     }
+}
+
+void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
+    std::size_t count = 0;
+    Point* const points = points_.data();
+    const Camera& camera = geometry.camera();
+    const double h = 1000 * geometry.options().camera_height_m;
+    const double step = largest_step(h);
+    const double least = geometry.limits().seen * weight_one;
+    const GridPixel* at = grid_.data();
+    for (int y = first_y_; y < camera.height; y += step_y_) {
+        const std::int16_t* disparity = pixels.disparity.row(y);
+        const std::uint8_t* confidence = pixels.confidence.row(y);
+        for (int x = step_x_ / 2; x < camera.width; x += step_x_, ++at) {
+            const double n = disparity[x] + camera.scale.offset16;
+            const int measured = static_cast<int>(confidence[x] > 0) & static_cast<int>(n * at->weight >= least);
+            // n times the height above the configured ground, against n times what slope and step allow there.
+            const int near = static_cast<int>(std::abs(h * n + at->rise) <= step * n + at->slack);
+            // Written in any case, counted or not: branches would be guessed wrongly at every edge.
+            points[count] = {static_cast<float>(n), at->up, at->ahead, at->left};
+            count += static_cast<std::size_t>(measured & near);
+        }
+    }
+    point_count_ = count;
+    sample_.clear();
     const std::size_t every = std::max<std::size_t>(point_count_ / sample_size, 1);
     for (std::size_t i = every / 2; i < point_count_; i += every) {
         sample_.push_back(points_[i]);
     }
 }
 
-int GroundFit::score(const Parameters& plane, float tolerance) const {
+/// Returns a score that is more than `best`, or any other that is not.
+int GroundFit::score(const Parameters& plane, float tolerance, int best) const {
     const auto p = static_cast<float>(plane.p);
     const auto q = static_cast<float>(plane.q);
     const auto t = static_cast<float>(plane.t);
+    constexpr std::size_t part = 64;
     int score = 0;
-    for (const Point& point : sample_) {
-        const float above = point.n - (point.up * p + point.ahead * q + point.left * t);
-        // What is seen below a plane speaks against it.
-        score += (std::abs(above) <= tolerance ? 2 : 0) - (above < -2 * tolerance ? 1 : 0);
+    for (std::size_t begin = 0; begin < sample_.size(); begin += part) {
+        const std::size_t left = sample_.size() - begin;
+        // Most planes are far off, which the first points show.
+        if (score + 2 * static_cast<int>(left) <= best) {
+            break;
+        }
+        for (const Point& point : std::span(sample_).subspan(begin, std::min(part, left))) {
+            const float above = point.n - (point.up * p + point.ahead * q + point.left * t);
+            // What is seen below a plane speaks against it.
+            score += (std::abs(above) <= tolerance ? 2 : 0) - (above < -2 * tolerance ? 1 : 0);
+        }
     }
     return score;
 }
@@ -130,11 +163,12 @@ std::optional<GroundFit::Parameters> GroundFit::through(std::size_t a, std::size
     return Parameters{m[0][3], m[1][3], m[2][3]};
 }
 
-std::optional<GroundFit::Parameters> GroundFit::least_squares(const Parameters& plane, float tolerance,
-                                                              int& inliers) const {
+/// Returns the plane through those of the points that lie on `plane`, by least squares.
+std::optional<GroundFit::Parameters> GroundFit::least_squares(std::span<const Point> points, const Parameters& plane,
+                                                              float tolerance, int& inliers) {
     std::array<Row, 3> m{};
     inliers = 0;
-    for (const Point& point : points()) {
+    for (const Point& point : points) {
         const std::array<double, 4> row{point.up, point.ahead, point.left, point.n};
         const double above = row[3] - (row[0] * plane.p + row[1] * plane.q + row[2] * plane.t);
         if (std::abs(above) > tolerance) {
@@ -174,7 +208,7 @@ std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& 
     const auto tolerance = static_cast<float>(std::max(8.0, 2.5 * 16 * geometry.options().subpixel_error_px));
     const double p = 1 / (h - 1000 * near.height_m);
     Parameters best{p, p * near.slope_ahead, p * near.slope_left};
-    int best_score = score(best, tolerance);
+    int best_score = score(best, tolerance, std::numeric_limits<int>::min());
     Random random;
     for (int i = 0; i < tries; ++i) {
         const std::size_t a = random.below(sample_.size());
@@ -184,15 +218,17 @@ std::optional<GroundPlane> GroundFit::fit(const Pixels& pixels, const Geometry& 
         if (!plane || !allowed(*plane, h)) {
             continue;
         }
-        const int found = score(*plane, tolerance);
+        const int found = score(*plane, tolerance, best_score);
         if (found > best_score) {
             best_score = found;
             best = *plane;
         }
     }
     int inliers = 0;
-    for (int i = 0; i < 3; ++i) {
-        const auto better = least_squares(best, tolerance, inliers);
+    const std::span<const Point> all{points_.data(), point_count_};
+    for (const std::span<const Point> points :
+         {std::span<const Point>(sample_), std::span<const Point>(sample_), all}) {
+        const auto better = least_squares(points, best, tolerance, inliers);
         if (!better || !allowed(*better, h)) {
             return std::nullopt;
         }

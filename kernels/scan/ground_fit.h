@@ -24,11 +24,21 @@ public:
     /// Reserves all memory.
     GroundFit();
 
+    /// Computes what follows from the geometry alone; to be called after Geometry::set().
+    void set(const Geometry& geometry);
+
     /// Returns the plane that most of the pixels near the configured ground lie on; nothing where too few do. `near`: a
     /// plane that is tried first.
     std::optional<GroundPlane> fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near);
 
 private:
+    /// A pixel that is looked at: what is known of it before the image. `rise` and `slack` belong to the test of
+    /// height, the others are those of a Point.
+    struct GridPixel {
+        double rise, slack;
+        float up, ahead, left;
+        std::uint16_t weight;
+    };
     /// A pixel that may show the ground: its disparity n, and what that is per unit of the plane's three parameters.
     struct Point {
         float n, up, ahead, left;
@@ -39,16 +49,19 @@ private:
     };
 
     void collect(const Pixels& pixels, const Geometry& geometry);
-    int score(const Parameters& plane, float tolerance) const;
+    int score(const Parameters& plane, float tolerance, int best) const;
     std::optional<Parameters> through(std::size_t a, std::size_t b, std::size_t c) const;
-    std::optional<Parameters> least_squares(const Parameters& plane, float tolerance, int& inliers) const;
+    static std::optional<Parameters> least_squares(std::span<const Point> points, const Parameters& plane,
+                                                   float tolerance, int& inliers);
     bool allowed(const Parameters& plane, double h) const;
 
-    std::span<const Point> points() const { return {points_.data(), point_count_}; }
-
-    std::vector<Point> points_;  ///< the first point_count_ of them count
+    int first_y_ = 0;
+    int step_y_ = 1;
+    int step_x_ = 1;
+    std::vector<GridPixel> grid_;  ///< row by row
+    std::vector<Point> points_;    ///< the first point_count_ of them count
     std::size_t point_count_ = 0;
-    std::vector<Point> sample_;  ///< some of them, evenly
+    std::vector<Point> sample_;  ///< some of the points, evenly
 };
 
 }  // namespace disparityd::scan

@@ -55,6 +55,7 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         decision_.set(geometry_);
+        ground_fit_.set(geometry_);
         band_ground_.reset();
     }
     if (!camera.metric()) {

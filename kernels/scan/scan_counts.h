@@ -26,7 +26,8 @@ struct Counts {
           width(image_width),
           obstacle((static_cast<std::size_t>(sector_count) + 1) * bins),
           seen(static_cast<std::size_t>(sector_count) * static_cast<std::size_t>(group_count)),
-          middle_bins(static_cast<std::size_t>(group_count) * static_cast<std::size_t>(image_width)) {}
+          middle_bins(static_cast<std::size_t>(group_count) * static_cast<std::size_t>(image_width)),
+          middle_counted(static_cast<std::size_t>(group_count)) {}
 
     std::uint32_t* obstacle_of(int sector) { return &obstacle[static_cast<std::size_t>(sector) * bins]; }
     const std::uint32_t* obstacle_of(int sector) const { return &obstacle[static_cast<std::size_t>(sector) * bins]; }
@@ -53,8 +54,9 @@ struct Counts {
     /// By sector and bin. The last bin of each, and a sector more, hold what is counted nowhere else; their values are
     /// not defined.
     std::vector<std::uint32_t> obstacle;
-    std::vector<std::uint32_t> seen;        ///< by sector and group
-    std::vector<std::uint8_t> middle_bins;  ///< by group and column: no_bin where a pixel is not counted in a bin
+    std::vector<std::uint32_t> seen;           ///< by sector and group
+    std::vector<std::uint8_t> middle_bins;     ///< by group and column: no_bin where a pixel is not counted in a bin
+    std::vector<std::uint8_t> middle_counted;  ///< by group: 1 where that row has a pixel in a bin, else 0
 };
 
 /// Step 14, the part that looks at every pixel: fills in all of `counts`. Image, geometry, band and counts have one

@@ -57,6 +57,7 @@ Geometry::Geometry(int width, int height, const ScanOptions& options)
       groups_((height + group_rows - 1) / group_rows),
       weights_(index(groups_) * index(width)),
       edges_(index(groups_) * (index(options.sectors) + 1)),
+      sector_of_(index(groups_) * index(width)),
       rises_(index(options.sectors) * (index(groups_) + 1)),
       cos_(index(options.sectors)),
       sin_(index(options.sectors)) {
@@ -146,6 +147,11 @@ void Geometry::set_group(int group) {
     }
     for (int s = 1; s <= sectors(); ++s) {
         edge[s] = std::min(edge[s], edge[s - 1]);
+    }
+    std::uint16_t* sector = &sector_of_[index(group) * index(camera_.width)];
+    std::fill_n(sector, camera_.width, static_cast<std::uint16_t>(sectors()));
+    for (int s = 0; s < sectors(); ++s) {
+        std::fill(sector + edge[s + 1], sector + edge[s], static_cast<std::uint16_t>(s));
     }
 }
 

@@ -97,6 +97,10 @@ public:
     const std::int16_t* edges(int group) const {
         return &edges_[static_cast<std::size_t>(group) * (static_cast<std::size_t>(sectors()) + 1)];
     }
+    /// The sector of each column; sectors() where it has none.
+    const std::uint16_t* sectors_of_columns(int group) const {
+        return &sector_of_[static_cast<std::size_t>(group) * static_cast<std::size_t>(camera_.width)];
+    }
     /// What a ray rises per horizontal metre, in the middle of a sector at the upper edge of a group, 0 .. groups().
     double rise(int sector, int group_edge) const {
         return rises_[static_cast<std::size_t>(sector) * (static_cast<std::size_t>(groups_) + 1) +
@@ -130,6 +134,7 @@ private:
     Limits limits_;
     std::vector<std::uint16_t> weights_;
     std::vector<std::int16_t> edges_;
+    std::vector<std::uint16_t> sector_of_;
     std::vector<double> rises_;
     std::vector<double> cos_;  ///< of the middle of each sector
     std::vector<double> sin_;

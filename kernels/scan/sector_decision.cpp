@@ -237,6 +237,9 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
     int confidence = 0;
     int seen = 0;
     for (int group = 0; group < geometry.groups(); ++group) {
+        if (counts.middle_counted[index(group)] == 0) {
+            continue;
+        }
         const int y = geometry.group_middle(group);
         const std::int16_t* edges = geometry.edges(group);
         const std::uint8_t* bin = counts.middle_bins_of(group);

@@ -21,10 +21,11 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sorts the pixels of a row into bins and counts them.
+/// Sorts the pixels of a group of rows into bins and counts them, some columns after the other.
 class ScanBins {
     using Numbers = hn::ScalableTag<std::int16_t>;
     using Words = hn::RebindToUnsigned<Numbers>;
+    using Places = hn::RepartitionToWide<Words>;
     using Bytes = hn::Rebind<std::uint8_t, Numbers>;
     using V = hn::Vec<Numbers>;
     using Mask = hn::Mask<Numbers>;
@@ -32,61 +33,66 @@ class ScanBins {
 public:
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
 
-    ScanBins(const scan::Geometry& geometry, const scan::Band& band)
-        : band_(band),
+    ScanBins(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band)
+        : pixels_(pixels),
+          geometry_(geometry),
+          band_(band),
           offset_(number(std::clamp(geometry.camera().scale.offset16, -32768, 32767))),
           too_unsure_(number(geometry.options().min_confidence - 1)),
           too_far_(number(geometry.limits().seen - 1)),
           no_obstacle_(number(geometry.limits().obstacle - 1)),
           too_near_(number(geometry.limits().nearest + 1)) {}
 
-    /// Adds the pixels of a row to `count`, at the counters of their columns, and adds 1 to `seen` where one is known.
-    /// `kept` gets their bins, if it is not null.
-    HWY_INLINE void row(const scan::Pixels& pixels, const std::uint16_t* weights, int y, const std::uint32_t* counters,
-                        std::uint32_t* count, std::int16_t* seen, std::uint8_t* kept) const {
+    /// Adds 1 to `seen` in the columns of this row where one is known. `places` gets where the counters of its
+    /// obstacles are, and some that nobody reads; returns how many. `kept` gets the bins, if it is not null.
+    HWY_INLINE std::size_t row(int group, int y, std::int16_t* seen, std::uint32_t* places, std::uint8_t* kept) const {
+        const std::int16_t* const disparity = pixels_.disparity.row(y);
+        const std::uint8_t* const sureness = pixels_.confidence.row(y);
+        const std::uint16_t* const weights = geometry_.weights(group);
+        const std::uint16_t* const sectors = geometry_.sectors_of_columns(group);
+        const std::int16_t* const low_of_columns = band_.low_of_columns();
+        const std::int16_t* const high_of_columns = band_.high_of_columns();
         const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
         const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
-        const int width = pixels.disparity.width;
-        HWY_ALIGN std::array<std::uint8_t, lanes> bins;
+        const bool above = band_.above();
+        const int width = pixels_.disparity.width;
+        std::size_t placed = 0;
         for (int begin = 0; begin < width; begin += lanes) {
             const int x = std::min(begin, width - lanes);
-            const V n = hn::SaturatedAdd(hn::LoadU(Numbers(), pixels.disparity.row(y) + x), offset_);
-            const V confidence = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), pixels.confidence.row(y) + x));
-            const V positive = hn::Min(hn::Max(n, hn::Zero(Numbers())), hn::Set(Numbers(), 16383));
+            const V n = hn::SaturatedAdd(hn::LoadU(Numbers(), disparity + x), offset_);
+            const V confidence = hn::PromoteTo(Numbers(), hn::LoadU(Bytes(), sureness + x));
+            const V at_most = hn::Min(n, hn::Set(Numbers(), 16383));
             const V weight = hn::BitCast(Numbers(), hn::LoadU(Words(), weights + x));
-            const V at_distance = hn::MulFixedPoint15(hn::Add(positive, positive), weight);
+            const V at_distance = hn::MulFixedPoint15(hn::SaturatedAdd(at_most, at_most), weight);
             const Mask measured = hn::And(hn::Gt(confidence, hn::Zero(Numbers())),
                                           hn::And(hn::Gt(at_distance, too_far_), hn::Gt(too_near_, at_distance)));
-            const V low = hn::Add(hn::LoadU(Numbers(), band_.low_of_columns() + x), low_of_row);
-            const V high = hn::Add(hn::LoadU(Numbers(), band_.high_of_columns() + x), high_of_row);
-            const Mask below_high = band_.above() ? hn::Lt(n, high) : hn::Gt(n, high);
+            const V low = hn::Add(hn::LoadU(Numbers(), low_of_columns + x), low_of_row);
+            const V high = hn::Add(hn::LoadU(Numbers(), high_of_columns + x), high_of_row);
+            const Mask below_high = above ? hn::Lt(n, high) : hn::Gt(n, high);
             const Mask in_band = hn::And(below_high, hn::Not(hn::Gt(low, n)));
             const Mask obstacle = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
-            const Mask counts = hn::And(obstacle, hn::Gt(confidence, too_unsure_));
+            Mask counts = hn::And(obstacle, hn::Gt(confidence, too_unsure_));
 
             // What may be an obstacle, but is unsure, says nothing.
             Mask known = hn::Or(counts, hn::AndNot(obstacle, measured));
+            if (kept != nullptr) {
+                const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
+                hn::StoreU(hn::DemoteTo(Bytes(), bin), Bytes(), kept + x);
+            }
             if (x < begin) {
                 // The last vector overlaps the one before it: what that has counted is not counted again.
-                const V columns = hn::Iota(Numbers(), static_cast<std::int16_t>(x));
-                known = hn::And(known, hn::Gt(columns, number(begin - 1)));
+                const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)), number(begin - 1));
+                known = hn::And(known, fresh);
+                counts = hn::And(counts, fresh);
             }
             hn::StoreU(hn::Sub(hn::LoadU(Numbers(), seen + x), hn::VecFromMask(Numbers(), known)), Numbers(), seen + x);
-
-            const bool any = !hn::AllFalse(Numbers(), counts);
-            if (any || kept != nullptr) {
+            if (!hn::AllFalse(Numbers(), counts)) {
                 const V bin = hn::IfThenElse(counts, bin_of(at_distance), hn::Set(Numbers(), scan::no_bin));
-                hn::Store(hn::DemoteTo(Bytes(), bin), Bytes(), bins.data());
-            }
-            if (kept != nullptr) {
-                std::copy(bins.begin(), bins.end(), kept + x);
-            }
-            if (any) {
-                for (int i = begin - x; i < lanes; ++i) {
-                    ++count[counters[x + i] + bins[static_cast<std::size_t>(i)]];
-                }
+                find_places(hn::BitCast(Words(), bin), hn::LoadU(Words(), sectors + x), places + placed);
+                placed += lanes;
             }
         }
+        return placed;
     }
 
 private:
@@ -98,12 +104,27 @@ private:
         V bin = quarters;
         bin = hn::Min(bin, hn::Add(hn::ShiftRight<1>(quarters), hn::Set(Numbers(), 32)));
         bin = hn::Min(bin, hn::Add(hn::ShiftRight<2>(quarters), hn::Set(Numbers(), 64)));
+        // Hardly anything is nearer than 64 px.
+        if (HWY_LIKELY(hn::AllFalse(Numbers(), hn::Gt(quarters, hn::Set(Numbers(), 256))))) {
+            return bin;
+        }
         bin = hn::Min(bin, hn::Add(hn::ShiftRight<3>(quarters), hn::Set(Numbers(), 96)));
         bin = hn::Min(bin, hn::Add(hn::ShiftRight<4>(quarters), hn::Set(Numbers(), 128)));
         bin = hn::Min(bin, hn::Add(hn::ShiftRight<5>(quarters), hn::Set(Numbers(), 160)));
         return hn::Min(bin, hn::Add(hn::ShiftRight<6>(quarters), hn::Set(Numbers(), 192)));
     }
 
+    /// Where the counters of these bins of these sectors are, in any order.
+    static HWY_INLINE void find_places(hn::Vec<Words> bins, hn::Vec<Words> sectors, std::uint32_t* places) {
+        static_assert(scan::bins == 256);
+        const auto low = hn::Or(hn::ShiftLeft<8>(sectors), bins);
+        const auto high = hn::ShiftRight<8>(sectors);
+        hn::Store(hn::ZipLower(Places(), low, high), Places(), places);
+        hn::Store(hn::ZipUpper(Places(), low, high), Places(), places + lanes / 2);
+    }
+
+    const scan::Pixels pixels_;
+    const scan::Geometry& geometry_;
     const scan::Band& band_;
     V offset_;
     V too_unsure_;
@@ -111,16 +132,6 @@ private:
     V no_obstacle_;
     V too_near_;
 };
-
-/// Where the counters of each column's sector begin; columns without a sector have those that nobody reads.
-inline void find_counters(const scan::Geometry& geometry, int group, int width, std::uint32_t* counters) {
-    const std::int16_t* edges = geometry.edges(group);
-    const auto none = static_cast<std::uint32_t>(geometry.sectors() * scan::bins);
-    std::fill_n(counters, width, none);
-    for (int s = 0; s < geometry.sectors(); ++s) {
-        std::fill(counters + edges[s + 1], counters + edges[s], static_cast<std::uint32_t>(s * scan::bins));
-    }
-}
 
 inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
                         scan::Counts& counts) {
@@ -130,24 +141,31 @@ inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geomet
         return;
     }
     std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
-    const ScanBins row_bins(geometry, band);
+    const ScanBins bins(pixels, geometry, band);
     std::array<std::int16_t, max_side> seen;
-    std::array<std::uint32_t, max_side> counters;
-    std::uint32_t* count = counts.obstacle.data();
+    std::array<std::int32_t, max_side + 1> seen_before;  // in the columns before this one
+    HWY_ALIGN std::array<std::uint32_t, max_side + ScanBins::lanes> places;
+    std::uint32_t* const count = counts.obstacle.data();
     for (int group = 0; group < counts.groups; ++group) {
-        find_counters(geometry, group, width, counters.data());
         std::fill_n(seen.data(), width, std::int16_t{0});
-        for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
+        for (int y = group * scan::group_rows, end = geometry.group_end(group); y < end; ++y) {
             std::uint8_t* const kept = y == geometry.group_middle(group) ? counts.middle_bins_of(group) : nullptr;
-            row_bins.row(pixels, geometry.weights(group), y, counters.data(), count, seen.data(), kept);
+            const std::size_t placed = bins.row(group, y, seen.data(), places.data(), kept);
+            for (std::size_t i = 0; i < placed; ++i) {
+                ++count[places[i]];
+            }
+            if (kept != nullptr) {
+                counts.middle_counted[static_cast<std::size_t>(group)] = placed > 0 ? 1 : 0;
+            }
+        }
+        seen_before[0] = 0;
+        for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
+            seen_before[x + 1] = seen_before[x] + seen[x];
         }
         const std::int16_t* edges = geometry.edges(group);
         for (int s = 0; s < counts.sectors; ++s) {
-            int sum = 0;
-            for (int x = edges[s + 1]; x < edges[s]; ++x) {
-                sum += seen[static_cast<std::size_t>(x)];
-            }
-            counts.seen_of(s, group) = static_cast<std::uint32_t>(sum);
+            counts.seen_of(s, group) = static_cast<std::uint32_t>(seen_before[static_cast<std::size_t>(edges[s])] -
+                                                                  seen_before[static_cast<std::size_t>(edges[s + 1])]);
         }
     }
 }

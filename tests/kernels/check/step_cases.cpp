@@ -223,6 +223,7 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
         data->buffers.memory<std::uint32_t>(static_cast<std::size_t>(options.sectors) * scan::used_bins, true);
     const auto seen = data->buffers.memory<std::uint32_t>(counts->seen.size(), true);
     const auto middle_bins = data->buffers.memory<std::uint8_t>(counts->middle_bins.size(), true);
+    const auto middle_counted = data->buffers.memory<std::uint8_t>(counts->middle_counted.size(), true);
     return {[=](const FrameSteps& steps) {
                 steps.scan_counts({disparity->plane(), confidence->plane()}, *geometry, *band, *counts);
                 for (int s = 0; s < counts->sectors; ++s) {
@@ -231,6 +232,7 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
                 }
                 std::copy(counts->seen.begin(), counts->seen.end(), seen.begin());
                 std::copy(counts->middle_bins.begin(), counts->middle_bins.end(), middle_bins.begin());
+                std::copy(counts->middle_counted.begin(), counts->middle_counted.end(), middle_counted.begin());
             },
             {}};
 }
