@@ -66,34 +66,36 @@ bool solve(std::array<Row, 3>& m) {
 }  // namespace
 
 GroundFit::GroundFit() {
-    grid_.reserve(std::size_t{2} * grid_rows * 2 * grid_columns);
-    points_.resize(grid_.capacity());
+    constexpr std::size_t most = std::size_t{2} * grid_rows * 2 * grid_columns;
+    columns_.reserve(std::size_t{2} * grid_columns);
+    slack_.reserve(most);
+    points_.resize(most);
     sample_.reserve(2 * sample_size);
 }
 
 void GroundFit::set(const Geometry& geometry) {
-    grid_.clear();
+    columns_.clear();
+    slack_.clear();
     const Camera& camera = geometry.camera();
     const Rays& rays = geometry.rays();
     step_y_ = std::max(camera.height / grid_rows, 1);
-    step_x_ = std::max(camera.width / grid_columns, 1);
+    const int step_x = std::max(camera.width / grid_columns, 1);
+    for (int x = step_x / 2; x < camera.width; x += step_x) {
+        columns_.push_back({x, rays.up(x, 0), rays.ahead(x, 0), rays.left(x, 0)});
+    }
     first_y_ = step_y_ / 2;
     const auto k = static_cast<double>(camera.scale.k);
     for (int y = first_y_; y < camera.height; y += step_y_) {
         // Below a camera that has the ground under it, no ray that rises more than this meets it.
         bool may_show = geometry.options().camera_height_m <= 0;
-        for (int x = step_x_ / 2; x < camera.width; x += step_x_) {
-            const double up = rays.up(x, y);
-            const double ahead = rays.ahead(x, y);
-            const double left = rays.left(x, y);
-            const double horizontal = std::sqrt(ahead * ahead + left * left);
-            grid_.push_back({k * up, 1.5 * max_ground_slope * k * horizontal, static_cast<float>(-k * up),
-                             static_cast<float>(k * ahead), static_cast<float>(k * left),
-                             geometry.weights(y / group_rows)[x]});
-            may_show = may_show || grid_.back().rise <= grid_.back().slack;
+        for (const Column& column : columns_) {
+            const double ahead = rays.ahead(column.x, y);
+            const double left = rays.left(column.x, y);
+            slack_.push_back(1.5 * max_ground_slope * k * std::sqrt(ahead * ahead + left * left));
+            may_show = may_show || k * rays.up(column.x, y) <= slack_.back();
         }
         if (!may_show && y == first_y_) {
-            grid_.clear();
+            slack_.clear();
             first_y_ += step_y_;
         }
     }
@@ -103,20 +105,30 @@ void GroundFit::collect(const Pixels& pixels, const Geometry& geometry) {
     std::size_t count = 0;
     Point* const points = points_.data();
     const Camera& camera = geometry.camera();
+    const Rays& rays = geometry.rays();
+    const auto k = static_cast<double>(camera.scale.k);
     const double h = 1000 * geometry.options().camera_height_m;
     const double step = largest_step(h);
     const double least = geometry.limits().seen * weight_one;
-    const GridPixel* at = grid_.data();
+    const double* slack = slack_.data();
     for (int y = first_y_; y < camera.height; y += step_y_) {
         const std::int16_t* disparity = pixels.disparity.row(y);
         const std::uint8_t* confidence = pixels.confidence.row(y);
-        for (int x = step_x_ / 2; x < camera.width; x += step_x_, ++at) {
-            const double n = disparity[x] + camera.scale.offset16;
-            const int measured = static_cast<int>(confidence[x] > 0) & static_cast<int>(n * at->weight >= least);
+        const std::uint16_t* weight = geometry.weights(y / group_rows);
+        const double up_of_row = rays.up.per_y * y;
+        const double ahead_of_row = rays.ahead.per_y * y;
+        const double left_of_row = rays.left.per_y * y;
+        for (const Column& column : columns_) {
+            const double n = disparity[column.x] + camera.scale.offset16;
+            const int measured =
+                static_cast<int>(confidence[column.x] > 0) & static_cast<int>(n * weight[column.x] >= least);
+            const double rise = k * (column.up + up_of_row);
             // n times the height above the configured ground, against n times what slope and step allow there.
-            const int near = static_cast<int>(std::abs(h * n + at->rise) <= step * n + at->slack);
+            const int near = static_cast<int>(std::abs(h * n + rise) <= step * n + *slack++);
             // Written in any case, counted or not: branches would be guessed wrongly at every edge.
-            points[count] = {static_cast<float>(n), at->up, at->ahead, at->left};
+            points[count] = {static_cast<float>(n), static_cast<float>(-rise),
+                             static_cast<float>(k * (column.ahead + ahead_of_row)),
+                             static_cast<float>(k * (column.left + left_of_row))};
             count += static_cast<std::size_t>(measured & near);
         }
     }

@@ -32,12 +32,10 @@ public:
     std::optional<GroundPlane> fit(const Pixels& pixels, const Geometry& geometry, const GroundPlane& near);
 
 private:
-    /// A pixel that is looked at: what is known of it before the image. `rise` and `slack` belong to the test of
-    /// height, the others are those of a Point.
-    struct GridPixel {
-        double rise, slack;
-        float up, ahead, left;
-        std::uint16_t weight;
+    /// A column of the grid, and its rays in row 0.
+    struct Column {
+        int x;
+        double up, ahead, left;
     };
     /// A pixel that may show the ground: its disparity n, and what that is per unit of the plane's three parameters.
     struct Point {
@@ -55,11 +53,11 @@ private:
                                                    float tolerance, int& inliers);
     bool allowed(const Parameters& plane, double h) const;
 
-    int first_y_ = 0;
+    int first_y_ = 0;  ///< the first row of the grid that may show the ground
     int step_y_ = 1;
-    int step_x_ = 1;
-    std::vector<GridPixel> grid_;  ///< row by row
-    std::vector<Point> points_;    ///< the first point_count_ of them count
+    std::vector<Column> columns_;
+    std::vector<double> slack_;  ///< by row and column of the grid: what slope and step allow at n = 0
+    std::vector<Point> points_;  ///< the first point_count_ of them count
     std::size_t point_count_ = 0;
     std::vector<Point> sample_;  ///< some of the points, evenly
 };

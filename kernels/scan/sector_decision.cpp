@@ -71,6 +71,7 @@ T rounded(double value) {
 SectorDecision::SectorDecision(const Geometry& geometry)
     : windows_(index(geometry.sectors()) * bins),
       all_(index(geometry.sectors())),
+      tops_(index(geometry.sectors())),
       object_side_(bins),
       columns_(index(geometry.sectors())),
       resolved_(index(geometry.sectors())),
@@ -122,14 +123,20 @@ void SectorDecision::sum_windows(const Counts& counts) {
         for (int b = window - 1; b < used_bins; ++b) {
             sum[b] = count[b] + count[b - 1] + count[b - 2] + count[b - 3];
         }
+        int top = used_bins - 1;
+        while (top >= 0 && sum[top] == 0) {
+            --top;
+        }
+        tops_[index(s)] = top;
     }
 }
 
-/// Returns the nearest bin at which one sector, or two together, have the support for an obstacle; -1: none.
-int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other, int columns,
+/// Returns the nearest bin, from `top` on, at which one sector, or two together, have the support for an obstacle; -1:
+/// none.
+int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other, int top, int columns,
                             std::uint32_t all) const {
     const std::uint32_t least = std::max(least_support, all / least_part);
-    for (int b = used_bins - 1; b >= 0; --b) {
+    for (int b = top; b >= 0; --b) {
         const std::uint32_t pixels = one[b] + (other == nullptr ? 0 : other[b]);
         if (pixels >= least && pixels >= support(object_side_[index(b)], static_cast<std::uint32_t>(columns))) {
             return b;
@@ -141,14 +148,15 @@ int SectorDecision::nearest(const std::uint32_t* one, const std::uint32_t* other
 void SectorDecision::find_obstacles(const Geometry& geometry) {
     const int sectors = geometry.sectors();
     for (int s = 0; s < sectors; ++s) {
-        found_[index(s)].last = nearest(&windows_[index(s) * bins], nullptr, columns_[index(s)], all_[index(s)]);
+        found_[index(s)].last =
+            nearest(&windows_[index(s) * bins], nullptr, tops_[index(s)], columns_[index(s)], all_[index(s)]);
     }
     // What stands on the edge of two sectors may have too few pixels in each.
     for (int s = 0; s + 1 < sectors; ++s) {
         const std::uint32_t* right = &windows_[index(s) * bins];
         const std::uint32_t* left = &windows_[index(s + 1) * bins];
-        const int b =
-            nearest(right, left, columns_[index(s)] + columns_[index(s + 1)], all_[index(s)] + all_[index(s + 1)]);
+        const int b = nearest(right, left, std::max(tops_[index(s)], tops_[index(s + 1)]),
+                              columns_[index(s)] + columns_[index(s + 1)], all_[index(s)] + all_[index(s + 1)]);
         if (b < 0) {
             continue;
         }

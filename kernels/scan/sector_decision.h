@@ -32,7 +32,7 @@ private:
     };
 
     void sum_windows(const Counts& counts);
-    int nearest(const std::uint32_t* one, const std::uint32_t* other, int columns, std::uint32_t all) const;
+    int nearest(const std::uint32_t* one, const std::uint32_t* other, int top, int columns, std::uint32_t all) const;
     void find_obstacles(const Geometry& geometry);
     double free_distance(const Geometry& geometry, const GroundPlane& ground, const Counts& counts, int sector) const;
     void describe(const Geometry& geometry, const Counts& counts, int sector, ScanSector& out) const;
@@ -41,6 +41,7 @@ private:
 
     std::vector<std::uint32_t> windows_;      ///< by sector and bin: the pixels in it and the three before it
     std::vector<std::uint32_t> all_;          ///< by sector: its obstacle pixels
+    std::vector<int> tops_;                   ///< by sector: the nearest bin with pixels in its window; -1: none
     std::vector<std::uint32_t> object_side_;  ///< by bin: the side of the smallest obstacle, 1/16 px
     std::vector<int> columns_;                ///< of each sector, the least over the groups that show it
     std::vector<double> resolved_;            ///< by sector: the smallest obstacle has pixels enough up to here, mm

@@ -37,6 +37,7 @@ public:
         : pixels_(pixels),
           geometry_(geometry),
           band_(band),
+          flip_(number(band.above() ? -1 : 0)),
           offset_(number(std::clamp(geometry.camera().scale.offset16, -32768, 32767))),
           too_unsure_(number(geometry.options().min_confidence - 1)),
           too_far_(number(geometry.limits().seen - 1)),
@@ -54,7 +55,6 @@ public:
         const std::int16_t* const high_of_columns = band_.high_of_columns();
         const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
         const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
-        const bool above = band_.above();
         const int width = pixels_.disparity.width;
         std::size_t placed = 0;
         for (int begin = 0; begin < width; begin += lanes) {
@@ -68,8 +68,8 @@ public:
                                           hn::And(hn::Gt(at_distance, too_far_), hn::Gt(too_near_, at_distance)));
             const V low = hn::Add(hn::LoadU(Numbers(), low_of_columns + x), low_of_row);
             const V high = hn::Add(hn::LoadU(Numbers(), high_of_columns + x), high_of_row);
-            const Mask below_high = above ? hn::Lt(n, high) : hn::Gt(n, high);
-            const Mask in_band = hn::And(below_high, hn::Not(hn::Gt(low, n)));
+            const Mask below_high = hn::Gt(hn::Xor(n, flip_), hn::Xor(high, flip_));
+            const Mask in_band = hn::AndNot(hn::Gt(low, n), below_high);
             const Mask obstacle = hn::And(hn::And(measured, hn::Gt(at_distance, no_obstacle_)), in_band);
             Mask counts = hn::And(obstacle, hn::Gt(confidence, too_unsure_));
 
@@ -126,6 +126,7 @@ private:
     const scan::Pixels pixels_;
     const scan::Geometry& geometry_;
     const scan::Band& band_;
+    V flip_;  ///< all bits where a pixel has to be less than the high limit, which turns the order around
     V offset_;
     V too_unsure_;
     V too_far_;
