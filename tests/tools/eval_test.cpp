@@ -60,6 +60,20 @@ TEST_F(EvalTest, FramesOfARenderedSceneHaveTheirExactTruth) {
     EXPECT_THAT(wrong.err, HasSubstr("frames"));
 }
 
+TEST_F(EvalTest, ThinThingsAreCountedByWidthWhereTheyAreKnown) {
+    const Outcome outcome = run(DISPARITY_EVAL, {"--thin", "--json", "scene:vga?width=336&height=188&frames=1"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto widths = nlohmann::json::parse(outcome.out);
+    ASSERT_FALSE(widths.empty());
+    for (const auto& width : widths) {
+        EXPECT_LE(width["found"].get<int>(), width["pixels"].get<int>()) << width;
+    }
+    make_scene(path("cones"));
+    const Outcome unknown = run(DISPARITY_EVAL, {"--thin", path("cones")});
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("does not say where poles and wires are"));
+}
+
 TEST_F(EvalTest, EveryMatcherIsMeasured) {
     make_scene(path("cones"));
     const Outcome outcome = run(DISPARITY_EVAL, {"--method", "all", "--backend", "all", "--opencv", "--json", "-o",

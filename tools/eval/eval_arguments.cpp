@@ -75,7 +75,8 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         program, "--halves", arguments.halves, 0, 2147483647,
         "split the scenes at random into two halves, to tune on one and judge on the other: the means of "
         "each half and the names of its scenes; SEED, 0 .. 2147483647: the same seed gives the same halves")
-        ->type_name("SEED");
+        ->type_name("SEED")
+        ->excludes("--thin");
     tools::add_real(
         program, "--noise", arguments.noise, 0, 64,
         "add Gaussian noise to both images before any matching, OpenCV's too; SIGMA in grey levels, 0 .. 64; "

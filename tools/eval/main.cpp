@@ -188,6 +188,11 @@ private:
     bool on_even_terms() const { return arguments_.opencv || arguments_.fair; }
 
     void judge(const Scene& scene, int disparities) {
+        if (arguments_.thin && scene.thin.empty()) {
+            throw std::invalid_argument("--thin: found " + scene.name +
+                                        ", which does not say where poles and wires are; allowed: rendered scenes, "
+                                        "such as scene:vga");
+        }
         const int needed = disparities == 0 ? scene.disparities : disparities;
         for (const Method method : methods_) {
             const MatchOptions options = options_for(arguments_, method, needed);
@@ -252,7 +257,7 @@ private:
             one.errors.add(disparity, result.confidence, scene.truth);
             scene_reliability_.push_back(std::move(one));
         }
-        if (arguments_.thin && !scene.thin.empty()) {
+        if (arguments_.thin) {
             widths_of(method + " " + backend).add(disparity, scene.truth, scene.thin);
         }
         if (!arguments_.pictures.empty()) {
@@ -385,11 +390,6 @@ int evaluate(EvalArguments arguments) {
     }
     Evaluation evaluation(arguments);
     evaluation.run();
-    if (arguments.thin && evaluation.thin_widths().empty()) {
-        throw std::invalid_argument(
-            "--thin: found scenes that do not say where poles and wires are, allowed: rendered "
-            "scenes, such as scene:vga");
-    }
     arguments.json ? print_as_json(evaluation, arguments) : print_as_text(evaluation, arguments);
     return tools::exit_done;
 }

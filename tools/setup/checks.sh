@@ -56,9 +56,7 @@ build() {
     read -ra run < <(fixed_addresses "$preset"; echo)
     step "build $preset"
     if ! cmake --preset "$preset" "$@" || ! "${run[@]}" cmake --build --preset "$preset" --parallel "${jobs:?}"; then
-        local place
-        if place=$(full_disk); then preset+=": the disk of $place is full; make 3 GB free there and run this again"; fi
-        note failed "build $preset"
+        note failed "build $preset$(why_build_failed 3)"
         return 1
     fi
 }
