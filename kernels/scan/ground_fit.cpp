@@ -9,9 +9,11 @@
 namespace disparityd::scan {
 namespace {
 
-/// So many pixels are looked at, at most, and so many of them judge a random plane.
+/// The grid of pixels that are looked at has at least so many rows and columns where the image has, and less than twice
+/// as many.
 constexpr int grid_rows = 96;
 constexpr int grid_columns = 64;
+/// So many of its points, and less than twice as many, judge a random plane.
 constexpr std::size_t sample_size = 512;
 constexpr int tries = 48;
 /// A ground has at least so many pixels of the grid, and this part of those that may show it.

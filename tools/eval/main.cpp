@@ -123,6 +123,7 @@ public:
     }
 
     void run() {
+        check_thin();
         const std::vector<SceneToJudge> scenes = scenes_of(arguments_);
         split(scenes);
         tools::Progress progress("scenes", scenes.size());
@@ -174,6 +175,17 @@ private:
         ErrorSpread errors;
     };
 
+    /// Throws before anything is matched.
+    void check_thin() const {
+        for (const std::string& data : arguments_.data) {
+            if (arguments_.thin && !capture::is_scene(data)) {
+                throw std::invalid_argument("--thin: found " + data +
+                                            ", which does not say where poles and wires are; allowed: rendered "
+                                            "scenes, such as scene:vga");
+            }
+        }
+    }
+
     void split(const std::vector<SceneToJudge>& scenes) {
         if (arguments_.halves) {
             std::vector<std::string> names;
@@ -188,11 +200,6 @@ private:
     bool on_even_terms() const { return arguments_.opencv || arguments_.fair; }
 
     void judge(const Scene& scene, int disparities) {
-        if (arguments_.thin && scene.thin.empty()) {
-            throw std::invalid_argument("--thin: found " + scene.name +
-                                        ", which does not say where poles and wires are; allowed: rendered scenes, "
-                                        "such as scene:vga");
-        }
         const int needed = disparities == 0 ? scene.disparities : disparities;
         for (const Method method : methods_) {
             const MatchOptions options = options_for(arguments_, method, needed);

@@ -16,11 +16,11 @@ full_disk() {
     return 1
 }
 
-# why_build_failed [GB]: ends the sentence "the build failed"; a full disk needs so many, 1 unless it is said.
+# why_build_failed GB: ends the sentence "the build failed"; where the disk is full, so many GB are needed.
 why_build_failed() {
     local place
     if place=$(full_disk); then
-        echo ": the disk of $place is full; make ${1:-1} GB free there and run this again, it goes on where it stopped"
+        echo ": the disk of $place is full; make $1 GB free there and run this again, it goes on where it stopped"
     else
         echo ", see above"
     fi

@@ -21,7 +21,7 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Sorts the pixels of a group of rows into bins and counts them, some columns after the other.
+/// Finds the bins of a row's pixels, and where their counters are.
 class ScanBins {
     using Numbers = hn::ScalableTag<std::int16_t>;
     using Words = hn::RebindToUnsigned<Numbers>;
@@ -44,8 +44,8 @@ public:
           no_obstacle_(number(geometry.limits().obstacle - 1)),
           too_near_(number(geometry.limits().nearest + 1)) {}
 
-    /// Adds 1 to `seen` in the columns of this row where one is known. `places` gets where the counters of its
-    /// obstacles are, and some that nobody reads; returns how many. `kept` gets the bins, if it is not null.
+    /// Adds 1 to `seen` in the columns whose pixel of this row is known. `places` gets where the counters of obstacle
+    /// pixels are, and some that nobody reads; returns how many. `kept` gets the bins, if it is not null.
     HWY_INLINE std::size_t row(int group, int y, std::int16_t* seen, std::uint32_t* places, std::uint8_t* kept) const {
         const std::int16_t* const disparity = pixels_.disparity.row(y);
         const std::uint8_t* const sureness = pixels_.confidence.row(y);
