@@ -49,6 +49,23 @@ RecordRules record_rules(const Config& config) {
             config.record.when_client_is_gone == WhenClientIsGone::stop};
 }
 
+/// Tells which addresses of the socket have come and gone.
+void log_changes(const std::vector<std::string>& before, const std::vector<std::string>& now) {
+    const auto has = [](const std::vector<std::string>& all, const std::string& address) {
+        return std::find(all.begin(), all.end(), address) != all.end();
+    };
+    for (const std::string& address : before) {
+        if (!has(now, address)) {
+            log_info(fmt::format("no longer serving at {}", address));
+        }
+    }
+    for (const std::string& address : now) {
+        if (!has(before, address)) {
+            log_info(fmt::format("serving at {}", address));
+        }
+    }
+}
+
 }  // namespace
 
 Daemon::Daemon(DaemonOptions options, Config config)
@@ -279,7 +296,9 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
                                                              static_cast<std::uint32_t>(config.shared_memory.slots));
     }
     if (serving()) {
+        const std::vector<std::string> before = server_.addresses();
         server_.reconfigure(server_config(config));
+        log_changes(before, server_.addresses());
     }
     const std::uint64_t index = stop_engine();
     v1::Totals ended = totals_of_ended();

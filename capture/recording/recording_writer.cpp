@@ -331,8 +331,11 @@ private:
             size[0] = static_cast<std::uint8_t>(size[0] | 0x80U >> (length - 1));
             repaired = file_->overwrite(segment_->size_offset, std::span(size).first(length)) && note_count();
         }
-        failure_ = path_ + ": cannot write: " + why + "; the file keeps the first " + std::to_string(frames_) +
-                   (repaired ? " frames" : " frames and reads as truncated");
+        failure_ = path_ + ": cannot write: " + why;
+        if (frames_ > 0) {
+            failure_ += "; the file keeps the first " + std::to_string(frames_) +
+                        (repaired ? " frames" : " frames and reads as truncated");
+        }
     }
 
     bool note_count() {

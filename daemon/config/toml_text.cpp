@@ -136,6 +136,9 @@ std::string reason(const std::exception& error) {
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& why) {
+    if (why.find("already exists") != std::string::npos) {
+        throw std::invalid_argument(where + why + " allowed: each key and each section once");
+    }
     throw std::invalid_argument(where + ": this is not TOML" + why +
                                 "; allowed: [section] lines and key = value lines");
 }

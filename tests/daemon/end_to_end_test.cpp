@@ -228,6 +228,17 @@ TEST_F(EndToEndTest, AReloadWithOtherSlotsIsNoEndForReaders) {
     EXPECT_EQ(memory.read(frame, 30s), disparity::ReadResult::frame) << memory.why_gone();
 }
 
+TEST_F(EndToEndTest, AReloadTellsWhichAddressesCameAndWent) {
+    const auto daemon = start_ready(config_text());
+    std::string config = config_text();
+    config.replace(config.find("/d.sock"), 7, "/e.sock");
+    folder_.write("d.toml", config);
+    daemon->send_signal(SIGHUP);
+    EXPECT_TRUE(daemon->wait_for_log("no longer serving at unix:" + folder_.path() + "/d.sock")) << daemon->log();
+    EXPECT_TRUE(daemon->wait_for_log(" serving at unix:" + folder_.path() + "/e.sock")) << daemon->log();
+    EXPECT_THAT(daemon->log(), Not(HasSubstr("no longer serving at tcp"))) << "that one has stayed";
+}
+
 TEST_F(EndToEndTest, ClientsOutliveACameraThatIsNotThere) {
     const auto daemon = start_ready(config_text());
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
@@ -261,7 +272,7 @@ TEST_F(EndToEndTest, BadReloadChangesNothing) {
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY});
     ASSERT_TRUE(client.receive_frame());
     const std::vector<std::pair<std::string, std::string>> cases{
-        {config_text() + "[match]\nd = 1\n", "not TOML"},
+        {config_text() + "[match]\nd = 1\n", "each key and each section once"},
         {config_text(scene, 160, 88, "[log]\nlevel = \"loud\"\n"), "[log] level"},
         {config_text("/nowhere/recording.mkv"), "/nowhere/recording.mkv"},
     };

@@ -42,6 +42,13 @@ protected:
     }
 };
 
+TEST_F(CalibrateTest, WhatCannotBeWrittenIsRefusedBeforeViewsAreTaken) {
+    // No views are there: they are not even looked for.
+    const Outcome outcome = calibrate({"--square", "30", "--report", path("nowhere/report.png")});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("report.png: the folder " + path("nowhere") + " is not there"));
+}
+
 TEST_F(CalibrateTest, WritesACalibrationThatIsRead) {
     make_views(13);
     const Outcome outcome = calibrate({"--square", "30", "--json", "--report", path("report.png")});

@@ -140,6 +140,9 @@ TEST_F(DaemonTest, SnapshotWritesPictures) {
     EXPECT_EQ(ctl("snapshot", {"--disparity", path("d.pfm"), "--socket", "unix:" + socket_}).exit_code, 0);
     EXPECT_EQ(images::read_disparity_pfm(path("d.pfm")).height, 96);
     EXPECT_EQ(ctl("snapshot", {}).exit_code, 2) << "nothing to write";
+    EXPECT_THAT(ctl("snapshot", {"-o", path("one.png"), "--depth", path("one.png")}).err,
+                HasSubstr("one.png: named for two images"));
+    EXPECT_THAT(ctl("snapshot", {"-o", path("nowhere/one.png")}).err, HasSubstr("nowhere is not there"));
     EXPECT_THAT(ctl("snapshot", {"--depth-error", path("e.png")}).err, HasSubstr("set match.depth_error = true"));
 }
 

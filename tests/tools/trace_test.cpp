@@ -89,8 +89,8 @@ TEST_F(TraceTest, RefusesWhatCannotBe) {
     EXPECT_EQ(kept.exit_code, 2);
     EXPECT_THAT(kept.err, HasSubstr("exists already"));
     const Outcome nowhere = ctl({"trace", "-o", path("no/folder/trace.json"), "--seconds", "0.1"});
-    EXPECT_EQ(nowhere.exit_code, 1);
-    EXPECT_THAT(nowhere.err, HasSubstr("cannot be written: No such file or directory"));
+    EXPECT_EQ(nowhere.exit_code, 2);
+    EXPECT_THAT(nowhere.err, HasSubstr("no/folder is not there"));
     EXPECT_EQ(ctl({"trace", "-o", path("there.json"), "--seconds", "0.1", "--force"}).exit_code, 0);
 }
 

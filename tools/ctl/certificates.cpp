@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/certificates/certificate_files.h"
 #include "tools/certificates/revocation.h"
+#include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 
 namespace disparityd::tools {
@@ -14,7 +16,7 @@ namespace {
 struct CertificateArguments {
     CertificateOrder order;
     std::vector<std::string> revoked;
-    int days = 825;
+    std::optional<int> days;
 };
 
 std::string joined(const std::vector<std::string>& names) {
@@ -69,7 +71,7 @@ int certificates(CertificateArguments& arguments) {
     if (!arguments.revoked.empty()) {
         return revoke(arguments.order.folder, arguments.revoked);
     }
-    arguments.order.valid = std::chrono::hours(24) * arguments.days;
+    arguments.order.valid = std::chrono::hours(24) * arguments.days.value_or(825);
     const CertificateReport report = make_certificate_files(arguments.order);
     print(arguments.order, report);
     return exit_done;
@@ -111,9 +113,7 @@ void add_certificates(CLI::App& program, Action& action) {
         ->allow_extra_args(false)
         ->excludes(&hosts)
         ->excludes(&clients);
-    command.add_option("--days", arguments->days, "how long new certificates are valid; default: 825")
-        ->type_name("N")
-        ->check(CLI::Range(1, 7300));
+    add_integer(command, "--days", arguments->days, 1, 7300, "how long new certificates are valid; default 825");
     command.footer(
         "No file is replaced but authority.crt by --revoke. Keys have mode 0600, and no password.\n"
         "Examples: disparityctl certificates tls --client laptop\n"

@@ -2,6 +2,7 @@
 #include <bit>
 #include <cstring>
 #include <iostream>
+#include <set>
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
@@ -12,6 +13,7 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/frame_reader.h"
 #include "tools/ctl/no_frame.h"
+#include "tools/ctl/output_file.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -136,6 +138,16 @@ void check_names(const SnapshotArguments& arguments) {
     for (const std::string& path : {arguments.depth, arguments.depth_error}) {
         if (!path.empty()) {
             images::check_ending(path, {".png"});
+        }
+    }
+    std::set<std::string> names;
+    for (const std::string& path : {arguments.picture, arguments.disparity, arguments.depth, arguments.depth_error}) {
+        if (path.empty()) {
+            continue;
+        }
+        check_writable(path);
+        if (!names.insert(path).second) {
+            throw std::invalid_argument(path + ": named for two images, allowed: a file for each");
         }
     }
 }

@@ -92,6 +92,15 @@ void use_cores(int wanted) {
     }
 }
 
+/// Ctrl-C came before anything was measured.
+struct Interrupted {};
+
+void stop_if_interrupted() {
+    if (tools::interrupted()) {
+        throw Interrupted();
+    }
+}
+
 /// Waits until the daemon has published a frame.
 std::unique_ptr<disparity::SharedMemoryReader> first_reader(DaemonProcess& daemon, const std::string& name) {
     disparity::SharedMemoryOptions options;
@@ -100,8 +109,9 @@ std::unique_ptr<disparity::SharedMemoryReader> first_reader(DaemonProcess& daemo
     disparity::BorrowedFrame frame;
     const auto deadline = Clock::now() + 120s;
     while (reader->borrow(frame, 200ms) != disparity::ReadResult::frame) {
+        stop_if_interrupted();
         daemon.check();
-        if (Clock::now() > deadline || tools::interrupted()) {
+        if (Clock::now() > deadline) {
             throw std::runtime_error("no frame came from the daemon in two minutes");
         }
     }
@@ -179,6 +189,10 @@ void print(const Arguments& arguments, const PolePlan& plan, Measured measured) 
 }
 
 int run(const Arguments& arguments) {
+    const std::string program = arguments.programs + "/disparityd";
+    if (::access(program.c_str(), X_OK) != 0) {
+        throw std::invalid_argument(program + " cannot be run: build it, or say with --bin where it is");
+    }
     use_cores(arguments.cores.value_or(2));
     tools::catch_interrupts();
     PolePlan plan;
@@ -187,8 +201,10 @@ int run(const Arguments& arguments) {
     std::vector<Pole> poles;
     {
         tools::Progress progress("rounds drawn", static_cast<std::uint64_t>(plan.rounds));
-        poles = write_pole_recording(folder.file("poles.mkv"), plan,
-                                     [&](int done) { progress.show(static_cast<std::uint64_t>(done), ""); });
+        poles = write_pole_recording(folder.file("poles.mkv"), plan, [&](int done) {
+            stop_if_interrupted();
+            progress.show(static_cast<std::uint64_t>(done), "");
+        });
     }
     const std::string name = "reaction-" + std::to_string(::getpid());
     const std::string address = "unix:" + folder.file("socket");
@@ -200,7 +216,7 @@ int run(const Arguments& arguments) {
     for (const std::string& setting : settings) {
         words.insert(words.end(), {"--set", setting});
     }
-    DaemonProcess daemon(arguments.programs + "/disparityd", words, folder.file("log"));
+    DaemonProcess daemon(program, words, folder.file("log"));
     const auto reader = first_reader(daemon, name);
     const auto clients = other_clients(arguments, name, address);
     print(arguments, plan, measure(arguments, plan, poles, *reader, daemon));
@@ -239,5 +255,12 @@ int main(int argc, char** argv) {
     tools::add_integer(app, "--clients", arguments.clients, 0, 250, "other clients; default 20");
     tools::add_integer(app, "--cores", arguments.cores, 1, 256, "of this machine, for all; default 2");
     app.add_flag("--markdown", arguments.markdown, "the table in Markdown");
-    return tools::run_program(app, argc, argv, [&] { return reaction::run(arguments); });
+    return tools::run_program(app, argc, argv, [&] {
+        try {
+            return reaction::run(arguments);
+        } catch (const reaction::Interrupted&) {
+            tools::print_note("stopped by Ctrl-C before anything was measured");
+            return static_cast<int>(tools::exit_interrupted);
+        }
+    });
 }

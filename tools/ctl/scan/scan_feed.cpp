@@ -109,8 +109,8 @@ ScanFeed::Got ScanFeed::take() {
     reading_.scan = *std::move(scan);
     reading_.age_ns = age_ns(frame_, frames_->local());
     reading_.rate.reset();
-    if (arrivals_.size() > 1) {
-        const std::chrono::duration<double> span = now - arrivals_.front();
+    // The first ones may have waited, and come at once.
+    if (const std::chrono::duration<double> span = now - arrivals_.front(); span > rate_window / 2) {
         reading_.rate = static_cast<double>(arrivals_.size() - 1) / span.count();
     }
     return Got::scan;
