@@ -14,6 +14,7 @@
 #include "base/failure_text.h"
 #include "base/message_text.h"
 #include "proto/framing.h"
+#include "proto/products.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -26,6 +27,21 @@ constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
 constexpr std::string_view messages_of_clients =
     "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request";
+
+/// What a client is told that wants a product which is not made.
+std::string refused_product(int number, const std::vector<v1::Product>& made) {
+    std::string allowed;
+    for (const v1::Product product : made) {
+        allowed += (allowed.empty() ? "" : ", ") + v1::Product_Name(product);
+    }
+    const auto wanted = std::find_if(proto::products.begin(), proto::products.end(),
+                                     [number](const proto::ProductInfo& one) { return one.number == number; });
+    if (wanted == proto::products.end() || wanted->config_key.empty()) {
+        return fmt::format("Subscribe: products: found {}, allowed: {}", number, allowed);
+    }
+    return fmt::format("Subscribe: products: found {}, allowed: {}; for {} set {} = true in the daemon's configuration",
+                       v1::Product_Name(wanted->number), allowed, wanted->name, wanted->config_key);
+}
 
 }  // namespace
 
@@ -286,13 +302,7 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     for (const int number : subscribe.products()) {
         const auto product = static_cast<v1::Product>(number);
         if (std::find(layout.products.begin(), layout.products.end(), product) == layout.products.end()) {
-            std::string allowed;
-            for (const v1::Product offered : layout.products) {
-                allowed += (allowed.empty() ? "" : ", ") + v1::Product_Name(offered);
-            }
-            send_error(
-                fmt::format("Subscribe: products: found {}, allowed: {} (more by configuration)", number, allowed),
-                false);
+            send_error(refused_product(number, layout.products), false);
             return;
         }
         if (std::find(selection.products.begin(), selection.products.end(), product) == selection.products.end()) {

@@ -144,6 +144,8 @@ TEST_F(DaemonTest, SnapshotWritesPictures) {
                 HasSubstr("one.png: named for two images"));
     EXPECT_THAT(ctl("snapshot", {"-o", path("nowhere/one.png")}).err, HasSubstr("nowhere is not there"));
     EXPECT_THAT(ctl("snapshot", {"--depth-error", path("e.png")}).err, HasSubstr("set match.depth_error = true"));
+    EXPECT_THAT(ctl("snapshot", {"--depth-error", path("e.png"), "--socket", "unix:" + socket_}).err,
+                HasSubstr("found DEPTH_ERROR, allowed: DISPARITY, CONFIDENCE"));
 }
 
 TEST_F(DaemonTest, SnapshotOfADaemonThatHangsIsRefused) {
