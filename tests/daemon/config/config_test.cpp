@@ -273,7 +273,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"only_width", "[rectify]\nwidth = 640\n", {"my.toml:2:1:", "[rectify] width and height", "640 and 0"}},
         BadCase{"not_toml", "[match\n", {"my.toml:1:", "not TOML"}},
         BadCase{"html", "<!DOCTYPE html>\n<html></html>\n", {"my.toml:1:", "not TOML"}},
-        BadCase{"twice", "[match]\np1 = 1\np1 = 2\n", {"my.toml:3:", "already exists", "allowed: each key and each section once"}},
+        BadCase{"twice",
+                "[match]\np1 = 1\np1 = 2\n",
+                {"my.toml:3:", "already exists", "allowed: each key and each section once"}},
         BadCase{
             "object_name", "[shared_memory]\nname = \"../x\"\n", {"[shared_memory] name", "found \"../x\"", "letters"}},
         BadCase{"tcp_form",
