@@ -25,11 +25,16 @@ void check_writable(const std::string& path) {
     }
 }
 
-void check_output(const std::string& path, bool force) {
+void check_absent(const std::string& path, bool force) {
     std::error_code error;
     if (!force && std::filesystem::exists(path, error)) {
         throw std::invalid_argument(path + ": exists already, allowed: a new file, or --force to replace it");
     }
+}
+
+void check_output(const std::string& path, bool force) {
+    check_absent(path, force);
+    check_writable(path);
 }
 
 }  // namespace disparityd::tools

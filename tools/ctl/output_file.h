@@ -10,7 +10,11 @@ namespace disparityd::tools {
 /// there.
 void check_writable(const std::string& path);
 
-/// Throws std::invalid_argument with one line when there is a file already and `force` is false.
+/// Throws std::invalid_argument with one line when there is a file already and `force` is false. For a file whose
+/// folder is made later.
+void check_absent(const std::string& path, bool force);
+
+/// Both.
 void check_output(const std::string& path, bool force);
 
 }  // namespace disparityd::tools

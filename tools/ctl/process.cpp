@@ -288,7 +288,7 @@ std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const Matc
     if (arguments.scan.empty()) {
         return std::nullopt;
     }
-    check_output(arguments.scan, arguments.force);
+    check_absent(arguments.scan, arguments.force);
     check_parent(arguments.scan, arguments.folder);
     return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
 }

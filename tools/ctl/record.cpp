@@ -246,7 +246,6 @@ int record_source(const RecordArguments& arguments) {
         throw std::invalid_argument(arguments.file + ": is the source itself, allowed: another file");
     }
     check_output(arguments.file, arguments.force);
-    check_writable(arguments.file);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.calibration_path = arguments.calibration;

@@ -155,8 +155,9 @@ check_format() {
 
 check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tests/package/run tests/package/lifecycle tests/package/read_frames \
-        tests/package/guest tests/package/emulated tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} tools/benchmarks tools/demo tools/gpu-check tools/package tools/release \
-        tools/test tools/setup/{arm64-sysroot,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
+        tests/package/guest tests/package/emulated tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} \
+        tools/benchmarks tools/demo tools/gpu-check tools/package tools/release tools/test \
+        tools/setup/{arm64-sysroot,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
         debian/*.postinst debian/*.prerm debian/*.postrm
 }
 

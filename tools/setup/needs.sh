@@ -18,7 +18,8 @@ missing_programs() {
 
 # cmake_fits: CMake is new enough to be asked.
 cmake_fits() {
-    local wanted=3.22 found
+    local wanted found
+    wanted=$(sed -n 's/^cmake_minimum_required(VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
     found=$(cmake --version 2>/dev/null | sed -n '1s/.*version //p')
     if ! printf '%s\n' "$wanted" "$found" | sort --check=quiet --version-sort; then
         echo "error: CMake $wanted or newer is needed; found '$found' ($(command -v cmake)). Install a newer one and run this again: docs/install.md says from where" >&2

@@ -32,7 +32,6 @@ struct RowsArguments {
 int show_rows(const RowsArguments& arguments) {
     images::check_picture_name(arguments.output);
     check_output(arguments.output, arguments.force);
-    check_writable(arguments.output);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.loans = 2;

@@ -55,7 +55,7 @@ std::string ground_fields(const Scan& scan) {
 
 /// Opens the file, locks it and empties it. The lock comes first: another process may be writing it.
 std::FILE* open_locked(const std::string& path, bool force) {
-    check_output(path, force);
+    check_absent(path, force);
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (force ? 0 : O_EXCL), 0666);
     std::FILE* const file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
     if (file == nullptr) {
