@@ -17,11 +17,12 @@ EXPECTED = {
     r"rectify_yuyv_colour|\brectify\(": "collects a pixel's neighbours from the raw frame",
     r"SpeckleFilter::|\bspeckle\(": "regions of runs, a few per row",
     r"Interpolation::fill_band|\binterpolate\(": "runs of rejected pixels, a few per row",
+    r"\bscan_counts\(": "edges of sectors, once per group of rows; HOT asks for the vectors of its pixels",
 }
 REMAINDER = 8  # instructions: the compiler's own loop for what is left over of vectors that it made
 # Where the time goes: the check would mean nothing if one of these were missing or had no vectors.
 HOT = ("PathRows", "MatchingCostRow", "::winner(", "::sad(", "::census(", "census_row", "census_right", "median_rows",
-       "guided_median", "adaptive_p2")
+       "guided_median", "adaptive_p2", "scan_counts")
 
 VECTOR = re.compile(r"\b[vqd]\d+(\.\d*[bhsd])?\b")
 BRANCH = re.compile(r"(?:b\.\w+|b|cbn?z|tbn?z)\s+(?:.*,\s*)?([0-9a-f]+) <(.*?)(\+0x[0-9a-f]+)?>$")
