@@ -33,6 +33,13 @@ protected:
     }
 };
 
+TEST_F(BadInputTest, SubCommandThatThereIsNot) {
+    const auto names_all = AllOf(HasSubstr("status, watch, scan"), HasSubstr("certificates; see disparityctl --help"));
+    expect_refused(run(DISPARITYCTL, {"snapshoot", "-o", "now.png"}), AllOf(HasSubstr("'snapshoot'"), names_all));
+    expect_refused(run(DISPARITYCTL, {}), AllOf(HasSubstr("found no sub-command"), names_all));
+    expect_refused(run(DISPARITYCTL, {"--snapshot"}), HasSubstr("--snapshot; see disparityctl --help"));
+}
+
 TEST_F(BadInputTest, FolderOfUnequalSizes) {
     make_kitti_folder(path("in"), 2, 64, 32);
     images::write_png(path("in/image_1/000001.png"), cv::Mat(32, 60, CV_8UC1, cv::Scalar(7)));

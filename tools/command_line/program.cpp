@@ -5,6 +5,7 @@
 #include <exception>
 #include <iostream>
 #include <stdexcept>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <unistd.h>
@@ -32,7 +33,25 @@ std::string help_of(const CLI::App& app) {
     return app.get_name() + (chosen.empty() ? "" : ' ' + chosen.front()->get_name()) + " --help";
 }
 
+/// What is wrong, and what to look at. CLI11 does not say which sub-commands there are.
+std::string parse_failure(const CLI::App& app, const CLI::ParseError& error) {
+    const std::vector<std::string> unexpected = app.remaining();
+    const std::string allowed = sub_commands(app);
+    if (!allowed.empty() && app.get_subcommands().empty() && !unexpected.empty() && unexpected.front()[0] != '-') {
+        return "found sub-command '" + unexpected.front() + "', allowed: " + allowed + "; see " + help_of(app);
+    }
+    return std::string(error.what()) + "; see " + help_of(app);
+}
+
 }  // namespace
+
+std::string sub_commands(const CLI::App& app) {
+    std::string names;
+    for (const CLI::App* const command : app.get_subcommands(nullptr)) {
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    return names;
+}
 
 void print_error(const std::string& text) {
     print("error", text);
@@ -59,7 +78,7 @@ int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
     } catch (const CLI::Success& help) {
         return app.exit(help);
     } catch (const CLI::ParseError& error) {
-        print_error(std::string(error.what()) + "; see " + help_of(app));
+        print_error(parse_failure(app, error));
         return exit_user;
     } catch (const std::invalid_argument& error) {
         print_error(error.what());

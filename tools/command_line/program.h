@@ -25,6 +25,9 @@ using Action = std::function<int()>;
 /// stderr, "program: error: ...", and its exit code: std::invalid_argument and bad command lines 2, all others 1.
 int run_program(CLI::App& app, int argc, char** argv, const Action& action);
 
+/// The names of the program's sub-commands, "status, watch"; empty if it has none.
+std::string sub_commands(const CLI::App& app);
+
 /// "program: error: text" or "program: note: text" on stderr, a progress bar that stands there cleared first.
 void print_error(const std::string& text);
 void print_note(const std::string& text);

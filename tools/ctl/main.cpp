@@ -30,11 +30,10 @@ int main(int argc, char** argv) {
     add_trace(program, action);
     add_sources(program, action);
     add_certificates(program, action);
-    return run_program(program, argc, argv, [&action] {
+    return run_program(program, argc, argv, [&program, &action] {
         if (!action) {
-            throw std::invalid_argument(
-                "found no sub-command, allowed: status, watch, scan, snapshot, record, process, calibrate, rows, "
-                "camera, sensors, trace, sources, certificates; see disparityctl --help");
+            throw std::invalid_argument("found no sub-command, allowed: " + sub_commands(program) +
+                                        "; see disparityctl --help");
         }
         return action();
     });
