@@ -128,6 +128,16 @@ TEST_F(DaemonTest, WatchSaysThatTheDaemonHasStopped) {
     EXPECT_THAT(outcome.err, HasSubstr("the daemon has stopped"));
 }
 
+TEST_F(DaemonTest, WatchSaysThatTheDaemonOfItsSocketHangs) {
+    Program watch(DISPARITYCTL, {"watch", "--json", "--socket", "unix:" + socket_});
+    ASSERT_TRUE(eventually([&] { return watch.said("latency_p50_ms"); }));
+    daemon_->send(SIGSTOP);
+    EXPECT_TRUE(eventually([&] { return watch.said("no answer to hello in time"); }));
+    daemon_->send(SIGCONT);
+    watch.send(SIGINT);
+    EXPECT_EQ(watch.wait().exit_code, 0);
+}
+
 TEST_F(DaemonTest, SnapshotWritesPictures) {
     const Outcome outcome =
         ctl("snapshot", {"-o", path("now.png"), "--disparity", path("d.png"), "--depth", path("z.png")});

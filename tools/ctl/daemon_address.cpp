@@ -39,10 +39,9 @@ clients::DaemonSockets DaemonAddress::sockets() const {
                           : clients::DaemonSockets{{{clients::socket_address(socket)}}, {}, false};
 }
 
-disparity::SocketClient connect(const DaemonAddress& daemon) {
+disparity::SocketClient connect(const DaemonAddress& daemon, std::chrono::milliseconds timeout) {
     daemon.reach.check(daemon.socket);
-    return clients::connect(daemon.sockets(), daemon.name, "disparityctl", print_note, std::chrono::seconds(5),
-                            daemon.reach.options);
+    return clients::connect(daemon.sockets(), daemon.name, "disparityctl", print_note, timeout, daemon.reach.options);
 }
 
 bool is_local(const std::string& socket) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <string>
 
 #include "clients/places/connect_arguments.h"
@@ -30,8 +31,10 @@ struct DaemonAddress {
 };
 
 /// Connects to the first address that answers. It skips sockets and processes of other users in default places, and
-/// notes them. Throws std::runtime_error with one line: which places were tried, what to do.
-disparity::SocketClient connect(const DaemonAddress& daemon);
+/// notes them. `timeout`: for each address. Throws std::runtime_error with one line: which places were tried, what to
+/// do.
+disparity::SocketClient connect(const DaemonAddress& daemon,
+                                std::chrono::milliseconds timeout = std::chrono::seconds(5));
 
 /// Whether the address leads to this machine, by its text.
 bool is_local(const std::string& socket);

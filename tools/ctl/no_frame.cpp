@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/no_frame.h"
 
+#include <chrono>
 #include <stdexcept>
 
 #include "tools/ctl/status_message.h"
@@ -8,16 +9,21 @@
 namespace disparityd::tools {
 
 std::string why_no_frame(const DaemonAddress& daemon) {
+    // Programs that say every second why no frame came stay at that rate.
+    constexpr std::chrono::seconds patience{1};
     try {
-        disparity::SocketClient client = connect(daemon);
-        const v1::Status status = daemon_status(client);
+        disparity::SocketClient client = connect(daemon, patience);
+        const v1::Status status = daemon_status(client, patience);
         if (!status.detail().empty()) {
             return status.detail();
         }
         if (status.state() != "running") {
             return "the daemon is " + status.state();
         }
-    } catch (const std::runtime_error&) {
+    } catch (const std::runtime_error& error) {
+        if (!daemon.socket.empty()) {
+            return error.what();
+        }
         // Frames may come over shared memory where no socket is known.
     }
     return daemon.command("status") + " says more";

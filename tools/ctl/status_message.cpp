@@ -21,8 +21,8 @@ Message parsed(const std::string& bytes) {
 
 }  // namespace
 
-v1::Status daemon_status(disparity::SocketClient& client) {
-    return parsed<v1::Status>(client.status(patience));
+v1::Status daemon_status(disparity::SocketClient& client, std::chrono::milliseconds limit) {
+    return parsed<v1::Status>(client.status(limit));
 }
 
 v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path) {

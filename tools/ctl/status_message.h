@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 
@@ -8,7 +10,7 @@ namespace disparityd::tools {
 
 /// Sends requests to the daemon and returns its answers as messages. Each throws std::runtime_error with one line: the
 /// error of the client library or the daemon, or that the answer cannot be read.
-v1::Status daemon_status(disparity::SocketClient& client);
+v1::Status daemon_status(disparity::SocketClient& client, std::chrono::milliseconds limit = std::chrono::seconds(5));
 v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path);
 v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client);
 
