@@ -52,6 +52,7 @@ ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t
       host_(host),
       deadline_(stream_.get_executor()),
       status_timer_(stream_.get_executor()),
+      turn_timer_(stream_.get_executor()),
       pace_timer_(stream_.get_executor()),
       requests_(ClientRules::most_at_once, host.rules().request_interval) {
     stream_.do_not_block();
@@ -59,11 +60,12 @@ ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t
 }
 
 void ClientSession::stop() noexcept {
-    closed_ = true;
+    phase_ = Phase::closed;
     error_code ignored;
     stream_.close();
     deadline_.cancel(ignored);
     status_timer_.cancel(ignored);
+    turn_timer_.cancel(ignored);
     pace_timer_.cancel(ignored);
     // An answer that is still to come keeps this object alive. It must not keep frames.
     message_.finish();
@@ -77,7 +79,7 @@ bool ClientSession::waits_for_something() const {
 }
 
 void ClientSession::watch() {
-    if (closed_ || closing_) {
+    if (!is_open()) {
         return;
     }
     const ClientRules& rules = host_.rules();
@@ -148,7 +150,7 @@ std::string ClientSession::label() const {
 }
 
 void ClientSession::read_length() {
-    if (closed_ || closing_ || reading_ || answer_pending_ || answers_.size() >= max_answers) {
+    if (!is_open() || reading_ || answer_pending_ || answers_.size() >= max_answers) {
         return;
     }
     reading_ = true;
@@ -160,7 +162,7 @@ void ClientSession::read_length() {
     }
     pace_timer_.expires_after(wait);
     pace_timer_.async_wait(handler([](ClientSession& self, error_code error) {
-        if (!error && !self.closed_ && !self.closing_) {
+        if (!error && self.is_open()) {
             self.await_length();
         }
     }));
@@ -173,7 +175,7 @@ void ClientSession::await_length() {
 
 void ClientSession::length_arrived(const error_code& error) {
     reading_ = false;
-    if (closed_ || closing_) {
+    if (!is_open()) {
         return;
     }
     if (error) {
@@ -197,7 +199,7 @@ void ClientSession::read_message(std::uint32_t length) {
     asio::async_read(stream_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
                      handler([](ClientSession& self, error_code error, std::size_t) {
                          self.reading_ = false;
-                         if (self.closed_ || self.closing_) {
+                         if (!self.is_open()) {
                              return;
                          }
                          if (error) {
@@ -345,14 +347,14 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
 void ClientSession::send_status_every(double seconds) {
     status_timer_.cancel();
     wants_status_ = seconds > 0;
-    if (closed_ || seconds <= 0) {
+    if (!is_open() || seconds <= 0) {
         return;
     }
     const auto interval =
         std::chrono::milliseconds(static_cast<std::int64_t>(std::clamp(seconds, 0.1, 86400.0) * 1000));
     status_timer_.expires_after(interval);
     status_timer_.async_wait(handler([seconds](ClientSession& self, error_code error) {
-        if (error || self.closed_ || self.closing_) {
+        if (error || !self.is_open()) {
             return;
         }
         if (self.answers_.empty()) {  // a client that does not read gets no queue of them
@@ -434,6 +436,9 @@ void ClientSession::answer_later(v1::Envelope answer, const std::string& refusal
 }
 
 void ClientSession::layout_changed() {
+    if (!is_open()) {
+        return;
+    }
     if (early_) {
         subscribe(v1::Subscribe(*early_));
     }
@@ -449,7 +454,7 @@ void ClientSession::layout_changed() {
 }
 
 void ClientSession::close(std::string_view why) noexcept {
-    if (closed_) {
+    if (phase_ == Phase::closed) {
         return;
     }
     stop();

@@ -137,14 +137,27 @@ public:
 
     bool greeted() const { return greeted_; }
     bool local() const { return peer_.local; }
-    std::uint32_t wanted() const { return closing_ ? 0 : selection_.product_bits(); }
-    bool wants_sensors() const { return !closing_ && wants_sensors_; }
+    std::uint32_t wanted() const { return is_open() ? selection_.product_bits() : 0; }
+    bool wants_sensors() const { return is_open() && wants_sensors_; }
     v1::ClientStatus status();
 
     /// Adds what this client was sent, and the client itself once it has said hello.
     void add_to(v1::Totals& totals) const noexcept;
 
 private:
+    /// How far the connection has come. Every function that others call asks for it: until `open` the handshake alone
+    /// may touch the stream, whatever frames, samples, timers and reloads there are.
+    enum class Phase {
+        waiting,    ///< for its turn to shake hands
+        handshake,  ///< of TLS
+        open,       ///< messages go both ways, Hello first
+        leaving,    ///< an Error with closing = true is the last message; nothing is read
+        closed
+    };
+    bool is_open() const { return phase_ == Phase::open; }
+    /// Returns whether bytes may be written: an Error may still be on its way to a client that leaves.
+    bool may_write() const { return phase_ == Phase::open || phase_ == Phase::leaving; }
+
     template <typename Function>
     auto handler(Function function) {
         return ClientHandler<ClientSession, Function>(shared_from_this(), std::move(function));
@@ -206,17 +219,16 @@ private:
     SessionHost& host_;
     boost::asio::steady_timer deadline_;  ///< for the Hello, later for the client's end of a close
     boost::asio::steady_timer status_timer_;
+    boost::asio::steady_timer turn_timer_;  ///< until the handshake may begin
     boost::asio::steady_timer pace_timer_;  ///< until the next message may be read
     RateLimit requests_;
     std::chrono::steady_clock::time_point last_request_;
 
     std::string name_;
-    std::string token_;           ///< of its Hello
-    bool shaking_hands_ = false;  ///< TLS
-    bool greeted_ = false;
-    bool closing_ = false;  ///< an Error with closing = true is the last message
+    std::string token_;  ///< of its Hello
+    Phase phase_ = Phase::waiting;
+    bool greeted_ = false;  ///< has said hello, and may have left since
     bool output_ended_ = false;
-    bool closed_ = false;
 
     std::array<std::uint8_t, 4> length_{};
     std::vector<std::uint8_t> incoming_;

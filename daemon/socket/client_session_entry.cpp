@@ -24,7 +24,7 @@ void ClientSession::start(std::chrono::nanoseconds wait) {
         if (error || self.greeted_) {
             return;
         }
-        if (self.shaking_hands_) {
+        if (!self.is_open()) {
             self.close(fmt::format("no TLS handshake within {} s", hello_timeout.count()));
         } else {
             self.send_error(fmt::format("no Hello within {} s: the first message must be Hello", hello_timeout.count()),
@@ -48,17 +48,17 @@ void ClientSession::refuse(const std::string& why, std::chrono::nanoseconds wait
 template <typename Then>
 void ClientSession::shake_hands_after(std::chrono::nanoseconds wait, Then then) {
     if (!stream_.encrypted()) {
+        phase_ = Phase::open;
         then(*this);
         return;
     }
-    shaking_hands_ = true;
     if (wait.count() == 0) {
         shake_hands(std::move(then));
         return;
     }
-    pace_timer_.expires_after(wait);
-    pace_timer_.async_wait(handler([then = std::move(then)](ClientSession& self, error_code error) mutable {
-        if (!error && !self.closed_ && !self.closing_) {
+    turn_timer_.expires_after(wait);
+    turn_timer_.async_wait(handler([then = std::move(then)](ClientSession& self, error_code error) mutable {
+        if (!error && self.phase_ == Phase::waiting) {
             self.shake_hands(std::move(then));
         }
     }));
@@ -66,15 +66,16 @@ void ClientSession::shake_hands_after(std::chrono::nanoseconds wait, Then then) 
 
 template <typename Then>
 void ClientSession::shake_hands(Then then) {
+    phase_ = Phase::handshake;
     stream_.async_handshake(handler([then = std::move(then)](ClientSession& self, error_code error) {
-        self.shaking_hands_ = false;
-        if (self.closed_) {
-            return;
+        if (self.phase_ != Phase::handshake) {
+            return;  // it was closed meanwhile
         }
         if (error) {
             self.handshake_failed(error);
             return;
         }
+        self.phase_ = Phase::open;
         self.peer_.certificate = self.stream_.certificate();
         then(self);
     }));
@@ -83,6 +84,7 @@ void ClientSession::shake_hands(Then then) {
 void ClientSession::handshake_failed(const error_code& error) {
     if (error == ClientStream::no_tls()) {
         peer_.encrypted = false;
+        phase_ = Phase::open;
         send_error(
             "this port speaks TLS only: connect to tls:HOST:PORT, with --authority FILE where the daemon's certificate "
             "is signed by an authority of your own",
@@ -91,7 +93,7 @@ void ClientSession::handshake_failed(const error_code& error) {
     }
     host_.log().errors.write(LogLevel::warning,
                              fmt::format("{}: closed: no TLS handshake: {}", label(), stream_.reason(error)));
-    closing_ = true;
+    phase_ = Phase::leaving;
     close_later();
     end_output();  // after OpenSSL's alert, which tells the client why
 }
@@ -105,7 +107,7 @@ bool ClientSession::make_place() noexcept {
 }
 
 void ClientSession::access_changed() {
-    if (!greeted_ || closed_ || closing_) {
+    if (!greeted_ || !is_open()) {
         return;
     }
     if (const std::string why = why_refused(token_); !why.empty()) {

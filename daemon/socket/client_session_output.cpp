@@ -50,7 +50,7 @@ v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, cons
 }  // namespace
 
 void ClientSession::send(v1::Envelope message) {
-    if (closed_ || closing_) {
+    if (!is_open()) {
         return;
     }
     proto::encode(message, answers_.emplace_back());
@@ -58,7 +58,7 @@ void ClientSession::send(v1::Envelope message) {
 }
 
 void ClientSession::send_error(const std::string& why, bool closing) {
-    if (closed_ || closing_) {
+    if (!is_open()) {
         return;
     }
     v1::Envelope message;
@@ -68,7 +68,7 @@ void ClientSession::send_error(const std::string& why, bool closing) {
     host_.log().errors.write(LogLevel::warning,
                              fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
     if (closing) {
-        closing_ = true;
+        phase_ = Phase::leaving;
         host_.subscription_changed();
         close_later();
     }
@@ -86,6 +86,9 @@ void ClientSession::close_later() {
 }
 
 void ClientSession::frame_arrived() {
+    if (!may_write()) {
+        return;
+    }
     if (message_.is_lost()) {
         close(lost_frame);
         return;
@@ -107,11 +110,11 @@ void ClientSession::sensors_arrived() {
 }
 
 void ClientSession::pump() {
-    while (!closed_ && !writing_) {
+    while (may_write() && !writing_) {
         if (!answers_.empty()) {
             message_.start() = std::move(answers_.front());
             answers_.pop_front();
-        } else if (closing_) {
+        } else if (phase_ == Phase::leaving) {
             end_output();
             return;
         } else if (!take_sensors() && !take_frame()) {
@@ -165,7 +168,7 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
     outdated_ = false;
     FrameCompressor::Request next;
     guarded([&] {
-        if (!closed_ && wanted() != 0 && selection_.encoding == v1::ZSTD) {
+        if (wanted() != 0 && selection_.encoding == v1::ZSTD) {
             next = take_request();
         }
     });
@@ -176,8 +179,7 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
 }
 
 bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
-    return !closed_ && wanted() != 0 && selection_ == request.selection &&
-           feed_.would_take(host_.frames(), request.frame);
+    return wanted() != 0 && selection_ == request.selection && feed_.would_take(host_.frames(), request.frame);
 }
 
 bool ClientSession::take_frame() {
@@ -226,7 +228,7 @@ void ClientSession::ask_for_compressed() {
 void ClientSession::compressed(const FrameCompressor::Request& request,
                                std::shared_ptr<const EncodedPlanes> planes) noexcept {
     compressing_ = false;
-    if (closed_ || closing_) {
+    if (!is_open()) {
         return;
     }
     guarded([&] {
@@ -278,7 +280,7 @@ void ClientSession::write_some() {
 
 void ClientSession::await_writable() {
     stream_.async_wait_writable(handler([](ClientSession& self, error_code error) {
-        if (self.closed_) {
+        if (self.phase_ == Phase::closed) {
             return;
         }
         if (error) {
@@ -302,7 +304,7 @@ void ClientSession::end_output() {
 /// Reads until the client closes: the system throws the last message away if input is unread at a close.
 void ClientSession::drain() {
     stream_.async_discard(asio::buffer(discarded_), handler([](ClientSession& self, error_code error, std::size_t) {
-                              if (self.closed_) {
+                              if (self.phase_ == Phase::closed) {
                                   return;
                               }
                               if (error) {

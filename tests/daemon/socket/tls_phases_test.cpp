@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Connections in every phase while frames, samples, reloads and the idle watch reach all of them: none may touch the
+// stream of one that shakes hands, and nobody else loses a frame.
+#include <cstdlib>
+#include <latch>
+#include <random>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "tests/certificate_folder.h"
+#include "tests/daemon/socket/server_fixture.h"
+#include "tests/daemon/tls_stranger.h"
+#include "tests/daemon/tls_wire_client.h"
+
+namespace disparityd::test {
+namespace {
+
+using ::testing::HasSubstr;
+using namespace std::chrono_literals;
+
+constexpr const char* known_token = "0123456789abcdef";
+
+/// How many strangers connect. The environment says more for a long run: 10,000 take a minute without sanitizers.
+int strangers() {
+    const char* const told = std::getenv("DISPARITYD_STRANGERS");
+    return told == nullptr ? 300 : std::atoi(told);
+}
+
+class TlsPhasesTest : public ServerTest {
+protected:
+    void start_with_tls(bool certificates = false) {
+        config_.access.certificates = certificates;
+        config_.tls = proto::make_server_tls(files_.server(certificates), "test");
+        start();
+    }
+
+    TlsWireClient enter(const std::string& certificate = "") {
+        TlsWireClient client(tcp_, files_.client(certificate));
+        const auto answer = client.hello("test", config_.access.tokens.empty() ? "" : known_token);
+        EXPECT_TRUE(answer && answer->has_welcome()) << (answer ? answer->error().message() : client.problem());
+        return client;
+    }
+
+    /// Publishes a frame and a sample, and sees that the client gets this very frame.
+    void publish_to(WireClient& client) {
+        server_->publish(feed_.next());
+        server_->publish_sensors(std::vector<capture::SensorSample>(1), std::chrono::steady_clock::now());
+        const auto frame = client.receive_frame(60s);
+        ASSERT_TRUE(frame);
+        ASSERT_EQ(frame->envelope.frame().publish_index(), published_);
+        ASSERT_EQ(frame->payload, PatternFrames::expected(published_, v1::DISPARITY, 0, 0, 64, 48));
+        ++published_;
+    }
+
+    void expect_clients(WireClient& asking, int count) {
+        const auto deadline = std::chrono::steady_clock::now() + 60s;
+        int found = status(asking).clients_size();
+        while (found != count && std::chrono::steady_clock::now() < deadline) {
+            found = status(asking).clients_size();
+        }
+        EXPECT_EQ(found, count);
+    }
+
+    static v1::Envelope frames_and_sensors() {
+        v1::Envelope wanted = subscription({v1::DISPARITY});
+        wanted.mutable_subscribe()->set_sensors(true);
+        return wanted;
+    }
+
+    CertificateFolder files_;
+    std::uint64_t published_ = 0;
+};
+
+TEST_F(TlsPhasesTest, BytesThatAreNoTlsEndTheirOwnConnectionOnly) {
+    start_with_tls();
+    TlsWireClient reader = enter();
+    subscribe(reader, frames_and_sensors());
+    WireClient stranger("tcp" + tcp_.substr(3));
+    for (int i = 0; i < 10; ++i) {  // the server has taken the stranger in, and frames reach all
+        publish_to(reader);
+    }
+    ASSERT_TRUE(stranger.send_bytes(std::array<std::uint8_t, 2>{'X', 'X'}));
+    EXPECT_THAT(stranger.receive_error(60s), HasSubstr("tls:HOST:PORT"));
+    EXPECT_TRUE(stranger.is_closed(60s));
+    publish_to(reader);
+}
+
+TEST_F(TlsPhasesTest, AHandshakeThatWaitsForItsTurnBeginsInItsTurn) {
+    // More than may shake hands at once. Those that wait are many intervals late if a frame begins their handshake
+    // early: its turn would never come.
+    constexpr int clients = 40;
+    files_.make({.common_name = "guest"});
+    start_with_tls(true);
+    TlsWireClient reader = enter("guest");
+    subscribe(reader, frames_and_sensors());
+    std::latch together(clients);
+    std::atomic<int> arrived{0};
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < clients; ++i) {
+        threads.emplace_back([&] {
+            together.arrive_and_wait();
+            try {
+                TlsWireClient client = enter("guest");
+                status(client);
+            } catch (const std::exception& error) {
+                ADD_FAILURE() << error.what();
+            }
+            ++arrived;
+        });
+    }
+    while (arrived < clients) {
+        publish_to(reader);
+    }
+    threads.clear();
+    expect_clients(reader, 1);
+}
+
+TEST_F(TlsPhasesTest, StrangersInEveryPhaseHarmNobody) {
+    config_.access.tokens = {{known_token}, {}};
+    config_.handshake_interval = 1ms;  // some wait for their turn
+    config_.idle_timeout = 80ms;       // all are watched, every 20 ms
+    start_with_tls();
+    TlsWireClient reader = enter();
+    subscribe(reader, frames_and_sensors());
+    const proto::TlsContext context = proto::make_client_tls(files_.client());
+    std::mt19937 chance(1);  // NOLINT(cert-msc51-cpp): the same every time
+    std::vector<std::unique_ptr<Stranger>> here;
+    constexpr std::size_t most_here = 56;  // there are 48 places
+    int let_in = 0;
+    for (int left = strangers(); left > 0 || !here.empty();) {
+        for (; left > 0 && here.size() < most_here; --left) {
+            const std::string token = chance() % 8 == 0 ? "fedcba9876543210" : known_token;
+            here.push_back(std::make_unique<Stranger>(tcp_, context, token, chance));
+        }
+        std::erase_if(here, [&](const auto& stranger) {
+            const bool stays = chance() % 4 != 0 || stranger->step();
+            let_in += !stays && stranger->was_let_in() ? 1 : 0;
+            return !stays;
+        });
+        if (chance() % 16 == 0) {
+            server_->reconfigure(config_);
+        }
+        if (chance() % 16 == 0) {
+            server_->set_layout(feed_.layout());
+        }
+        ASSERT_NO_FATAL_FAILURE(publish_to(reader));
+    }
+    EXPECT_GT(let_in, 0) << "the walk ends too early";
+    expect_clients(reader, 1);
+}
+
+}  // namespace
+}  // namespace disparityd::test
