@@ -14,6 +14,7 @@
 #include "base/failure_text.h"
 #include "base/message_text.h"
 #include "proto/framing.h"
+#include "proto/monotonic_clock.h"
 #include "proto/products.h"
 
 namespace disparityd::daemon {
@@ -26,7 +27,7 @@ using boost::system::error_code;
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
 constexpr std::string_view messages_of_clients =
-    "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request";
+    "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request, ready, ping";
 
 /// What a client is told that wants a product which is not made.
 std::string refused_product(int number, const std::vector<v1::Product>& made) {
@@ -54,7 +55,8 @@ ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t
       status_timer_(stream_.get_executor()),
       turn_timer_(stream_.get_executor()),
       pace_timer_(stream_.get_executor()),
-      requests_(ClientRules::most_at_once, host.rules().request_interval) {
+      requests_(ClientRules::most_at_once, host.rules().request_interval),
+      credits_(ClientRules::most_at_once, ClientRules::credit_interval) {
     stream_.do_not_block();
     peer_.encrypted = stream_.encrypted();
 }
@@ -98,6 +100,9 @@ void ClientSession::watch() {
                 "to ask, or raise [socket] idle_timeout_s",
                 std::chrono::duration<double>(rules.idle_timeout).count()),
             true);
+    }
+    if (greeted_) {
+        pump();  // a frame may have waited for room in the system's buffers, and none followed
     }
 }
 
@@ -154,7 +159,7 @@ void ClientSession::read_length() {
         return;
     }
     reading_ = true;
-    const auto wait = requests_.wait();
+    const auto wait = std::max(requests_.wait(), credits_.wait());
     requests_.take();
     if (wait.count() == 0) {
         await_length();
@@ -211,7 +216,6 @@ void ClientSession::read_message(std::uint32_t length) {
 }
 
 void ClientSession::message_arrived() {
-    last_request_ = std::chrono::steady_clock::now();
     requests_.take(static_cast<std::int64_t>(incoming_.size() / ClientRules::bytes_of_one));
     v1::Envelope message;
     try {
@@ -222,6 +226,9 @@ void ClientSession::message_arrived() {
             send_error(fmt::format("a message announces a payload of {} bytes, allowed: 0", message.payload_bytes()),
                        true);
         } else {
+            if (!message.has_ready() && !message.has_ping()) {
+                last_request_ = std::chrono::steady_clock::now();
+            }
             handle(message);
         }
     } catch (const std::invalid_argument& refused) {
@@ -248,6 +255,8 @@ void ClientSession::handle(const v1::Envelope& message) {
         case v1::Envelope::kRecordStop: stop_recording(); break;
         case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
         case v1::Envelope::kTraceRequest: trace(message.trace_request()); break;
+        case v1::Envelope::kReady: add_credit(message.ready()); break;
+        case v1::Envelope::kPing: answer_ping(message.ping()); break;
         case v1::Envelope::BODY_NOT_SET:  // a newer client, which works without the answer
             send_error(fmt::format("Envelope: no message that disparityd {} knows, allowed: {}", DISPARITYD_VERSION,
                                    messages_of_clients),
@@ -277,6 +286,7 @@ void ClientSession::hello(const v1::Hello& hello) {
         return;
     }
     greeted_ = true;
+    client_id_ = hello.client_id();
     deadline_.cancel();
     v1::Envelope answer;
     v1::Welcome& welcome = *answer.mutable_welcome();
@@ -288,7 +298,9 @@ void ClientSession::hello(const v1::Hello& hello) {
         welcome.add_products(product);
     }
     welcome.set_shared_memory(layout.shared_memory);
+    welcome.set_monotonic_ns(proto::monotonic_ns());
     send(std::move(answer));
+    host_.came_back(*this);
     host_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
 }
 
@@ -298,6 +310,7 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     early_.reset();
     if (layout.products.empty()) {  // the first source is being prepared: its products are not known
         early_ = subscribe;
+        credit_.start(subscribe.by_credit());
         send_status_every(std::isfinite(subscribe.status_interval_s()) ? subscribe.status_interval_s() : 0);
         return;
     }
@@ -335,7 +348,10 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
         next_sample_ = host_.sensors().end();
     }
     wants_sensors_ = subscribe.sensors();
-    feed_.start(host_.frames(), subscribe.max_rate());
+    const bool by_credit = subscribe.by_credit();
+    credit_.start(by_credit);
+    feed_.start(host_.frames(), subscribe.max_rate(),
+                by_credit ? FrameFeed::Order::newest_only : FrameFeed::Order::oldest_first);
     host_.subscription_changed();
     send_status_every(subscribe.status_interval_s());
     if (!has_subscribed_ && (wanted() != 0 || wants_sensors() || wants_status_)) {
@@ -440,7 +456,9 @@ void ClientSession::layout_changed() {
         return;
     }
     if (early_) {
+        const FrameCredit given = credit_;
         subscribe(v1::Subscribe(*early_));
+        credit_ = given;
     }
     const auto& offered = host_.layout().products;
     const std::size_t before = selection_.products.size();

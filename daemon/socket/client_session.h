@@ -23,6 +23,7 @@
 #include "daemon/socket/client_peer.h"
 #include "daemon/socket/client_stream.h"
 #include "daemon/socket/frame_compressor.h"
+#include "daemon/socket/frame_credit.h"
 #include "daemon/socket/frame_feed.h"
 #include "daemon/socket/frame_ring.h"
 #include "daemon/socket/outgoing_message.h"
@@ -49,7 +50,11 @@ struct ClientRules {
     std::chrono::microseconds request_interval{5000};  ///< between two messages of a client, after most_at_once
     static constexpr int most_at_once = 200;
     static constexpr std::size_t bytes_of_one = 4096;  ///< a longer message counts as several
+    /// Between two messages Ready or Ping, after most_at_once; they count as no other message.
+    static constexpr std::chrono::microseconds credit_interval{1000};
 };
+
+class ClientSession;
 
 /// What a session needs of the server that owns it. All calls are made in the server's thread.
 class SessionHost {
@@ -78,6 +83,8 @@ public:
     virtual void control_camera(const v1::CameraRequest& request, CameraAnswer answer) = 0;
     virtual void trace(const v1::TraceRequest& request, TraceAnswer answer) = 0;
     virtual void subscription_changed() = 0;
+    /// Closes older connections of the client that `session` has greeted.
+    virtual void came_back(const ClientSession& session) = 0;
     virtual void closed(std::uint64_t id) noexcept = 0;
 };
 
@@ -115,6 +122,10 @@ public:
 
     /// Closes the connection of a client that has not said hello, for another one. Returns false after hello.
     bool make_place() noexcept;
+
+    /// Closes this connection if `newer` is another one of the same client: its link was cut, and it has connected
+    /// anew. Only one of the same rights may end it.
+    void make_room_for(const ClientSession& newer) noexcept;
 
     /// Closes without an Error and releases the frames; for a server that stops.
     void stop() noexcept;
@@ -181,6 +192,10 @@ private:
     bool admit(const std::string& token);
     void refuse_late(const std::string& why);
     void subscribe(const v1::Subscribe& subscribe);
+    void add_credit(const v1::Ready& ready);
+    void answer_ping(const v1::Ping& ping);
+    void limit_apart_from_requests();
+    bool holds_back();
     void send_status_every(double seconds);
     bool may_control(const char* what);
     void start_recording(const v1::RecordStart& start);
@@ -195,6 +210,7 @@ private:
     bool take_sensors();
     bool take_frame();
     bool take_compressed();
+    bool may_compress() const;
     void ask_for_compressed();
     FrameCompressor::Request take_request();
     FrameCompressor::Request next_request() noexcept override;
@@ -222,10 +238,12 @@ private:
     boost::asio::steady_timer turn_timer_;  ///< until the handshake may begin
     boost::asio::steady_timer pace_timer_;  ///< until the next message may be read
     RateLimit requests_;
+    RateLimit credits_;  ///< of Ready and Ping
     std::chrono::steady_clock::time_point last_request_;
 
     std::string name_;
-    std::string token_;  ///< of its Hello
+    std::string token_;            ///< of its Hello
+    std::uint64_t client_id_ = 0;  ///< of its Hello; 0 = none
     Phase phase_ = Phase::waiting;
     bool greeted_ = false;  ///< has said hello, and may have left since
     bool output_ended_ = false;
@@ -250,6 +268,8 @@ private:
 
     Selection selection_;
     FrameFeed feed_;
+    FrameCredit credit_;
+    std::size_t frame_bytes_ = 0;         ///< of the frame's message sent last
     std::optional<v1::Subscribe> early_;  ///< came before the first layout, which applies it
     bool wants_sensors_ = false;
     bool wants_status_ = false;  ///< at intervals

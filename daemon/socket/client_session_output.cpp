@@ -10,6 +10,7 @@
 #include "base/failure_text.h"
 #include "daemon/socket/client_session.h"
 #include "proto/framing.h"
+#include "proto/monotonic_clock.h"
 #include "proto/text.h"
 
 namespace disparityd::daemon {
@@ -22,8 +23,11 @@ constexpr std::chrono::seconds close_timeout{1};
 constexpr std::chrono::seconds stall_limit{2};
 constexpr std::string_view lost_frame = "closed: there was no memory to keep the rest of its frame";
 
-std::int64_t age_of(std::chrono::steady_clock::time_point captured) {
-    return std::chrono::nanoseconds(std::chrono::steady_clock::now() - captured).count();
+/// Says how old the frame is, and at which instant.
+void set_age(v1::Frame& message, std::chrono::steady_clock::time_point captured) {
+    const std::int64_t now = proto::monotonic_ns();
+    message.set_sent_monotonic_ns(now);
+    message.set_age_ns(now - std::chrono::nanoseconds(captured.time_since_epoch()).count());
 }
 
 /// Returns the message that precedes the bytes of a frame's planes.
@@ -32,7 +36,7 @@ v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, cons
     v1::Envelope message;
     v1::Frame& out = *message.mutable_frame();
     proto::fill(out, frame.info);
-    out.set_age_ns(age_of(frame.captured));
+    set_age(out, frame.captured);
     if (selection.region.width != 0) {
         out.mutable_region()->set_x(selection.region.x);
         out.mutable_region()->set_y(selection.region.y);
@@ -154,6 +158,9 @@ bool ClientSession::clamp_region(const FrameCopy& frame, Selection& selection) {
 /// outside of it.
 FrameCompressor::Request ClientSession::take_request() {
     FrameCompressor::Request request{feed_.take(host_.frames(), wanted()), selection_};
+    if (request.frame) {
+        credit_.take();
+    }
     if (request.frame && !clamp_region(*request.frame, request.selection)) {
         request.frame = nullptr;
         selection_ = {};
@@ -168,7 +175,7 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
     outdated_ = false;
     FrameCompressor::Request next;
     guarded([&] {
-        if (wanted() != 0 && selection_.encoding == v1::ZSTD) {
+        if (wanted() != 0 && selection_.encoding == v1::ZSTD && may_compress()) {
             next = take_request();
         }
     });
@@ -179,15 +186,22 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
 }
 
 bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
-    return wanted() != 0 && selection_ == request.selection && feed_.would_take(host_.frames(), request.frame);
+    return wanted() != 0 && may_compress() && selection_ == request.selection &&
+           feed_.would_take(host_.frames(), request.frame);
 }
 
 bool ClientSession::take_frame() {
     if (wanted() == 0) {
         return false;
     }
+    if (holds_back()) {
+        return false;
+    }
     if (selection_.encoding == v1::ZSTD) {
         return take_compressed();
+    }
+    if (!credit_.allows_one()) {
+        return false;
     }
     const FrameCompressor::Request next = take_request();
     if (!next.frame) {
@@ -201,24 +215,34 @@ bool ClientSession::take_frame() {
         return false;
     }
     proto::encode(make_head(next, *planes), message_.start(planes));
+    frame_bytes_ = message_.size();
     return true;
 }
 
 /// Starts the message with the compressed frame, if there is one, and asks for the next one at once: a client that
-/// asked only after this one was sent would lose its turn.
+/// asked only after this one was sent would lose its turn. One that gives credit asks when this one is written.
 bool ClientSession::take_compressed() {
     const bool taken = compressed_ != nullptr;
     if (taken) {
         v1::Envelope head = std::move(compressed_head_);
-        head.mutable_frame()->set_age_ns(age_of(compressed_captured_));  // it may have waited for the previous message
+        set_age(*head.mutable_frame(), compressed_captured_);  // it may have waited for the previous message
         proto::encode(head, message_.start(std::exchange(compressed_, nullptr)));
+        frame_bytes_ = message_.size();
     }
-    ask_for_compressed();
+    if (!taken || !credit_.limited()) {
+        ask_for_compressed();
+    }
     return taken;
 }
 
+/// Returns whether the next frame may be compressed now. For a client that gives credit none is while a message is
+/// being written: it would grow old behind that one.
+bool ClientSession::may_compress() const {
+    return credit_.allows_one() && (!credit_.limited() || !writing_);
+}
+
 void ClientSession::ask_for_compressed() {
-    if (wanted() != 0 && selection_.encoding == v1::ZSTD && !compressing_ && !compressed_ &&
+    if (wanted() != 0 && selection_.encoding == v1::ZSTD && may_compress() && !compressing_ && !compressed_ &&
         feed_.has_next(host_.frames())) {
         compressing_ = true;
         host_.compressor().ask(shared_from_this());

@@ -2,10 +2,12 @@
 #include "daemon/socket/frame_feed.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace disparityd::daemon {
 
-void FrameFeed::start(const FrameRing& ring, double max_rate) {
+void FrameFeed::start(const FrameRing& ring, double max_rate, Order order) {
+    order_ = order;
     max_rate_ = max_rate;
     next_due_ = {};
     next_index_ = ring.end();
@@ -13,29 +15,35 @@ void FrameFeed::start(const FrameRing& ring, double max_rate) {
 }
 
 FrameHandle FrameFeed::take(const FrameRing& ring, std::uint32_t products) {
+    FrameHandle taken;
     while (FrameHandle frame = ring.next(next_index_)) {
         next_index_ = frame->info.publish_index + 1;
         if ((frame->products & products) == products && is_due(frame->published)) {
-            return frame;
+            taken = std::move(frame);
+            if (order_ == Order::oldest_first) {
+                break;
+            }
         }
     }
-    return nullptr;
+    if (taken && max_rate_ != 0) {
+        count_due(taken->published);
+    }
+    return taken;
 }
 
-/// Returns whether a frame of this time is due; if so, sets the next due time.
-bool FrameFeed::is_due(Time published) {
-    if (max_rate_ == 0) {
-        return true;
-    }
-    const auto interval = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(1.0 / std::max(max_rate_, 1e-6)));
-    // A frame may be a little early: a source that jitters around the rate would lose every second frame otherwise.
-    if (published + interval / 20 < next_due_) {
-        return false;
-    }
-    const bool late = published > next_due_ + interval;
-    next_due_ = (late ? published : next_due_) + interval;
-    return true;
+FrameFeed::Time::duration FrameFeed::interval() const {
+    return std::chrono::duration_cast<Time::duration>(std::chrono::duration<double>(1.0 / std::max(max_rate_, 1e-6)));
+}
+
+/// A frame may be a little early: a source that jitters around the rate would lose every second frame otherwise.
+bool FrameFeed::is_due(Time published) const {
+    return max_rate_ == 0 || published + interval() / 20 >= next_due_;
+}
+
+/// Sets the next due time behind a frame of this one.
+void FrameFeed::count_due(Time published) {
+    const bool late = published > next_due_ + interval();
+    next_due_ = (late ? published : next_due_) + interval();
 }
 
 std::uint64_t FrameFeed::count_sent(std::uint64_t publish_index) {

@@ -26,6 +26,9 @@ public:
     /// Returns the oldest frame with at least this publish index, or nullptr.
     FrameHandle next(std::uint64_t publish_index) const;
 
+    /// Returns the newest frame, or nullptr.
+    FrameHandle newest() const { return entries_.empty() ? nullptr : entries_.back().frame; }
+
     /// Returns the publish index of the newest frame plus one.
     std::uint64_t end() const { return end_; }
 

@@ -24,6 +24,9 @@ public:
         due_ = std::max(due_, now) + count * interval_;
     }
 
+    /// Takes one event back that was counted before it was known that another limit applies to it.
+    void give_back() { due_ -= interval_; }
+
 private:
     const Clock::duration interval_;
     const Clock::duration ahead_;  ///< how long before its turn an event may come

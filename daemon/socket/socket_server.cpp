@@ -366,6 +366,10 @@ void SocketServer::subscription_changed() {
     wanted_.store(wanted, std::memory_order_release);
 }
 
+void SocketServer::came_back(const ClientSession& session) {
+    for_each_session([&session](ClientSession& other) { other.make_room_for(session); });
+}
+
 void SocketServer::tell_gone(std::uint64_t client) noexcept {
     try {
         if (services_.client_is_gone) {

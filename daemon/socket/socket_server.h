@@ -125,6 +125,7 @@ private:
     void control_camera(const v1::CameraRequest& request, CameraAnswer answer) override;
     void trace(const v1::TraceRequest& request, TraceAnswer answer) override;
     void subscription_changed() override;
+    void came_back(const ClientSession& session) override;
     void closed(std::uint64_t id) noexcept override;
 
     void serve(Listener& listener);

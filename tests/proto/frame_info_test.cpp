@@ -21,7 +21,7 @@ namespace v1 = disparityd::v1;
 using google::protobuf::FieldDescriptor;
 
 /// Fields of v1::Frame that belong to one client, not to the frame: the session fills them in.
-const std::set<std::string> of_one_client{"region", "skipped_for_client", "planes"};
+const std::set<std::string> of_one_client{"region", "skipped_for_client", "planes", "sent_monotonic_ns"};
 
 /// Gives every number of a message, and of the messages in it, a value of its own.
 void fill_numbers(google::protobuf::Message& message, int& next) {

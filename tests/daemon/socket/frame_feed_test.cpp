@@ -114,6 +114,32 @@ TEST_F(FrameFeedTest, AfterAPauseTheRateBeginsAnew) {
     EXPECT_EQ(take_each(5, 25ms), (std::vector<std::uint64_t>{5, 9})) << "nothing is made up for";
 }
 
+TEST_F(FrameFeedTest, NewestOnlyPassesOverTheOthers) {
+    feed_.start(ring_, 0, daemon::FrameFeed::Order::newest_only);
+    publish();
+    publish();
+    publish({}, left);
+    EXPECT_FALSE(feed_.would_take(ring_, ring_.next(0)));
+    EXPECT_TRUE(feed_.would_take(ring_, ring_.next(2))) << "its products are the caller's matter";
+    const auto newest = feed_.take(ring_, disparity);
+    ASSERT_NE(newest, nullptr);
+    EXPECT_EQ(newest->info.publish_index, 1U) << "the newest that has the product";
+    EXPECT_EQ(feed_.take(ring_, disparity), nullptr);
+    EXPECT_FALSE(feed_.would_take(ring_, newest));
+}
+
+TEST_F(FrameFeedTest, NewestOnlyKeepsTheRate) {
+    feed_.start(ring_, 10, daemon::FrameFeed::Order::newest_only);
+    publish(0ms);
+    publish(25ms);
+    EXPECT_EQ(feed_.take(ring_, disparity)->info.publish_index, 1U) << "both are due";
+    publish(50ms);
+    EXPECT_EQ(feed_.take(ring_, disparity), nullptr) << "25 ms after the one before";
+    publish(124ms);
+    publish(126ms);
+    EXPECT_EQ(feed_.take(ring_, disparity)->info.publish_index, 4U);
+}
+
 TEST_F(FrameFeedTest, KnowsWhichFrameItWouldTake) {
     feed_.start(ring_, 0);
     publish();

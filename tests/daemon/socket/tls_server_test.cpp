@@ -88,6 +88,7 @@ TEST_F(TlsServerTest, FramesAreThoseOfTheUnixSocket) {
             ASSERT_TRUE(one && other);
             for (auto* frame : {&one, &other}) {
                 (*frame)->envelope.mutable_frame()->set_age_ns(0);
+                (*frame)->envelope.mutable_frame()->set_sent_monotonic_ns(0);
             }
             EXPECT_EQ(one->envelope.SerializeAsString(), other->envelope.SerializeAsString());
             EXPECT_EQ(one->payload, other->payload);
