@@ -96,7 +96,8 @@ StereoCalibration read_kitti_calibration(const std::string& path, const std::str
         }
         const auto p = numbers(entries, path, key(first_camera + i), 12);
         check_focal_length(p[0], path, key(first_camera + i));
-        (i == 0 ? calibration.left : calibration.right) = {p[0], p[5], p[2], p[6], {}};
+        auto& eye = i == 0 ? calibration.left : calibration.right;
+        eye = {p[0], p[5], p[2], p[6], {}};
         shift[i] = p[3] / p[0];
     }
     calibration.translation = {1000 * (shift[1] - shift[0]), 0, 0};
