@@ -66,15 +66,18 @@ disparityd_need("CLI11 2.1" "${CLI11_FOUND}" PACKAGES "libcli11-dev")
 find_package(nlohmann_json 3.10 QUIET)
 disparityd_need("nlohmann-json 3.10" "${nlohmann_json_FOUND}" PACKAGES "nlohmann-json3-dev")
 
-find_path(CONCURRENTQUEUE_INCLUDE_DIR concurrentqueue/blockingconcurrentqueue.h)
-disparityd_need("concurrentqueue 1.0.3" "${CONCURRENTQUEUE_INCLUDE_DIR}" PACKAGES "libconcurrentqueue-dev")
+# Where the headers lie depends on the release: since 1.0.4 in a folder of their own.
+find_path(CONCURRENTQUEUE_HEADERS blockingconcurrentqueue.h
+  PATH_SUFFIXES concurrentqueue/moodycamel concurrentqueue)
+disparityd_need("concurrentqueue 1.0.3" "${CONCURRENTQUEUE_HEADERS}" PACKAGES "libconcurrentqueue-dev")
 add_library(concurrentqueue INTERFACE)
-target_include_directories(concurrentqueue SYSTEM INTERFACE ${CONCURRENTQUEUE_INCLUDE_DIR})
+target_include_directories(concurrentqueue SYSTEM INTERFACE ${CONCURRENTQUEUE_HEADERS})
 
-find_path(TOML11_INCLUDE_DIR toml/combinator.hpp)
-disparityd_need("toml11 3.7" "${TOML11_INCLUDE_DIR}" PACKAGES "libtoml11-dev")
+# The header beside toml.hpp tells toml11 from other libraries: the first is that of 4, the second that of 3.
+find_path(TOML11_HEADERS NAMES toml11/parser.hpp toml/combinator.hpp)
+disparityd_need("toml11 3.7" "${TOML11_HEADERS}" PACKAGES "libtoml11-dev")
 add_library(toml11 INTERFACE)
-target_include_directories(toml11 SYSTEM INTERFACE ${TOML11_INCLUDE_DIR})
+target_include_directories(toml11 SYSTEM INTERFACE ${TOML11_HEADERS})
 
 # Vector code for several instruction sets; 1.0.3 is Debian 12's. Ubuntu 22.04 has 0.16, without the operations used here:
 # tools/setup/highway builds a newer one into the build folder. The package of the installed library

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstddef>
 
-#include <concurrentqueue/blockingconcurrentqueue.h>
+#include <blockingconcurrentqueue.h>
 
 #include "pipeline/heartbeat.h"
 

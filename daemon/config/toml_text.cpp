@@ -11,44 +11,74 @@
 #include <string_view>
 #include <utility>
 
-#include <toml.hpp>
-
 #include "daemon/config/toml_depth.h"
+#include "daemon/config/toml_library.h"
 
 namespace disparityd::daemon {
 namespace {
 
-/// In the order of names, so that of several mistakes the same one is told each time.
-using Value = toml::basic_value<toml::discard_comments, std::map, std::vector>;
+using Value = toml::value;
 
-std::string position(const std::string& name, std::size_t line, std::size_t column) {
-    return name + ':' + std::to_string(line) + ':' + std::to_string(column);
+std::string position(const std::string& name, const TomlPlace& at) {
+    return name + ':' + std::to_string(at.line) + ':' + std::to_string(at.column);
 }
 
+/// The lines of a text that was parsed, and the name that messages give it.
+class NamedLines {
+public:
+    NamedLines(std::string_view text, const std::string& name) : name_(name) {
+        for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
+            end = text.find('\n', begin);
+            lines_.push_back(text.substr(begin, end - begin));
+        }
+    }
+
+    const std::string& name() const { return name_; }
+    /// Counts from 1; one that is not there is empty.
+    std::string_view line(std::size_t number) const {
+        return number >= 1 && number <= lines_.size() ? lines_[number - 1] : std::string_view();
+    }
+
+private:
+    std::vector<std::string_view> lines_;
+    const std::string& name_;
+};
+
 /// Returns where a key stands. toml11 knows only where its value begins, which is on the same line.
-std::string position_of_key(const std::string& name, std::string_view key, const Value& value) {
-    const toml::source_location at = value.location();
-    const std::string_view before = std::string_view(at.line_str()).substr(0, at.column() - 1);
-    const auto found = before.rfind(key);
-    return position(name, at.line(), found == std::string_view::npos ? at.column() : found + 1);
+std::string position_of_key(const NamedLines& file, std::string_view key, const Value& value) {
+    TomlPlace at = place_of(value.location());
+    const auto found = file.line(at.line).substr(0, at.column - 1).rfind(key);
+    at.column = found == std::string_view::npos ? at.column : found + 1;
+    return position(file.name(), at);
 }
 
 /// Returns where a section's header begins; toml11 tells where its name does.
-std::string position_of_section(const std::string& name, const Value& section) {
-    const toml::source_location at = section.location();
-    const auto bracket = std::string_view(at.line_str()).find('[');
-    return position(name, at.line(), bracket == std::string_view::npos ? at.column() : bracket + 1);
+std::string position_of_section(const NamedLines& file, const Value& section) {
+    TomlPlace at = place_of(section.location());
+    const auto bracket = file.line(at.line).find('[');
+    at.column = bracket == std::string_view::npos ? at.column : bracket + 1;
+    return position(file.name(), at);
+}
+
+/// Returns the entries of a table in the order of their names, so that of several mistakes the same one is told each
+/// time.
+std::map<std::string_view, const Value*> entries_of(const Value& table) {
+    std::map<std::string_view, const Value*> entries;
+    for (const auto& [key, value] : table.as_table()) {
+        entries.emplace(key, &value);
+    }
+    return entries;
 }
 
 /// Returns a list of whole numbers or of texts; an empty one is one of numbers.
-std::optional<ConfigValue> to_list(const Value::array_type& elements) {
+std::optional<ConfigValue> to_list(const toml::array& elements) {
     std::vector<std::int64_t> numbers;
     std::vector<std::string> texts;
     for (const Value& element : elements) {
         if (element.is_integer()) {
             numbers.push_back(element.as_integer());
         } else if (element.is_string()) {
-            texts.push_back(element.as_string().str);
+            texts.push_back(string_of(element));
         }
     }
     if (texts.size() == elements.size() && !texts.empty()) {
@@ -59,7 +89,7 @@ std::optional<ConfigValue> to_list(const Value::array_type& elements) {
 
 std::optional<ConfigValue> to_value(const Value& value) {
     if (value.is_string()) {
-        return value.as_string().str;
+        return string_of(value);
     }
     if (value.is_integer()) {
         return value.as_integer();
@@ -124,9 +154,8 @@ void check_utf8(std::string_view text, const std::string& name) {
     }
 }
 
-/// Returns what toml11 says in its first line, without its name for the place in its own code.
-std::string reason(const std::exception& error) {
-    std::string text = error.what();
+/// Returns what toml11 says, without its name for the place in its own code.
+std::string reason(std::string text) {
     text.resize(std::min(text.find('\n'), text.size()));
     if (const auto begin = text.find("toml::"); begin != std::string::npos) {
         const auto colon = text.find(": ", begin);
@@ -152,34 +181,34 @@ Value parse(const std::string& text, const std::string& name) {
     if (const std::string problem = toml_depth_problem(text, name); !problem.empty()) {
         throw std::invalid_argument(problem);
     }
-    std::istringstream stream(text);
     try {
-        return toml::parse<toml::discard_comments, std::map, std::vector>(stream, name);
-    } catch (const toml::exception& error) {
-        refuse(position(name, error.location().line(), error.location().column()), reason(error));
+        return parse_with_library(text, name);
+    } catch (const TomlLibraryError& error) {
+        refuse(position(name, place_of(error)), reason(title_of(error)));
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {  // such as a number that std::stod cannot hold
-        refuse(name, reason(error));
+        refuse(name, reason(error.what()));
     }
 }
 
 }  // namespace
 
 std::vector<TomlSection> parse_toml(const std::string& text, const std::string& name) {
-    const Value file = parse(text, name);
+    const Value parsed = parse(text, name);
+    const NamedLines file(text, name);
     std::vector<TomlSection> sections;
-    for (const auto& [section_name, content] : file.as_table()) {
+    for (const auto& [section_name, content] : entries_of(parsed)) {
         TomlSection& section = sections.emplace_back();
         section.name = section_name;
-        section.is_table = content.is_table();
+        section.is_table = content->is_table();
         if (!section.is_table) {
-            section.where = position_of_key(name, section_name, content);
+            section.where = position_of_key(file, section_name, *content);
             continue;
         }
-        section.where = position_of_section(name, content);
-        for (const auto& [key, value] : content.as_table()) {
-            section.settings.push_back(to_setting(key, value, position_of_key(name, key, value)));
+        section.where = position_of_section(file, *content);
+        for (const auto& [key, value] : entries_of(*content)) {
+            section.settings.push_back(to_setting(key, *value, position_of_key(file, key, *value)));
         }
     }
     return sections;

@@ -32,7 +32,7 @@ inline constexpr std::size_t longest_toml = 64 * 1024;
 
 /// Parses a text from outside: any bytes. Returns its sections in the order of their names. Throws
 /// std::invalid_argument "NAME:LINE:COLUMN: this is not TOML: ..." and where it is too long or nested too deeply
-/// (toml_depth.h). The library behind it is toml11 3.7 or newer; nothing of it is seen outside.
+/// (toml_depth.h). The library behind it is toml11 (toml_library.h); nothing of it is seen outside.
 std::vector<TomlSection> parse_toml(const std::string& text, const std::string& name);
 
 /// Parses a value by itself, such as 128 or [1, 2]; empty when the text is not one value.
