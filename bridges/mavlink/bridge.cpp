@@ -56,6 +56,7 @@ void Bridge::run(const std::atomic<bool>& stop) {
 
 void Bridge::step() {
     link_.drain();
+    link_.forget_old();
     send_heartbeat();
     if (const auto timed = source_.next(wait_for_scan)) {
         last_came_ = Clock::now();

@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/serial_port.hpp>
+#include <linux/sockios.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <termios.h>
@@ -41,7 +42,14 @@ class UdpLink : public Link {
 public:
     UdpLink(std::string host, std::uint16_t port) : host_(std::move(host)), port_(port) {}
 
-    std::chrono::nanoseconds time_for(std::size_t /*bytes*/) const override { return {}; }
+    /// A datagram leaves at once, or, while the network is away, waits in the system behind those before it, which
+    /// cannot be taken back: no more go there.
+    std::chrono::nanoseconds time_for(std::size_t /*bytes*/) const override {
+        int waiting = 0;
+        const bool stuck =
+            ::ioctl(descriptor(), SIOCOUTQ, &waiting) == 0 && waiting > 0 && Clock::now() > empty_at() + grace;
+        return stuck ? std::chrono::hours(1) : std::chrono::nanoseconds(0);
+    }
     std::string name() const override { return "udp " + host_ + ':' + std::to_string(port_); }
 
 private:
@@ -50,6 +58,8 @@ private:
         const auto found = resolver.resolve(host_, std::to_string(port_), asio::ip::resolver_base::numeric_service);
         socket_ = asio::ip::udp::socket(context_, found.begin()->endpoint().protocol());
         socket_.connect(found.begin()->endpoint());
+        boost::system::error_code ignored;  // the system's smallest is a few datagrams
+        socket_.set_option(asio::socket_base::send_buffer_size(4096), ignored);
         socket_.native_non_blocking(true);
     }
     void close_descriptor() override {
@@ -78,9 +88,7 @@ public:
         if (::ioctl(descriptor(), TIOCOUTQ, &waiting) != 0) {
             waiting = 0;
         }
-        constexpr std::int64_t bits_of_a_byte = 10;  // with start and stop bit
-        const std::int64_t bits = (waiting + static_cast<std::int64_t>(bytes)) * bits_of_a_byte;
-        return std::chrono::nanoseconds(bits * 1'000'000'000 / baud_);
+        return time_of(static_cast<std::size_t>(waiting) + bytes);
     }
     std::string name() const override { return "serial " + device_ + ':' + std::to_string(baud_); }
 
@@ -102,6 +110,10 @@ private:
     int descriptor() const override { return const_cast<asio::serial_port&>(port_).native_handle(); }
     bool outlives(int /*error*/) const override { return false; }
     void forget_waiting() const override { ::tcflush(descriptor(), TCOFLUSH); }
+    std::chrono::nanoseconds time_of(std::size_t bytes) const override {
+        constexpr std::int64_t bits_of_a_byte = 10;  // with start and stop bit
+        return std::chrono::nanoseconds(static_cast<std::int64_t>(bytes) * bits_of_a_byte * 1'000'000'000 / baud_);
+    }
     std::string advice() const override {
         return "plug it in, free it or name another one with --serial; it is tried again and again";
     }
@@ -129,6 +141,7 @@ bool Link::open() {
     try {
         open_descriptor();
         is_open_ = true;
+        empty_at_ = Clock::now();
         problem_.clear();
         pause_ = {};
     } catch (const boost::system::system_error& error) {
@@ -151,6 +164,16 @@ bool Link::send(std::span<const std::uint8_t> bytes, Clock::time_point deadline)
     return open() && write_all(bytes, deadline);
 }
 
+bool Link::forget_old() {
+    if (!is_open_ || Clock::now() < empty_at_ + grace) {
+        return false;
+    }
+    // A message that is cut has a wrong checksum: receivers find the next one. On a line that is read nothing waits
+    // now.
+    forget_waiting();
+    return true;
+}
+
 bool Link::write_all(std::span<const std::uint8_t> bytes, Clock::time_point deadline) {
     bool refused = false;
     while (!bytes.empty()) {
@@ -158,11 +181,13 @@ bool Link::write_all(std::span<const std::uint8_t> bytes, Clock::time_point dead
         const int error = written < 0 ? errno : EAGAIN;
         if (written > 0) {
             bytes = bytes.subspan(static_cast<std::size_t>(written));
+            empty_at_ = std::max(empty_at_, Clock::now()) + time_of(static_cast<std::size_t>(written));
         } else if (error == ECONNREFUSED && !refused) {
             refused = true;  // this is about an earlier datagram, and this one was not sent
         } else if (error == EAGAIN) {
             if (!wait_for_room(descriptor(), deadline)) {
                 forget_waiting();
+                empty_at_ = Clock::now();
                 problem_ = name() + ": there was no room for a message in time; use a faster link or a lower --rate";
                 return false;
             }

@@ -27,6 +27,11 @@ public:
     /// is not open, had no room in time (what waits in the system is thrown away then) or has just failed.
     bool send(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
 
+    /// Throws away what waits in the system although, by the link's speed, it should have left a while ago: nobody
+    /// reads, and whoever does later would take it for new. Call it several times a second. Returns whether there was
+    /// nothing that may still be on its way.
+    bool forget_old();
+
     /// Returns how long so many bytes need until the last of them has left, behind those that wait already.
     virtual std::chrono::nanoseconds time_for(std::size_t bytes) const = 0;
 
@@ -47,7 +52,14 @@ protected:
     virtual int descriptor() const = 0;
     virtual bool outlives(int error) const = 0;  ///< whether it goes on as it is after this errno
     virtual void forget_waiting() const {}       ///< throws away what waits in the system
-    virtual std::string advice() const = 0;      ///< what to do when it cannot be used
+    virtual std::chrono::nanoseconds time_of(std::size_t /*bytes*/) const { return {}; }  ///< at the link's speed
+    virtual std::string advice() const = 0;  ///< what to do when it cannot be used
+
+    /// So long after it should have left, what waits is old.
+    static constexpr std::chrono::milliseconds grace{100};
+
+    /// When, by the link's speed, all that was sent will have left.
+    Clock::time_point empty_at() const { return empty_at_; }
 
 private:
     bool write_all(std::span<const std::uint8_t> bytes, Clock::time_point deadline);
@@ -57,6 +69,7 @@ private:
     std::string problem_;
     std::chrono::milliseconds pause_{};
     Clock::time_point next_try_{};
+    Clock::time_point empty_at_{};
 };
 
 /// Returns a link that sends each message as one datagram. Nobody needs to listen. `host` is a name or an address.

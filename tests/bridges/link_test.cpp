@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/mavlink/link.h"
 
+#include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -118,6 +119,37 @@ TEST(SerialLink, DropsAMessageThatFindsNoRoomInTime) {
     EXPECT_LE(bytes.size(), 8192U) << "what waited was thrown away, but for what the reader's end (4096) holds already";
     ASSERT_TRUE(link->send(awkward, Clock::now() + patience));
     EXPECT_EQ(link->problem(), "");
+}
+
+TEST(SerialLink, ThrowsAwayWhatNobodyHasReadInTime) {
+    TerminalPair terminal;
+    const auto link = serial_link(terminal.path(), 921600);
+    // The reader's end takes 4095 bytes into its own hands, where nobody but the reader gets at them.
+    ASSERT_TRUE(link->send(Bytes(4095, 1), Clock::now() + patience)) << link->problem();
+    ASSERT_TRUE(link->send(Bytes(2000, 2), Clock::now() + patience)) << link->problem();
+    const auto deadline = Clock::now() + patience;
+    while (!link->forget_old() && Clock::now() < deadline) {
+    }
+    ASSERT_TRUE(link->send(awkward, Clock::now() + patience)) << link->problem();
+    Bytes bytes;
+    const auto has_come = [&bytes] {
+        return bytes.size() >= awkward.size() && std::equal(awkward.rbegin(), awkward.rend(), bytes.rbegin());
+    };
+    while (!has_come() && terminal.read(bytes)) {
+    }
+    EXPECT_TRUE(has_come());
+    EXPECT_EQ(std::count(bytes.begin(), bytes.end(), 2), 0) << "what waited in the line is old";
+}
+
+TEST(SerialLink, ThrowsAwayNothingThatMayBeOnItsWay) {
+    TerminalPair terminal;
+    const auto link = serial_link(terminal.path(), 9600);
+    const Bytes eight_seconds(8000, 1);
+    for (int i = 0; i < 5; ++i) {
+        ASSERT_TRUE(link->send(eight_seconds, Clock::now() + patience)) << link->problem();
+        EXPECT_FALSE(link->forget_old());
+        EXPECT_EQ(read(terminal, eight_seconds.size()), eight_seconds);
+    }
 }
 
 TEST(SerialLink, ThrowsAwayWhatComes) {
