@@ -65,7 +65,7 @@ def check_fields():
     """Every field of the messages is one of Frame, or is named here: it comes out in another way."""
     from disparity import disparity_pb2 as pb
 
-    elsewhere = {"geometry", "region", "planes", "skipped_for_client"}
+    elsewhere = {"geometry", "region", "planes", "skipped_for_client", "sent_monotonic_ns"}
     for message, descriptor in (("frame", pb.Frame.DESCRIPTOR), ("geometry", pb.Geometry.DESCRIPTOR)):
         names = {field.name for field in descriptor.fields} - elsewhere
         assert names == set(disparity.frame.MESSAGE_FIELDS[message]), (message, names)

@@ -37,6 +37,8 @@ def connect(address: str, timeout: float, options: ConnectOptions | None = None)
     DisparityError when no process accepts, or the other end is not who it should be."""
     options = options or ConnectOptions()
     kind, _, rest = address.partition(":")
+    if kind in ("tcp", "tls") and rest.startswith("//"):  # as a URL
+        rest = rest[2:].rstrip("/")
     host, _, port = rest.rpartition(":")
     if not (kind == "unix" and rest) and not (kind in ("tcp", "tls") and host and port.isdigit()):
         raise ValueError(f'address "{address}": expected tcp:HOST:PORT, tls:HOST:PORT or unix:PATH')
@@ -83,6 +85,9 @@ def _connect_unix(path: str, timeout: float) -> socket.socket:
 def _context(options: ConnectOptions) -> ssl.SSLContext:
     if (options.certificate is None) != (options.key is None):
         raise ValueError("a client's certificate and its key go together: one of them is missing")
+    for path in (options.authority, options.certificate, options.key):
+        if path is not None and os.path.exists(path) and not os.path.isfile(path):  # a pipe would be waited for
+            raise ValueError(f"{path}: is not a regular file, allowed: a file in PEM")
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     try:
@@ -124,6 +129,8 @@ def _read_token(path: Path) -> str:
     """Returns, of the first line that is neither empty nor begins with #, the last word."""
     try:
         mode = os.stat(path).st_mode
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # a pipe would be waited for
+            raise ValueError(f"{path}: the file with the token is not a regular file, allowed: a regular file")
         lines = pathlib.Path(path).read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(f"{path}: the file with the token cannot be read: {error}") from None

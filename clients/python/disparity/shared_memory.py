@@ -13,6 +13,7 @@ import numpy as np
 from .errors import DisparityError, Gone
 from .frame import C_FIELDS, Frame, Plane, plane_array
 from .frame_source import FrameSource
+from .one_user import OneUser
 
 LIBRARY = "libdisparity-client.so.0"
 
@@ -102,6 +103,7 @@ class SharedMemoryReader(FrameSource):
         self._reader: int | None = None
         self._frame: int | None = None
         self._gone_told = may_be_absent
+        self._user = OneUser("SharedMemoryReader", forks=True)
         self._library = _declare(_open_library())
         self.name = name
         self._reader = self._library.disparity_shared_memory_open_with(
@@ -132,13 +134,14 @@ class SharedMemoryReader(FrameSource):
         """
         self._check_open()
         wanted = (ctypes.c_uint32 * len(products))(*products)
-        copied = self._wait(
-            lambda wait_ms: self._library.disparity_shared_memory_read(
-                self._reader, self._frame, wait_ms, wanted, len(products)
-            ),
-            timeout,
-        )
-        return self._copy() if copied else None
+        with self._user:
+            copied = self._wait(
+                lambda wait_ms: self._library.disparity_shared_memory_read(
+                    self._reader, self._frame, wait_ms, wanted, len(products)
+                ),
+                timeout,
+            )
+            return self._copy() if copied else None
 
     def borrow(self, timeout: float | None = None) -> Frame | None:
         """Does the same without a copy: the arrays of the frame lie in the shared memory and are read-only.
@@ -150,9 +153,10 @@ class SharedMemoryReader(FrameSource):
         """
         self._check_open()
         lent = _LentFrame(self._library)
-        borrowed = self._wait(
-            lambda wait_ms: self._library.disparity_shared_memory_borrow(self._reader, lent.handle, wait_ms), timeout
-        )
+        with self._user:
+            borrowed = self._wait(
+                lambda wait_ms: self._library.disparity_shared_memory_borrow(self._reader, lent.handle, wait_ms), timeout
+            )
         return self._view(lent) if borrowed else None
 
     def _check_open(self) -> None:

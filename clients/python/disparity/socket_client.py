@@ -10,30 +10,48 @@ import typing
 from . import disparity_pb2 as pb
 from .connection import ConnectOptions
 from .errors import DisparityError, Gone, Refused
-from .frame import DISPARITY, Bytes, Frame, frame_of_message, plane_array, product_name
+from .frame import DISPARITY, Frame
+from .frame_decoder import FrameDecoder
+from .frame_flow import Arrival, DaemonClock, FrameFlow
 from .frame_source import FrameSource
-from .stream import Message, MessageStream, deadline_after, raw_bytes
-
-if typing.TYPE_CHECKING:
-    import zstandard
+from .liveness import Liveness
+from .one_user import OneUser
+from .stream import Message, MessageStream, deadline_after
 
 PROTOCOL_VERSION = 1
 
-# So many frames are kept while a request waits for its answer.
+# So many frames of a daemon without credit are kept while a request waits for its answer; of others the newest one.
 _MOST_PENDING = 8
+# What came while the program worked is at most that many messages, or the daemon sends without end.
+_MOST_AT_ONCE = 1000
 
-# The daemon must answer the Hello of a new connection in the first time. The second passes between two attempts. An
-# attempt may take the third at least, whatever the caller's timeout.
-_HELLO_TIMEOUT = 5.0
+# An attempt to connect again takes the first time at most, so that the first one after a link is back succeeds: the
+# system repeats its packets ever more seldom. The daemon must answer Hello in the second; it tells a wrong token after
+# a second. The third passes between two attempts. An attempt may take the fourth at least, whatever the caller's
+# timeout.
+_CONNECT_TIMEOUT, _TLS_TIMEOUT = 1.0, 2.0
+_HELLO_TIMEOUT = 2.5
 _RECONNECT_INTERVAL = 0.1
 _LEAST_PATIENCE = 0.05
+_NO_ANSWER = "no answer to hello in time: the daemon hangs, or another program listens there"
+# A read that waits looks at the socket at least this often.
+_LOOK_INTERVAL = 0.05
+# A few bytes that cannot be sent for so long: the connection is of no more use.
+_SEND_TIMEOUT = 1.0
 
 # So many messages with samples of the sensors are kept while frames are read.
 _MOST_SENSORS = 256
 
 
 class SocketClient(FrameSource):
-    """Connects to "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT". One thread at a time may use it.
+    """Connects to "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT". One thread at a time may use it, of the
+    process that made it.
+
+    A program reads the newest frame, however long it works on each: the client orders frames by reading. One that works
+    longer than an interval misses those in between (Frame.missed) and is given none that grew old meanwhile. Frame.age_ns
+    counts until the program gets the frame. Of a daemon on another machine it may be more than the true age, by no more
+    than the shortest way there that was seen; it is never less. An older daemon knows no orders: its frames come one
+    after the other.
 
     Over "tls:" the daemon's certificate is always checked; the options say by which authority, and what the daemon may ask
     of the client. A token is sent over "tls:", and over "tcp:" only to this machine.
@@ -53,9 +71,11 @@ class SocketClient(FrameSource):
         timeout: float = 5.0,
         options: ConnectOptions | None = None,
     ) -> None:
-        self._pending: collections.deque[Frame] = collections.deque(maxlen=_MOST_PENDING)
+        self._user = OneUser("SocketClient")
+        # With when the socket was last seen empty before each.
+        self._pending: collections.deque[tuple[Message, int]] = collections.deque(maxlen=_MOST_PENDING)
         self._last_index: int | None = None
-        self._decompress: zstandard.ZstdDecompressor | None = None
+        self._decoder = FrameDecoder()
         self._sensors: collections.deque[pb.Sensors] = collections.deque()
         self._sensors_dropped = 0
         self.last_status: pb.Status | None = None  # the newest status message that came unasked
@@ -65,11 +85,16 @@ class SocketClient(FrameSource):
         self._stream: MessageStream | None = None
         self._closed = False
         self._lost = False  # the connection has ended; a new _stream has no answer to Hello yet
+        self._later: DisparityError | None = None  # to be raised when the program has got what came before
+        self._id = int.from_bytes(os.urandom(8), "little") | 1
+        self._clock: DaemonClock | None = None  # of this connection; None: its daemon knows no credit
+        self._flow = FrameFlow()
+        self._liveness = Liveness()
         try:
             deadline = deadline_after(timeout)
             self._connect(timeout, deadline)
             if not self._greeted(deadline):
-                raise DisparityError(f"disparityd at {address}: no answer to hello in time")
+                raise DisparityError(f"disparityd at {address}: {_NO_ANSWER}")
         except BaseException:
             self.close()
             raise
@@ -90,10 +115,8 @@ class SocketClient(FrameSource):
         """Replaces the subscription. region = (x, y, width, height); sensors: for read_sensors(). The next read()
         raises Refused when the daemon refuses. When the connection has ended, the subscription holds from the next one
         on."""
-        if compressed and self._decompress is None:
-            import zstandard  # only needed for this
-
-            self._decompress = zstandard.ZstdDecompressor()
+        if compressed:
+            self._decoder.expect_compressed()
         message = pb.Subscribe(
             max_rate=max_rate,
             encoding=pb.ZSTD if compressed else pb.RAW,
@@ -103,29 +126,43 @@ class SocketClient(FrameSource):
         message.products.extend(products)
         if region is not None:
             message.region.x, message.region.y, message.region.width, message.region.height = region
-        self._subscription = pb.Envelope(subscribe=message)
-        if not self._lost:
-            self._send_subscription()
+        with self._user:
+            self._subscription = pb.Envelope(subscribe=message)
+            if not self._lost:
+                self._send_subscription()
 
     def read(self, timeout: float | None = None) -> Frame | None:
-        """Returns the next frame, or None when none came in time (timeout None = wait for ever)."""
-        if self._pending:
-            return self._count_missed(self._pending.popleft())
-        deadline = deadline_after(timeout)
-        while True:
-            message = self._receive(deadline)
-            if message is None:
-                return None
-            if message[0].HasField("frame"):
-                return self._count_missed(self._frame(*message))
-            self._keep(*message)
+        """Returns the newest frame that was not read before, or None when none came in time (timeout None = wait for
+        ever). A frame that has lain for more than an interval while the program worked is left out, counts as missed, and
+        a fresh one is asked for; that may take a little longer than the timeout."""
+        with self._user:
+            self._flow.reads(time.monotonic_ns())
+            deadline, refused = deadline_after(timeout), False
+            while True:
+                self._take_in()
+                came = len(self._pending) > 0
+                frame = self._next_frame()
+                if frame is not None:
+                    return self._count_missed(frame)
+                if came and not refused:  # the daemon has the time to send a fresh one
+                    refused = True
+                    deadline = max(deadline, time.monotonic() + self._flow.patience() / 1e9)
+                self._be_connected(deadline)
+                self._order(waiting=True)
+                message = self._receive(deadline, watch=True)
+                if message is None:
+                    return None
+                self._keep(*message)
 
     def read_sensors(self, timeout: float | None = None) -> pb.Sensors | None:
         """Returns samples of the camera's sensors: a disparity_pb2.Sensors, or None when none came in time (timeout
-        None = wait for ever). The newest 8 frames that come meanwhile are kept for read()."""
-        deadline = deadline_after(timeout)
+        None = wait for ever). The newest frame that comes meanwhile is kept for read()."""
+        with self._user:
+            return self._read_sensors(deadline_after(timeout))
+
+    def _read_sensors(self, deadline: float) -> pb.Sensors | None:
         while not self._sensors:
-            message = self._receive(deadline)
+            message = self._receive(deadline, watch=True)
             if message is None:
                 return None
             self._keep(*message)
@@ -165,9 +202,10 @@ class SocketClient(FrameSource):
         trace = pb.Trace()
         part = self._ask(pb.Envelope(trace_request=pb.TraceRequest(seconds=seconds)), "trace", question, patience)
         trace.MergeFrom(part)
-        while not part.last:
-            part = self._wait_for("trace", question, deadline)
-            trace.MergeFrom(part)
+        with self._user:
+            while not part.last:
+                part = self._wait_for("trace", question, deadline)
+                trace.MergeFrom(part)
         return trace
 
     def _drop(self) -> None:
@@ -185,10 +223,11 @@ class SocketClient(FrameSource):
         """Opens another connection and sends Hello. The daemon must answer until `greeting`."""
         self._stream = MessageStream(self._address, timeout, self._options)
         self._greeting = greeting
-        hello = pb.Envelope(
-            hello=pb.Hello(protocol_version=PROTOCOL_VERSION, client_name=self._name, token=self._stream.token)
+        hello = pb.Hello(
+            protocol_version=PROTOCOL_VERSION, client_name=self._name, token=self._stream.token, client_id=self._id
         )
-        self._stream.send(hello, timeout)
+        self._hello_sent = time.monotonic_ns()
+        self._stream.send(pb.Envelope(hello=hello), timeout)
 
     def _greeted(self, deadline: float) -> bool:
         """Waits for the answer to Hello. Returns False when it has not come in time and may still come."""
@@ -196,7 +235,7 @@ class SocketClient(FrameSource):
             message = self._open_stream().receive(min(deadline, self._greeting))
             if message is None:
                 if time.monotonic() >= self._greeting:
-                    raise DisparityError(f"disparityd at {self._address}: no answer to hello in time")
+                    raise DisparityError(f"disparityd at {self._address}: {_NO_ANSWER}")
                 return False
             if message[0].HasField("welcome"):
                 break
@@ -208,7 +247,18 @@ class SocketClient(FrameSource):
                 f"{PROTOCOL_VERSION}: use the client that came with the daemon"
             )
         self.welcome = message[0].welcome
+        self._begin(self.welcome)
         return True
+
+    def _begin(self, welcome: pb.Welcome) -> None:
+        """Begins to order frames, on a connection whose daemon knows that."""
+        self._pending.clear()
+        self._later = None
+        self._clock = None
+        if welcome.monotonic_ns != 0:
+            now = time.monotonic_ns()
+            self._clock, self._liveness = DaemonClock(), Liveness()
+            self._clock.add(self._hello_sent, welcome.monotonic_ns, now)
 
     def _come_back(self, deadline: float) -> None:
         """Connects again and subscribes as before. Raises Gone when no daemon has answered by the deadline; the next
@@ -219,7 +269,8 @@ class SocketClient(FrameSource):
         while True:
             try:
                 if self._stream is None:
-                    patience = min(max(_LEAST_PATIENCE, deadline - time.monotonic()), _HELLO_TIMEOUT)
+                    most = _TLS_TIMEOUT if self._address.startswith("tls:") else _CONNECT_TIMEOUT
+                    patience = min(max(_LEAST_PATIENCE, deadline - time.monotonic()), most)
                     self._connect(patience, deadline_after(_HELLO_TIMEOUT))
                 if self._greeted(deadline):
                     self._lost = False
@@ -243,22 +294,114 @@ class SocketClient(FrameSource):
     def _send_subscription(self) -> None:
         """Sends the subscription. Where that fails, the next read reports why, or sends it over another connection."""
         if self._subscription is not None:
+            self._subscription.subscribe.by_credit = self._clock is not None
+            self._flow = FrameFlow(self._subscription.subscribe.max_rate)
             try:
                 self._open_stream().send(self._subscription, 5.0)
             except Gone:
                 self._drop()
 
-    def _receive(self, deadline: float) -> Message | None:
-        """Returns the next message, over another connection when the one before has ended; None when the time is up."""
+    def _order(self, waiting: bool) -> None:
+        """Gives the daemon credit for frames. waiting: the program waits for one."""
+        wants_frames = self._subscription is not None and len(self._subscription.subscribe.products) > 0
+        if self._clock is not None and wants_frames and not self._lost and self._later is None:
+            frames = self._flow.ask(waiting)
+            if frames > 0:
+                self._send_aside(pb.Envelope(ready=pb.Ready(frames=frames)))
+
+    def _send_aside(self, message: pb.Envelope) -> None:
+        """Sends what the program has not asked for. Where that fails, the next read says why."""
+        try:
+            self._open_stream().send(message, _SEND_TIMEOUT)
+        except DisparityError as error:
+            self._later = error
+
+    def _take_in(self) -> None:
+        """Takes in what lies in the socket. What is wrong behind a frame is told after it."""
+        if self._clock is None or self._lost or self._later is not None:
+            return
+        try:
+            for _ in range(_MOST_AT_ONCE):
+                message = self._open_stream().receive(time.monotonic())
+                if message is None:
+                    return
+                self._keep(*message)
+        except DisparityError as error:
+            self._later = error
+
+    def _next_frame(self) -> Frame | None:
+        """Returns the frame that the program is given, of those that have come; None: there is none that is fresh."""
+        if not self._pending:
+            return None
+        (envelope, payload), lay = self._pending.popleft()
+        if self._clock is None:
+            return self._decoder.frame(envelope.frame, payload)
+        if not self._flow.fresh(self._arrival(envelope.frame, time.monotonic_ns() - lay)):
+            return None
+        frame = self._decoder.frame(envelope.frame, payload)
+        now = time.monotonic_ns()
+        frame.age_ns += max(0, self._clock.latest(now) - envelope.frame.sent_monotonic_ns)
+        self._flow.given(now)
+        self._order(waiting=False)
+        return frame
+
+    def _arrival(self, frame: pb.Frame, unwatched: int) -> Arrival:
+        assert self._clock is not None
+        sent, now = frame.sent_monotonic_ns, self._clock.latest(time.monotonic_ns())
+        return Arrival(frame.publish_index, sent - frame.age_ns, sent, now, unwatched, self._clock.round_trip())
+
+    def _be_connected(self, deadline: float) -> None:
+        """Raises what was kept for later; connects again when the connection has ended."""
+        if self._later is not None:
+            error, self._later = self._later, None
+            if isinstance(error, Gone):
+                self._drop()
+            raise error
         if self._lost:
             self._come_back(deadline)
+
+    def _receive(self, deadline: float, watch: bool = False) -> Message | None:
+        """Returns the next message, over another connection when the one before has ended; None when the time is up.
+        watch: raises Gone when the daemon does not answer any more."""
+        self._be_connected(deadline)
+        watch = watch and self._clock is not None
         try:
-            return self._open_stream().receive(deadline)
+            if watch:
+                self._ask_whether_there()
+            while True:
+                until = min(deadline, time.monotonic() + _LOOK_INTERVAL) if watch else deadline
+                message = self._open_stream().receive(until)
+                if message is not None:
+                    return message
+                if watch:
+                    self._check_whether_there()
+                    self._ask_whether_there()
+                if time.monotonic() >= deadline:
+                    return None
         except Gone:
             self._drop()
             raise
 
+    def _ask_whether_there(self) -> None:
+        """Asks the daemon for its clock, when that is due or nothing has come for a while."""
+        now = time.monotonic_ns()
+        if self._liveness.asks(now, self._open_stream().heard, self._flow.interval()):
+            self._send_aside(pb.Envelope(ping=pb.Ping(client_ns=now)))
+
+    def _check_whether_there(self) -> None:
+        """Raises Gone when the daemon has not answered. The socket has just been found empty."""
+        stream, now = self._open_stream(), time.monotonic_ns()
+        if self._liveness.is_gone(now, stream.heard):
+            raise Gone(
+                f"disparityd at {self._address}: no answer from the daemon for {(now - stream.heard) / 1e9:.1f} s: "
+                "connecting anew"
+            )
+
     def _ask(self, request: pb.Envelope, answer: str, question: str, timeout: float) -> typing.Any:
+        with self._user:
+            return self._question(request, answer, question, timeout)
+
+    def _question(self, request: pb.Envelope, answer: str, question: str, timeout: float) -> typing.Any:
         deadline = deadline_after(timeout)
         # Messages that arrived before the request cannot be its answer.
         try:
@@ -293,7 +436,15 @@ class SocketClient(FrameSource):
 
     def _keep(self, envelope: pb.Envelope, payload: bytearray) -> None:
         if envelope.HasField("frame"):
-            self._pending.append(self._frame(envelope, payload))
+            empty = 0 if self._stream is None else self._stream.empty
+            self._pending.append(((envelope, payload), empty))
+            if self._clock is not None:
+                self._flow.arrived(self._arrival(envelope.frame, 0))
+                while len(self._pending) > 1:
+                    self._pending.popleft()
+        elif envelope.HasField("pong"):
+            if self._clock is not None:
+                self._clock.add(envelope.pong.client_ns, envelope.pong.monotonic_ns, time.monotonic_ns())
         elif envelope.HasField("status"):
             self.last_status = envelope.status
         elif envelope.HasField("sensors"):
@@ -307,39 +458,3 @@ class SocketClient(FrameSource):
             frame.missed = frame.publish_index - self._last_index - 1
         self._last_index = frame.publish_index
         return frame
-
-    def _frame(self, envelope: pb.Envelope, payload: bytearray) -> Frame:
-        message = envelope.frame
-        frame = frame_of_message(message)
-        offset = 0
-        for plane in message.planes:
-            data = memoryview(payload)[offset : offset + plane.payload_bytes]
-            offset += plane.payload_bytes
-            if plane.encoding == pb.ZSTD:
-                data = self._unpack(plane, data)
-            frame.planes[plane.product] = plane_array(
-                plane.product, plane.width, plane.height, plane.bytes_per_pixel, data
-            )
-        return frame
-
-    def _unpack(self, plane: pb.PlaneInfo, data: memoryview) -> memoryview:
-        """Returns one plane decompressed. It never writes more bytes than the plane has."""
-        if self._decompress is None:
-            raise DisparityError("the daemon sent a compressed frame that nobody asked for")
-        wanted = raw_bytes(plane)
-        reader = self._decompress.stream_reader(data)
-        out = bytearray(wanted + 1)
-        filled = 0
-        try:
-            while filled < len(out):
-                got = reader.readinto(memoryview(out)[filled:])
-                if got == 0:
-                    break
-                filled += got
-        except Exception as error:  # zstandard's own class, which this module does not import
-            raise DisparityError(f"compressed plane of {product_name(plane.product)} is damaged: {error}") from None
-        if filled != wanted:
-            raise DisparityError(
-                f"compressed plane of {product_name(plane.product)} is damaged: {filled} of {wanted} bytes"
-            )
-        return memoryview(out)[:wanted]

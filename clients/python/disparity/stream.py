@@ -87,6 +87,8 @@ class MessageStream:
         self._buffer = bytearray(4)
         self._filled = 0
         self._envelope = pb.Envelope()
+        # When the last bytes were read, and when there were none to read; of time.monotonic_ns().
+        self.heard = self.empty = time.monotonic_ns()
 
     def close(self) -> None:
         self._socket.close()
@@ -155,18 +157,31 @@ class MessageStream:
 
     def _receive_into(self, view: memoryview, deadline: float) -> int | None:
         """Returns how many bytes came, or None at the deadline. Bytes that are there are read even after it."""
+        received: int | None = None
         try:
-            self._socket.settimeout(max(0.0, deadline - time.monotonic()))
-            received = self._socket.recv_into(view)
-        except (BlockingIOError, TimeoutError, socket.timeout, ssl.SSLWantReadError, ssl.SSLWantWriteError):
-            return None
+            for timeout in (0.0, deadline - time.monotonic()):
+                if timeout < 0 or received is not None:
+                    break
+                self._socket.settimeout(timeout)
+                received = self._receive_once(view)
+            if received is None:
+                return None
         except OSError as error:
             raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
         finally:
             view.release()
         if received == 0:
             raise Gone(f"disparityd at {self.address}: the connection has ended")
+        self.heard = time.monotonic_ns()
         return received
+
+    def _receive_once(self, view: memoryview) -> int | None:
+        """Returns how many bytes came, or None when none came in the socket's time."""
+        try:
+            return self._socket.recv_into(view)
+        except (BlockingIOError, TimeoutError, socket.timeout, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            self.empty = time.monotonic_ns()
+            return None
 
     def _report_last_words(self) -> None:
         """Raises Refused if the daemon's Error arrived before the connection ended."""
