@@ -14,17 +14,19 @@ check_ready() {
     fi
 }
 
-# fresh_root ROOTS NAME PACKAGES: ROOTS/NAME, a copy of the bare root ROOTS/bare, which is made once and kept; in it /root/packages.
+# fresh_root ROOTS NAME PACKAGES [RELEASE]: ROOTS/NAME, a copy of a bare root of this release of Debian (default: bookworm), which is
+# made once and kept beside it; in it /root/packages.
 fresh_root() {
-    local roots=$1 root=$1/$2 packages=$3
+    local roots=$1 root=$1/$2 packages=$3 release=${4:-bookworm}
+    local bare=$roots/bare-$release
     mkdir -p "$roots/archives"
-    if [[ ! -e $roots/bare/.complete ]]; then
-        rm -rf "$roots/bare"
-        tools/setup/in-bare-root "$roots/bare" true
-        touch "$roots/bare/.complete"
+    if [[ ! -e $bare/.complete ]]; then
+        rm -rf "$bare"
+        tools/setup/in-bare-root --release "$release" "$bare" true
+        touch "$bare/.complete"
     fi
     rm -rf "$root"
-    cp -a --reflink=auto "$roots/bare" "$root"
+    cp -a --reflink=auto "$bare" "$root"
     mkdir "$root/root/packages"
     cp "$packages"/*.deb "$root/root/packages"
     # What was fetched stays for the next time.
