@@ -73,6 +73,9 @@ def check_links(root, name, text, anchors_of):
             file = (root / name).parent / path if path else root / name
             if not file.exists() or root not in file.resolve().parents:
                 found.append(f"{name}:{number}: the link {target} leads nowhere")
+            elif name.startswith("docs/") and root / "docs" not in file.resolve().parents:
+                found.append(f"{name}:{number}: the link {target} leads out of docs/, which is installed without the source: name the "
+                             f"file instead, as `{file.resolve().relative_to(root)}`")
             elif anchor and anchor not in anchors_of(file):
                 found.append(f"{name}:{number}: the link {target} names no heading of {file.name}")
     return found

@@ -37,6 +37,12 @@ class CheckDocs(unittest.TestCase):
             with self.subTest(text=text):
                 self.assertEqual(len(self.found_in({"docs/a.md": text, "docs/b.md": "# Some\n", "docs/c.txt": "part"})), 1)
 
+    def test_finds_links_out_of_what_is_installed(self):
+        files = {"README.md": "[a](docs/b.md)", "CONTRIBUTING.md": "", "docs/design/b.md": "[c](../c.md) `CONTRIBUTING.md`",
+                 "docs/c.md": "", "docs/b.md": ""}
+        self.assertEqual(self.found_in(files), [])
+        self.assertEqual(len(self.found_in(files | {"docs/b.md": "[x](../CONTRIBUTING.md)"})), 1)
+
     def test_finds_paths_of_no_file(self):
         for text in ("see capture/none.h", "`kernels/cpu/none-inl.h`", "(tools/none.py)", "    daemon/none.cpp\n",
                      "the folder `kernels/none/`"):
