@@ -57,7 +57,8 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
         planes[i] = {static_cast<std::uint32_t>(layout_.products[i]), plane.data, static_cast<std::size_t>(plane.width),
                      static_cast<std::size_t>(plane.stride)};
     }
-    writer_.publish(frame.info, std::span(planes).first(layout_.products.size()));
+    writer_.publish(frame.info, std::span(planes).first(layout_.products.size()),
+                    std::chrono::nanoseconds(frame.published.time_since_epoch()).count());
     if (writer_.wake(woken_at_once) == woken_at_once) {
         {
             const std::lock_guard lock(mutex_);

@@ -13,7 +13,7 @@ struct FrameInfo {
     std::uint64_t sequence;
     std::int64_t monotonic_ns;
     std::int64_t realtime_ns;
-    std::int64_t age_ns;  ///< capture to publishing, over a socket to sending
+    std::int64_t age_ns;  ///< capture to publishing, over a socket to sending; as a client gives it: until it is given
     std::uint64_t dropped_before;
     std::uint64_t calibration_id;
     double f;

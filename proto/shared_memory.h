@@ -55,6 +55,9 @@ struct ShmHeader {
 struct ShmSlot {
     /// Sequence lock: odd while the writer copies; even and changed = another frame.
     alignas(64) std::atomic<std::uint64_t> lock;
+    /// CLOCK_MONOTONIC in ns when the frame was published, where frame.age_ns ends; 0 = a daemon that does not say.
+    /// Copied as `frame` is.
+    std::uint64_t published_ns;
     alignas(64) FrameInfo frame;  ///< copied word by word with relaxed atomics, never with plain loads
 };
 
@@ -65,6 +68,6 @@ static_assert(sizeof(FrameInfo) % 8 == 0, "copied in words of 8 bytes");
 static_assert(offsetof(ShmHeader, planes) == 64 && sizeof(ShmPlane) == 24 && offsetof(ShmHeader, generation) == 256 &&
               offsetof(ShmHeader, published) == 260 && offsetof(ShmHeader, published_total) == 264 &&
               offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280);
-static_assert(offsetof(ShmSlot, frame) == 64);
+static_assert(offsetof(ShmSlot, published_ns) == 8 && offsetof(ShmSlot, frame) == 64);
 
 }  // namespace disparityd::proto

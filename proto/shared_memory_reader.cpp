@@ -156,26 +156,50 @@ ShmReader::Taken ShmReader::take_newest(const Take& take) {
     return Taken::whole;
 }
 
+/// Copies the fields of a frame.
+void ShmReader::copy_fields(FrameInfo& frame, const ShmSlot& slot) {
+    copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
+    published_ns_ = static_cast<std::int64_t>(load_word(&slot.published_ns));
+}
+
+/// Lets the age of a frame that was taken end now. The memory may hold any value: an age that overflows stays as it is.
+void ShmReader::count_age(FrameInfo& frame) {
+    waited_ns_ = 0;
+    std::int64_t since = 0;
+    std::int64_t age = 0;
+    if (published_ns_ != 0 && !__builtin_sub_overflow(monotonic_ns(), published_ns_, &since) && since >= 0 &&
+        !__builtin_add_overflow(frame.age_ns, since, &age)) {
+        frame.age_ns = age;
+        waited_ns_ = since;
+    }
+}
+
 ShmReader::Result ShmReader::read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout) {
     const Take copy = [&](const ShmSlot& slot, const ReadCheck&) {
-        copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
+        copy_fields(frame, slot);
         for (std::uint32_t i = 0; i < view_.plane_count; ++i) {
             if (std::uint8_t* to = target(view_.planes[i]); to != nullptr) {
                 copy_from_shared(to, plane_words(slot, view_, view_.planes[i]), view_.planes[i].bytes);
             }
         }
     };
-    return wait_and_take(copy, timeout);
+    const Result result = wait_and_take(copy, timeout);
+    if (result == Result::frame) {
+        count_age(frame);
+    }
+    return result;
 }
 
 ShmReader::Result ShmReader::borrow(FrameInfo& frame, BorrowedSlot& borrowed, std::chrono::nanoseconds timeout) {
     borrowed = {};
     const Take look = [&](const ShmSlot& slot, const ReadCheck& check) {
-        copy_from_shared(&frame, reinterpret_cast<const std::uint64_t*>(&slot.frame), sizeof frame);
+        copy_fields(frame, slot);
         borrowed = {memory_, view_, &slot, check};
     };
     const Result result = wait_and_take(look, timeout);
-    if (result != Result::frame) {
+    if (result == Result::frame) {
+        count_age(frame);
+    } else {
         borrowed = {};
     }
     return result;

@@ -57,7 +57,8 @@ public:
     /// Copies the newest frame not read before, and waits for one until the timeout. After a reload it maps the new
     /// object. Returns `gone` at once when the daemon has closed its object or its heartbeat is old. The calls after it
     /// wait for a new daemon, and return `gone` again when none has come in time. An object of an owner who is not
-    /// trusted counts as none. Throws std::runtime_error when a new object is damaged or of another version.
+    /// trusted counts as none. frame.age_ns counts until this call returns: the first frame may be an old one. Throws
+    /// std::runtime_error when a new object is damaged or of another version.
     Result read(FrameInfo& frame, const Target& target, std::chrono::nanoseconds timeout);
 
     /// The same, but only `frame` is copied; `slot` then says where the planes lie.
@@ -68,6 +69,9 @@ public:
 
     /// Returns one line: why the last read() was `gone`, or why there was no daemon at construction.
     const std::string& why_gone() const { return why_gone_; }
+
+    /// Returns how long the frame taken last had been published then: the last part of its age.
+    std::int64_t waited_ns() const { return waited_ns_; }
 
     /// Returns the time since the daemon's last heartbeat; the largest value when nothing is mapped.
     std::chrono::nanoseconds heartbeat_age() const;
@@ -85,6 +89,8 @@ private:
     void unmap();
     bool lives() const;
     Taken take_newest(const Take& take);
+    void copy_fields(FrameInfo& frame, const ShmSlot& slot);
+    void count_age(FrameInfo& frame);
     Result wait_and_take(const Take& take, std::chrono::nanoseconds timeout);
 
     std::string object_name_;
@@ -95,6 +101,8 @@ private:
     ino_t inode_ = 0;
     std::uint32_t generation_ = 0;
     std::uint64_t last_total_ = 0;
+    std::int64_t published_ns_ = 0;  ///< of the frame taken last
+    std::int64_t waited_ns_ = 0;
     ShmView view_;
     std::string why_gone_;
     bool gone_told_ = false;

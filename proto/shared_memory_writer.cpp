@@ -319,7 +319,8 @@ void SharedMemoryWriter::close() {
     }
 }
 
-void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSource> planes) {
+void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSource> planes,
+                                 std::int64_t published_ns) {
     const std::lock_guard publishing(publishing_);
     if (header_ == nullptr) {
         throw std::invalid_argument("shared memory " + object_name_ + " is closed");
@@ -344,6 +345,7 @@ void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSo
     auto& slot = const_cast<ShmSlot&>(slot_at(*header_, view_, total % view_.slot_count));
     {
         const WriteGuard inside(slot.lock);
+        store_word(&slot.published_ns, static_cast<std::uint64_t>(published_ns));
         SharedPacker head(reinterpret_cast<std::uint64_t*>(&slot.frame));
         head.append(&frame, sizeof frame);
         for (std::uint32_t i = 0; i < view_.plane_count; ++i) {

@@ -11,6 +11,7 @@
 
 #include <sys/types.h>
 
+#include "proto/monotonic_clock.h"
 #include "proto/shared_memory_layout.h"
 
 namespace disparityd::proto {
@@ -59,8 +60,9 @@ public:
     /// Copies a frame into the next slot. `planes` has each plane of the layout once, in any order. It does not wake
     /// readers: call wake() after it. It never allocates. It waits for restore() only, while
     /// that exchanges a pointer. Throws std::invalid_argument, and publishes nothing, when planes or sizes are not
-    /// those of the layout.
-    void publish(const FrameInfo& frame, std::span<const PlaneSource> planes);
+    /// those of the layout. `published_ns`: the instant where frame.age_ns ends.
+    void publish(const FrameInfo& frame, std::span<const PlaneSource> planes,
+                 std::int64_t published_ns = monotonic_ns());
 
     /// Wakes readers that wait for a frame, but not more than `most`. Returns how many it woke.
     int wake(int most = INT_MAX);

@@ -63,7 +63,7 @@ typedef struct disparity_frame_info {
     uint64_t sequence;       /**< the source's own number of the frame; gaps where the source lost some */
     int64_t monotonic_ns;    /**< capture time, CLOCK_MONOTONIC of the daemon's machine */
     int64_t realtime_ns;     /**< capture time, CLOCK_REALTIME: ns since 1970 */
-    int64_t age_ns;          /**< from capture until the daemon published or sent the frame */
+    int64_t age_ns;          /**< from capture until the read gave it; from another machine never less than that */
     uint64_t dropped_before; /**< frames lost before the daemon published, since the one published before */
     uint64_t missed;         /**< frames published but not seen by this client, since the one read before */
     uint64_t calibration_id; /**< changes when the calibration does; 0 = none */
@@ -242,10 +242,12 @@ typedef struct disparity_subscription {
  * connection has ended, the subscription holds from the next one on. */
 DISPARITY_API int disparity_socket_subscribe(disparity_socket* client, const disparity_subscription* subscription);
 
-/** Waits for the next frame. The first call after the end of the connection returns DISPARITY_GONE. The calls after it
- * connect again, send Hello and subscribe as before, and return DISPARITY_GONE again when no daemon answers in time: a
- * program that keeps reading survives a restart of the daemon. Returns DISPARITY_ERROR when the daemon refuses; the
- * call may be repeated. */
+/** Gives the newest frame that was not given before, or waits for one; a frame that has lain for more than an interval
+ * is left out and counts as missed, and a fresh one is asked for, which may take a little longer than the timeout. A
+ * daemon that no longer answers, as over a link that was cut, has ended the connection, too. The first call after the
+ * end of the connection returns DISPARITY_GONE. The calls after it connect again, send Hello and subscribe as before,
+ * and return DISPARITY_GONE again when no daemon answers in time: a program that keeps reading survives a restart of
+ * the daemon. Returns DISPARITY_ERROR when the daemon refuses; the call may be repeated. */
 DISPARITY_API int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int timeout_ms);
 
 /** Bits of disparity_sensor_sample.holds; the fields of others are 0. */

@@ -50,11 +50,13 @@ struct PlaneData {
 
 /// Everything that comes with a frame beside its planes.
 struct FrameInfo {
-    std::uint64_t publish_index = 0;   ///< counts what the daemon has published since its start, from 0, without gaps
-    std::uint64_t sequence = 0;        ///< the source's own number of the frame; gaps where the source lost some
-    std::int64_t monotonic_ns = 0;     ///< capture time, CLOCK_MONOTONIC of the daemon's machine
-    std::int64_t realtime_ns = 0;      ///< capture time, CLOCK_REALTIME: ns since 1970
-    std::int64_t age_ns = 0;           ///< from capture until the daemon published or sent the frame
+    std::uint64_t publish_index = 0;  ///< counts what the daemon has published since its start, from 0, without gaps
+    std::uint64_t sequence = 0;       ///< the source's own number of the frame; gaps where the source lost some
+    std::int64_t monotonic_ns = 0;    ///< capture time, CLOCK_MONOTONIC of the daemon's machine
+    std::int64_t realtime_ns = 0;     ///< capture time, CLOCK_REALTIME: ns since 1970
+    /// From capture until read() or borrow() gave the frame: on its way and in buffers, too. Of a daemon on another
+    /// machine it may be more, by no more than the shortest way there that was seen; it is never less.
+    std::int64_t age_ns = 0;
     std::uint64_t dropped_before = 0;  ///< frames lost before the daemon published, since the one published before
     std::uint64_t missed = 0;          ///< frames published but not seen by this client, since the one read before
     std::uint64_t calibration_id = 0;  ///< changes when the calibration does; 0 = none
@@ -71,6 +73,7 @@ struct FrameInfo {
     std::uint32_t height = 0;          ///< of the whole rectified image, px
     std::uint32_t region_x = 0;        ///< the column of the whole image where the planes begin
     std::uint32_t region_y = 0;        ///< the row of the whole image where the planes begin
+    std::int64_t sent_age_ns = 0;      ///< part of age_ns: from capture until the daemon published or sent the frame
 };
 
 /// What a sector of an obstacle scan shows.
@@ -323,7 +326,12 @@ struct ConnectOptions {
     std::string token{};  ///< the token itself, for a program that has it from elsewhere; goes before token_file
 };
 
-/// Reads frames and status from a socket: "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT".
+/// Reads frames and status from a socket: "unix:PATH", "tcp:HOST:PORT" or, encrypted, "tls:HOST:PORT". "//" may follow
+/// the colon.
+///
+/// The newest frame counts: the daemon sends one when the program is ready for it, so that no frame grows old on the
+/// way or in a buffer, however long the program works on each. FrameInfo::age_ns counts until the program has the
+/// frame.
 ///
 /// Over "tls:" the daemon's certificate is always checked: that an authority which is trusted has signed it, that it is
 /// for this host, and that it is valid now. A token is sent over "tls:", and over "tcp:" only to this machine.
@@ -331,7 +339,10 @@ struct ConnectOptions {
 /// When the connection ends, the first read() or read_sensors() after it returns `gone`. The calls after that connect
 /// again, send Hello and subscribe as before. They return `gone` again when no daemon answers until the timeout, which
 /// must be longer than a message needs to the daemon and back. A program that keeps reading survives a restart of the
-/// daemon. Requests connect again, too.
+/// daemon. Requests connect again, too. A daemon that says nothing is asked whether it is there, after half a second or
+/// three frames' time; when it does not answer within a second, as over a link that was cut, that is `gone`, too.
+///
+/// An object that two threads use at once, or two processes after fork(), throws std::invalid_argument.
 class DISPARITY_API SocketClient {
 public:
     /// Connects and sends Hello. Throws std::invalid_argument for an address of another form, std::runtime_error with
@@ -361,22 +372,29 @@ public:
     /// refuses. When the connection has ended, the subscription holds from the next one on.
     void subscribe(const Subscription& subscription);
 
-    /// Waits for the next frame. Older frames that wait in the socket come first; this call skips none. Returns `gone`
-    /// when the connection has ended: see above. Throws std::runtime_error with the daemon's message when it refuses or
-    /// closes with an error, when it refuses the new connection until the timeout, or when it sends no valid frame;
-    /// read() may be called again. `frame` is valid only when the result is ReadResult::frame.
+    /// Gives the newest frame that was not given before, or waits for one. Whatever came while the program did
+    /// something else is looked through: a frame that has lain for more than an interval is left out, counts as
+    /// `missed`, and the daemon is asked for a fresh one; that may take a little longer than the timeout. A program
+    /// that waits here gets every frame as it is published. Returns `gone` when the connection has ended: see above.
+    /// Throws std::runtime_error with the daemon's message when it refuses or closes with an error, when it refuses the
+    /// new connection until the timeout, or when it sends no valid frame; read() may be called again. `frame` is valid
+    /// only when the result is ReadResult::frame.
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout);
 
     /// Returns one line: why the last read() or read_sensors() was `gone`.
     const std::string& why_gone() const;
 
+    /// Returns whether the daemon, or the link to it, did not answer when the last read() or read_sensors() was `gone`;
+    /// false where the connection was closed, as by a daemon that stops.
+    bool unanswered() const;
+
     /// Waits for samples of the camera's sensors (Subscription::sensors). Samples that came during other calls come
-    /// first; the newest 8192 of them are kept. The newest 8 frames that come meanwhile are kept for read(). Returns
+    /// first; the newest 8192 of them are kept. The newest frame that comes meanwhile is kept for read(). Returns
     /// and throws as read(), with ReadResult::frame for samples.
     ReadResult read_sensors(SensorBatch& batch, std::chrono::milliseconds timeout);
 
-    /// Asks for the daemon's status and returns a serialized disparityd.v1.Status of proto/. The newest 8 frames that
-    /// arrive meanwhile are kept for read(). This and the requests below throw std::runtime_error when the daemon
+    /// Asks for the daemon's status and returns a serialized disparityd.v1.Status of proto/. The newest frame that
+    /// arrives meanwhile is kept for read(). This and the requests below throw std::runtime_error when the daemon
     /// refuses (with its message), no answer comes in time, or the connection has ended.
     std::string status(std::chrono::milliseconds timeout);
 

@@ -35,6 +35,8 @@ public:
 
     /// Return what Transport knows of the connection.
     const std::string& why_closed() const { return transport_.why_closed(); }
+    std::int64_t heard_ns() const { return transport_.heard_ns(); }
+    std::int64_t empty_ns() const { return transport_.empty_ns(); }
     bool is_private() const { return transport_.is_private(); }
     std::optional<unsigned> server_user() const { return transport_.server_user(); }
 

@@ -3,6 +3,7 @@
 
 #include "clients/cpp/disparity_client.hpp"
 #include "clients/cpp/missed.h"
+#include "clients/cpp/one_user.h"
 #include "proto/shared_memory_reader.h"
 
 namespace disparity {
@@ -90,6 +91,7 @@ public:
     Impl(const std::string& name, const SharedMemoryOptions& options) : reader_(name, in_proto(options)) {}
 
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout, const std::vector<Product>& wanted) {
+        const OneUser::Call call(user_);
         Planes planes(frame, reader_.view(), wanted);
         proto::FrameInfo head{};
         const auto result = reader_.read(
@@ -98,11 +100,13 @@ public:
             planes.finish();
             take_over(frame, head, reader_.view());
             frame.missed = missed_.seen(head.publish_index);
+            frame.sent_age_ns = head.age_ns - reader_.waited_ns();
         }
         return in_client(result);
     }
 
     ReadResult borrow(BorrowedFrame& frame, proto::BorrowedSlot& slot, std::chrono::milliseconds timeout) {
+        const OneUser::Call call(user_);
         proto::FrameInfo head{};
         frame.planes.clear();
         const auto result = reader_.borrow(head, slot, limited(timeout));
@@ -120,6 +124,7 @@ public:
             }
             take_over(frame, head, slot.view);
             frame.missed = missed_.seen(head.publish_index);
+            frame.sent_age_ns = head.age_ns - reader_.waited_ns();
         }
         return in_client(result);
     }
@@ -135,6 +140,7 @@ private:
         return own;
     }
 
+    OneUser user_{"SharedMemoryReader", OneUser::After::fork_goes};
     proto::ShmReader reader_;
     MissedCounter missed_;
 };

@@ -17,6 +17,8 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "proto/monotonic_clock.h"
+
 namespace disparity {
 namespace {
 
@@ -121,6 +123,12 @@ Place place_of(const std::string& address) {
     return {host, port};
 }
 
+/// Takes "tcp://HOST:PORT" as "tcp:HOST:PORT": other programs write addresses so.
+std::string without_slashes(const std::string& address) {
+    const bool has_host = address.starts_with("tcp://") || address.starts_with("tls://");
+    return has_host ? address.substr(0, 4) + address.substr(6) : address;
+}
+
 int connect_tcp(const std::string& address, const Place& place, Deadline deadline) {
     addrinfo hints{};
     hints.ai_family = AF_UNSPEC;
@@ -189,7 +197,8 @@ Deadline after(std::chrono::milliseconds timeout) {
     return std::chrono::steady_clock::now() + std::clamp(timeout, milliseconds(0), longest);
 }
 
-Transport::Transport(const std::string& address, Deadline deadline, const ConnectOptions& options) {
+Transport::Transport(const std::string& given, Deadline deadline, const ConnectOptions& options) {
+    const std::string address = without_slashes(given);
     if (address.starts_with("unix:")) {
         fd_ = connect_unix(address, address.substr(5), deadline);
     } else if (address.starts_with("tcp:")) {
@@ -303,8 +312,10 @@ Transport::Outcome Transport::receive_tls(std::span<std::uint8_t> bytes, std::si
     while (true) {
         const TlsStream::Outcome outcome = tls_->read(bytes, received);
         if (!TlsStream::is_wanting(outcome)) {
+            heard_ns_ = disparityd::proto::monotonic_ns();
             return end_of(outcome);
         }
+        empty_ns_ = disparityd::proto::monotonic_ns();
         if (!wait(outcome, deadline)) {
             return Outcome::timeout;
         }
@@ -337,11 +348,13 @@ Transport::Outcome Transport::receive(std::span<std::uint8_t> bytes, std::size_t
         const ssize_t got = ::recv(fd_, bytes.data(), bytes.size(), 0);
         if (got > 0) {
             received = static_cast<std::size_t>(got);
+            heard_ns_ = disparityd::proto::monotonic_ns();
             return Outcome::done;
         }
         if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
             return Outcome::closed;
         }
+        empty_ns_ = disparityd::proto::monotonic_ns();
         if (!wait_for(fd_, POLLIN, deadline)) {
             return Outcome::timeout;
         }

@@ -24,9 +24,9 @@ class Transport {
 public:
     enum class Outcome { done, timeout, closed };
 
-    /// Connects to "tcp:HOST:PORT" (IPv6 in brackets), "tls:HOST:PORT" or "unix:PATH". Throws std::invalid_argument for
-    /// another form and for a file of the options that cannot be used, std::runtime_error when no process accepts, or
-    /// the other end is not who it should be.
+    /// Connects to "tcp:HOST:PORT" (IPv6 in brackets), "tls:HOST:PORT" or "unix:PATH"; "//" may follow the colon.
+    /// Throws std::invalid_argument for another form and for a file of the options that cannot be used,
+    /// std::runtime_error when no process accepts, or the other end is not who it should be.
     Transport(const std::string& address, Deadline deadline, const ConnectOptions& options = {});
     ~Transport();
     Transport(const Transport&) = delete;
@@ -39,6 +39,10 @@ public:
     Outcome receive(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline);
 
     void close();
+
+    /// Returns when bytes came last, and when a look at the socket found none; CLOCK_MONOTONIC, 0 = not yet.
+    std::int64_t heard_ns() const { return heard_ns_; }
+    std::int64_t empty_ns() const { return empty_ns_; }
 
     /// Returns one line: why the connection was closed, where TLS says it; else an empty text.
     const std::string& why_closed() const { return why_closed_; }
@@ -57,6 +61,8 @@ private:
     Outcome receive_tls(std::span<std::uint8_t> bytes, std::size_t& received, Deadline deadline);
 
     int fd_ = -1;
+    std::int64_t heard_ns_ = 0;
+    std::int64_t empty_ns_ = 0;
     std::unique_ptr<disparityd::proto::TlsStream> tls_;  ///< null: not encrypted
     std::string why_closed_;
 };

@@ -100,21 +100,4 @@ TEST(AvoidDecision, CasesOfTheTable) {
     }
 }
 
-TEST(AvoidDecision, DelaysOfTheTable) {
-    const json delays = table().at("delays");
-    ASSERT_FALSE(delays.empty());
-    for (const json& one : delays) {
-        SCOPED_TRACE(one.at("why").get<std::string>());
-        avoid::NetworkDelay delay;
-        for (const json& step : one.at("steps")) {
-            SCOPED_TRACE(step.dump());
-            if (step == "reset") {
-                delay.reset();
-            } else {
-                EXPECT_NEAR(delay.of(step.at(0), step.at(1)), step.at(2).get<double>(), 1e-9);
-            }
-        }
-    }
-}
-
 }  // namespace

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "proto/monotonic_clock.h"
 #include "tests/proto/fake_daemon.h"
 
 namespace v1 = disparityd::v1;
@@ -23,6 +24,7 @@ constexpr auto plenty = 60s;
 void send_frame(ServerEnd& end, std::uint64_t index) {
     v1::Envelope envelope;
     envelope.mutable_frame()->set_publish_index(index);
+    envelope.mutable_frame()->set_sent_monotonic_ns(disparityd::proto::monotonic_ns());
     v1::PlaneInfo& plane = *envelope.mutable_frame()->add_planes();
     plane.set_product(v1::CONFIDENCE);
     plane.set_width(1);
@@ -204,6 +206,84 @@ TEST(ClientReturn, AGreetingThatComesLateSurvivesShortTimeouts) {
     }
     EXPECT_EQ(result, ReadResult::frame);
     EXPECT_EQ(frame.publish_index, 7U);
+}
+
+// As over a link that was cut: TCP would tell it after a quarter of an hour.
+TEST(ClientReturn, ADaemonThatSaysNothingIsAskedAndLeft) {
+    std::atomic<std::uint64_t> connections{0};
+    std::atomic<bool> asked{false};
+    FakeDaemon daemon([&](ServerEnd& end) {
+        const bool silent = ++connections == 1;
+        EXPECT_NE(end.greet_with_clock().hello().client_id(), 0U);
+        v1::Envelope message;
+        while (end.receive(message)) {
+            if (silent) {
+                asked = asked || message.has_ping();
+            } else if (message.has_ready()) {
+                send_frame(end, 5);
+            }
+        }
+    });
+    disparity::SocketClient client(daemon.tcp_address());
+    client.subscribe({});
+    disparity::Frame frame;
+    ASSERT_EQ(client.read(frame, plenty), ReadResult::gone);
+    EXPECT_THAT(client.why_gone(), testing::MatchesRegex("disparityd at tcp:.*: no answer from the daemon for .* s: "
+                                                         "connecting anew"));
+    EXPECT_TRUE(asked);
+    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    EXPECT_EQ(frame.publish_index, 5U);
+}
+
+TEST(ClientReturn, AFrameBeforeTheEndIsGiven) {
+    std::atomic<int> sent{0};
+    FakeDaemon daemon([&](ServerEnd& end) {
+        end.greet_with_clock();
+        v1::Envelope message;
+        while (sent < 2 && end.receive(message)) {
+            if (message.has_ready()) {
+                send_frame(end, static_cast<std::uint64_t>(++sent));
+            }
+        }
+        end.close();
+        ++sent;
+        while (end.receive(message)) {
+        }
+    });
+    disparity::SocketClient client(daemon.unix_address());
+    client.subscribe({});
+    disparity::Frame frame;
+    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    while (sent < 3) {
+        std::this_thread::yield();
+    }
+    ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+    EXPECT_EQ(frame.publish_index, 2U);
+    EXPECT_EQ(client.read(frame, plenty), ReadResult::gone);
+}
+
+// A source that has ended, or a camera that was unplugged.
+TEST(ClientReturn, ADaemonThatAnswersIsNotLeft) {
+    std::atomic<int> answers{0};
+    FakeDaemon daemon([&](ServerEnd& end) {
+        end.greet_with_clock();
+        v1::Envelope message;
+        while (end.receive(message)) {
+            if (message.has_ping()) {
+                v1::Envelope answer;
+                answer.mutable_pong()->set_client_ns(message.ping().client_ns());
+                answer.mutable_pong()->set_monotonic_ns(disparityd::proto::monotonic_ns());
+                end.send(answer);
+                ++answers;
+            }
+        }
+    });
+    disparity::SocketClient client(daemon.unix_address());
+    client.subscribe({});
+    disparity::Frame frame;
+    while (answers < 4) {
+        ASSERT_EQ(client.read(frame, 20ms), ReadResult::timeout);
+    }
 }
 
 // What the daemon said before it closed explains more than a broken connection.

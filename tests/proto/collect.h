@@ -6,7 +6,7 @@
 
 #include "proto/shared_memory_reader.h"
 
-/// Copies all planes of a frame.
+/// Copies all planes of a frame, and its fields as they were published.
 struct Collected {
     using Reader = disparityd::proto::ShmReader;
 
@@ -14,7 +14,7 @@ struct Collected {
     std::map<std::uint32_t, std::vector<std::uint8_t>> planes;
 
     Reader::Result read(Reader& reader, std::chrono::nanoseconds timeout) {
-        return reader.read(
+        const Reader::Result result = reader.read(
             frame,
             [&](const disparityd::proto::ShmPlane& plane) {
                 std::vector<std::uint8_t>& bytes = planes[plane.product];
@@ -22,5 +22,9 @@ struct Collected {
                 return bytes.data();
             },
             timeout);
+        if (result == Reader::Result::frame) {
+            frame.age_ns -= reader.waited_ns();
+        }
+        return result;
     }
 };

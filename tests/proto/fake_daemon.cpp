@@ -6,9 +6,12 @@
 #include <stdexcept>
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
+
+#include "proto/monotonic_clock.h"
 
 namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
@@ -74,11 +77,25 @@ void ServerEnd::close() {
 }
 
 v1::Envelope ServerEnd::greet(std::uint32_t version) {
+    return greet(version, 0);
+}
+
+v1::Envelope ServerEnd::greet_with_clock() {
+    return greet(proto::protocol_version, proto::monotonic_ns());
+}
+
+bool ServerEnd::hears(std::chrono::milliseconds timeout) const {
+    pollfd entry{fd_, POLLIN, 0};
+    return ::poll(&entry, 1, static_cast<int>(timeout.count())) > 0;
+}
+
+v1::Envelope ServerEnd::greet(std::uint32_t version, std::int64_t clock_ns) {
     v1::Envelope hello;
     receive(hello);
     v1::Envelope answer;
     answer.mutable_welcome()->set_protocol_version(version);
     answer.mutable_welcome()->set_server_version("fake");
+    answer.mutable_welcome()->set_monotonic_ns(clock_ns);
     send(answer);
     return hello;
 }

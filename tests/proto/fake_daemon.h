@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -25,8 +26,15 @@ public:
 
     /// Hello, Welcome. The first message of the client is returned.
     disparityd::v1::Envelope greet(std::uint32_t version = disparityd::proto::protocol_version);
+    /// The same, as a daemon that sends frames against credit and answers questions about its clock.
+    disparityd::v1::Envelope greet_with_clock();
+
+    /// Whether something comes within the time; also the client's end.
+    bool hears(std::chrono::milliseconds timeout) const;
 
 private:
+    disparityd::v1::Envelope greet(std::uint32_t version, std::int64_t clock_ns);
+
     int fd_;
 };
 

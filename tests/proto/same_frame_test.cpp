@@ -66,6 +66,22 @@ std::string describe(const char* way, const AnyFrame& f) {
     return text;
 }
 
+/// Returns the lines without their ages: each reader counts until its own now.
+std::string without_ages(const std::string& text) {
+    std::istringstream lines(text);
+    std::string out;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        std::string word;
+        for (int i = 0; words >> word; ++i) {
+            const bool age = i == 5 && line.find(" plane ") == std::string::npos;
+            out += (i == 0 ? "" : " ") + (age ? "-" : word);
+        }
+        out += "\n";
+    }
+    return out;
+}
+
 class SameFrame : public testing::Test {
 protected:
     proto::ShmLayout layout_ = pattern::layout();
@@ -153,7 +169,7 @@ protected:
             text += describe("borrowed", borrowed);
             EXPECT_TRUE(borrowed.whole());
         }
-        return text;
+        return without_ages(text);
     }
 
 private:
@@ -226,7 +242,7 @@ TEST_F(SameFrame, CReadsTheSame) {
     for (const std::string& address : {daemon_.unix_address(), daemon_.tcp_address()}) {
         const auto [status, text] = command_output(C_CHECK " " + address + " " + name_);
         EXPECT_EQ(status, 0);
-        EXPECT_EQ(text, wanted(address));
+        EXPECT_EQ(without_ages(text), wanted(address));
     }
 }
 
@@ -241,7 +257,7 @@ TEST_F(SameFrame, PythonReadsTheSame) {
             GTEST_SKIP() << "numpy or protobuf is not installed for Python";
         }
         EXPECT_EQ(status, 0);
-        EXPECT_EQ(text, wanted(address, python.find("DISPARITY_SKIP_LIBRARY") == std::string::npos));
+        EXPECT_EQ(without_ages(text), wanted(address, python.find("DISPARITY_SKIP_LIBRARY") == std::string::npos));
     }
 }
 

@@ -44,6 +44,47 @@ protected:
     }
 };
 
+// The first frame that a reader finds may be the last one of a source that has ended, or of a daemon that was stopped.
+TEST_F(SharedMemory, AnAgeCountsUntilTheFrameIsRead) {
+    proto::SharedMemoryWriter writer(name_, layout_);
+    pattern::Source source(layout_);
+    proto::FrameInfo head = pattern::head(1, layout_);
+    head.age_ns = 9'000'000;
+    const std::int64_t published = proto::monotonic_ns() - 40'000'000'000;
+    writer.publish(head, source.make(1), published);
+    proto::ShmReader copying(name_);
+    proto::ShmReader borrowing(name_);
+    proto::FrameInfo copied{};
+    proto::FrameInfo borrowed{};
+    proto::BorrowedSlot slot;
+    const std::int64_t called = proto::monotonic_ns();
+    ASSERT_EQ(copying.read(
+                  copied, [](const proto::ShmPlane&) { return nullptr; }, 0ms),
+              Result::frame);
+    ASSERT_EQ(borrowing.borrow(borrowed, slot, 0ms), Result::frame);
+    const std::int64_t returned = proto::monotonic_ns();
+    for (const proto::FrameInfo& frame : {copied, borrowed}) {
+        EXPECT_GE(frame.age_ns, called - published + 9'000'000);
+        EXPECT_LE(frame.age_ns, returned - published + 9'000'000);
+    }
+    EXPECT_EQ(copied.age_ns - copying.waited_ns(), 9'000'000);
+}
+
+// A daemon of before.
+TEST_F(SharedMemory, WithoutATimeOfPublishingTheAgeIsThatOfThePublisher) {
+    proto::SharedMemoryWriter writer(name_, layout_);
+    pattern::Source source(layout_);
+    const proto::FrameInfo head = pattern::head(1, layout_);
+    writer.publish(head, source.make(1), 0);
+    proto::ShmReader reader(name_);
+    proto::FrameInfo frame{};
+    ASSERT_EQ(reader.read(
+                  frame, [](const proto::ShmPlane&) { return nullptr; }, 0ms),
+              Result::frame);
+    EXPECT_EQ(frame.age_ns, head.age_ns);
+    EXPECT_EQ(reader.waited_ns(), 0);
+}
+
 TEST_F(SharedMemory, FrameArrivesWholeAndOnce) {
     proto::SharedMemoryWriter writer(name_, layout_);
     EXPECT_EQ(writer.note(), "");

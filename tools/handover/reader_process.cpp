@@ -83,7 +83,7 @@ void add_up_depth(const AnyFrame& frame) {
 }
 
 std::int64_t published_ns(const disparity::FrameInfo& of_shared_memory) {
-    return of_shared_memory.monotonic_ns + of_shared_memory.age_ns;
+    return of_shared_memory.monotonic_ns + of_shared_memory.sent_age_ns;
 }
 
 /// Of a frame that `reader` may have given.

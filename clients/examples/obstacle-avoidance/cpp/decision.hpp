@@ -159,34 +159,9 @@ inline double speed_for(double room_m, const Options& options) {
     return std::min(speed, options.speed_mps);
 }
 
-/// Estimates how much later than others a frame arrived over a socket: a frame's age_ns does not know the time in the
-/// network. The clocks of the two machines differ by an unknown constant, so the fastest frame is the measure. The
-/// measure rises slowly, as clocks drift apart.
-class NetworkDelay {
-public:
-    /// Returns the seconds to add to the age. `sent_s` is by the daemon's clock, `arrived_s` by this machine's.
-    double of(double sent_s, double arrived_s) {
-        constexpr double drift = 2e-4;
-        const double difference = arrived_s - sent_s;
-        const double before = least_ + drift * (arrived_s - arrived_before_s_);
-        least_ = known_ ? std::min(before, difference) : difference;
-        arrived_before_s_ = arrived_s;
-        known_ = true;
-        return difference - least_;
-    }
-
-    /// Forgets the measure: the next frame is from another connection, or its clock has jumped.
-    void reset() { known_ = false; }
-
-private:
-    bool known_ = false;
-    double least_ = 0;
-    double arrived_before_s_ = 0;
-};
-
 /// What the decision takes from a frame.
 struct FrameFacts {
-    double age_s = 0;                       ///< when it arrived
+    double age_s = 0;                       ///< when it was read, the network included
     std::uint32_t flags = 0;                ///< disparity::FrameFlags
     const disparity::Scan* scan = nullptr;  ///< none: the frame has no scan
 };

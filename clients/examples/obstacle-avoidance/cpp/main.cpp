@@ -130,22 +130,16 @@ private:
     avoid::Decision last_;
 };
 
-/// Judges a frame that has just arrived.
-void judge(avoid::Decider& decider, avoid::NetworkDelay& delay, const disparity::Frame& frame, bool over_socket) {
-    const double arrived_s = now_s();
+/// Judges a frame that has just been read. Its age is what it is now, whatever it took on the way.
+void judge(avoid::Decider& decider, const disparity::Frame& frame) {
+    const double read_s = now_s();
     avoid::FrameFacts facts;
     facts.age_s = static_cast<double>(frame.age_ns) / 1e9;
     facts.flags = frame.flags;
-    if (over_socket) {
-        if ((frame.flags & disparity::discontinuity) != 0) {
-            delay.reset();  // the times of a recording begin anew
-        }
-        facts.age_s += delay.of(static_cast<double>(frame.monotonic_ns) / 1e9 + facts.age_s, arrived_s);
-    }
     try {
         const auto scan = frame.scan();
         facts.scan = scan ? &*scan : nullptr;
-        decider.see(facts, arrived_s);
+        decider.see(facts, read_s);
     } catch (const std::runtime_error& error) {
         decider.fail(error.what());
     }
@@ -153,23 +147,17 @@ void judge(avoid::Decider& decider, avoid::NetworkDelay& delay, const disparity:
 
 /// Waits for what comes next. Returns the sequence of the frame that came, or -1 where none did. Throws
 /// std::invalid_argument for an address that cannot be right.
-long long step(Source& source, avoid::Decider& decider, avoid::NetworkDelay& delay, disparity::Frame& frame) {
+long long step(Source& source, avoid::Decider& decider, disparity::Frame& frame) {
     const double patience = std::min(decider.patience_s(now_s()), longest_read_s);
     try {
         switch (source.read(frame, milliseconds(std::lround(std::ceil(patience * 1000))))) {
-            case ReadResult::frame:
-                judge(decider, delay, frame, source.over_socket());
-                return static_cast<long long>(frame.sequence);
+            case ReadResult::frame: judge(decider, frame); return static_cast<long long>(frame.sequence);
             case ReadResult::timeout: decider.wait(now_s()); break;
-            case ReadResult::gone:
-                delay.reset();
-                decider.gone(source.why_gone());
-                break;
+            case ReadResult::gone: decider.gone(source.why_gone()); break;
         }
     } catch (const std::invalid_argument&) {
         throw;
     } catch (const std::exception& error) {
-        delay.reset();
         decider.fail(error.what());
     }
     return -1;
@@ -178,12 +166,11 @@ long long step(Source& source, avoid::Decider& decider, avoid::NetworkDelay& del
 void run(const avoid::Arguments& arguments) {
     Source source(arguments.source);
     avoid::Decider decider(arguments.options);
-    avoid::NetworkDelay delay;
     Output output(arguments.json);
     disparity::Frame frame;
     output.show(decider.decision());  // brakes until frames say something else
     while (stopped == 0) {
-        const long long sequence = step(source, decider, delay, frame);
+        const long long sequence = step(source, decider, frame);
         output.show(decider.decision(), sequence);
         if (sequence < 0 && !source.is_open()) {
             std::this_thread::sleep_for(retry_interval);

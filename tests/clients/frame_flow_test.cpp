@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How old frames are when a program gets them, with a daemon, a link and a program of which only the times exist.
+#include "clients/cpp/frame_flow.h"
+
+#include <algorithm>
+#include <deque>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "clients/cpp/daemon_clock.h"
+
+namespace {
+
+using disparity::FrameFlow;
+
+constexpr std::int64_t ms = 1'000'000;
+
+/// The times of what is simulated, ns.
+struct Times {
+    std::int64_t interval = 33 * ms;  ///< between two frames
+    std::int64_t work = 0;            ///< of the program on each
+    std::int64_t way = 0;             ///< of the link, each way
+    std::int64_t transfer = ms / 5;   ///< of a frame's bytes
+    std::int64_t matching = 12 * ms;  ///< from capture to publishing
+};
+
+/// What the program was given.
+struct Given {
+    std::int64_t at = 0;
+    std::int64_t captured = 0;
+    std::uint64_t index = 0;
+};
+
+/// A daemon that sends its newest frame against credit, a link that carries one frame after the other, and a program
+/// that reads and works in turn. Advances by a tenth of a millisecond.
+class Simulation {
+public:
+    explicit Simulation(const Times& times) : times_(times) { flow_.start(0); }
+
+    /// Nothing passes the link from now on for so long; then all comes.
+    void cut(std::int64_t time) { cut_until_ = now_ + time; }
+    /// The program does nothing for so long.
+    void stop(std::int64_t time) { stopped_until_ = now_ + time; }
+    void set_transfer(std::int64_t transfer) { times_.transfer = transfer; }
+
+    /// Returns what the program was given in so much time.
+    std::vector<Given> run(std::int64_t time) {
+        given_.clear();
+        for (const std::int64_t end = now_ + time; now_ < end; now_ += ms / 10) {
+            publish();
+            send();
+            if (now_ >= stopped_until_) {
+                work_or_read();
+            }
+        }
+        return given_;
+    }
+
+    std::uint64_t published() const { return next_; }
+
+private:
+    struct OnTheWay {
+        FrameFlow::Arrival frame;
+        std::int64_t arrives = 0;
+    };
+
+    void publish() {
+        if (now_ >= static_cast<std::int64_t>(next_) * times_.interval + times_.matching) {
+            newest_ = {.publish_index = next_, .captured_ns = static_cast<std::int64_t>(next_) * times_.interval};
+            unsent_ = true;
+            ++next_;
+        }
+    }
+
+    void send() {
+        while (!grants_.empty() && grants_.front().first <= now_) {
+            credit_ = std::min<std::uint32_t>(16, credit_ + grants_.front().second);
+            grants_.pop_front();
+        }
+        if (credit_ > 0 && unsent_) {
+            --credit_;
+            unsent_ = false;
+            link_free_ = std::max({link_free_, now_, cut_until_}) + times_.transfer;
+            newest_.sent_ns = now_;
+            on_the_way_.push_back({newest_, link_free_ + times_.way});
+        }
+    }
+
+    void ask(bool waiting) {
+        if (const std::uint32_t frames = flow_.ask(waiting); frames > 0) {
+            grants_.emplace_back(std::max(now_, cut_until_) + times_.way, frames);
+        }
+    }
+
+    /// Takes what has arrived. Returns whether the program has a frame.
+    bool take() {
+        FrameFlow::Arrival last;
+        bool any = false;
+        while (!on_the_way_.empty() && on_the_way_.front().arrives <= now_) {
+            last = on_the_way_.front().frame;
+            last.now_ns = now_;
+            last.unwatched_ns = now_ - empty_;
+            last.round_trip_ns = 2 * times_.way + ms / 10;
+            on_the_way_.pop_front();
+            flow_.arrived(last);
+            any = true;
+        }
+        empty_ = now_;
+        if (!any || !flow_.fresh(last)) {
+            return false;
+        }
+        ask(false);
+        flow_.given(now_);
+        given_.push_back({now_, last.captured_ns, last.publish_index});
+        works_until_ = now_ + times_.work;
+        reading_ = false;
+        return true;
+    }
+
+    void work_or_read() {
+        if (!reading_ && now_ < works_until_) {
+            return;
+        }
+        if (!reading_) {
+            flow_.reads(now_);
+            reading_ = true;
+        }
+        if (!take()) {
+            ask(true);
+        }
+    }
+
+    Times times_;
+    FrameFlow flow_;
+    std::int64_t now_ = 0;
+    std::uint64_t next_ = 0;
+    FrameFlow::Arrival newest_;
+    bool unsent_ = false;
+    std::uint32_t credit_ = 0;
+    std::deque<std::pair<std::int64_t, std::uint32_t>> grants_;
+    std::deque<OnTheWay> on_the_way_;
+    std::int64_t link_free_ = 0;
+    std::int64_t cut_until_ = 0;
+    std::int64_t stopped_until_ = 0;
+    std::int64_t empty_ = 0;
+    bool reading_ = false;
+    std::int64_t works_until_ = 0;
+    std::vector<Given> given_;
+};
+
+/// What the oldest frame was beyond the time that no client could save.
+std::int64_t oldest(const std::vector<Given>& given, const Times& times) {
+    std::int64_t most = 0;
+    for (const Given& one : given) {
+        most = std::max(most, one.at - one.captured - times.matching - times.transfer - 2 * times.way);
+    }
+    return most;
+}
+
+constexpr std::int64_t step = ms;
+
+TEST(FrameFlow, AFrameIsAtMostAnIntervalOldHoweverLongTheProgramWorks) {
+    for (const std::int64_t interval : {33 * ms, 67 * ms}) {
+        for (const std::int64_t work : {0 * ms, 30 * ms, 100 * ms, 200 * ms, 1000 * ms}) {
+            for (const std::int64_t way : {ms / 20, 20 * ms}) {
+                for (const std::int64_t transfer : {ms / 5, 15 * ms}) {
+                    const Times times{.interval = interval, .work = work, .way = way, .transfer = transfer};
+                    Simulation simulation(times);
+                    const auto given = simulation.run(30'000 * ms);
+                    ASSERT_GE(given.size(), 20U);
+                    EXPECT_LE(oldest(given, times), interval + step)
+                        << "interval " << interval / ms << ", work " << work / ms << ", way " << way / ms
+                        << ", transfer " << transfer / ms << " ms";
+                }
+            }
+        }
+    }
+}
+
+TEST(FrameFlow, AProgramThatKeepsUpGetsEveryFrameAtOnce) {
+    for (const std::int64_t work : {0 * ms, 5 * ms, 25 * ms}) {
+        for (const std::int64_t way : {ms / 20, 20 * ms, 50 * ms}) {
+            for (const std::int64_t transfer : {ms / 5, 15 * ms, 25 * ms}) {
+                const Times times{.work = work, .way = way, .transfer = transfer};
+                Simulation simulation(times);
+                simulation.run(2000 * ms);
+                const std::uint64_t before = simulation.published();
+                const auto given = simulation.run(10'000 * ms);
+                EXPECT_GE(given.size() + 2, simulation.published() - before) << work / ms << ' ' << way / ms;
+                EXPECT_LE(oldest(given, times), std::max<std::int64_t>(0, work + transfer - times.interval) + step);
+            }
+        }
+    }
+}
+
+// 100 ms for each frame on the link, 33 ms between two: more credit would only let frames wait for each other.
+TEST(FrameFlow, ALinkThatIsTooSlowHasNoQueue) {
+    for (const std::int64_t way : {ms / 20, 20 * ms}) {
+        const Times times{.way = way, .transfer = 100 * ms};
+        Simulation simulation(times);
+        const auto given = simulation.run(20'000 * ms);
+        EXPECT_GE(given.size(), 120U);
+        EXPECT_LE(oldest(given, times), times.interval + step);
+    }
+}
+
+TEST(FrameFlow, NothingOldFollowsAPauseOfProgramOrLink) {
+    for (const std::int64_t way : {ms / 20, 20 * ms}) {
+        for (const bool link : {false, true}) {
+            const Times times{.work = 10 * ms, .way = way};
+            Simulation simulation(times);
+            simulation.run(2000 * ms);
+            if (link) {
+                simulation.cut(1200 * ms);
+            } else {
+                simulation.stop(5000 * ms);
+            }
+            const auto given = simulation.run(10'000 * ms);
+            EXPECT_LE(oldest(given, times), times.interval + step) << way / ms << (link ? " link" : " program");
+            EXPECT_GE(given.size(), 140U) << "it goes on";
+        }
+    }
+}
+
+TEST(FrameFlow, ALinkThatBecomesSlowerStillGivesFrames) {
+    Times times;
+    Simulation simulation(times);
+    simulation.run(2000 * ms);
+    simulation.set_transfer(300 * ms);
+    times.transfer = 300 * ms;
+    const auto given = simulation.run(10'000 * ms);
+    EXPECT_GE(given.size(), 28U);
+    EXPECT_LE(oldest(given, times), times.interval + step);
+}
+
+TEST(FrameFlow, TheRateThatWasAskedForIsTheInterval) {
+    FrameFlow flow;
+    flow.start(4);
+    EXPECT_EQ(flow.interval_ns(), 250 * ms);
+}
+
+TEST(DaemonClock, TheDaemonsClockIsNeverTakenForLess) {
+    constexpr std::int64_t ahead = 5'000'000 * ms;
+    disparity::DaemonClock clock;
+    EXPECT_FALSE(clock.known());
+    clock.add(0, ahead + 30 * ms, 40 * ms);  // 30 ms there, 10 ms back
+    EXPECT_EQ(clock.latest(40 * ms), ahead + 70 * ms);
+    EXPECT_EQ(clock.round_trip(), 40 * ms);
+    clock.add(1000 * ms, ahead + 1002 * ms, 1030 * ms);
+    EXPECT_EQ(clock.latest(1030 * ms), ahead + 1032 * ms);
+    clock.add(2000 * ms, ahead + 2020 * ms, 2022 * ms);
+    EXPECT_GE(clock.latest(2022 * ms), ahead + 2024 * ms) << "the best answer counts";
+    EXPECT_LE(clock.latest(2022 * ms), ahead + 2025 * ms) << "with what the clocks may have drifted apart since";
+}
+
+TEST(DaemonClock, OneMachineHasOneClock) {
+    disparity::DaemonClock clock;
+    clock.add(100 * ms, 130 * ms, 140 * ms);
+    EXPECT_EQ(clock.latest(200 * ms), 200 * ms);
+    clock.forget();
+    EXPECT_FALSE(clock.known());
+    clock.add(100 * ms, 30 * ms, 140 * ms);
+    EXPECT_EQ(clock.latest(140 * ms), 70 * ms) << "this daemon's clock is behind: it cannot be the same";
+}
+
+TEST(DaemonClock, OldAnswersAreForgotten) {
+    disparity::DaemonClock clock;
+    clock.add(0, 900'000 * ms, 1 * ms);
+    for (std::int64_t second = 1; second <= 16; ++second) {
+        const std::int64_t now = 1000 * ms * second;
+        clock.add(now, 900'005 * ms + now, now + 10 * ms);
+    }
+    EXPECT_EQ(clock.latest(16'010 * ms), 900'005 * ms + 16'010 * ms);
+}
+
+}  // namespace
