@@ -236,12 +236,23 @@ TEST_F(EndedDaemonTest, WatchShowsNoFrameFromBefore) {
         ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
         const auto line = nlohmann::json::parse(outcome.out);
         EXPECT_EQ(line["frames"], 0);
-        if (!way.empty()) {  // else the tool knows no socket to ask at
+        if (way.empty()) {  // the memory still has the last one
+            EXPECT_THAT(line["why"].get<std::string>(), testing::ContainsRegex("; the newest frame is [0-9.]+ s old$"));
+        } else {  // else the tool knows no socket to ask at
             EXPECT_THAT(line["why"].get<std::string>(),
                         testing::ContainsRegex("the source has ended after [1-8] frames?; reload to play it again"))
                 << "a busy machine loses some of the eight";
         }
     }
+}
+
+TEST_F(EndedDaemonTest, SnapshotDoesNotTakeAnOldFrameForANewOne) {
+    Outcome outcome;
+    EXPECT_TRUE(eventually([&] {
+        outcome = ctl("snapshot", {"-o", path("old.png"), "--timeout", "1"});
+        return outcome.exit_code != 0;
+    })) << "the frame grows older than a second";
+    EXPECT_THAT(outcome.err, testing::ContainsRegex("no frame came within 1 s: .*; the newest frame is [0-9.]+ s old"));
 }
 
 /// Programs that are started meanwhile run on one core only.

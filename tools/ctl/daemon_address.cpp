@@ -44,13 +44,4 @@ disparity::SocketClient connect(const DaemonAddress& daemon, std::chrono::millis
     return clients::connect(daemon.sockets(), daemon.name, "disparityctl", print_note, timeout, daemon.reach.options);
 }
 
-bool is_local(const std::string& socket) {
-    const auto starts_with = [](const std::string& text, const std::string& start) {
-        return text.compare(0, start.size(), start) == 0;
-    };
-    const std::string place = starts_with(socket, "tls:") ? "tcp:" + socket.substr(4) : socket;
-    return starts_with(place, "unix:") || starts_with(place, "tcp:127.") || starts_with(place, "tcp:localhost:") ||
-           starts_with(place, "tcp:[::1]:");
-}
-
 }  // namespace disparityd::tools

@@ -36,7 +36,4 @@ struct DaemonAddress {
 disparity::SocketClient connect(const DaemonAddress& daemon,
                                 std::chrono::milliseconds timeout = std::chrono::seconds(5));
 
-/// Whether the address leads to this machine, by its text.
-bool is_local(const std::string& socket);
-
 }  // namespace disparityd::tools

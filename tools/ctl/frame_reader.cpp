@@ -4,8 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "proto/monotonic_clock.h"
-
 namespace disparityd::tools {
 namespace {
 
@@ -21,8 +19,8 @@ public:
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout) override {
         return reader_.read(frame, timeout, products_);
     }
-    bool local() const override { return true; }
     std::string where() const override { return "shared memory " + name_; }
+    bool unanswered() const override { return false; }
 
 private:
     disparity::SharedMemoryReader reader_;
@@ -32,20 +30,18 @@ private:
 
 class SocketFrames final : public FrameReader {
 public:
-    SocketFrames(const DaemonAddress& daemon, const std::vector<Product>& products)
-        : client_(connect(daemon)), local_(daemon.socket.empty() || is_local(daemon.sockets().usable.front().address)) {
+    SocketFrames(const DaemonAddress& daemon, const std::vector<Product>& products) : client_(connect(daemon)) {
         disparity::Subscription subscription;
         subscription.products = products;
         client_.subscribe(subscription);
     }
 
     ReadResult read(Frame& frame, std::chrono::milliseconds timeout) override { return client_.read(frame, timeout); }
-    bool local() const override { return local_; }
     std::string where() const override { return "socket"; }
+    bool unanswered() const override { return client_.unanswered(); }
 
 private:
     disparity::SocketClient client_;
-    bool local_;
 };
 
 }  // namespace
@@ -65,15 +61,6 @@ std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std:
     } catch (const std::runtime_error& error) {
         throw std::runtime_error(std::string(error.what()) + " (" + why + ")");
     }
-}
-
-std::int64_t age_ns(const Frame& frame, bool local) {
-    // A replayed frame has the time of its recording, and a port of this machine may lead to another machine: this
-    // clock counts only where it agrees with the age that the daemon sent.
-    constexpr std::int64_t plausible_ns = 5'000'000'000;
-    const std::int64_t by_our_clock = proto::monotonic_ns() - frame.monotonic_ns;
-    const std::int64_t on_the_way = by_our_clock - frame.age_ns;
-    return local && on_the_way >= 0 && on_the_way < plausible_ns ? by_our_clock : frame.age_ns;
 }
 
 }  // namespace disparityd::tools

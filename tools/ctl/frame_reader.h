@@ -15,16 +15,13 @@ public:
     virtual ~FrameReader() = default;
     /// Behaves as the client library's read(), and throws its std::runtime_error.
     virtual disparity::ReadResult read(disparity::Frame& frame, std::chrono::milliseconds timeout) = 0;
-    virtual bool local() const = 0;         ///< the daemon runs on this machine, with the same clocks
     virtual std::string where() const = 0;  ///< for people
+    /// Whether the last read() was `gone` because the daemon did not answer: the next one connects anew.
+    virtual bool unanswered() const = 0;
 };
 
 /// Opens the socket when the user gave one; else shared memory, and the default socket where there is none. Throws
 /// std::runtime_error with one line when there is no daemon.
 std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<disparity::Product>& products);
-
-/// Returns the age of a frame now, in ns: by this machine's clock where the daemon is local and the frame is live, else
-/// the age that the daemon sent with it.
-std::int64_t age_ns(const disparity::Frame& frame, bool local);
 
 }  // namespace disparityd::tools

@@ -17,8 +17,8 @@ double percentile_ms(const std::vector<std::int64_t>& sorted_ns, std::size_t per
 
 }  // namespace
 
-void LatencyWindow::add(const disparity::Frame& frame, std::int64_t age_ns) {
-    ages_ns_.push_back(age_ns);
+void LatencyWindow::add(const disparity::Frame& frame) {
+    ages_ns_.push_back(frame.age_ns);
     dropped_ += frame.dropped_before;
     missed_ += frame.missed;
 }

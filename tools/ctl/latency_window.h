@@ -11,7 +11,7 @@ namespace disparityd::tools {
 /// Collects the latencies and losses of the frames of one interval.
 class LatencyWindow {
 public:
-    void add(const disparity::Frame& frame, std::int64_t age_ns);
+    void add(const disparity::Frame& frame);
 
     struct Summary {
         std::uint64_t frames = 0;

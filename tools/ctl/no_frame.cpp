@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/no_frame.h"
 
-#include <chrono>
+#include <cstdio>
 #include <stdexcept>
 
 #include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 
+namespace {
+
+// Programs that say every second why no frame came stay at that rate.
+constexpr std::chrono::seconds patience{1};
+
+}  // namespace
+
 std::string why_no_frame(const DaemonAddress& daemon) {
-    // Programs that say every second why no frame came stay at that rate.
-    constexpr std::chrono::seconds patience{1};
     try {
         disparity::SocketClient client = connect(daemon, patience);
         const v1::Status status = daemon_status(client, patience);
@@ -27,6 +32,21 @@ std::string why_no_frame(const DaemonAddress& daemon) {
         // Frames may come over shared memory where no socket is known.
     }
     return daemon.command("status") + " says more";
+}
+
+bool source_has_ended(const DaemonAddress& daemon) {
+    try {
+        disparity::SocketClient client = connect(daemon, patience);
+        return daemon_status(client, patience).state() == "ended";
+    } catch (const std::runtime_error&) {
+        return false;  // frames may come over shared memory where no socket is known
+    }
+}
+
+std::string seconds_text(std::chrono::nanoseconds time) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f s", std::chrono::duration<double>(time).count());
+    return text;
 }
 
 }  // namespace disparityd::tools

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cstring>
 #include <iostream>
 #include <set>
@@ -24,6 +26,9 @@ namespace {
 using disparity::Product;
 
 static_assert(std::endian::native == std::endian::little, "planes arrive in little endian and are used as they are");
+
+/// A frame that is older is not what a daemon sees now: a newer one is waited for.
+constexpr std::chrono::seconds old_frame{1};
 
 struct SnapshotArguments {
     DaemonAddress daemon;
@@ -106,18 +111,33 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
     }
     const auto frames = open_frames(arguments.daemon, products);
     const int timeout_s = arguments.timeout_s.value_or(10);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(timeout_s);
     disparity::Frame frame;
-    switch (frames->read(frame, std::chrono::seconds(timeout_s))) {
-        case disparity::ReadResult::frame: break;
-        case disparity::ReadResult::timeout:
-            throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
-                                     " s: " + why_no_frame(arguments.daemon));
-        case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+    std::string last;
+    while (true) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+        switch (frames->read(frame, std::max(left, std::chrono::milliseconds(0)))) {
+            case disparity::ReadResult::frame: break;
+            case disparity::ReadResult::timeout:
+                throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
+                                         " s: " + why_no_frame(arguments.daemon) + last);
+            case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped" + last);
+        }
+        // Shared memory still has the last frame of a source that has ended, or of a daemon that hangs.
+        const std::chrono::nanoseconds age(frame.age_ns);
+        if (age < old_frame) {
+            break;
+        }
+        last = "; the newest frame is " + seconds_text(age) + " old";
+        if (source_has_ended(arguments.daemon)) {
+            std::cerr << "disparityctl: the source has ended: its last frame is written, which is " << seconds_text(age)
+                      << " old\n";
+            break;
+        }
     }
-    // The last frame of a daemon that hangs is still there to be read.
     disparity::Frame newer;
     if (frames->read(newer, std::chrono::milliseconds(0)) == disparity::ReadResult::gone) {
-        throw std::runtime_error("the daemon has stopped");
+        throw std::runtime_error("the daemon has stopped" + last);
     }
     return frame;
 }
@@ -199,7 +219,9 @@ void add_snapshot(CLI::App& program, Action& action) {
     add_integer(command, "--timeout", arguments->timeout_s, 1, 3600, "seconds to wait for a frame; default 10");
     add_colour_range(command, arguments->colours)->needs(picture);
     arguments->daemon.add_to(command);
-    command.footer("Example: disparityctl snapshot -o now.png --disparity now.pfm");
+    command.footer(
+        "A frame older than a second is not written, but for the last one of a source that has ended, with its age\n"
+        "on standard error. Example: disparityctl snapshot -o now.png --disparity now.pfm");
     command.callback([arguments, &action] { action = [arguments] { return snapshot(*arguments); }; });
 }
 

@@ -55,6 +55,15 @@ void print_line(const LatencyWindow::Summary& seen, double seconds, double since
     std::cout << text << why << std::endl;
 }
 
+steady_clock::time_point born(const disparity::Frame& frame) {
+    return steady_clock::now() - std::chrono::nanoseconds(frame.age_ns);
+}
+
+/// Returns how old the newest frame is, for the end of a line.
+std::string age_of(const std::optional<steady_clock::time_point>& newest) {
+    return newest ? "; the newest frame is " + seconds_text(steady_clock::now() - *newest) + " old" : std::string();
+}
+
 int watch(const WatchArguments& arguments) {
     const auto frames = open_frames(arguments.daemon, {disparity::Product::disparity});
     catch_interrupts();
@@ -64,7 +73,10 @@ int watch(const WatchArguments& arguments) {
     }
     disparity::Frame frame;
     // Shared memory still holds the last frame from before; it may be hours old.
-    (void)frames->read(frame, std::chrono::milliseconds(0));
+    std::optional<steady_clock::time_point> newest;
+    if (frames->read(frame, std::chrono::milliseconds(0)) == disparity::ReadResult::frame) {
+        newest = born(frame);
+    }
     LatencyWindow window;
     const auto start = steady_clock::now();
     auto last = start;
@@ -74,16 +86,23 @@ int watch(const WatchArguments& arguments) {
         const auto next = last + std::chrono::seconds(1);
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - steady_clock::now());
         switch (frames->read(frame, std::clamp(left, std::chrono::milliseconds(0), patience))) {
-            case disparity::ReadResult::frame: window.add(frame, age_ns(frame, frames->local())); break;
+            case disparity::ReadResult::frame:
+                window.add(frame);
+                newest = born(frame);
+                break;
             case disparity::ReadResult::timeout: break;
-            case disparity::ReadResult::gone: throw std::runtime_error("the daemon has stopped");
+            case disparity::ReadResult::gone:
+                if (!frames->unanswered()) {
+                    throw std::runtime_error("the daemon has stopped");
+                }
+                break;  // it may answer again
         }
         const auto now = steady_clock::now();
         if (now >= next) {
             const LatencyWindow::Summary seen = window.take();
             print_line(seen, std::chrono::duration<double>(now - last).count(),
                        std::chrono::duration<double>(now - start).count(),
-                       seen.frames > 0 ? "" : why_no_frame(arguments.daemon), arguments.json);
+                       seen.frames > 0 ? "" : why_no_frame(arguments.daemon) + age_of(newest), arguments.json);
             if (!std::cout) {
                 throw std::runtime_error("standard output cannot be written");
             }
@@ -105,8 +124,8 @@ void add_watch(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "one JSON object per line");
     command.footer(
         "Frames come over shared memory, or over the socket when --socket is given. Latency is the age of a frame\n"
-        "when it arrives here, capture to copy; for a daemon on another machine, its age when sent. dropped: lost\n"
-        "before the daemon published; missed: published, but not read here. Ctrl-C ends it, exit status 0.\n"
+        "when it arrives here, capture to copy, the network included. dropped: lost before the daemon published;\n"
+        "missed: published, but not read here. Ctrl-C ends it, exit status 0.\n"
         "Example: disparityctl watch --count 10");
     command.callback([arguments, &action] { action = [arguments] { return watch(*arguments); }; });
 }

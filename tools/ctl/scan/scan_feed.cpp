@@ -89,7 +89,8 @@ ScanFeed::Got ScanFeed::next(std::chrono::milliseconds timeout) {
         return Got::no_daemon;
     }
     if (result == disparity::ReadResult::gone) {
-        lose("the daemon has stopped; waiting for it");
+        lose(frames_->unanswered() ? "the daemon does not answer; waiting for it"
+                                   : "the daemon has stopped; waiting for it");
         return Got::no_daemon;
     }
     return result == disparity::ReadResult::frame ? take() : Got::nothing;
@@ -107,7 +108,7 @@ ScanFeed::Got ScanFeed::take() {
     }
     reading_.frame = frame_;
     reading_.scan = *std::move(scan);
-    reading_.age_ns = age_ns(frame_, frames_->local());
+    reading_.age_ns = frame_.age_ns;
     reading_.rate.reset();
     // The first ones may have waited, and come at once.
     if (const std::chrono::duration<double> span = now - arrivals_.front(); span > rate_window / 2) {
