@@ -101,7 +101,7 @@ class Source:
     def __init__(self, address):
         self._address = address
         self._reader = None
-        self.over_socket = address.startswith(("tcp:", "tls:", "unix:"))
+        self._over_socket = address.startswith(("tcp:", "tls:", "unix:"))
 
     def read(self, timeout):
         """Returns a frame, or None when none came in time. Raises Gone without a daemon, DisparityError or ValueError
@@ -109,7 +109,7 @@ class Source:
         if self._reader is None:
             self._open()
         try:
-            if self.over_socket:
+            if self._over_socket:
                 return self._reader.read(timeout)
             return self._reader.read(timeout, products=[disparity.SCAN])
         except disparity.Gone:
@@ -125,7 +125,7 @@ class Source:
     def _open(self):
         """Raises Gone when there is no daemon that answers."""
         try:
-            if not self.over_socket:
+            if not self._over_socket:
                 self._reader = disparity.SharedMemoryReader(self._address, may_be_absent=True)
                 return
             reader = disparity.SocketClient(self._address, client_name=PROGRAM, timeout=CONNECT_TIMEOUT_S)
@@ -157,44 +157,36 @@ class Output:
         self._last = now
 
 
-def judge(decider, delay, frame, over_socket):
-    """Judges a frame that has just arrived."""
-    arrived_s = time.monotonic()
-    age_s = frame.age_ns / 1e9
-    if over_socket:
-        if frame.flags & disparity.DISCONTINUITY:
-            delay.reset()  # the times of a recording begin anew
-        age_s += delay.of(frame.monotonic_ns / 1e9 + age_s, arrived_s)
+def judge(decider, frame):
+    """Judges a frame that has just been read. Its age is what it is now, whatever it took on the way."""
+    read_s = time.monotonic()
     try:
         scan = frame.scan if disparity.SCAN in frame.planes else None
     except disparity.DisparityError as error:
         decider.fail(str(error))
     else:
-        decider.see(age_s, frame.flags, scan, arrived_s)
+        decider.see(frame.age_ns / 1e9, frame.flags, scan, read_s)
 
 
-def step(source, decider, delay):
+def step(source, decider):
     """Waits for what comes next. Returns the sequence of the frame that came, or None where none did."""
     try:
         frame = source.read(min(decider.patience_s(time.monotonic()), LONGEST_READ_S))
     except disparity.Gone as error:
-        delay.reset()
         decider.gone(error)
     except (disparity.DisparityError, ValueError) as error:
-        delay.reset()
         decider.fail(str(error))
     else:
         if frame is not None:
-            judge(decider, delay, frame, source.over_socket)
+            judge(decider, frame)
             return frame.sequence
         decider.wait(time.monotonic())
     return None
 
 
 def run(source, decider, output):
-    delay = decision.NetworkDelay()
     while True:
-        sequence = step(source, decider, delay)
+        sequence = step(source, decider)
         output.show(decider.decision, sequence)
         if sequence is None and not source.is_open():
             time.sleep(RETRY_INTERVAL_S)

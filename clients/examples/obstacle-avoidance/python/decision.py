@@ -125,33 +125,6 @@ def speed_for(room_m, options):
     return min(speed, options.speed_mps)
 
 
-class NetworkDelay:
-    """Estimates how much later than others a frame arrived over a socket: age_ns does not know the time in the network.
-
-    The clocks of the two machines differ by an unknown constant, so the fastest frame is the measure. The measure rises
-    slowly, as clocks drift apart."""
-
-    _DRIFT = 2e-4
-
-    def __init__(self):
-        self._least = None
-        self._before = 0.0
-
-    def of(self, sent_s, arrived_s):
-        """Returns the seconds to add to the age. sent_s is by the daemon's clock, arrived_s by this machine's."""
-        difference = arrived_s - sent_s
-        if self._least is None:
-            self._least = difference
-        else:
-            self._least = min(self._least + self._DRIFT * (arrived_s - self._before), difference)
-        self._before = arrived_s
-        return difference - self._least
-
-    def reset(self):
-        """Forgets the measure: the next frame is from another connection, or its clock has jumped."""
-        self._least = None
-
-
 class Decider:
     """Three states: drive, slow, brake. One bad event brakes; several good frames in a row end a brake. now_s is of a
     steady clock."""
@@ -160,7 +133,7 @@ class Decider:
         self.decision = Decision()
         self._options = options
         self._has_frame = False
-        self._age_s = 0.0  # of the newest frame when it arrived
+        self._age_s = 0.0  # of the newest frame when it was read
         self._arrived_s = 0.0  # when that was
         self._good = 0  # good frames in a row since the brake began
 
@@ -171,7 +144,7 @@ class Decider:
         return max(0.0, self._options.max_age_s - self._newest_age_s(now_s))
 
     def see(self, age_s, flags, scan, now_s):
-        """A frame has arrived. age_s: when it did. scan: a disparity.Scan, or None where the frame has none."""
+        """A frame has been read. age_s: its age then. scan: a disparity.Scan, or None where the frame has none."""
         if self._has_frame:
             self.wait(now_s)  # the frame before may have become too old while nobody asked
         self._has_frame, self._age_s, self._arrived_s = True, age_s, now_s
