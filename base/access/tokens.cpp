@@ -46,6 +46,10 @@ void check_secret_file(const std::string& path, const std::string& what) {
     if (stat(path.c_str(), &facts) != 0 || S_ISDIR(facts.st_mode) || access(path.c_str(), R_OK) != 0) {
         throw std::invalid_argument(path + ": the file with " + what + " cannot be read");
     }
+    if (!S_ISREG(facts.st_mode)) {  // the program would wait for the bytes of a pipe
+        throw std::invalid_argument(path + ": the file with " + what +
+                                    " is not a regular file, allowed: a regular file");
+    }
     if ((facts.st_mode & (S_IROTH | S_IWOTH)) != 0) {
         throw std::invalid_argument(path + ": every user may read " + what + "; chmod o-rw " + path);
     }

@@ -34,7 +34,8 @@ private:
 /// found, allowed; also when others may read the file.
 Tokens read_tokens(const std::string& path);
 
-/// Throws std::invalid_argument when there is no such file, or every user may read or write it. `what`: "the tokens".
+/// Throws std::invalid_argument when there is no such file, it is not a regular one, or every user may read or write
+/// it. `what`: "the tokens".
 void check_secret_file(const std::string& path, const std::string& what);
 
 }  // namespace disparityd::base

@@ -8,6 +8,8 @@
 
 #include <arpa/inet.h>
 #include <openssl/err.h>
+#include <openssl/x509v3.h>
+#include <sys/stat.h>
 
 namespace disparityd::proto {
 namespace {
@@ -15,6 +17,14 @@ namespace {
 void check(bool done, const std::string& file, const std::string& what) {
     if (!done) {
         throw std::invalid_argument(file + ": " + what + ": " + take_tls_error());
+    }
+}
+
+/// OpenSSL would wait for ever for the bytes of a pipe. A file that is missing it names itself.
+void check_is_file(const std::string& file) {
+    struct stat facts {};
+    if (!file.empty() && ::stat(file.c_str(), &facts) == 0 && !S_ISREG(facts.st_mode)) {
+        throw std::invalid_argument(file + ": is not a regular file, allowed: a file in PEM");
     }
 }
 
@@ -39,16 +49,30 @@ void use_own(SSL_CTX* context, const TlsFiles& files) {
     if (files.certificate.empty()) {
         return;
     }
+    check_is_file(files.certificate);
+    check_is_file(files.key);
     check(SSL_CTX_use_certificate_chain_file(context, files.certificate.c_str()) == 1, files.certificate,
           "the certificate cannot be used");
     check(SSL_CTX_use_PrivateKey_file(context, files.key.c_str(), SSL_FILETYPE_PEM) == 1, files.key,
           "the key cannot be used, or is not that of the certificate");
 }
 
-bool has_revocations(X509_STORE* store) {
+/// Refuses a server's certificate that every client would refuse.
+void check_is_for_servers(SSL_CTX* context, const std::string& file) {
+    X509* const own = SSL_CTX_get0_certificate(context);
+    if (own != nullptr && X509_check_purpose(own, X509_PURPOSE_SSL_SERVER, 0) != 1) {
+        throw std::invalid_argument(
+            file +
+            ": the certificate is for another purpose than a server's (extended key usage), and "
+            "clients would refuse it, allowed: one for a server, such as the server.crt of "
+            "disparityctl certificates");
+    }
+}
+
+bool has_any(X509_STORE* store, X509_LOOKUP_TYPE type) {
     const STACK_OF(X509_OBJECT)* const objects = X509_STORE_get0_objects(store);
     for (int i = 0; i < sk_X509_OBJECT_num(objects); ++i) {
-        if (X509_OBJECT_get_type(sk_X509_OBJECT_value(objects, i)) == X509_LU_CRL) {
+        if (X509_OBJECT_get_type(sk_X509_OBJECT_value(objects, i)) == type) {
             return true;
         }
     }
@@ -56,10 +80,16 @@ bool has_revocations(X509_STORE* store) {
 }
 
 void use_authority(SSL_CTX* context, const std::string& authority) {
+    check_is_file(authority);
     check(SSL_CTX_load_verify_locations(context, authority.c_str(), nullptr) == 1, authority,
           "the authority's certificate cannot be used");
     X509_STORE* const store = SSL_CTX_get_cert_store(context);
-    if (has_revocations(store)) {
+    if (!has_any(store, X509_LU_X509)) {
+        throw std::invalid_argument(authority +
+                                    ": holds a list of revoked certificates only, which nobody could be checked by, "
+                                    "allowed: the authority's certificate, with or without such a list behind it");
+    }
+    if (has_any(store, X509_LU_CRL)) {
         X509_STORE_set_flags(store, X509_V_FLAG_CRL_CHECK);  // without a list it would refuse everybody
     }
 }
@@ -85,6 +115,7 @@ bool is_address(const std::string& name) {
 TlsContext make_server_tls(const TlsFiles& files, const std::string& name) {
     TlsContext context = make_context(TLS_server_method());
     use_own(context.get(), files);
+    check_is_for_servers(context.get(), files.certificate);
     if (!files.authority.empty()) {
         use_authority(context.get(), files.authority);
         // A client sees whose certificates are wanted, and chooses among several.

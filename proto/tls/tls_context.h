@@ -21,7 +21,8 @@ struct TlsFiles {
 };
 
 /// Makes the context of a server, for TLS 1.2 and newer. With an authority every client must have a certificate. `name`
-/// is the program's. Throws std::invalid_argument with one line when a file cannot be used: which, why.
+/// is the program's. Throws std::invalid_argument with one line when a file cannot be used: which, why. So is a
+/// certificate that is not for a server, an authority of which there is only a list of revoked ones, and a pipe.
 TlsContext make_server_tls(const TlsFiles& files, const std::string& name);
 
 /// Makes the context of a client, for TLS 1.2 and newer. The server's certificate is always checked: against the

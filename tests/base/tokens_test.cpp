@@ -56,6 +56,13 @@ TEST_F(TokenFileTest, AWrongLineIsNamed) {
     EXPECT_THAT(error_of(folder_.path()), HasSubstr("cannot be read"));
 }
 
+TEST_F(TokenFileTest, APipeIsNotWaitedFor) {
+    const std::string pipe = folder_.file("pipe");
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_THAT(error_of(pipe), HasSubstr("the tokens is not a regular file"));
+    EXPECT_THAT(error_of("/dev/null"), HasSubstr("not a regular file"));
+}
+
 TEST_F(TokenFileTest, AFileThatOthersMayReadIsRefused) {
     EXPECT_THAT(error_of(written("view 0123456789abcdef\n", 0644)), HasSubstr("chmod o-rw"));
 }

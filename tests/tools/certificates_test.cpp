@@ -3,6 +3,7 @@
 // The certificates that disparityctl makes, as the program openssl judges them, and a daemon and clients that use them.
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 
 #include <gmock/gmock.h>
@@ -154,8 +155,17 @@ TEST_F(CertificatesTest, WhatCannotBeRevokedChangesNothing) {
     expect_refused({"--revoke", "server", "--client", "b"}, HasSubstr("excludes"));
     ASSERT_EQ(run(DISPARITYCTL, {"certificates", path("other"), "--client", "b"}).exit_code, 0);
     std::filesystem::copy_file(path("other/b.crt"), path("tls/b.crt"));
-    expect_refused({"--revoke", "server", "--revoke", "b"}, HasSubstr("of b is not of this authority"));
+    ASSERT_EQ(make({"--client", "c"}).exit_code, 0);
+    expect_refused({"--revoke", "c", "--revoke", "b"}, HasSubstr("of b is not of this authority"));
+    expect_refused({"--revoke", "server"}, AllOf(HasSubstr("the daemon's own certificate"), HasSubstr("rename")));
+    expect_refused({"--revoke", "authority"}, HasSubstr("which signs the list itself"));
     EXPECT_EQ(command_output("cat " + path("tls/authority.crt")).second, before);
+    // What the line about a stolen server.key says can be done.
+    for (const char* ending : {".crt", ".key"}) {
+        std::filesystem::rename(path(std::string("tls/server") + ending), path(std::string("tls/stolen") + ending));
+    }
+    ASSERT_EQ(make({}).exit_code, 0);
+    EXPECT_EQ(make({"--revoke", "stolen"}).exit_code, 0);
 }
 
 TEST_F(CertificatesTest, NamesThatCannotBeAreRefused) {
@@ -302,6 +312,19 @@ TEST_F(CertificatesTest, ADaemonRefusesWhatCannotBeUsed) {
     check({"socket.tokens=" + path("none")}, AllOf(HasSubstr("[socket] tokens"), HasSubstr("cannot be read")));
     check({"access.control_groups=[\"no-such-group\"]"}, HasSubstr("[access] control_groups"));
     check({certificate, key, "socket.tcp=0.0.0.0:9876"}, HasSubstr("one of client_authority and tokens"));
+    check({"socket.certificate=" + path("tls/a.crt"), "socket.key=" + path("tls/a.key")},
+          AllOf(HasSubstr("a.crt"), HasSubstr("for another purpose than a server's")));
+    ASSERT_EQ(make({"--revoke", "a"}).exit_code, 0);
+    const std::string authority = command_output("cat " + path("tls/authority.crt")).second;
+    const std::string list = path("list.crt");
+    std::ofstream(list) << authority.substr(authority.find("-----BEGIN X509 CRL"));
+    check({certificate, key, "socket.client_authority=" + list},
+          AllOf(HasSubstr("list.crt"), HasSubstr("a list of revoked certificates only")));
+    ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
+    check({"socket.certificate=" + path("pipe"), key}, HasSubstr("pipe: is not a regular file"));
+    check({certificate, "socket.key=" + path("pipe")}, HasSubstr("the key is not a regular file"));
+    check({certificate, key, "socket.client_authority=" + path("pipe")}, HasSubstr("pipe: is not a regular file"));
+    check({"socket.tokens=" + path("pipe")}, HasSubstr("the tokens is not a regular file"));
     ASSERT_EQ(chmod(path("tls/server.key").c_str(), 0644), 0);
     check({certificate, key}, AllOf(HasSubstr("every user may read the key"), HasSubstr("chmod o-rw")));
 }

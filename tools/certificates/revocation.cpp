@@ -125,6 +125,23 @@ void replace(const std::string& path, const std::string& text) {
     }
 }
 
+/// Throws for the names of the files that are the daemon's and the authority's own.
+void check_is_client(const std::string& name, const std::string& folder) {
+    if (name == "server") {
+        throw std::invalid_argument(
+            "--revoke: found \"server\", the daemon's own certificate, which its clients would refuse, allowed: the "
+            "names "
+            "of clients; where server.key was stolen: rename server.crt and server.key in " +
+            folder + ", make new ones (disparityctl certificates " + folder +
+            "), give them to the daemon, then revoke the old one by its new name");
+    }
+    if (name == "authority") {
+        throw std::invalid_argument(
+            "--revoke: found \"authority\", which signs the list itself, allowed: the names of clients; where "
+            "authority.key was stolen, make all certificates anew in another folder");
+    }
+}
+
 }  // namespace
 
 std::string revocation_list(const Certificate& authority, const std::string& before,
@@ -145,6 +162,9 @@ std::string revocation_list(const Certificate& authority, const std::string& bef
 }
 
 void revoke_certificates(const std::string& folder, const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+        check_is_client(name, folder);
+    }
     const std::string path = folder + "/authority.crt";
     const Certificate authority = read_authority(path, folder + "/authority.key");
     std::vector<std::unique_ptr<X509, decltype(&X509_free)>> owned;
