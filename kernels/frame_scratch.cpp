@@ -37,7 +37,7 @@ FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config,
     apart_ = right_winner_ + round_up_to_cache_line(pixels * sizeof(std::int16_t));
     shared_ = apart_ + (matched_apart_ || filtered_apart_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
     right_census_ = shared_ + round_up_to_cache_line(pixels * sizeof(std::uint64_t));
-    bytes_ = shared_ + std::max({census_bytes, post.speckle_size > 0 ? steps.speckle_scratch(width_, height_) : 0,
+    bytes_ = shared_ + std::max({census_bytes, filters_regions(post) ? steps.speckle_scratch(width_, height_) : 0,
                                  post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
 }
 

@@ -64,7 +64,7 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
     const PostOptions& post = config_.options.post;
     const std::int16_t invalid = invalid_disparity(config_.options.range);
     const Plane<std::int16_t> filtered = scratch.filtered(frame);
-    const bool despeckle = post.speckle_size > 0;
+    const bool by_region = filters_regions(post);
     const bool complete = !post.interpolate && post.guided_median == 0;
     const auto finish = [&](Rows rows) {
         steps_.finish_confidence(filtered, invalid, calibrates_confidence(config_.options), frame.confidence, rows);
@@ -75,16 +75,17 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
     if (post.median > 0) {
         parallel_rows(config_.height, workers, [&](Rows rows) {
             steps_.median(scratch.matched(frame), invalid, post.median, filtered, rows);
-            if (!despeckle) {
+            if (!by_region) {
                 finish(rows);
             }
         });
     }
-    if (despeckle) {
-        steps_.speckle(filtered, invalid, post.speckle_size, 16 * post.speckle_step, scratch.work(frame.scratch),
-                       workers);
+    if (by_region) {
+        const RegionTest test{invalid,          post.speckle_size, 16 * post.speckle_step,
+                              post.min_texture, frame.left,        frame.right};
+        steps_.speckle(filtered, test, scratch.work(frame.scratch), workers);
     }
-    if (post.median == 0 || despeckle) {
+    if (post.median == 0 || by_region) {
         parallel_rows(config_.height, workers, finish);
     }
 }

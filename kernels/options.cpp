@@ -65,7 +65,7 @@ std::string post_problem(const PostOptions& post) {
     }
     for (const std::string& found :
          {outside("uniqueness", post.uniqueness, 0, 99), outside("speckle size", post.speckle_size, 0, 1 << 26),
-          outside("speckle step", post.speckle_step, 0, 256)}) {
+          outside("speckle step", post.speckle_step, 0, 256), outside("least texture", post.min_texture, 0, 99)}) {
         if (!found.empty()) {
             return found;
         }

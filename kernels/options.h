@@ -48,6 +48,7 @@ struct PostOptions {
     int median = 3;                ///< step 9: 0 (off), 3 or 5
     int speckle_size = 0;          ///< step 10: regions of fewer pixels, 0 .. 2^26, are rejected; 0 switches it off
     int speckle_step = 1;          ///< step 10: neighbours differing by at most so many px, 0 .. 256, belong together
+    int min_texture = 0;           ///< step 10: percent, 0 .. 99, of a region's pixels that must vouch for it; 0: off
     bool interpolate = false;      ///< step 11
     int guided_median = 0;         ///< step 12: 0 (off), 5 or 7
 };
@@ -78,6 +79,11 @@ MatchOptions preset_options(Preset preset, DisparityRange range = {});
 
 /// Returns whether the confidences are chances (step 13): with SGM, and where it is switched on.
 bool calibrates_confidence(const MatchOptions& options);
+
+/// Returns whether step 10 is on: its speckle filter, its test for texture, or both.
+constexpr bool filters_regions(const PostOptions& post) {
+    return post.speckle_size > 0 || post.min_texture > 0;
+}
 
 /// Returns one line that says which option is wrong, what was found and what is allowed; empty when all is well.
 std::string validate(const MatchOptions& options);

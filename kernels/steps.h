@@ -38,6 +38,16 @@ struct WinnerSteps {
                           Plane<std::uint8_t> confidence, Rows rows);
 };
 
+/// What step 10 asks of each region.
+struct RegionTest {
+    std::int16_t invalid = 0;  ///< marks a rejected pixel
+    int min_size = 0;          ///< regions of fewer pixels are rejected
+    int max_step = 0;          ///< in 1/16 px: what differs by at most so much belongs together
+    int min_texture = 0;       ///< in percent, as the option; 0: not asked, and the pair may be missing
+    Plane<const std::uint8_t> left = {};
+    Plane<const std::uint8_t> right = {};
+};
+
 // The steps of docs/algorithm.md as a back end computes them, all with the bytes of the reference's (tests/kernels
 // compares them).
 //
@@ -57,10 +67,9 @@ struct FrameSteps {
                        DisparityRange range, Plane<std::int16_t> disparity, Rows rows);
     /// Step 9: `size` is 3 or 5. `in` and `out` do not overlap.
     void (*median)(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
-    /// Step 10, in place, the whole image, spread over `workers`. Differences up to max_step (1/16 px) hold a region
-    /// together.
-    void (*speckle)(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
-                    std::span<std::byte> scratch, Parallel& workers);
+    /// Step 10, in place, the whole image, spread over `workers`.
+    void (*speckle)(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch,
+                    Parallel& workers);
     std::size_t (*speckle_scratch)(int width, int height);
     /// Step 13: no confidence where the disparity is rejected; elsewhere the chance that the ratio stands for, where
     /// `calibrated`.

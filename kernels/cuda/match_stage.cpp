@@ -74,9 +74,12 @@ MatchStage::MatchStage(const MatcherConfig& config)
     if (options.post.guided_median > 0) {
         filled_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filled disparities");
     }
-    if (options.post.speckle_size > 0) {
+    if (filters_regions(options.post)) {
         labels_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
         sizes_ = DeviceMemory(pixels_ * sizeof(std::uint32_t), "the speckle filter");
+    }
+    if (options.post.min_texture > 0) {
+        votes_ = DeviceMemory(pixels_ * sizeof(int), "the speckle filter");
     }
     disparity_ = PinnedBuffer(pixels_ * sizeof(std::int16_t), "the disparities");
     confidence_ = PinnedBuffer(pixels_, "the confidences");
@@ -223,10 +226,10 @@ void MatchStage::post_process(const Output& output) {
                        post.left_right_check, post.median, filtered_.as<std::int16_t>()},
                       stream_.get());
     mark();
-    if (post.speckle_size > 0) {
+    if (filters_regions(post)) {
         speckle({config_.width, config_.height, invalid_disparity(config_.options.range), post.speckle_size,
                  16 * post.speckle_step, filtered_.as<std::int16_t>(), labels_.as<std::uint32_t>(),
-                 sizes_.as<std::uint32_t>()},
+                 sizes_.as<std::uint32_t>(), post.min_texture, image(0), image(1), votes_.as<int>()},
                 stream_.get());
     }
     mark();

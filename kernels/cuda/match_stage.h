@@ -75,6 +75,7 @@ private:
     DeviceMemory filled_;
     DeviceMemory labels_;
     DeviceMemory sizes_;
+    DeviceMemory votes_;
     PinnedBuffer disparity_;
     PinnedBuffer confidence_;
     PinnedBuffer depth_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/launch.h"
 #include "kernels/cuda/steps.h"
+#include "kernels/texture.h"
 
 namespace disparityd::cuda {
 
@@ -61,12 +62,36 @@ __device__ unsigned run_length(unsigned linked) {
     return (later == 0 ? lanes : static_cast<unsigned>(__ffs(static_cast<int>(later))) - 1) - threadIdx.x;
 }
 
+__device__ int column_sum(View<const std::uint8_t> image, int x, int y) {
+    const int inside = clamp(x, 0, image.width - 1);
+    const int outer = image.at(inside, max(y - 1, 0)) + image.at(inside, min(y + 1, image.height - 1));
+    return outer + 2 * image.at(inside, y);
+}
+
+__device__ int gradient(View<const std::uint8_t> image, int x, int y) {
+    return column_sum(image, x + 1, y) - column_sum(image, x - 1, y);
+}
+
+// What a pixel that is not rejected says of its match.
+__device__ int vote_of(const SpeckleJob& job, int x, int y, std::int16_t value) {
+    const int match = clamp(x - ((value + 8) >> 4), 0, job.width - 1);
+    const int ramp = column_sum(job.left, x + texture_reach, y) - column_sum(job.left, x - texture_reach, y);
+    return texture_vote(gradient(job.left, x, y), ramp, gradient(job.right, match, y));
+}
+
+// The votes of so many lanes from this one on, which are a run that begins here.
+__device__ int votes_of_run(unsigned confirmed, unsigned refuted, unsigned length) {
+    const unsigned run = all_lanes >> (lanes - length) << threadIdx.x;
+    return __popc(confirmed & run) - __popc(refuted & run);
+}
+
 // The regions inside each tile, joined in shared memory. Every pixel gets its root in the tile as label, and a root the
-// size of the region's part there; who is no root gets size 0.
+// size of the region's part there and its votes; who is no root gets size 0 and no vote.
 __global__ void __launch_bounds__(tile_pixels) join_in_tiles_kernel(SpeckleJob job) {
     DISPARITYD_SHARED(std::int16_t, values, [tile_height][lanes]);
     DISPARITYD_SHARED(std::uint32_t, labels, [tile_pixels]);
     DISPARITYD_SHARED(std::uint32_t, sizes, [tile_pixels]);
+    DISPARITYD_SHARED(int, votes, [tile_pixels]);
     const int lane = static_cast<int>(threadIdx.x);
     const int row = static_cast<int>(threadIdx.y);
     const int first_x = static_cast<int>(blockIdx.x) * lanes;
@@ -81,6 +106,11 @@ __global__ void __launch_bounds__(tile_pixels) join_in_tiles_kernel(SpeckleJob j
     values[row][lane] = value;
     labels[here] = static_cast<std::uint32_t>(row * lanes + begin);
     sizes[here] = 0;
+    votes[here] = 0;
+    const bool asked = job.min_texture > 0 && value != job.invalid;
+    const int vote = asked ? vote_of(job, first_x + lane, first_y + row, value) : 0;
+    const unsigned confirmed = __ballot_sync(all_lanes, static_cast<int>(vote > 0));
+    const unsigned refuted = __ballot_sync(all_lanes, static_cast<int>(vote < 0));
     __syncthreads();
 
     const std::int16_t above = row > 0 ? values[row - 1][lane] : job.invalid;
@@ -96,7 +126,11 @@ __global__ void __launch_bounds__(tile_pixels) join_in_tiles_kernel(SpeckleJob j
 
     const std::uint32_t root = root_of(labels, here);
     if (begin == lane) {
-        atomicAdd(&sizes[root], run_length(linked));
+        const unsigned length = run_length(linked);
+        atomicAdd(&sizes[root], length);
+        if (job.min_texture > 0) {
+            atomicAdd(&votes[root], votes_of_run(confirmed, refuted, length));
+        }
     }
     __syncthreads();
     if (inside) {
@@ -104,6 +138,9 @@ __global__ void __launch_bounds__(tile_pixels) join_in_tiles_kernel(SpeckleJob j
         const auto y = first_y + static_cast<int>(root) / lanes;
         job.labels[pixel] = static_cast<std::uint32_t>(y * job.width + x);
         job.sizes[pixel] = sizes[here];
+        if (job.min_texture > 0) {
+            job.votes[pixel] = votes[here];
+        }
     }
 }
 
@@ -160,7 +197,7 @@ __global__ void join_tiles_kernel(SpeckleJob job) {
     join(job.labels, static_cast<std::uint32_t>(pair.pixel), static_cast<std::uint32_t>(pair.neighbour));
 }
 
-// The sizes of a region's parts, added to that of its root.
+// The sizes and votes of a region's parts, added to those of its root.
 __global__ void add_sizes_kernel(SpeckleJob job) {
     const int i = thread_index();
     if (i >= job.width * job.height) {
@@ -174,14 +211,22 @@ __global__ void add_sizes_kernel(SpeckleJob job) {
     const std::uint32_t root = root_of(job.labels, part);
     if (root != part) {
         atomicAdd(&job.sizes[root], size);
+        if (job.min_texture > 0) {
+            atomicAdd(&job.votes[root], job.votes[i]);
+        }
         job.labels[part] = root;  // a shorter way for who looks later
     }
+}
+
+__device__ bool passes(const SpeckleJob& job, std::uint32_t root) {
+    return job.sizes[root] >= static_cast<std::uint32_t>(job.min_size) &&
+           (job.min_texture == 0 || has_texture(job.votes[root], static_cast<int>(job.sizes[root]), job.min_texture));
 }
 
 __global__ void reject_regions_kernel(SpeckleJob job) {
     const int i = thread_index();
     if (i < job.width * job.height && job.disparity[i] != job.invalid &&
-        job.sizes[root_of(job.labels, static_cast<std::uint32_t>(i))] < static_cast<std::uint32_t>(job.min_size)) {
+        !passes(job, root_of(job.labels, static_cast<std::uint32_t>(i)))) {
         job.disparity[i] = job.invalid;
     }
 }

@@ -143,7 +143,8 @@ struct LeftRightMedianJob {
 };
 void left_right_median(const LeftRightMedianJob& job, cudaStream_t stream);
 
-/// Step 10, in place; `labels` and `sizes` are planes to work in.
+/// Step 10, in place; `labels`, `sizes` and `votes` are planes to work in. Without `min_texture` the pair and `votes`
+/// are left alone.
 struct SpeckleJob {
     int width;
     int height;
@@ -153,6 +154,10 @@ struct SpeckleJob {
     std::int16_t* disparity;
     std::uint32_t* labels;
     std::uint32_t* sizes;
+    int min_texture;  ///< percent; 0: texture is not asked for
+    View<const std::uint8_t> left;
+    View<const std::uint8_t> right;
+    int* votes;
 };
 void speckle(const SpeckleJob& job, cudaStream_t stream);
 

@@ -6,9 +6,9 @@ namespace disparityd::reference {
 namespace {
 
 // Steps over the whole image, in the thread of whoever calls.
-void speckle_here(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
-                  std::span<std::byte> scratch, Parallel& /*workers*/) {
-    speckle(disparity, invalid, min_size, max_step, scratch);
+void speckle_here(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch,
+                  Parallel& /*workers*/) {
+    speckle(disparity, test, scratch);
 }
 
 void interpolate_here(Plane<std::int16_t> disparity, Plane<const std::int16_t> right_winner, DisparityRange range,

@@ -37,8 +37,7 @@ void local_extrema(Volume<const T> costs, DisparityRange range, const PostOption
 void left_right(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner, DisparityRange range,
                 Plane<std::int16_t> disparity, Rows rows);
 void median(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
-void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
-             std::span<std::byte> scratch);
+void speckle(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch);
 std::size_t speckle_scratch(int width, int height);
 void finish_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, bool calibrated,
                        Plane<std::uint8_t> confidence, Rows rows);

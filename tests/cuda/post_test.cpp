@@ -77,23 +77,45 @@ TEST_F(CudaPost, LeftRightAndMedianEqualTheReference) {
     }
 }
 
-std::vector<std::int16_t> without_speckles(const Disparities& image, std::int16_t invalid, int min_size, int max_step) {
+std::vector<std::int16_t> without_speckles(const Disparities& image, const RegionTest& test, const TexturedPair& pair) {
     const cuda::Stream stream;
     const OnDevice<std::int16_t> disparity(image);
     const Image<std::uint32_t> empty(image.width(), image.height(), 0x77777777);
     const OnDevice<std::uint32_t> labels(empty), sizes(empty);
-    cuda::speckle({image.width(), image.height(), invalid, min_size, max_step, disparity.at(stream), labels.at(stream),
-                   sizes.at(stream)},
+    const OnDevice<int> votes(Image<int>(image.width(), image.height(), 0x77777777));
+    const OnDevice<std::uint8_t> left(pair.left), right(pair.right);
+    const int width = image.width();
+    const int height = image.height();
+    cuda::speckle({width,
+                   height,
+                   test.invalid,
+                   test.min_size,
+                   test.max_step,
+                   disparity.at(stream),
+                   labels.at(stream),
+                   sizes.at(stream),
+                   test.min_texture,
+                   {left.at(stream), width, height, width},
+                   {right.at(stream), width, height, width},
+                   votes.at(stream)},
                   stream.get());
     return disparity.found(stream);
 }
 
-void expect_same_speckles(const Disparities& image, std::int16_t invalid, int min_size, int max_step) {
+void expect_same_speckles(const Disparities& image, std::int16_t invalid, int min_size, int max_step,
+                          int min_texture = 0) {
+    Random random(17);
+    Size size(random);
+    size.width = image.width();
+    size.height = image.height();
+    const TexturedPair pair(random, size);
+    const RegionTest test{invalid, min_size, max_step, min_texture, pair.left.plane(), pair.right.plane()};
     Disparities expected = image;
     std::vector<std::byte> memory(reference::speckle_scratch(image.width(), image.height()));
-    reference::speckle(expected.plane(), invalid, min_size, max_step, memory);
-    ASSERT_EQ(without_speckles(image, invalid, min_size, max_step), expected.pixels())
-        << image.width() << "x" << image.height() << ", size " << min_size << ", step " << max_step;
+    reference::speckle(expected.plane(), test, memory);
+    ASSERT_EQ(without_speckles(image, test, pair), expected.pixels())
+        << image.width() << "x" << image.height() << ", size " << min_size << ", step " << max_step << ", texture "
+        << min_texture;
 }
 
 TEST_F(CudaPost, SpeckleEqualsTheReference) {
@@ -103,7 +125,8 @@ TEST_F(CudaPost, SpeckleEqualsTheReference) {
         const Size size(random);
         const DisparityRange range = any_range(random);
         expect_same_speckles(disparities(random, size, range), invalid_disparity(range),
-                             pick(random, 1, pick(random, 0, 1) == 0 ? 8 : 400), pick(random, 0, 60));
+                             pick(random, 1, pick(random, 0, 1) == 0 ? 8 : 400), pick(random, 0, 60),
+                             pick(random, 0, 1) * pick(random, 1, 30));
     }
 }
 

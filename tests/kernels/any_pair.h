@@ -69,6 +69,7 @@ inline MatchOptions any_options(Random& random) {
     options.post.median = std::array{0, 3, 5}[static_cast<std::size_t>(pick(random, 0, 2))];
     options.post.speckle_size = pick(random, 0, 1) * pick(random, 0, 40);
     options.post.speckle_step = pick(random, 0, 2);
+    options.post.min_texture = pick(random, 0, 1) * pick(random, 0, 30);
     options.post.interpolate = pick(random, 0, 1) == 1;
     options.post.guided_median = std::array{0, 5, 7}[static_cast<std::size_t>(pick(random, 0, 2))];
     return options;

@@ -73,6 +73,7 @@ TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
         {"least p2", [](MatchOptions& o) { o.sgm.p2_min = -1; }, "-1", "0 to 63"},
         {"guided median", [](MatchOptions& o) { o.post.guided_median = 3; }, "3", "0 (off), 5 or 7"},
         {"speckle size", [](MatchOptions& o) { o.post.speckle_size = -1; }, "-1", "0 to"},
+        {"least texture", [](MatchOptions& o) { o.post.min_texture = 100; }, "100", "0 to 99"},
         {"speckle step", [](MatchOptions& o) { o.post.speckle_step = 257; }, "257", "0 to 256"},
         {"cost", [](MatchOptions& o) { o.cost = static_cast<CensusCost>(7); }, "",
          "census-9x7 and census-7x5+gradient"},

@@ -48,7 +48,7 @@ public:
 
     /// Joins runs of `row` with those of the row above that they are alike to somewhere: once for each stretch.
     static void join(const RowRuns& above, const RowRuns& row, const RowBits& like_above, int width,
-                     RunRegions& regions) {
+                     RunRegions& regions, bool with_votes) {
         std::uint64_t last_bit = 0;
         for (int w = 0; 64 * w < width; ++w) {
             const std::uint64_t touching = like_above.words[w];
@@ -56,7 +56,7 @@ public:
             std::uint64_t left = touching & ~((touching << 1 | last_bit) & same_runs);
             for (; left != 0; left &= left - 1) {
                 const int bit = std::countr_zero(left);
-                regions.join(above.run_at(w, bit), row.run_at(w, bit));
+                regions.join(above.run_at(w, bit), row.run_at(w, bit), with_votes);
             }
             last_bit = touching >> 63;
         }

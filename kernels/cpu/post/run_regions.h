@@ -15,12 +15,13 @@ namespace disparityd::cpu {
 class RunRegions {
 public:
     /// Of the memory that the constructor takes, aligned to 4.
-    static std::size_t bytes(std::size_t max_runs) { return max_runs * (sizeof(std::int32_t) + sizeof(Run)); }
+    static std::size_t bytes(std::size_t max_runs) { return max_runs * (2 * sizeof(std::int32_t) + sizeof(Run)); }
 
     /// Runs are counted from `first`.
     RunRegions(std::byte* memory, std::size_t max_runs, int first = 0)
         : links_(reinterpret_cast<std::int32_t*>(memory)),
-          runs_(reinterpret_cast<Run*>(links_ + max_runs)),
+          votes_(links_ + max_runs),
+          runs_(reinterpret_cast<Run*>(votes_ + max_runs)),
           first_(first),
           begun_(first),
           ended_(first) {}
@@ -32,12 +33,15 @@ public:
         links_[ended_] = runs_[ended_].begin - x;
         ++ended_;
     }
+    /// Of a run that has ended, before it is joined. Without a call the votes of its region mean nothing.
+    void vote(int run, int votes) { votes_[run] = votes; }
     int begun() const { return begun_; }
 
     int begin_of(int run) const { return runs_[run].begin; }
     int end_of(int run) const { return runs_[run].end; }
 
-    void join(int a, int b) {
+    /// Adds the pixels of two regions together, and their votes where `with_votes`.
+    void join(int a, int b, bool with_votes) {
         const int root_a = shorten_to_root(a);
         const int root_b = shorten_to_root(b);
         if (root_a != root_b) {
@@ -45,6 +49,9 @@ public:
             const int other = std::max(root_a, root_b);
             links_[root] += links_[other];
             links_[other] = root;
+            if (with_votes) {
+                votes_[root] += votes_[other];
+            }
         }
     }
 
@@ -58,13 +65,17 @@ public:
         }
     }
 
-    /// Pixels in the region of a run; writes nothing.
-    int size_of_region(int run) const {
+    /// The first run of the region of a run; writes nothing.
+    int root_of(int run) const {
         while (links_[run] >= 0) {
             run = links_[run];
         }
-        return -links_[run];
+        return run;
     }
+
+    /// Of the region that begins with the run.
+    int pixels(int root) const { return -links_[root]; }
+    int votes(int root) const { return votes_[root]; }
 
 private:
     struct Run {
@@ -84,6 +95,7 @@ private:
     }
 
     std::int32_t* links_;  // an earlier run of the region; of a root, minus the pixels of the region
+    std::int32_t* votes_;  // of a root: those of its region
     Run* runs_;
     int first_;
     int begun_;

@@ -16,6 +16,7 @@
 #include "kernels/cpu/post/row_bits-inl.h"
 #include "kernels/cpu/post/row_runs-inl.h"
 #include "kernels/cpu/post/run_regions.h"
+#include "kernels/cpu/post/texture_votes-inl.h"
 #include "kernels/reference/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -34,11 +35,12 @@ public:
         return RunRegions::bytes(rows * static_cast<std::size_t>(width)) + rows * sizeof(RunsOfRow);
     }
 
-    SpeckleFilter(Plane<std::int16_t> disparity, std::int16_t invalid, int max_step, std::span<std::byte> scratch)
+    SpeckleFilter(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch)
         : disparity_(disparity),
+          test_(test),
           width_(disparity.width),
-          invalid_(invalid),
-          likeness_(invalid, max_step),
+          invalid_(test.invalid),
+          likeness_(test.invalid, test.max_step),
           memory_(scratch.data()),
           pixels_(static_cast<std::size_t>(disparity.width) * static_cast<std::size_t>(disparity.height)),
           runs_(reinterpret_cast<RunsOfRow*>(memory_ + RunRegions::bytes(pixels_))) {}
@@ -50,6 +52,7 @@ public:
         LikenessBits bits;
         PaddedRow pixels[2];
         RowRuns runs[2];
+        TextureVotes votes(test_.left, test_.right);
         pixels[(band.first + 1) % 2].clear(width_, invalid_);
         for (int y = band.first; y < band.last; ++y) {
             const int now = y % 2;
@@ -59,8 +62,14 @@ public:
             runs[now].find(bits, width_, regions.begun());
             runs[now].add_to(regions, bits, width_);
             runs_[y].last = regions.begun();
+            if (by_texture()) {
+                votes.find(y, pixels[now], invalid_);
+                for (int run = runs_[y].first; run < runs_[y].last; ++run) {
+                    regions.vote(run, votes.between(regions.begin_of(run), regions.end_of(run)));
+                }
+            }
             if (y > band.first) {
-                RowRuns::join(runs[1 - now], runs[now], bits.like_above, width_, regions);
+                RowRuns::join(runs[1 - now], runs[now], bits.like_above, width_, regions, by_texture());
             }
         }
         regions.flatten();
@@ -78,23 +87,31 @@ public:
             likeness_.row(pixels[i + 1], pixels[i], width_, bits);
             runs[i].find(bits, width_, runs_[y - 1 + i].first);
         }
-        RowRuns::join(runs[0], runs[1], bits.like_above, width_, regions);
+        RowRuns::join(runs[0], runs[1], bits.like_above, width_, regions, by_texture());
     }
 
     /// When all is joined.
-    void reject(int min_size, Rows rows) const {
+    void reject(Rows rows) const {
         const RunRegions regions(memory_, pixels_);
         RejectedRuns rejected;
         for (int y = rows.first; y < rows.last; ++y) {
             for (int run = runs_[y].first; run < runs_[y].last; ++run) {
-                rejected.add_if(regions.size_of_region(run) < min_size, regions.begin_of(run), regions.end_of(run));
+                rejected.add_if(!passes(regions, regions.root_of(run)), regions.begin_of(run), regions.end_of(run));
             }
             rejected.write(disparity_.row(y), width_, invalid_);
         }
     }
 
 private:
+    bool by_texture() const { return test_.min_texture > 0; }
+
+    bool passes(const RunRegions& regions, int root) const {
+        return regions.pixels(root) >= test_.min_size &&
+               (!by_texture() || has_texture(regions.votes(root), regions.pixels(root), test_.min_texture));
+    }
+
     Plane<std::int16_t> disparity_;
+    const RegionTest& test_;
     int width_;
     std::int16_t invalid_;
     Likeness likeness_;
@@ -107,14 +124,14 @@ inline std::size_t speckle_scratch(int width, int height) {
     return SpeckleFilter::bytes(width, height);
 }
 
-inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min_size, int max_step,
-                    std::span<std::byte> scratch, Parallel& workers) {
-    if (max_step < 0) {
-        reference::speckle(disparity, invalid, min_size, max_step, scratch);
+inline void speckle(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch,
+                    Parallel& workers) {
+    if (test.max_step < 0) {
+        reference::speckle(disparity, test, scratch);
         return;
     }
     constexpr int min_rows = 16;  // a border costs as much as a few rows
-    const SpeckleFilter filter(disparity, invalid, max_step, scratch);
+    const SpeckleFilter filter(disparity, test, scratch);
     const int height = disparity.height;
     // A few for each worker: what a band takes depends on what is in it.
     const int wanted = workers.workers() == 1 ? 1 : 4 * workers.workers();
@@ -124,7 +141,7 @@ inline void speckle(Plane<std::int16_t> disparity, std::int16_t invalid, int min
     for (int band = 1; band < bands; ++band) {
         filter.join_at(begin_of(band));
     }
-    workers.for_each(bands, [&](int band) { filter.reject(min_size, {begin_of(band), begin_of(band + 1)}); });
+    workers.for_each(bands, [&](int band) { filter.reject({begin_of(band), begin_of(band + 1)}); });
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

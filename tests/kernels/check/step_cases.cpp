@@ -125,15 +125,20 @@ Bound bind_guided_median(const Data& data, const FrameSteps&) {
             {}};
 }
 
+template <bool with_texture>
 Bound bind_speckle(const Data& data, const FrameSteps& steps_to_run) {
     const auto disparity = data->buffers.result<std::int16_t>(data->input.width, data->input.height);
     const auto scratch =
         data->buffers.memory<std::byte>(steps_to_run.speckle_scratch(data->input.width, data->input.height));
     const int least = data->input.hostile ? pick(data->random, 1, 60) : 100;
     const int step = data->input.hostile ? pick(data->random, 0, 40) : 16;
+    const int texture = !with_texture ? 0 : data->input.hostile ? pick(data->random, 1, 30) : 2;
+    const auto left = std::make_shared<Image<std::uint8_t>>(data->guide());
+    const auto right = std::make_shared<Image<std::uint8_t>>(data->guide());
     return {[=](const FrameSteps& steps) {
                 Serial one;
-                steps.speckle(disparity, data->invalid(), least, step, scratch, one);
+                steps.speckle(disparity, {data->invalid(), least, step, texture, left->plane(), right->plane()},
+                              scratch, one);
             },
             put_back(data->disparities(), disparity)};
 }
@@ -264,7 +269,8 @@ std::vector<KernelCase> step_cases() {
         step_case("median5", bind_median<5>),
         step_case("guided_median5", bind_guided_median<5>),
         step_case("guided_median7", bind_guided_median<7>),
-        step_case("speckle", bind_speckle),
+        step_case("speckle", bind_speckle<false>),
+        step_case("speckle_texture", bind_speckle<true>),
         step_case("finish_confidence", bind_finish_confidence<false>),
         step_case("calibrated_confidence", bind_finish_confidence<true>),
         step_case("depth", bind_depth),

@@ -142,16 +142,19 @@ TEST_P(CpuPost, SpeckleEqualsTheReference) {
         const Both<std::int16_t> disparity(disparities(random, size, range).plane());
         const int min_size = pick(random, 1, pick(random, 0, 1) == 0 ? 8 : 400);
         const int max_step = pick(random, 0, 9) == 0 ? 70000 : pick(random, 0, 60);
+        const int min_texture = pick(random, 0, 2) > 0 ? pick(random, 1, 30) : 0;
+        const TexturedPair pair(random, size);
+        const RegionTest test{invalid, min_size, max_step, min_texture, pair.left.plane(), pair.right.plane()};
         std::vector<std::byte> memory(reference::speckle_scratch(size.width, size.height), std::byte{0x77});
-        reference::speckle(disparity.expected.plane(), invalid, min_size, max_step, memory);
+        reference::speckle(disparity.expected.plane(), test, memory);
         const GuardedMemory<std::uint8_t> scratch(steps().speckle_scratch(size.width, size.height));
         std::fill_n(scratch.data(), scratch.size(), std::uint8_t{0xee});
         ShuffledWorkers several(pick(random, 2, 3), static_cast<unsigned>(round));
         Parallel& workers = round % 5 == 0 ? static_cast<Parallel&>(several) : serial_;
-        steps().speckle(disparity.found.plane(), invalid, min_size, max_step,
+        steps().speckle(disparity.found.plane(), test,
                         std::as_writable_bytes(std::span(scratch.data(), scratch.size())), workers);
         ASSERT_TRUE(same(disparity.found, disparity.expected))
-            << "round " << round << ", size " << min_size << ", step " << max_step;
+            << "round " << round << ", size " << min_size << ", step " << max_step << ", texture " << min_texture;
         ASSERT_TRUE(scratch.intact());
     }
 }
@@ -165,10 +168,10 @@ protected:
         for (const int count : {1, 2, 5}) {
             const Both<std::int16_t> disparity(image.plane());
             std::vector<std::byte> memory(reference::speckle_scratch(width, height));
-            reference::speckle(disparity.expected.plane(), invalid, min_size, 1, memory);
+            reference::speckle(disparity.expected.plane(), {invalid, min_size, 1}, memory);
             std::vector<std::byte> scratch(steps().speckle_scratch(width, height));
             ShuffledWorkers workers(count, 7);
-            steps().speckle(disparity.found.plane(), invalid, min_size, 1, scratch, workers);
+            steps().speckle(disparity.found.plane(), {invalid, min_size, 1}, scratch, workers);
             EXPECT_TRUE(same(disparity.found, disparity.expected)) << count << " workers";
         }
     }

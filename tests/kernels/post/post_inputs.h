@@ -49,6 +49,27 @@ inline Image<std::int16_t> disparities(Random& random, Size size, DisparityRange
     return image;
 }
 
+/// Two images that agree in part: of any contrast, moved by a few pixels, with some pixels of the right one drawn anew.
+struct TexturedPair {
+    TexturedPair(Random& random, Size size) : left(size.width, size.height), right(size.width, size.height) {
+        const int contrast = pick(random, 0, 1) == 0 ? pick(random, 0, 30) : 255;
+        const int darkest = pick(random, 0, 255 - contrast);
+        const int shift = pick(random, -9, 9);
+        for (std::uint8_t& value : left.pixels()) {
+            value = static_cast<std::uint8_t>(pick(random, darkest, darkest + contrast));
+        }
+        for (int y = 0; y < size.height; ++y) {
+            for (int x = 0; x < size.width; ++x) {
+                const int from = std::clamp(x + shift, 0, size.width - 1);
+                right.at(x, y) = pick(random, 0, 3) > 0
+                                     ? left.at(from, y)
+                                     : static_cast<std::uint8_t>(pick(random, darkest, darkest + contrast));
+            }
+        }
+    }
+    Image<std::uint8_t> left, right;
+};
+
 /// Winners in whole pixels, where matching finds none one less than the first; or any words at all.
 inline Image<std::int16_t> winners(Random& random, Size size, DisparityRange range) {
     Image<std::int16_t> image(size.width, size.height);

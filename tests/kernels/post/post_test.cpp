@@ -7,6 +7,7 @@
 
 #include "kernels/calibrated_confidence.h"
 #include "kernels/depth_error.h"
+#include "kernels/texture.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -159,7 +160,7 @@ TEST(Speckle, EqualsOpenCvsFilter) {
         cv::Mat expected_view = view(expected);
         cv::filterSpeckles(expected_view, invalid, size - 1, step);
         std::vector<std::byte> scratch(reference::speckle_scratch(image.width(), image.height()));
-        reference::speckle(image.plane(), invalid, size, step, scratch);
+        reference::speckle(image.plane(), {invalid, size, step}, scratch);
         ASSERT_EQ(image.pixels(), expected.pixels());
     }
 }
@@ -167,9 +168,58 @@ TEST(Speckle, EqualsOpenCvsFilter) {
 TEST(Speckle, DiagonalNeighboursAreApart) {
     Image<std::int16_t> image(3, 3, {16, invalid, invalid, invalid, 16, 16, 32, invalid, 48});
     std::vector<std::byte> scratch(reference::speckle_scratch(3, 3));
-    reference::speckle(image.plane(), invalid, 2, 16, scratch);
+    reference::speckle(image.plane(), {invalid, 2, 16}, scratch);
     EXPECT_EQ(image.pixels(),
               (std::vector<std::int16_t>{invalid, invalid, invalid, invalid, 16, 16, invalid, invalid, invalid}));
+}
+
+// A region of 8 x 8 pixels whose stripes both eyes see, or the left one alone.
+int kept_of(int contrast, bool seen_by_both, int min_texture) {
+    constexpr int side = 8;
+    Image<std::uint8_t> left(side, side, 100);
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            left.at(x, y) = static_cast<std::uint8_t>(100 + (x / 2 % 2 == 0 ? 0 : contrast));
+        }
+    }
+    const Image<std::uint8_t> right = seen_by_both ? left : Image<std::uint8_t>(side, side, 100);
+    Image<std::int16_t> image(side, side, 0);
+    std::vector<std::byte> scratch(reference::speckle_scratch(side, side));
+    reference::speckle(image.plane(), {invalid, 0, 16, min_texture, left.plane(), right.plane()}, scratch);
+    return static_cast<int>(std::count(image.pixels().begin(), image.pixels().end(), std::int16_t{0}));
+}
+
+TEST(Texture, ARegionThatBothEyesSeeTextureOnIsKept) {
+    EXPECT_EQ(kept_of(40, true, 2), 64);
+    EXPECT_EQ(kept_of(40, true, 40), 64);
+}
+
+TEST(Texture, ARegionWithoutIsRejectedAlsoWhereItsDisparityIsNotZero) {
+    EXPECT_EQ(kept_of(0, true, 2), 0);
+    EXPECT_EQ(kept_of(2, true, 2), 0) << "too weak";
+    EXPECT_EQ(kept_of(0, true, 0), 64) << "not asked for";
+}
+
+TEST(Texture, WhatTheOtherEyeRefutesCountsAgainstARegion) {
+    EXPECT_EQ(kept_of(40, false, 2), 0);
+}
+
+// A pixel votes when its gradient differs from nothing and from a ramp; the other eye's must be within half of it.
+TEST(Texture, AVoteIsThatOfAGradientThatBothEyesSee) {
+    EXPECT_EQ(texture_vote(texture_gradient, 0, texture_gradient / 2), 1);
+    EXPECT_EQ(texture_vote(texture_gradient, 0, texture_gradient / 2 - 1), -1);
+    EXPECT_EQ(texture_vote(-texture_gradient, 0, -texture_gradient), 1);
+    EXPECT_EQ(texture_vote(texture_gradient, 0, -texture_gradient), -1);
+    EXPECT_EQ(texture_vote(texture_gradient - 1, 0, texture_gradient), 0) << "too weak";
+    EXPECT_EQ(texture_vote(40, 8 * 40, 40), 0) << "a ramp";
+    EXPECT_EQ(texture_vote(-1020, 1020, -1020), 1) << "the steepest there is";
+}
+
+TEST(Texture, ARegionNeedsItsShareAndSomeVotesMore) {
+    EXPECT_TRUE(has_texture(texture_votes + 2, 100, 2));
+    EXPECT_FALSE(has_texture(texture_votes + 1, 100, 2));
+    EXPECT_FALSE(has_texture(-5, 100, 1));
+    EXPECT_TRUE(has_texture(1 << 26, 1 << 26, 99)) << "the largest image there is";
 }
 
 struct Interpolated {
