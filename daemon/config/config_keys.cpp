@@ -306,6 +306,7 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(one_of_key("match", "median", {0, 3, 5}, FIELD(match.options.post.median)));
     keys.push_back(range_key("match", "speckle_size", 0, 1000000, FIELD(match.options.post.speckle_size)));
     keys.push_back(range_key("match", "speckle_step", 0, 256, FIELD(match.options.post.speckle_step)));
+    keys.push_back(range_key("match", "min_texture", 0, 99, FIELD(match.options.post.min_texture)));
     keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
     keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));

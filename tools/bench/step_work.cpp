@@ -47,6 +47,10 @@ StepWork post_process(const PostOptions& post, double pixels) {
         work.bytes += (2 + 4 + 4) * pixels;                // disparities, labels out and in
         work.byte_operations += 2 * (3 * 2 + 4) * pixels;  // two neighbours: compared and joined
     }
+    if (post.min_texture > 0) {
+        work.bytes += (1 + 1) * pixels;                    // the pair
+        work.byte_operations += 2 * (4 + 4 * 2) * pixels;  // sums of columns, gradient and ramp, and the other eye's
+    }
     if (post.guided_median > 0) {
         const int samples = post.guided_median * post.guided_median;
         const auto exchanges = static_cast<double>(post.guided_median == 5 ? exchanges_for_median<25>.size()

@@ -68,6 +68,9 @@ void MatchArguments::add_to(CLI::App& app, const std::string& disparities_defaul
                       "reject connected regions of fewer pixels; 0: off"),
           add_integer(app, "--speckle-step", speckle_step_, 0, 256,
                       "neighbours that differ by at most this many px are connected"),
+          add_integer(app, "--min-texture", min_texture_, 0, 99,
+                      "reject connected regions in which not so many percent of the pixels show texture to both eyes; "
+                      "0: off"),
           add_switch(app, "interpolate", interpolate_, "fill rejected pixels from their surroundings"),
           add_integer(app, "--guided-median", guided_median_, 0, 7,
                       "size of a last median, over neighbours of like brightness: 0 (off), 5 or 7")}) {
@@ -98,6 +101,7 @@ MatchOptions MatchArguments::options(Method method, int disparities) const {
     take(options.post.median, median_);
     take(options.post.speckle_size, speckle_size_);
     take(options.post.speckle_step, speckle_step_);
+    take(options.post.min_texture, min_texture_);
     take(options.post.interpolate, interpolate_);
     take(options.post.guided_median, guided_median_);
     const std::string wrong = validate(options);

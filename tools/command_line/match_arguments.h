@@ -24,6 +24,7 @@ public:
     int d_min() const { return d_min_.value_or(0); }
     const std::optional<bool>& subpixel() const { return subpixel_; }
     const std::optional<bool>& interpolate() const { return interpolate_; }
+    const std::optional<int>& min_texture() const { return min_texture_; }
 
     /// Options for a method; `disparities` candidates where --disparities is not given. Throws std::invalid_argument
     /// with one line when they do not fit together.
@@ -37,7 +38,7 @@ public:
 
 private:
     std::optional<int> d_min_, disparities_, paths_, p1_, p2_, p2_slope_, p2_min_, uniqueness_, median_, guided_median_,
-        speckle_size_, speckle_step_;
+        speckle_size_, speckle_step_, min_texture_;
     Preset usual_ = Preset::paper;
     std::string preset_, cost_;
     std::optional<bool> adaptive_p2_, calibrated_confidence_, subpixel_, local_extrema_, left_right_check_,

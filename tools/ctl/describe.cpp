@@ -104,6 +104,7 @@ Json to_json(const MatchOptions& options) {
                  {"median", options.post.median},
                  {"speckle_size", options.post.speckle_size},
                  {"speckle_step", options.post.speckle_step},
+                 {"min_texture", options.post.min_texture},
                  {"interpolate", options.post.interpolate},
                  {"guided_median", options.post.guided_median}});
     return json;

@@ -101,12 +101,13 @@ std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments) {
     return chosen;
 }
 
-/// The tuned settings of a method; the paper has whole pixels and judges every pixel.
+/// The tuned settings of a method; the paper has whole pixels, no test for texture, and judges every pixel.
 MatchOptions options_for(const EvalArguments& arguments, Method method, int disparities) {
     MatchOptions options = arguments.match.options(method, disparities);
     if (arguments.paper) {
         options.post.subpixel = arguments.match.subpixel().value_or(false);
         options.post.interpolate = arguments.match.interpolate().value_or(true);
+        options.post.min_texture = arguments.match.min_texture().value_or(0);
     }
     return options;
 }

@@ -150,6 +150,7 @@ TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
         EXPECT_EQ(found.post.interpolate, expected.post.interpolate);
         EXPECT_EQ(found.post.speckle_size, expected.post.speckle_size);
         EXPECT_EQ(found.post.median, expected.post.median);
+        EXPECT_EQ(found.post.min_texture, expected.post.min_texture);
         EXPECT_EQ(found.post.local_extrema, expected.post.local_extrema);
     }
 }
