@@ -16,6 +16,7 @@ EXPECTED = {
     r"MappedRows<.*>::(row|last_pixels)": "collects a pixel's neighbours from the raw frame",
     r"rectify_yuyv_colour|\brectify\(": "collects a pixel's neighbours from the raw frame",
     r"SpeckleFilter::|\bspeckle\(": "regions of runs, a few per row",
+    r"TextureVotes::|ColumnSums::": "looks up a right pixel per left pixel, and sums a run; NEON gathers nothing",
     r"Interpolation::fill_band|\binterpolate\(": "runs of rejected pixels, a few per row",
     r"\bscan_counts\(": "edges of sectors, once per group of rows; HOT asks for the vectors of its pixels",
 }
