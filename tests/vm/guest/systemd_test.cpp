@@ -154,8 +154,9 @@ TEST_F(Systemd, ACameraThatGoesAndComesIsSeenAtOnce) {
     std::vector<double> seconds_to_a_frame;
     for (int i = 0; i < 5; ++i) {
         camera_->unplug();
-        ASSERT_TRUE(unit_.comes_to_say("waiting")) << unit_.property("StatusText");
-        EXPECT_THAT(unit_.property("StatusText"), HasSubstr("plug it in"));
+        // Before that it may say that the camera has stopped sending frames.
+        ASSERT_TRUE(unit_.comes_to_say("plug it in")) << unit_.property("StatusText");
+        EXPECT_THAT(unit_.property("StatusText"), HasSubstr("waiting"));
         camera_->plug();
         const std::int64_t back = monotonic_ns();
         ASSERT_TRUE(new_frame(client));
@@ -209,7 +210,8 @@ TEST_F(Systemd, TheWatchdogEndsADaemonThatStandsStillAndStartsAnother) {
     ASSERT_EQ(::kill(process, SIGSTOP), 0);
     EXPECT_TRUE(eventually([&] { return unit_.property("NRestarts") == "1" && unit_.comes_to_say("running, "); }));
     EXPECT_NE(unit_.main_process(), process);
-    EXPECT_THAT(unit_.journal(), HasSubstr("Watchdog timeout"));
+    EXPECT_TRUE(eventually([&] { return unit_.journal().find("Watchdog timeout") != std::string::npos; }))
+        << unit_.journal();
     auto client = connected();
     EXPECT_TRUE(new_frame(client));
 }
