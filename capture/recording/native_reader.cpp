@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/recording/native_reader.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <system_error>
 #include <utility>
 
 #include "base/number_text.h"
+#include "base/words.h"
 #include "calibration/calibration_identity.h"
 #include "capture/frame_source.h"
 #include "capture/pixel_format.h"
+#include "capture/recording/recording_checksum.h"
 #include "capture/recording/recording_sensors.h"
 
 namespace disparityd::capture {
@@ -26,7 +29,7 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 
 }  // namespace
 
-NativeReader::NativeReader(RecordingInput input) : VideoReader(std::move(input)) {
+NativeReader::NativeReader(RecordingInput input, int track) : VideoReader(std::move(input), track) {
     info_.is_native = true;
     read_tags();
     open_decoder(stored_format(info_.format));
@@ -37,6 +40,12 @@ void NativeReader::read_tags() {
     if (version != recording::format_version) {
         throw std::invalid_argument(input().path() + ": is a recording of format " + std::string(version) +
                                     ", this program reads format " + std::string(recording::format_version));
+    }
+    if (const char* const kind = input().tag(recording::tag_checksums)) {
+        has_checksums_ = true;
+        if (kind != recording::checksums_kind) {
+            throw damaged_tag(recording::tag_checksums);
+        }
     }
     const auto format = pixel_format_from_name(required_tag(recording::tag_pixels));
     if (!format || stream().codecpar->codec_id != AV_CODEC_ID_FFVHUFF) {
@@ -70,6 +79,9 @@ void NativeReader::read_tags() {
 void NativeReader::read_calibration() {
     const char* const calibration = input().tag(recording::tag_calibration);
     if (calibration == nullptr) {
+        if (input().tag(recording::tag_calibration_id) != nullptr) {
+            required_tag(recording::tag_calibration);
+        }
         return;
     }
     if (required_tag(recording::tag_calibration_id) != calibration::calibration_identity(calibration)) {
@@ -95,44 +107,81 @@ bool NativeReader::accept(const AVPacket& packet) {
     if ((packet.flags & AV_PKT_FLAG_CORRUPT) != 0) {
         fail_truncated("the next one is incomplete");
     }
-    std::optional<recording::FrameFacts> facts;
-    for (int i = 0; i < packet.side_data_elems; ++i) {
-        const AVPacketSideData& side = packet.side_data[i];
-        if (side.type == AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL) {
-            facts = facts_of({side.data, static_cast<std::size_t>(side.size)});
-        }
+    std::optional<Stored> stored = stored_of(packet);
+    if (!stored) {
+        leave_out("its times are missing or not those that were recorded");
+        return false;
     }
-    if (!facts) {
-        fail_truncated("the next one has no times");
-    }
-    facts_.push_back(std::move(*facts));
+    stored_.push_back(std::move(*stored));
     return true;
 }
 
 void NativeReader::refused(int error) {
-    fail_damaged(ffmpeg_reason(error));
+    if (!stored_.empty()) {
+        stored_.pop_back();
+    }
+    leave_out(ffmpeg_reason(error));
 }
 
-std::optional<recording::FrameFacts> NativeReader::facts_of(std::span<const std::uint8_t> bytes) const {
-    auto facts = recording::get_facts(bytes);
-    if (facts && bytes.size() > recording::facts_size) {
-        auto sensors = recording::get_sensors(bytes.subspan(recording::facts_size));
-        if (!sensors) {
-            fail_damaged("the samples of the sensors cannot be read");
-        }
-        facts->sensors = std::move(*sensors);
+void NativeReader::leave_out(const std::string& why) {
+    if (left_out_++ == 0) {
+        left_out_why_ = why;
     }
-    return facts;
+    ++left_out_before_;
+}
+
+/// Returns nothing where the facts are missing or damaged.
+std::optional<NativeReader::Stored> NativeReader::stored_of(const AVPacket& packet) const {
+    std::span<const std::uint8_t> bytes;
+    for (int i = 0; i < packet.side_data_elems; ++i) {
+        const AVPacketSideData& side = packet.side_data[i];
+        if (side.type == AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL) {
+            bytes = {side.data, static_cast<std::size_t>(side.size)};
+        }
+    }
+    const auto behind = bytes.subspan(std::min(recording::facts_size, bytes.size()));
+    auto facts = recording::get_facts(bytes);
+    auto sensors = recording::get_sensors(behind);
+    const auto sensors_size = recording::stored_sensors_size(behind);
+    if (!facts || !sensors || !sensors_size) {
+        return std::nullopt;
+    }
+    facts->sensors = std::move(*sensors);
+    const std::size_t end = recording::facts_size + *sensors_size + recording::checksums_size;
+    if (bytes.size() < end) {
+        return has_checksums_ ? std::nullopt : std::optional<Stored>({std::move(*facts), std::nullopt});
+    }
+    const auto checksums =
+        recording::get_checksums(bytes.subspan(recording::block_add_id_size, end - recording::block_add_id_size));
+    if (!checksums || !checksums->addition_is_whole) {
+        return std::nullopt;
+    }
+    return Stored{std::move(*facts), checksums->pixels};
 }
 
 recording::FrameFacts NativeReader::take_facts(const AVFrame& frame) {
-    if (facts_.empty()) {  // the decoder made more frames than it was given packets
+    if (stored_.empty()) {  // the decoder made more frames than it was given packets
         fail_changed_picture(frame);
     }
-    recording::FrameFacts facts = std::move(facts_.front());
-    facts_.pop_front();
-    count_gap(facts);
+    recording::FrameFacts facts = std::move(stored_.front().facts);
+    checksum_ = stored_.front().checksum;
+    stored_.pop_front();
     return facts;
+}
+
+bool NativeReader::keep(recording::FrameFacts& facts, const RawImage& image) {
+    if (checksum_ && *checksum_ != recording::checksum(image)) {
+        leave_out("its pixels are not those that were recorded");
+        for (const SensorSample& sample : facts.sensors) {
+            samples_left_out_ += 1 + sample.lost_before;
+        }
+        return false;
+    }
+    if (!facts.sensors.empty()) {
+        facts.sensors.front().lost_before += std::exchange(samples_left_out_, 0);
+    }
+    count_gap(facts);
+    return true;
 }
 
 /// Counts frames that a damaged file lacks inside as lost before the next one: the numbers count every frame, recorded
@@ -143,7 +192,10 @@ void NativeReader::count_gap(recording::FrameFacts& facts) {
     if (follows && facts.sequence > *next_sequence_ + facts.dropped_before) {
         const std::uint64_t missing = facts.sequence - *next_sequence_ - facts.dropped_before;
         facts.dropped_before += missing <= most_missing ? static_cast<std::uint32_t>(missing) : 0;
+    } else if (!follows) {
+        facts.dropped_before += left_out_before_;
     }
+    left_out_before_ = 0;
     next_sequence_ = facts.sequence + 1;
 }
 
@@ -151,6 +203,11 @@ void NativeReader::check_end() const {
     check_file_size();
     if (!edited_ && !input().says_its_size()) {
         fail_truncated("the recorder was stopped before it closed the file, or wrote into a pipe");
+    }
+    if (left_out_ > 0) {
+        throw std::runtime_error(input().path() + ": damaged: " + frames_read() + " could be read, " +
+                                 base::counted(left_out_, "frame") + (left_out_ == 1 ? " was" : " were") +
+                                 " left out, the first because " + left_out_why_);
     }
     check_end_error();
     if (info_.frame_count && frames() < *info_.frame_count) {

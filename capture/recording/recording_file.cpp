@@ -37,7 +37,7 @@ RecordingFile::RecordingFile(const std::string& path, bool overwrite) : path_(pa
     if (fd_ < 0) {
         const int error = errno;
         if (error == EEXIST) {
-            throw std::invalid_argument(path + ": exists already; choose another name, or allow overwriting it");
+            throw std::invalid_argument(path + ": exists already; choose another name");
         }
         throw std::runtime_error(path + ": cannot be written: " + base::error_text(error));
     }
@@ -92,7 +92,25 @@ RecordingFile::~RecordingFile() {
     avio_context_free(&io_);
 }
 
+bool RecordingFile::look() noexcept {
+    struct stat status {};
+    if (!seekable_ || state_ != State::whole || ::fstat(fd_, &status) != 0) {
+        return state_ == State::whole;
+    }
+    if (status.st_nlink == 0) {
+        state_ = State::removed;
+        size_ = 0;
+    } else if (static_cast<std::uint64_t>(status.st_size) < size_) {
+        state_ = State::cut;
+        size_ = static_cast<std::uint64_t>(status.st_size);
+    }
+    return state_ == State::whole;
+}
+
 int RecordingFile::write(const std::uint8_t* bytes, int count) noexcept {
+    if (error_ == 0 && !look()) {  // a write into a file that was cut would leave a hole
+        error_ = EIO;
+    }
     if (error_ != 0) {
         return AVERROR(error_);
     }
@@ -128,11 +146,9 @@ std::int64_t RecordingFile::seek(std::int64_t offset, int whence) noexcept {
     return now;
 }
 
-std::vector<std::uint8_t> RecordingFile::read_head(std::size_t count) const {
-    std::vector<std::uint8_t> bytes(count);
-    const ssize_t got = seekable_ ? ::pread(fd_, bytes.data(), bytes.size(), 0) : 0;
-    bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-    return bytes;
+std::size_t RecordingFile::read(std::uint64_t offset, std::span<std::uint8_t> bytes) const noexcept {
+    const ssize_t got = seekable_ ? ::pread(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset)) : 0;
+    return got > 0 ? static_cast<std::size_t>(got) : 0;
 }
 
 bool RecordingFile::overwrite(std::uint64_t offset, std::span<const std::uint8_t> bytes) noexcept {

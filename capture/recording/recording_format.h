@@ -19,16 +19,21 @@ namespace disparityd::capture::recording {
 
 inline constexpr std::string_view format_version = "1";
 
-/// Tags of the container.
+/// Tags of the container. A file with others that begin like these, and without the first, is a damaged recording.
+inline constexpr const char* tag_prefix = "DISPARITYD_";
 inline constexpr const char* tag_format = "DISPARITYD_FORMAT";
 inline constexpr const char* tag_source = "DISPARITYD_SOURCE";
 inline constexpr const char* tag_synthetic = "DISPARITYD_SYNTHETIC";
 inline constexpr const char* tag_pixels = "DISPARITYD_PIXELS";
 inline constexpr const char* tag_eye_width = "DISPARITYD_EYE_WIDTH";
 inline constexpr const char* tag_rate = "DISPARITYD_RATE";
+inline constexpr const char* tag_checksums = "DISPARITYD_CHECKSUMS";
 inline constexpr const char* tag_frames = "DISPARITYD_FRAMES";
 inline constexpr const char* tag_calibration = "DISPARITYD_CALIBRATION";
 inline constexpr const char* tag_calibration_id = "DISPARITYD_CALIBRATION_ID";
+
+/// Every frame has checksums (recording_checksum.h); recordings of older versions have none.
+inline constexpr std::string_view checksums_kind = "crc32";
 
 /// The frame count has a fixed width, so that it can be filled in when the file is closed.
 inline constexpr int frames_digits = 20;
@@ -53,7 +58,8 @@ struct FrameFacts {
 };
 
 /// FFmpeg's packet side data: Matroska's BlockAddID (big endian, 1), then the block addition itself.
-inline constexpr std::size_t facts_size = 8 + 56;
+inline constexpr std::size_t block_add_id_size = 8;
+inline constexpr std::size_t facts_size = block_add_id_size + 56;
 /// Writes all facts but the sensors.
 void put_facts(const FrameFacts& facts, std::span<std::uint8_t, facts_size> bytes);
 std::optional<FrameFacts> get_facts(std::span<const std::uint8_t> bytes);

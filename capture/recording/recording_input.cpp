@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "base/error_text.h"
+#include "base/words.h"
+#include "capture/recording/other_recordings.h"
 #include "capture/recording/recording_format.h"
 
 namespace disparityd::capture {
@@ -57,7 +59,11 @@ bool contains(const std::vector<std::uint8_t>& bytes, std::string_view text) {
 RecordingInput::RecordingInput(const std::string& path) : path_(path), file_size_(readable_size(path)) {
     keep_ffmpeg_log();
     const std::vector<std::uint8_t> head = head_of(path);
+    if (const auto what = known_otherwise(path, head)) {
+        throw std::invalid_argument(path + ": " + *what);
+    }
     segment_ = find_segment(head);
+    has_native_tags_ = segment_ && contains(head, recording::tag_prefix);
     open(segment_ && contains(head, recording::tag_format));
 }
 
@@ -106,17 +112,45 @@ void RecordingInput::probe() {
     }
 }
 
-int RecordingInput::choose_video() {
-    const int chosen = av_find_best_stream(context_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
-    if (chosen < 0 || (context_->streams[chosen]->disposition & AV_DISPOSITION_ATTACHED_PIC) != 0) {
-        throw std::invalid_argument(path_ + ": has no video stream (found: " + context_->iformat->long_name + ")");
+std::vector<int> RecordingInput::video_tracks() const {
+    std::vector<int> tracks;
+    for (unsigned i = 0; i < context_->nb_streams; ++i) {
+        const AVStream& stream = *context_->streams[i];
+        if (stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+            (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0) {
+            tracks.push_back(static_cast<int>(i));
+        }
     }
+    return tracks;
+}
+
+std::string RecordingInput::track_name(int track) const {
+    std::string names;
+    for (const char* key : {"title", "handler_name"}) {
+        const AVDictionaryEntry* entry = av_dict_get(context_->streams[track]->metadata, key, nullptr, 0);
+        names += entry == nullptr ? std::string() : std::string(" ") + entry->value;
+    }
+    return base::lower_case(names);
+}
+
+void RecordingInput::choose_video(int chosen) {
     for (unsigned i = 0; i < context_->nb_streams; ++i) {
         if (static_cast<int>(i) != chosen) {
             context_->streams[i]->discard = AVDISCARD_ALL;
         }
     }
-    return chosen;
+}
+
+int RecordingInput::only_video() const {
+    const std::vector<int> tracks = video_tracks();
+    if (tracks.empty()) {
+        throw std::invalid_argument(path_ + ": has no video stream (found: " + context_->iformat->long_name + ")");
+    }
+    if (tracks.size() > 1) {
+        throw std::invalid_argument(path_ + ": has " + std::to_string(tracks.size()) +
+                                    " video streams, expected one with both eyes side by side, or one for each eye");
+    }
+    return tracks.front();
 }
 
 std::optional<std::string> RecordingInput::missing_bytes() const {

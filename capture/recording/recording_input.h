@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/recording/recording_ffmpeg.h"
 #include "capture/recording/recording_segment.h"
@@ -24,12 +25,23 @@ public:
     /// The value of a tag of the container, valid as long as the input; nullptr when there is none.
     const char* tag(const char* key) const;
 
+    /// Whether tags of a recording stand in the file's first bytes, also where damage keeps FFmpeg from finding them.
+    bool has_native_tags() const { return has_native_tags_; }
+
     /// Decodes the first pictures, to find out what the container does not say. Throws std::invalid_argument.
     void probe();
 
-    /// Returns the index of the video stream and has FFmpeg skip all others. Throws std::invalid_argument when there is
-    /// none.
-    int choose_video();
+    /// Returns the indices of the streams with videos.
+    std::vector<int> video_tracks() const;
+
+    /// Returns what a stream is called, in lower case; empty when it has no name.
+    std::string track_name(int track) const;
+
+    /// Returns the index of the video stream. Throws std::invalid_argument when there is none, or more than one.
+    int only_video() const;
+
+    /// Has FFmpeg skip all other streams.
+    void choose_video(int chosen);
 
     /// Whether a Matroska file says how long it is. One that was never closed does not.
     bool says_its_size() const { return segment_ && segment_->size; }
@@ -47,6 +59,7 @@ private:
     std::string path_;
     std::uint64_t file_size_ = 0;
     std::optional<MatroskaSegment> segment_;
+    bool has_native_tags_ = false;
     std::unique_ptr<AVFormatContext, CloseInput> context_;
 };
 

@@ -6,13 +6,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/recording/recording_format.h"
 #include "kernels/raw_image.h"
 
 namespace disparityd::capture {
 
-/// Reads a recording, or any side-by-side video that FFmpeg can read, from its first frame to its last. One thread
+/// Reads a recording, or any video of both eyes that FFmpeg can read, from its first frame to its last. One thread
 /// uses an object at a time.
 class RecordingReader {
 public:
@@ -32,6 +33,7 @@ public:
         bool synthetic = false;  ///< drawn frames were recorded
         std::string codec;
         std::optional<std::string> calibration_text;
+        std::vector<std::string> notices{};  ///< one line each: what was assumed about the video
     };
 
     /// Constant from open to close.
@@ -44,7 +46,11 @@ public:
     virtual bool read(recording::FrameFacts& facts, std::uint8_t* pixels) = 0;
 };
 
-/// Opens a file with the reader that its tags ask for. Throws std::invalid_argument with one line when this is no video
+/// Returns whether a text names two files with a comma between them, of which one at least is there.
+bool is_pair_of_videos(const std::string& uri);
+
+/// Opens a file with the reader that its tags ask for: a recording, a side-by-side video, a video with a track for each
+/// eye, or two videos as "left.mp4,right.mp4". Throws std::invalid_argument with one line when this is no video
 /// that can be taken, std::runtime_error when the system refuses to read it.
 std::unique_ptr<RecordingReader> open_recording_reader(const std::string& path);
 

@@ -65,13 +65,10 @@ constexpr std::array temperatures_and_air{
 }  // namespace
 
 std::size_t sensors_size(std::span<const SensorSample> samples) {
-    return samples.empty() ? 0 : head_size + samples.size() * sample_size;
+    return head_size + samples.size() * sample_size;
 }
 
 void put_sensors(std::span<const SensorSample> samples, std::span<std::uint8_t> bytes) {
-    if (samples.empty()) {
-        return;
-    }
     Out out(bytes);
     out.number(samples.size(), 4);
     out.number(sample_size, 4);
@@ -91,13 +88,9 @@ void put_sensors(std::span<const SensorSample> samples, std::span<std::uint8_t> 
     }
 }
 
-std::optional<std::vector<SensorSample>> get_sensors(std::span<const std::uint8_t> bytes) {
-    std::vector<SensorSample> samples;
-    if (bytes.empty()) {
-        return samples;
-    }
+std::optional<std::size_t> stored_sensors_size(std::span<const std::uint8_t> bytes) {
     if (bytes.size() < head_size) {
-        return std::nullopt;
+        return bytes.empty() ? std::optional<std::size_t>(0) : std::nullopt;
     }
     In head(bytes);
     const std::uint64_t count = head.word();
@@ -105,7 +98,20 @@ std::optional<std::vector<SensorSample>> get_sensors(std::span<const std::uint8_
     if (size < sample_size || count > (bytes.size() - head_size) / size) {
         return std::nullopt;
     }
-    samples.resize(count);
+    return head_size + count * size;
+}
+
+std::optional<std::vector<SensorSample>> get_sensors(std::span<const std::uint8_t> bytes) {
+    if (!stored_sensors_size(bytes)) {
+        return std::nullopt;
+    }
+    std::vector<SensorSample> samples;
+    if (bytes.empty()) {
+        return samples;
+    }
+    In head(bytes);
+    samples.resize(head.word());
+    const std::size_t size = head.word();
     for (std::size_t i = 0; i < samples.size(); ++i) {
         In in(bytes.subspan(head_size + i * size));
         SensorSample& sample = samples[i];

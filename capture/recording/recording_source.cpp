@@ -75,6 +75,11 @@ public:
             throw std::invalid_argument(options.uri + ": at least 1 frame must be on loan at a time, found " +
                                         std::to_string(options.loans));
         }
+        for (const std::string& notice : reader_->info().notices) {
+            if (options.report) {
+                options.report(notice, false);
+            }
+        }
         buffers_.resize(static_cast<std::size_t>(options.loans) + decoded_ahead);
         for (Buffer& buffer : buffers_) {
             buffer.pixels.resize(reader_->frame_bytes());
@@ -272,7 +277,7 @@ bool is_recording(const std::string& uri) {
                                                      ".mpg", ".ts",  ".mpeg", ".y4m", ".ogv",  ".nut"};
     std::error_code error;
     return std::find(known.begin(), known.end(), extension) != known.end() ||
-           std::filesystem::is_regular_file(uri, error);
+           std::filesystem::is_regular_file(uri, error) || is_pair_of_videos(uri);
 }
 
 std::unique_ptr<FrameSource> open_recording(const SourceOptions& options) {

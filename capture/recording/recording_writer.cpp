@@ -15,8 +15,10 @@ extern "C" {
 
 #include "base/error_text.h"
 #include "base/number_text.h"
+#include "base/words.h"
 #include "calibration/calibration_identity.h"
 #include "capture/pixel_format.h"
+#include "capture/recording/recording_checksum.h"
 #include "capture/recording/recording_ffmpeg.h"
 #include "capture/recording/recording_file.h"
 #include "capture/recording/recording_format.h"
@@ -100,6 +102,7 @@ AVDictionary* tags_of(const SourceInfo& info) {
     set(recording::tag_pixels, std::string(to_string(info.format)));
     set(recording::tag_eye_width, std::to_string(info.eye_width));
     set(recording::tag_rate, base::number_text(recording::plausible_rate(info.rate)));
+    set(recording::tag_checksums, std::string(recording::checksums_kind));
     set(recording::tag_frames, recording::frames_text(0));
     if (info.calibration) {
         const std::string text = calibration::to_text(*info.calibration);
@@ -252,7 +255,8 @@ private:
 
     /// Where the segment's size and the frame count lie in the file's head.
     void find_corrections() {
-        const std::vector<std::uint8_t> head = file_->read_head(static_cast<std::size_t>(whole_size_));
+        std::vector<std::uint8_t> head(static_cast<std::size_t>(whole_size_));
+        head.resize(file_->read(0, head));
         segment_ = find_segment(head);
         const std::string count = recording::frames_text(0);
         const std::string key = recording::tag_frames;
@@ -279,7 +283,8 @@ private:
         }
         packet_->stream_index = 0;
         packet_->pts = packet_->dts = frame_->pts;
-        const std::size_t size = recording::facts_size + recording::sensors_size(frame.sensors);
+        const std::size_t size =
+            recording::facts_size + recording::sensors_size(frame.sensors) + recording::checksums_size;
         std::uint8_t* side =
             or_bad_alloc(av_packet_new_side_data(packet_.get(), AV_PKT_DATA_MATROSKA_BLOCKADDITIONAL, size));
         recording::put_facts({frame.sequence,
@@ -291,7 +296,9 @@ private:
                               {}},
                              std::span<std::uint8_t, recording::facts_size>(side, recording::facts_size));
         recording::put_sensors(frame.sensors, std::span(side, size).subspan(recording::facts_size));
-        pending_bytes_ += size - recording::facts_size;
+        recording::put_checksums(recording::checksum(frame.image),
+                                 std::span(side, size).subspan(recording::block_add_id_size));
+        pending_bytes_ += size;
     }
 
     /// Ends the cluster: everything up to here survives the end of this process.
@@ -306,6 +313,11 @@ private:
     }
 
     std::string reason(int result) const {
+        switch (file_->state()) {
+            case RecordingFile::State::removed: return "the file was removed while it was written, or its folder was";
+            case RecordingFile::State::cut: return "another program has cut the file while it was written";
+            case RecordingFile::State::whole: break;
+        }
         return file_->error() != 0 ? base::error_text(file_->error()) : ffmpeg_reason(result);
     }
 
@@ -316,26 +328,42 @@ private:
         }
     }
 
-    /// Cuts the file after a failed write to its last whole cluster, and corrects its size and frame count.
+    /// Cuts the file after a failed write to its last whole frame, and corrects its size and frame count.
     void fail(int result) {
         const std::string why = reason(result);
-        frames_ = whole_frames_;
-        bool repaired = file_->cut(whole_size_) && segment_.has_value();
-        if (repaired) {
-            std::array<std::uint8_t, 8> size{};
-            const auto length = static_cast<std::size_t>(segment_->size_length);
-            std::uint64_t value = whole_size_ - segment_->data_offset;
-            for (std::size_t i = length; i-- > 0; value >>= 8U) {
-                size[i] = static_cast<std::uint8_t>(value);
-            }
-            size[0] = static_cast<std::uint8_t>(size[0] | 0x80U >> (length - 1));
-            repaired = file_->overwrite(segment_->size_offset, std::span(size).first(length)) && note_count();
-        }
+        const bool repaired = keep_what_is_whole();
         failure_ = path_ + ": cannot write: " + why;
         if (frames_ > 0) {
-            failure_ += "; the file keeps the first " + std::to_string(frames_) +
-                        (repaired ? " frames" : " frames and reads as truncated");
+            failure_ += "; the file keeps the first " + base::counted(frames_, "frame") +
+                        (repaired ? "" : " and reads as truncated");
         }
+    }
+
+    bool keep_what_is_whole() {
+        const std::uint64_t size = file_->size();
+        const bool shorter = size < whole_size_;
+        frames_ = shorter ? 0 : whole_frames_;
+        if (!segment_ || size <= segment_->data_offset || file_->state() == RecordingFile::State::removed) {
+            return false;
+        }
+        const MatroskaPart part = find_whole_part(
+            [this](std::uint64_t offset, std::span<std::uint8_t> bytes) { return file_->read(offset, bytes); },
+            shorter ? segment_->data_offset : whole_size_, size);
+        frames_ += part.frames;
+        if (!file_->cut(part.end)) {
+            return false;
+        }
+        const auto& cluster = part.cluster;
+        return (!cluster || note_size(cluster->offset, cluster->length, cluster->size)) &&
+               note_size(segment_->size_offset, segment_->size_length, part.end - segment_->data_offset) &&
+               note_count();
+    }
+
+    bool note_size(std::uint64_t offset, int length, std::uint64_t size) {
+        std::array<std::uint8_t, 8> bytes{};
+        const auto field = std::span(bytes).first(static_cast<std::size_t>(length));
+        put_ebml_size(size, field);
+        return file_->overwrite(offset, field);
     }
 
     bool note_count() {
@@ -352,7 +380,7 @@ private:
         if (failure_.empty()) {
             const int result = av_write_trailer(muxer_.get());
             avio_flush(muxer_->pb);
-            if (result < 0 || file_->error() != 0) {
+            if (result < 0 || file_->error() != 0 || !file_->look()) {
                 fail(result);
             } else if (file_->seekable() && !note_count()) {
                 failure_ = path_ + ": cannot write the number of frames";

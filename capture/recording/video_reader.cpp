@@ -14,7 +14,8 @@ extern "C" {
 
 namespace disparityd::capture {
 
-VideoReader::VideoReader(RecordingInput input) : input_(std::move(input)), stream_(input_.choose_video()) {
+VideoReader::VideoReader(RecordingInput input, int track) : input_(std::move(input)), stream_(track) {
+    input_.choose_video(stream_);
     packet_.reset(or_bad_alloc(av_packet_alloc()));
     frame_.reset(or_bad_alloc(av_frame_alloc()));
     info_.height = stream().codecpar->height;
@@ -80,17 +81,21 @@ bool VideoReader::read(recording::FrameFacts& facts, std::uint8_t* pixels) {
         return false;
     }
     ended_ = true;  // unless a whole frame comes out: errors end the video, too
-    while (!receive_frame()) {
-        if (draining_) {
-            check_end();
-            return false;
+    const RawImage image{pixels, info_.format, info_.eye_width, info_.height,
+                         std::ptrdiff_t{2} * info_.eye_width * bytes_per_pixel(info_.format)};
+    do {
+        while (!receive_frame()) {
+            if (draining_) {
+                check_end();
+                return false;
+            }
+            send_packet();
         }
-        send_packet();
-    }
-    check_picture();
-    facts = take_facts(*frame_);
-    loader_->load(*frame_, pixels);
-    av_frame_unref(frame_.get());
+        check_picture();
+        facts = take_facts(*frame_);
+        loader_->load(*frame_, pixels);
+        av_frame_unref(frame_.get());
+    } while (!keep(facts, image));
     ++frames_;
     ended_ = false;
     return true;
@@ -103,7 +108,7 @@ bool VideoReader::receive_frame() {
         return true;
     }
     if (result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
-        fail_damaged(ffmpeg_reason(result));
+        refused(result);
     }
     return false;
 }

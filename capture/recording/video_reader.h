@@ -22,9 +22,9 @@ public:
     bool read(recording::FrameFacts& facts, std::uint8_t* pixels) final;
 
 protected:
-    /// Chooses the stream; the derived class then completes `info_` and calls open_decoder(). Throws as
+    /// Reads one stream; the derived class then completes `info_` and calls open_decoder(). Throws as
     /// open_recording_reader().
-    explicit VideoReader(RecordingInput input);
+    VideoReader(RecordingInput input, int track);
 
     /// Pictures are expected in the pixel format `stored`. Throws std::invalid_argument when they cannot be used.
     void open_decoder(AVPixelFormat stored);
@@ -32,14 +32,17 @@ protected:
     /// Looks at a packet before it is decoded; false leaves it out. Throws std::runtime_error.
     virtual bool accept(const AVPacket& packet) = 0;
 
-    /// Hears that the decoder has refused a packet, with FFmpeg's code. Throws std::runtime_error when that ends the
-    /// file.
+    /// Hears that the decoder has refused a packet, with FFmpeg's code.
     virtual void refused(int error) = 0;
 
     /// Returns what belongs to the next frame. Throws std::runtime_error when that is missing.
     virtual recording::FrameFacts take_facts(const AVFrame& frame) = 0;
 
-    /// Throws std::runtime_error when the file ended before its time. Everything whole has been read by then.
+    /// Looks at a frame whose pixels are there, and may complete its facts; false leaves the frame out.
+    virtual bool keep(recording::FrameFacts& facts, const RawImage& image) = 0;
+
+    /// Throws std::runtime_error when the file is damaged or ended before its time. Everything whole has been read by
+    /// then.
     virtual void check_end() const = 0;
 
     // Faults that both know; each throws std::runtime_error.
@@ -52,6 +55,7 @@ protected:
     const RecordingInput& input() const { return input_; }
     const AVStream& stream() const { return *input_.context().streams[stream_]; }
     std::uint64_t frames() const { return frames_; }
+    std::string frames_read() const;  ///< "57 of 90 frames"
 
     Info info_;
 
@@ -60,7 +64,6 @@ private:
     bool receive_frame();
     void send_packet();
     void check_picture() const;
-    std::string frames_read() const;
 
     RecordingInput input_;
     int stream_ = -1;

@@ -162,6 +162,71 @@ TEST(RecordDamage, AFullDiskLeavesAValidFile) {
     EXPECT_EQ(played.frames.size(), kept);
     EXPECT_EQ(played.info.frame_count, kept);
     expect_beginning(played.frames, info);
+    EXPECT_GT(file_bytes(path).size() + 2 * 64 * 48 * 3 / 2, 100'000U) << "one more frame would fit";
+}
+
+/// Writes frames until the writer refuses, at most 200; returns what it says.
+std::string write_until_refused(RecordingWriter& writer, const SourceInfo& info, int first) {
+    try {
+        for (int i = first; i < 200; ++i) {
+            writer.write(make_frame(info, i).frame);
+        }
+        writer.close();
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+    return "";
+}
+
+void write_frames(RecordingWriter& writer, const SourceInfo& info, int count) {
+    for (int i = 0; i < count; ++i) {
+        writer.write(make_frame(info, i).frame);
+    }
+}
+
+TEST(RecordDamage, AFileThatIsRemovedWhileItIsWrittenIsNotComplete) {
+    const TemporaryFolder folder;
+    const SourceInfo info = make_info(PixelFormat::yuyv, 32, 24);
+    const std::string folder_of_one = folder.file("gone");
+    std::filesystem::create_directory(folder_of_one);
+    for (const std::string& path : {folder.file("r.mkv"), folder_of_one + "/r.mkv"}) {
+        SCOPED_TRACE(path);
+        RecordingWriter writer(path, info);
+        write_frames(writer, info, 40);
+        path.starts_with(folder_of_one) ? std::filesystem::remove_all(folder_of_one) : std::filesystem::remove(path);
+        EXPECT_EQ(write_until_refused(writer, info, 40),
+                  path + ": cannot write: the file was removed while it was written, or its folder was");
+        EXPECT_EQ(writer.frames(), 0U);
+    }
+    // Between the last frame and the end, too.
+    RecordingWriter writer(folder.file("r.mkv"), info);
+    write_frames(writer, info, 3);
+    std::filesystem::remove(folder.file("r.mkv"));
+    EXPECT_THAT([&] { writer.close(); }, ::testing::ThrowsMessage<std::runtime_error>(HasSubstr("was removed")));
+}
+
+TEST(RecordDamage, AFileThatIsCutWhileItIsWrittenKeepsWhatIsWhole) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("r.mkv");
+    const SourceInfo info = make_info(PixelFormat::yuyv, 32, 24);
+    for (const double part : {0.0, 0.4, 0.9}) {
+        SCOPED_TRACE(part);
+        RecordingWriter writer(path, info, true);
+        write_frames(writer, info, 60);
+        std::filesystem::resize_file(path, static_cast<std::uintmax_t>(part * static_cast<double>(writer.bytes())));
+        const std::string error = write_until_refused(writer, info, 60);
+        EXPECT_THAT(error, StartsWith(path + ": cannot write: another program has cut the file while it was written"));
+        if (writer.frames() == 0) {
+            EXPECT_EQ(part, 0.0);
+            continue;
+        }
+        EXPECT_THAT(error, ::testing::EndsWith("keeps the first " + std::to_string(writer.frames()) + " frames"));
+        EXPECT_LT(writer.frames(), 60U);
+        const Replay played = replay(path);
+        EXPECT_EQ(played.error, "");
+        EXPECT_EQ(played.frames.size(), writer.frames());
+        expect_beginning(played.frames, info);
+    }
 }
 
 TEST(RecordDamage, ADiskThatIsFullAtTheEndIsReportedByClose) {

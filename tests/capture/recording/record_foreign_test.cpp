@@ -1,102 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // Videos that others made, and files that are no videos.
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-extern "C" {
-#include <libavutil/pixdesc.h>
-}
-
 #include <cstdlib>
 #include <functional>
 #include <stdexcept>
 
-#include "capture/recording/recording_ffmpeg.h"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
 #include "capture/recording/recording_source.h"
 #include "tests/capture/recording/record_fixture.h"
+#include "tests/capture/recording/video_fixture.h"
 
 namespace disparityd::capture::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-struct Video {
-    const char* muxer;
-    AVCodecID codec;
-    AVPixelFormat pixels;
-    int width;
-    int height;
-    int frames = 5;
-};
-
-constexpr int rate = 25;
-
-std::uint8_t value_at(int frame, int component, int x, int y) {
-    return static_cast<std::uint8_t>(40 + 20 * component + 7 * frame + 2 * x + y);
-}
-
-void fill(AVFrame& frame, int number) {
-    const AVPixFmtDescriptor* description = av_pix_fmt_desc_get(static_cast<AVPixelFormat>(frame.format));
-    for (int c = 0; c < description->nb_components; ++c) {
-        const AVComponentDescriptor& component = description->comp[c];
-        const bool chroma = (c == 1 || c == 2) && (description->flags & AV_PIX_FMT_FLAG_RGB) == 0;
-        const int width = chroma ? -(-frame.width >> description->log2_chroma_w) : frame.width;
-        const int height = chroma ? -(-frame.height >> description->log2_chroma_h) : frame.height;
-        for (int y = 0; y < height; ++y) {
-            std::uint8_t* row = frame.data[component.plane] + y * frame.linesize[component.plane] + component.offset;
-            for (int x = 0; x < width; ++x) {
-                row[x * component.step] = value_at(number, c, x, y);
-            }
-        }
-    }
-}
-
-void write_video(const std::string& path, const Video& video) {
-    AVFormatContext* muxer = nullptr;
-    ASSERT_GE(avformat_alloc_output_context2(&muxer, nullptr, video.muxer, path.c_str()), 0);
-    const AVCodec* codec = avcodec_find_encoder(video.codec);
-    ASSERT_NE(codec, nullptr);
-    CodecPtr encoder(avcodec_alloc_context3(codec));
-    encoder->width = video.width;
-    encoder->height = video.height;
-    encoder->pix_fmt = video.pixels;
-    encoder->time_base = {1, rate};
-    encoder->framerate = {rate, 1};
-    encoder->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
-    if ((muxer->oformat->flags & AVFMT_GLOBALHEADER) != 0) {
-        encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
-    }
-    ASSERT_GE(avcodec_open2(encoder.get(), codec, nullptr), 0);
-    AVStream* stream = avformat_new_stream(muxer, nullptr);
-    avcodec_parameters_from_context(stream->codecpar, encoder.get());
-    stream->time_base = encoder->time_base;
-    stream->avg_frame_rate = encoder->framerate;
-    ASSERT_GE(avio_open(&muxer->pb, path.c_str(), AVIO_FLAG_WRITE), 0);
-    ASSERT_GE(avformat_write_header(muxer, nullptr), 0);
-    const PacketPtr packet(av_packet_alloc());
-    for (int i = 0; i <= video.frames; ++i) {
-        FramePtr frame;
-        if (i < video.frames) {
-            frame.reset(av_frame_alloc());
-            frame->width = video.width;
-            frame->height = video.height;
-            frame->format = video.pixels;
-            frame->pts = i;
-            ASSERT_GE(av_frame_get_buffer(frame.get(), 0), 0);
-            fill(*frame, i);
-        }
-        avcodec_send_frame(encoder.get(), frame.get());
-        while (avcodec_receive_packet(encoder.get(), packet.get()) >= 0) {
-            av_packet_rescale_ts(packet.get(), encoder->time_base, stream->time_base);
-            packet->stream_index = 0;
-            ASSERT_GE(av_write_frame(muxer, packet.get()), 0);
-            av_packet_unref(packet.get());
-        }
-    }
-    ASSERT_GE(av_write_trailer(muxer), 0);
-    avio_closep(&muxer->pb);
-    avformat_free_context(muxer);
-}
 
 /// Plays the video and compares each byte with what `expected` says, within `tolerance`.
 void expect_frames(const std::string& path, const Video& video, PixelFormat format, int tolerance,
@@ -106,7 +24,7 @@ void expect_frames(const std::string& path, const Video& video, PixelFormat form
     EXPECT_EQ(played.info.format, format);
     EXPECT_EQ(played.info.eye_width, video.width / 2);
     EXPECT_EQ(played.info.height, video.height);
-    EXPECT_DOUBLE_EQ(played.info.rate, rate);
+    EXPECT_DOUBLE_EQ(played.info.rate, video_rate);
     EXPECT_FALSE(played.info.calibration.has_value());
     ASSERT_EQ(played.frames.size(), static_cast<std::size_t>(video.frames));
     const int row = video.width * bytes_per_pixel(format);
@@ -114,7 +32,7 @@ void expect_frames(const std::string& path, const Video& video, PixelFormat form
     for (int i = 0; i < video.frames; ++i) {
         const SeenFrame& frame = played.frames[static_cast<std::size_t>(i)];
         EXPECT_EQ(frame.sequence, static_cast<std::uint64_t>(i));
-        EXPECT_EQ(frame.monotonic_ns, i * 1'000'000'000LL / rate);
+        EXPECT_EQ(frame.monotonic_ns, i * 1'000'000'000LL / video_rate);
         EXPECT_EQ(frame.flags, 0U);
         EXPECT_EQ(frame.dropped_before, 0U);
         for (int y = 0; y < video.height; ++y) {

@@ -31,6 +31,16 @@ TEST_F(RecordingControlTest, StartsAndStops) {
     EXPECT_EQ(end.status.bytes(), size_of("a.mkv"));
 }
 
+TEST_F(RecordingControlTest, AFileThatWasRemovedIsNotComplete) {
+    ASSERT_EQ(start("a.mkv").refusal, "");
+    offer(2);
+    std::filesystem::remove(folder_.path() + "/a.mkv");
+    const Answered end = stop();
+    EXPECT_EQ(end.status.frames(), 0U);
+    EXPECT_EQ(end.status.lost(), 2U);
+    EXPECT_THAT(end.status.error(), HasSubstr("a.mkv: cannot write: the file was removed while it was written"));
+}
+
 TEST_F(RecordingControlTest, WhatASourceThatGoesHasEndedIsFinishedInTheBackground) {
     ASSERT_EQ(start("a.mkv").refusal, "");
     offer(2);
