@@ -18,11 +18,12 @@ const std::vector<SourceKind>& source_kinds() {
          "options format=yuyv|grey, layout=side-by-side|top-bottom, port=USB-PORT",
          is_camera, open_camera},
         {"folder",
-         "a folder of Middlebury or KITTI images, a pair left.png,right.png, or a pattern: "
-         "left_%04d.png,right_%04d.png; "
+         "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "
+         "left.png,right.png; or a pattern: left_%04d.png,right_%04d.png; "
          "?bits=12 behind it for values of 12 bits in images of 16",
          is_image_sequence, open_images},
-        {"recording", "a side-by-side video: recording.mkv", is_recording, open_recording},
+        {"recording", "a side-by-side video: recording.mkv; or one for each eye: left.mp4,right.mp4", is_recording,
+         open_recording},
     };
     return kinds;
 }

@@ -59,14 +59,21 @@ bool same_geometry(const calibration::StereoCalibration& a, const calibration::S
            a.translation == b.translation;
 }
 
+/// Whether --keep-going leaves the frame out for its size; its calibration is of that size, too.
+bool is_left_out(const SourceOptions& options, const ImageSequence::Frame& frame, ImageSize files) {
+    const auto size = options.skip_damaged ? peek_image_size(frame.left) : std::nullopt;
+    return size && *size != files;
+}
+
 /// Returns the calibration of frames that have one each; nothing where these differ, as one source has one geometry.
 std::optional<calibration::StereoCalibration> calibration_of_frames(const SourceOptions& options,
                                                                     const ImageSequence& sequence, int width,
                                                                     int height) {
     std::optional<calibration::StereoCalibration> common;
+    const ImageSize files{sequence.frames.front().right.empty() ? 2 * width : width, height};
     std::string before;
     for (const ImageSequence::Frame& frame : sequence.frames) {
-        if (frame.calibration.empty() || frame.calibration == before) {
+        if (frame.calibration.empty() || frame.calibration == before || is_left_out(options, frame, files)) {
             continue;
         }
         before = frame.calibration;
@@ -120,6 +127,9 @@ public:
         size_ = size_of(first.left);
         if (!options.skip_damaged) {
             check_sizes(images_, size_);
+        }
+        if (options.report && !images_.notice.empty() && options.calibration_path.empty()) {
+            options.report(images_.notice, false);
         }
         report_deep_pixels(first);
         describe(first.right.empty() ? size_.width / 2 : size_.width,

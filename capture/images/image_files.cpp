@@ -3,16 +3,24 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <new>
 #include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "base/error_text.h"
 #include "base/file_kind.h"
 #include "base/message_text.h"
+#include "capture/images/jpeg_image.h"
+#include "capture/images/png_image.h"
 
 namespace disparityd::capture {
 
@@ -25,8 +33,13 @@ constexpr const char* kinds = "PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF, WebP";
     throw std::invalid_argument(path + ": " + why);
 }
 
-/// Reads the header of a file that must be an image.
-ImageSize checked_size(const std::string& path) {
+struct OpenImage {
+    std::ifstream file;
+    ImageSize size;
+};
+
+/// Opens a file that must be an image, and reads its header.
+OpenImage open_image(const std::string& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found) {
@@ -52,7 +65,44 @@ ImageSize checked_size(const std::string& path) {
         refuse(path,
                "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
     }
-    return *size;
+    if (const int orientation = read_image_orientation(file); orientation != 1) {
+        refuse(path, "declares that it is to be turned or mirrored before it is shown (orientation " +
+                         std::to_string(orientation) +
+                         " of EXIF or TIFF), which is not done here: turn the pixels of both eyes (jpegtran, "
+                         "ImageMagick's -auto-orient), or remove the tag");
+    }
+    return {std::move(file), *size};
+}
+
+std::vector<std::uint8_t> all_bytes(std::ifstream& file, const std::string& path) {
+    file.clear();
+    file.seekg(0, std::ios::end);
+    const std::streamoff size = file.tellg();
+    std::vector<std::uint8_t> bytes(size > 0 ? static_cast<std::size_t>(size) : 0);
+    file.seekg(0);
+    if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) {
+        refuse(path, "cannot be read: " + base::error_text(errno));
+    }
+    return bytes;
+}
+
+bool begins_with(const std::vector<std::uint8_t>& bytes, std::string_view text) {
+    return bytes.size() >= text.size() && std::memcmp(bytes.data(), text.data(), text.size()) == 0;
+}
+
+/// The decoders of OpenCV write lines of their own to stderr. What they would complain of is looked for before.
+cv::Mat decode(std::vector<std::uint8_t> bytes, const std::string& path) {
+    if (begins_with(bytes, "\xff\xd8")) {
+        return decode_jpeg(bytes, path);
+    }
+    if (begins_with(bytes, "\x89PNG\r\n\x1a\n")) {
+        bytes = checked_png(bytes, path);
+    } else if (const auto least = least_size_of_pnm(bytes); least && bytes.size() < *least) {
+        refuse(path, "is damaged: the file was cut off, " + std::to_string(bytes.size()) + " of " +
+                         std::to_string(*least) + " bytes are there");
+    }
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
 }
 
 }  // namespace
@@ -66,16 +116,20 @@ std::optional<ImageSize> peek_image_size(const std::string& path) {
 }
 
 cv::Mat decode_image(const std::string& path) {
-    const ImageSize size = checked_size(path);
+    OpenImage opened = open_image(path);
     cv::Mat image;
+    const auto no_memory = [&] {
+        return std::runtime_error(path + ": there is not enough memory for an image of " +
+                                  base::size_text(opened.size.width, opened.size.height) + " pixels");
+    };
     try {
-        image = cv::imread(path, cv::IMREAD_UNCHANGED);
+        image = decode(all_bytes(opened.file, path), path);
+    } catch (const std::bad_alloc&) {
+        throw no_memory();
     } catch (const cv::Exception& error) {
         if (error.code == cv::Error::StsNoMem) {
-            throw std::runtime_error(path + ": there is not enough memory for an image of " +
-                                     base::size_text(size.width, size.height) + " pixels");
+            throw no_memory();
         }
-        image.release();
     }
     if (image.empty()) {
         refuse(path, std::string("is damaged, or no image of a kind that can be read (") + kinds + ")");

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -61,9 +62,9 @@ std::optional<ImageSize> size_of_png(std::istream& file, std::string_view head) 
     return Bytes(file, true).size(16, 20, 4);
 }
 
-/// Width and height follow the magic number, with comments between.
-std::optional<ImageSize> size_of_pnm(std::string_view head) {
-    std::array<std::uint64_t, 2> numbers{};
+/// Reads the numbers behind the magic number, with comments between; returns where the last of them ends, 0 where one
+/// is missing.
+std::size_t read_pnm_numbers(std::string_view head, std::span<std::uint64_t> numbers) {
     std::size_t at = 2;
     for (std::uint64_t& number : numbers) {
         for (;;) {
@@ -81,15 +82,22 @@ std::optional<ImageSize> size_of_pnm(std::string_view head) {
             ++at;
         }
         if (at == start || at == head.size()) {
-            return std::nullopt;
+            return 0;
         }
     }
-    return ImageSize{side(numbers[0]), side(numbers[1])};
+    return at;
 }
 
-/// The size stands in the first "start of frame" segment.
-std::optional<ImageSize> size_of_jpeg(std::istream& file) {
-    Bytes bytes(file, true);
+std::optional<ImageSize> size_of_pnm(std::string_view head) {
+    std::array<std::uint64_t, 2> numbers{};
+    return read_pnm_numbers(head, numbers) == 0 ? std::nullopt
+                                                : std::optional(ImageSize{side(numbers[0]), side(numbers[1])});
+}
+
+/// Calls `look` with the code and the place of each segment up to the pixels, until it returns true. A segment's data
+/// begin 4 bytes behind its place.
+template <typename Look>
+void walk_jpeg(Bytes& bytes, const Look& look) {
     constexpr int most_segments = 4096;
     int most_filling = 4096;  // bytes, in all: each costs a seek
     std::uint64_t at = 2;
@@ -99,12 +107,11 @@ std::optional<ImageSize> size_of_jpeg(std::istream& file) {
             marker = bytes.number(++at, 2);
         }
         if (!marker || (*marker >> 8U) != 0xff) {
-            return std::nullopt;
+            return;
         }
         const std::uint64_t code = *marker & 0xffU;
-        const bool begins_frame = code >= 0xc0 && code <= 0xcf && code != 0xc4 && code != 0xc8 && code != 0xcc;
-        if (begins_frame) {
-            return bytes.size(at + 7, at + 5, 2);
+        if (look(code, at)) {
+            return;
         }
         if (code == 0x01 || (code >= 0xd0 && code <= 0xd7)) {  // markers without a segment
             at += 2;
@@ -112,11 +119,24 @@ std::optional<ImageSize> size_of_jpeg(std::istream& file) {
         }
         const auto length = bytes.number(at + 2, 2);
         if (!length || *length < 2 || code == 0xda || code == 0xd9) {
-            return std::nullopt;
+            return;
         }
         at += 2 + *length;
     }
-    return std::nullopt;
+}
+
+/// The size stands in the first "start of frame" segment.
+std::optional<ImageSize> size_of_jpeg(std::istream& file) {
+    Bytes bytes(file, true);
+    std::optional<ImageSize> size;
+    walk_jpeg(bytes, [&](std::uint64_t code, std::uint64_t at) {
+        const bool begins_frame = code >= 0xc0 && code <= 0xcf && code != 0xc4 && code != 0xc8 && code != 0xcc;
+        if (begins_frame) {
+            size = bytes.size(at + 7, at + 5, 2);
+        }
+        return begins_frame;
+    });
+    return size;
 }
 
 std::optional<ImageSize> size_of_bmp(std::istream& file) {
@@ -200,6 +220,63 @@ std::optional<ImageSize> size_of_webp(std::istream& file, std::string_view head)
     return std::nullopt;
 }
 
+/// Reads the orientation in the first directory of a TIFF, or of EXIF data, which are one: it begins at `begin`.
+int orientation_of_tiff(std::istream& file, std::uint64_t begin) {
+    const auto mark = Bytes(file, true).number(begin, 4);
+    const bool big_endian = mark == 0x4d4d002aU;
+    if (!big_endian && mark != 0x49492a00U) {
+        return 1;
+    }
+    Bytes bytes(file, big_endian);
+    const auto directory = bytes.number(begin + 4, 4);
+    const auto count = directory ? bytes.number(begin + *directory, 2) : std::nullopt;
+    for (std::uint64_t i = 0; count && i < *count; ++i) {
+        const std::uint64_t entry = begin + *directory + 2 + 12 * i;
+        const auto tag = bytes.number(entry, 2);
+        if (!tag) {
+            break;
+        }
+        if (tag == 274U) {
+            const auto value = bytes.number(entry + 8, 2);
+            return value && *value >= 1 && *value <= 8 ? static_cast<int>(*value) : 1;
+        }
+    }
+    return 1;
+}
+
+int orientation_of_jpeg(std::istream& file) {
+    Bytes bytes(file, true);
+    int orientation = 1;
+    walk_jpeg(bytes, [&](std::uint64_t code, std::uint64_t at) {
+        constexpr std::uint64_t app1 = 0xe1, exif = 0x45786966;
+        const bool found = code == app1 && bytes.number(at + 4, 4) == exif;
+        orientation = found ? orientation_of_tiff(file, at + 10) : orientation;
+        return found;
+    });
+    return orientation;
+}
+
+/// PNG and WebP are chunks of a name and a length; `wanted` is the name of that with the EXIF data.
+int orientation_in_chunks(std::istream& file, bool png, std::uint64_t wanted) {
+    Bytes names(file, true);
+    Bytes lengths(file, png);
+    constexpr int most_chunks = 4096;
+    std::uint64_t at = png ? 8 : 12;
+    for (int i = 0; i < most_chunks; ++i) {
+        const auto name = names.number(png ? at + 4 : at, 4);
+        const auto length = lengths.number(png ? at : at + 4, 4);
+        if (!name || !length) {
+            break;
+        }
+        if (*name == wanted) {
+            constexpr std::uint64_t exif = 0x45786966;  // some writers put JPEG's "Exif" before the data
+            return orientation_of_tiff(file, at + 8 + (names.number(at + 8, 4) == exif ? 6 : 0));
+        }
+        at += png ? 12 + *length : 8 + *length + *length % 2;
+    }
+    return 1;
+}
+
 }  // namespace
 
 std::optional<ImageSize> read_image_header(std::istream& file) {
@@ -229,6 +306,38 @@ std::optional<ImageSize> read_image_header(std::istream& file) {
         return size_of_webp(file, head);
     }
     return std::nullopt;
+}
+
+int read_image_orientation(std::istream& file) {
+    std::array<char, 12> bytes{};
+    file.clear();
+    file.seekg(0);
+    file.read(bytes.data(), bytes.size());
+    const std::string_view head(bytes.data(), static_cast<std::size_t>(file.gcount()));
+    if (head.starts_with("\xff\xd8\xff")) {
+        return orientation_of_jpeg(file);
+    }
+    if (head.starts_with("\x89PNG")) {
+        return orientation_in_chunks(file, true, 0x65584966);  // eXIf
+    }
+    if (head.starts_with("RIFF") && head.size() == 12 && head.substr(8) == "WEBP") {
+        return orientation_in_chunks(file, false, 0x45584946);  // EXIF
+    }
+    return orientation_of_tiff(file, 0);
+}
+
+std::optional<std::uint64_t> least_size_of_pnm(std::span<const std::uint8_t> file) {
+    const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min(file.size(), head_size));
+    if (!head.starts_with("P5") && !head.starts_with("P6")) {
+        return std::nullopt;
+    }
+    std::array<std::uint64_t, 3> numbers{};  // width, height, largest value
+    const std::size_t end = read_pnm_numbers(head, numbers);
+    const std::uint64_t bytes = (head[1] == '6' ? 3U : 1U) * (numbers[2] > 255 ? 2U : 1U);
+    constexpr std::uint64_t most = 1U << 16U;
+    return end == 0 || numbers[0] > most || numbers[1] > most
+               ? std::nullopt
+               : std::optional(end + 1 + numbers[0] * numbers[1] * bytes);
 }
 
 }  // namespace disparityd::capture

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <istream>
 #include <optional>
+#include <span>
 
 namespace disparityd::capture {
 
@@ -17,5 +19,13 @@ struct ImageSize {
 /// any other file, and where the header is damaged. Sides beyond 2^31 - 1 are returned as that. Of a TIFF in tiles, a
 /// tile larger than the image counts as its size: decoders take memory for it. Reads a few KiB, decodes nothing.
 std::optional<ImageSize> read_image_header(std::istream& file);
+
+/// Returns how an image is to be turned or mirrored before it is shown: 1 to 8, as EXIF and TIFF number it, 1 = as it
+/// is stored. Looks at the EXIF data of JPEG, PNG and WebP and at the tag of TIFF; 1 where there is none. Decodes
+/// nothing.
+int read_image_orientation(std::istream& file);
+
+/// Returns how many bytes a binary PGM or PPM has at least, by its header; nothing for all other files.
+std::optional<std::uint64_t> least_size_of_pnm(std::span<const std::uint8_t> file);
 
 }  // namespace disparityd::capture

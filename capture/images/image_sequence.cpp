@@ -14,6 +14,7 @@
 #include "base/file_kind.h"
 #include "base/number_text.h"
 #include "base/words.h"
+#include "capture/images/folder_pair.h"
 #include "capture/images/image_times.h"
 
 namespace disparityd::capture {
@@ -58,7 +59,7 @@ struct Pattern {
             return std::nullopt;
         }
         const std::string text = name.substr(prefix.size(), name.size() - prefix.size() - suffix.size());
-        const bool number = text.size() <= 18 &&
+        const bool number = text.size() <= 19 &&
                             std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
         if (!number || text.size() < digits || (text.size() > digits && text[0] == '0')) {
             return std::nullopt;
@@ -82,7 +83,7 @@ std::optional<Placeholder> find_placeholder(const std::string& text) {
             ++end;
         }
         const bool zeros = end == at + 1 || text[at + 1] == '0';
-        if (end < text.size() && text[end] == 'd' && zeros && digits <= 18) {
+        if (end < text.size() && text[end] == 'd' && zeros && digits <= 19) {
             return Placeholder{at, end + 1 - at, std::max<std::size_t>(digits, 1)};
         }
     }
@@ -133,9 +134,32 @@ ImageSequence sequence_of(ImageSequence::Frame pair) {
     return sequence;
 }
 
+/// Splits two patterns at a comma; nothing where it is one. Names of folders may have commas, too: folders that are
+/// there are preferred.
+std::optional<std::pair<std::string, std::string>> pair_of_patterns(const std::string& uri) {
+    std::optional<std::pair<std::string, std::string>> found;
+    for (std::size_t comma = uri.find(','); comma != std::string::npos; comma = uri.find(',', comma + 1)) {
+        std::pair<std::string, std::string> pair{uri.substr(0, comma), uri.substr(comma + 1)};
+        const auto is_pattern = [](const std::string& text) {
+            return find_placeholder(fs::path(text).filename().string()).has_value();
+        };
+        const auto is_there = [](const std::string& text) {
+            const fs::path folder = fs::path(text).parent_path();
+            return folder.empty() || base::is_folder(folder);
+        };
+        if (is_pattern(pair.first) && is_pattern(pair.second)) {
+            if (is_there(pair.first) && is_there(pair.second)) {
+                return pair;
+            }
+            found = found ? found : pair;
+        }
+    }
+    return found;
+}
+
 ImageSequence find_by_pattern(const std::string& uri) {
-    const std::size_t comma = uri.find(',');
-    const Pattern left = parse_pattern(uri.substr(0, comma));
+    const auto pair = pair_of_patterns(uri);
+    const Pattern left = parse_pattern(pair ? pair->first : uri);
     std::vector<std::uint64_t> numbers;
     for (const std::string& name : names_in(left.folder)) {
         if (const auto number = left.number_of(name)) {
@@ -147,9 +171,8 @@ ImageSequence find_by_pattern(const std::string& uri) {
     }
     std::sort(numbers.begin(), numbers.end());
     ImageSequence sequence;
-    sequence.description = comma == std::string::npos ? "side-by-side images" : "image pairs";
-    const std::optional<Pattern> right =
-        comma == std::string::npos ? std::nullopt : std::optional(parse_pattern(uri.substr(comma + 1)));
+    sequence.description = pair ? "image pairs" : "side-by-side images";
+    const std::optional<Pattern> right = pair ? std::optional(parse_pattern(pair->second)) : std::nullopt;
     for (const std::uint64_t number : numbers) {
         ImageSequence::Frame frame{left.file(number), right ? right->file(number) : std::string(), 0, {}};
         if (right && !base::is_file(frame.right)) {
@@ -157,6 +180,7 @@ ImageSequence find_by_pattern(const std::string& uri) {
         }
         sequence.frames.push_back(std::move(frame));
     }
+    take_times_of_names(sequence);
     return sequence;
 }
 
@@ -171,8 +195,8 @@ std::string first_existing(std::initializer_list<fs::path> candidates) {
 
 std::optional<ImageSequence> find_middlebury(const std::string& folder) {
     // Scenes of nine views have their ground truth for views 2 and 6 (2001, 2003) or 1 and 5 (2005, 2006).
-    constexpr std::array<std::pair<const char*, const char*>, 5> pairs{
-        {{"left", "right"}, {"im2", "im6"}, {"im0", "im1"}, {"view1", "view5"}, {"view0", "view1"}}};
+    constexpr std::array<std::pair<const char*, const char*>, 6> pairs{
+        {{"left", "right"}, {"Left", "Right"}, {"im2", "im6"}, {"im0", "im1"}, {"view1", "view5"}, {"view0", "view1"}}};
     for (const auto& [left, right] : pairs) {
         ImageSequence::Frame frame{find_image(folder, left), find_image(folder, right), 0, {}};
         if (!frame.left.empty() && !frame.right.empty()) {
@@ -255,8 +279,8 @@ ImageUri parse_image_uri(const std::string& uri) {
 
 bool is_image_sequence(const std::string& uri) {
     const std::string path = uri.substr(0, uri.rfind("?bits="));
-    return base::is_folder(path) || find_placeholder(path).has_value() || pair_of(path).has_value() ||
-           (is_image_name(path) && base::is_file(path));
+    return base::is_folder(path) || find_placeholder(path).has_value() || pair_of_folders(path).has_value() ||
+           pair_of(path).has_value() || (is_image_name(path) && base::is_file(path));
 }
 
 std::string find_image(const std::string& folder, const std::string& stem) {
@@ -302,6 +326,9 @@ std::vector<std::string> image_names(const std::string& folder) {
 
 ImageSequence find_images(const std::string& uri) {
     if (!base::is_folder(uri)) {
+        if (const auto folders = pair_of_folders(uri)) {
+            return pair_images(folders->first, folders->second);
+        }
         const bool pattern = find_placeholder(uri).has_value();
         if (auto pair = pattern ? std::nullopt : pair_of(uri)) {
             return sequence_of(*std::move(pair));
@@ -319,10 +346,20 @@ ImageSequence find_images(const std::string& uri) {
     if (auto found = find_middlebury(uri)) {
         return *std::move(found);
     }
-    throw std::invalid_argument(uri +
-                                ": holds no stereo images that are known: neither a pair (left/right, im0/im1, "
-                                "im2/im6, view1/view5 with .png, .ppm ...) nor KITTI's folders (image_2 and image_3, "
-                                "image_0 and image_1 ...); other names as a pattern: left_%04d.png,right_%04d.png");
+    if (const auto folders = find_folders_of_eyes(uri)) {
+        ImageSequence sequence = pair_images(folders->first, folders->second);
+        const fs::path settings = fs::path(folders->first).parent_path() / "sensor.yaml";
+        if (base::is_file(settings)) {
+            sequence.notice = settings.string() + ": EuRoC's calibration is not read: name one with --calibration";
+        }
+        return sequence;
+    }
+    throw std::invalid_argument(
+        uri +
+        ": holds no stereo images that are known: neither a pair (left/right, im0/im1, "
+        "im2/im6, view1/view5 with .png, .ppm ...) nor folders of each eye (image_2 and "
+        "image_3, image_0 and image_1, left and right, cam0/data and cam1/data ...); other names "
+        "as two folders, FOLDER,FOLDER, or as a pattern: left_%04d.png,right_%04d.png");
 }
 
 }  // namespace disparityd::capture

@@ -20,11 +20,12 @@ struct ImageSequence {
     bool rectified = false;   ///< by the layout's own rules
     std::string description;  ///< "Middlebury scene", "KITTI image_2/image_3", "pattern"
     std::string calibration;  ///< calib.txt and the like, of all frames; empty = there is none
+    std::string notice;       ///< one line: what the folder has and is not used without a calibration; may be empty
     int kitti_camera = -1;    ///< number of the left camera in a KITTI calibration; -1 = not KITTI
 };
 
-/// The URI of images: a folder, a pattern, two files as left.png,right.png, each with "?bits=12" behind it where
-/// images of 16 bits per channel hold fewer.
+/// The URI of images: a folder, two folders, a pattern, two files as left.png,right.png, each with "?bits=12" behind it
+/// where images of 16 bits per channel hold fewer.
 struct ImageUri {
     std::string path;  ///< without "?bits="
     int bits = 16;
@@ -33,7 +34,7 @@ struct ImageUri {
 /// Throws std::invalid_argument with one line when the bits are none of 9 to 16.
 ImageUri parse_image_uri(const std::string& uri);
 
-/// True for an existing folder, for names with %d, for one or two names of image files.
+/// True for an existing folder or two with a comma between, for names with %d, for one or two names of image files.
 bool is_image_sequence(const std::string& uri);
 
 /// Lists the frames; `uri` is without "?bits=". Throws std::invalid_argument with one line when nothing fits or an

@@ -11,9 +11,11 @@
 #include <unistd.h>
 
 #include "base/failure_text.h"
+#include "base/file_kind.h"
 #include "base/message_text.h"
 #include "base/option_tree.h"
 #include "base/version.h"
+#include "base/words.h"
 #include "tools/command_line/plain_help.h"
 #include "tools/command_line/printable_output.h"
 
@@ -33,12 +35,28 @@ std::string help_of(const CLI::App& app) {
     return app.get_name() + (chosen.empty() ? "" : ' ' + chosen.front()->get_name()) + " --help";
 }
 
+/// Says what has happened where a shell has put many names in place of a pattern; empty where it has not.
+std::string extra_files(const CLI::App& app) {
+    constexpr bool of_sub_commands = true;
+    std::vector<std::string> names = app.remaining(of_sub_commands);
+    std::erase_if(names, [](const std::string& name) { return !base::is_file(name); });
+    if (names.empty()) {
+        return {};
+    }
+    return "found " + base::counted(names.size(), "file name") + " more than allowed, the first is '" +
+           base::printable(names.front()) +
+           "'; name many images by one pattern, with %d for their numbers: left_%d.png,right_%d.png";
+}
+
 /// What is wrong, and what to look at. CLI11 does not say which sub-commands there are.
 std::string parse_failure(const CLI::App& app, const CLI::ParseError& error) {
     const std::vector<std::string> unexpected = app.remaining();
     const std::string allowed = sub_commands(app);
     if (!allowed.empty() && app.get_subcommands().empty() && !unexpected.empty() && unexpected.front()[0] != '-') {
         return "found sub-command '" + unexpected.front() + "', allowed: " + allowed + "; see " + help_of(app);
+    }
+    if (const std::string extra = extra_files(app); !extra.empty()) {
+        return extra + "; see " + help_of(app);
     }
     return std::string(error.what()) + "; see " + help_of(app);
 }

@@ -110,10 +110,16 @@ FloatMap read_disparity_pfm(const std::string& path) {
         scale == 0 || !std::isfinite(scale)) {
         refuse_pfm(path, "another header");
     }
-    file.get();
+    const int line_end = file.get();
     const std::size_t count = static_cast<std::size_t>(map.width) * static_cast<std::size_t>(map.height);
     std::error_code error;
-    if (const auto length = std::filesystem::file_size(path, error); !error && length < 4 * count) {
+    const auto length = std::filesystem::file_size(path, error);
+    // A header with the line ends of Windows has a byte more; a pixel may begin with that value, too.
+    if (line_end == '\r' && file.peek() == '\n' && !error &&
+        length == static_cast<std::uintmax_t>(file.tellg()) + 1 + 4 * count) {
+        file.get();
+    }
+    if (!error && length < 4 * count) {
         refuse_pfm(path, std::to_string(length) + " bytes in all where the pixels alone should be " +
                              std::to_string(4 * count));  // before memory is taken for them
     }
