@@ -11,71 +11,62 @@
 #include "base/number_text.h"
 #include "base/text_file.h"
 #include "base/words.h"
+#include "calibration/formats/baseline_unit.h"
+#include "calibration/formats/calibration_format.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/calibration_name.h"
 
 namespace disparityd::calibration {
 
 namespace {
 
 constexpr std::string_view text_version = "disparityd-calibration 1";
+constexpr std::size_t longest_name = 200;  // bytes of a file's name in a message
 
-enum class Format { factory, opencv, ros, middlebury, kitti };
-
-Format format_of(const std::string& path, const std::string& text) {
-    if (text.starts_with("%YAML") || text.starts_with("<?xml")) {
-        return Format::opencv;
-    }
-    if (text.find("cam0=") != std::string::npos || text.find("cam0 =") != std::string::npos) {
-        return Format::middlebury;
-    }
-    if (text.find("P0:") != std::string::npos || text.find("P_rect_0") != std::string::npos ||
-        text.find("P2:") != std::string::npos) {
-        return Format::kitti;
-    }
-    if (text.find("camera_matrix") != std::string::npos) {
-        return Format::ros;
-    }
-    if (base::trim(text).starts_with('[') || base::lower_case(path).ends_with(".conf")) {
-        return Format::factory;
-    }
-    // Comments may come before the first section.
-    for (const std::string_view line : base::split(text, '\n')) {
-        const std::string_view content = base::trim(line);
-        if (!content.empty() && content[0] != '#' && content[0] != ';') {
-            if (content[0] == '[') {
-                return Format::factory;
-            }
-            break;
-        }
-    }
-    throw std::invalid_argument("calibration " + path +
-                                ": no known format; allowed are a factory .conf, OpenCV YAML or XML, a pair of ROS "
-                                "camera_info files (left.yaml,right.yaml), Middlebury's calib.txt and KITTI's");
+CalibrationText load(const std::string& path) {
+    return {path, base::read_text_file(path, "calibration")};
 }
 
-StereoCalibration read_pair(const std::string& first, const std::string& second, int width, int height) {
-    const std::string text = base::read_text_file(first, "calibration");
-    if (format_of(first, text) == Format::ros) {
-        return read_ros_calibration(first, second, width, height);
+FileCalibration read_pair(const CalibrationName& name, int width, int height) {
+    const CalibrationText first = load(name.first);
+    const CalibrationText second = load(name.second);
+    const CalibrationFormat format = calibration_format(first.path, first.text);
+    const CalibrationFormat other = calibration_format(second.path, second.text);
+    if (format == other && format == CalibrationFormat::ros) {
+        return read_ros_calibration(first, second, width, height, name.brown);
     }
-    return read_opencv_calibration(first, second, width, height);
+    if (format == other && format == CalibrationFormat::opencv) {
+        return read_opencv_calibration(first, second, width, height, name.brown);
+    }
+    refuse_calibration(name.first, "is " + format_name(format) + ", and " + base::printable(name.second, longest_name) +
+                                       " is " + format_name(other) +
+                                       "; allowed with a comma between them are two ROS camera_info files, or two of "
+                                       "OpenCV with the cameras and the pose");
 }
 
-StereoCalibration read_one(const std::string& path, int width, int height) {
-    const std::string text = base::read_text_file(path, "calibration");
-    switch (format_of(path, text)) {
-        case Format::factory: return read_factory_conf(path, text, width, height);
-        case Format::opencv: return read_opencv_calibration(path, {}, width, height);
-        case Format::middlebury: return read_middlebury_calibration(path, text, width, height);
-        case Format::kitti:
-            return read_kitti_calibration(
-                path, text,
-                text.find("P2:") != std::string::npos || text.find("P_rect_02:") != std::string::npos ? 2 : 0, width,
-                height);
-        case Format::ros: break;
+FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> pair, int width, int height) {
+    const CalibrationText file = load(name.first);
+    FileCalibration read;
+    switch (calibration_format(file.path, file.text)) {
+        case CalibrationFormat::factory:
+            read.calibration = read_factory_conf(file.path, file.text, width, height);
+            // Cameras with 18 mm are made.
+            read.least_baseline_mm = 15;
+            return read;
+        case CalibrationFormat::opencv: return read_opencv_calibration(file, file, width, height, name.brown);
+        case CalibrationFormat::orbslam: return read_orbslam_settings(file, width, height);
+        case CalibrationFormat::kalibr: return read_kalibr_camchain(file, width, height);
+        case CalibrationFormat::middlebury:
+            read.calibration = read_middlebury_calibration(file.path, file.text, width, height);
+            return read;
+        case CalibrationFormat::kitti:
+            read.calibration = read_kitti_calibration(
+                file.path, file.text, kitti_camera(file.path, file.text, name.pair ? name.pair : pair), width, height);
+            read.unit_mm = 1000;
+            return read;
+        case CalibrationFormat::ros: break;
     }
-    throw std::invalid_argument("calibration " + path +
-                                ": found the ROS camera_info of one camera; name both, as left.yaml,right.yaml");
+    refuse_calibration(file.path, "found the ROS camera_info of one camera; name both, as left.yaml,right.yaml");
 }
 
 void put(std::string& text, const std::string& key, std::initializer_list<double> numbers) {
@@ -95,8 +86,8 @@ void put_camera(std::string& text, const std::string& key, const CameraModel& ca
 
 void check_range(double value, double least, double most, const std::string& what, const std::string& path) {
     if (!(value >= least && value <= most)) {
-        throw std::invalid_argument("calibration " + path + ": " + what + ": found " + base::number_text(value) +
-                                    ", allowed is " + base::number_text(least) + " to " + base::number_text(most));
+        refuse_calibration(path, what + ": found " + base::number_text(value) + ", allowed is " +
+                                     base::number_text(least) + " to " + base::number_text(most));
     }
 }
 
@@ -116,13 +107,36 @@ void check_rotation(const std::array<double, 9>& r, const std::string& path) {
         }
     }
     if (!good) {
-        throw std::invalid_argument("calibration " + path +
-                                    ": the matrix that turns the left camera to the right one is no rotation: its rows "
-                                    "must have length 1 and be at right angles");
+        refuse_calibration(path,
+                           "the matrix that turns the left camera to the right one is no rotation: its rows must have "
+                           "length 1 and be at right angles");
     }
     constexpr double degrees = 180 / std::numbers::pi;
     const double angle = std::acos(std::clamp((r[0] + r[4] + r[8] - 1) / 2, -1.0, 1.0)) * degrees;
     check_range(std::round(angle), 0, 45, "degrees between the directions of the two cameras", path);
+}
+
+/// Checks that the right camera stands to the right of the left one.
+void check_side_by_side(const StereoCalibration& calibration, const std::string& path) {
+    const auto& t = calibration.translation;
+    if (t[0] >= 0) {
+        refuse_calibration(path,
+                           "T: found x " + base::number_text(t[0]) +
+                               " mm, expected less than 0: the right camera lies left of the left one: exchange "
+                               "the two (left and right, in the files and in their order), or, if R and T are the "
+                               "pose of the right camera as the left one sees it, give the inverse, which takes "
+                               "points of the left camera to the right one");
+    }
+    // Cameras that are turned by 45 degrees to each other, the most that is allowed, have 0.42 at most.
+    constexpr double largest_part = 0.5;
+    for (const auto& [length, axis] : {std::pair(t[1], "y"), {t[2], "z"}}) {
+        if (!(std::abs(length) <= largest_part * -t[0])) {
+            refuse_calibration(path, std::string("T: found ") + axis + " " + base::number_text(length) + " mm and x " +
+                                         base::number_text(t[0]) +
+                                         " mm, allowed is at most half as much as x: the two cameras do not stand side "
+                                         "by side");
+        }
+    }
 }
 
 using NamedNumbers = std::map<std::string, std::vector<double>, std::less<>>;
@@ -151,10 +165,30 @@ NamedNumbers named_numbers(const std::string& text, const std::string& origin) {
 
 }  // namespace
 
+void refuse_calibration(const std::string& path, const std::string& what) {
+    throw std::invalid_argument("calibration " + base::printable(path, longest_name) + ": " + what);
+}
+
 void refuse_other_size(const std::string& path, const std::string& found, int width, int height) {
-    throw std::invalid_argument("calibration " + path + ": is for eyes of " + found + " pixels, the frames have " +
-                                std::to_string(width) + "x" + std::to_string(height) +
-                                ": use a mode or a calibration of the other size");
+    refuse_calibration(path, "is for eyes of " + found + " pixels, the frames have " + base::size_text(width, height) +
+                                 ": use a mode or a calibration of the other size");
+}
+
+void check_size_by_centre(const StereoCalibration& calibration, const std::string& path) {
+    // What cameras have lies within a tenth of the middle; rectified images may be cut.
+    const double least = calibration.rectified ? 0.25 : 0.35;
+    for (const CameraModel* camera : {&calibration.left, &calibration.right}) {
+        const double x = camera->cx / calibration.width;
+        const double y = camera->cy / calibration.height;
+        if (!(x >= least && x <= 1 - least && y >= least && y <= 1 - least)) {
+            refuse_calibration(path, "does not say for which size of images it is, and its principal point (" +
+                                         base::number_text(camera->cx) + ", " + base::number_text(camera->cy) +
+                                         ") is far from the middle of the frames' " +
+                                         base::size_text(calibration.width, calibration.height) +
+                                         ": use the calibration of this size, or write the size into the file (OpenCV: "
+                                         "image_width, image_height)");
+        }
+    }
 }
 
 void check_plausible(const StereoCalibration& calibration, const std::string& path) {
@@ -180,18 +214,15 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
     const double baseline = std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]);
     if (!calibration.rectified || baseline != 0) {
         check_range(baseline, 0.5, 100000, "baseline in mm", path);
-        if (t[0] >= 0) {
-            throw std::invalid_argument("calibration " + path +
-                                        ": the right camera lies left of the left one: exchange the two");
-        }
+        check_side_by_side(calibration, path);
     }
 }
 
-StereoCalibration read_calibration(const std::string& path, int width, int height) {
-    const auto comma = path.find(',');
-    StereoCalibration calibration = comma == std::string::npos
-                                        ? read_one(path, width, height)
-                                        : read_pair(path.substr(0, comma), path.substr(comma + 1), width, height);
+StereoCalibration read_calibration(const std::string& path, int width, int height, std::optional<KittiPair> pair) {
+    const CalibrationName name = parse_calibration_name(path);
+    FileCalibration read = name.second.empty() ? read_one(name, pair, width, height) : read_pair(name, width, height);
+    StereoCalibration calibration = settle_unit(std::move(read), name.unit_mm, path);
+    calibration.origin = path;
     check_plausible(calibration, path);
     return calibration;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace disparityd::calibration {
@@ -29,11 +30,18 @@ struct StereoCalibration {
     std::string origin;  ///< where it was read from, for messages: a file name, "recording", "scene"
 };
 
-/// Reads a calibration file for frames of width x height per eye: a factory .conf, OpenCV YAML/XML (keys M1 D1 M2 D2
-/// R T, or two files intrinsics/extrinsics joined), a ROS camera_info pair given as "left.yaml,right.yaml", or the
-/// calib.txt of a Middlebury (2014) or KITTI scene.
-/// Throws std::invalid_argument with one line: file, key, what was found, what is allowed.
-StereoCalibration read_calibration(const std::string& path, int width, int height);
+/// The two pairs of cameras that a KITTI calibration may hold.
+enum class KittiPair { grey, colour };
+
+/// Reads a calibration for frames of width x height per eye: one file, or two with a comma between them. Formats: a
+/// factory .conf; OpenCV's YAML, JSON or XML (M1 D1 M2 D2 R T, or K_LEFT ... of the vendor's own tool; R and T may
+/// stand in a second file); a pair of ROS camera_info; settings of ORB-SLAM; Kalibr's camchain; calib.txt of
+/// Middlebury, ETH3D and KITTI. docs/calibration.md lists the keys. Behind a question mark stands what the files leave
+/// open, as in "stereo.yml?unit=m": unit=mm, cm, m or the side of the board's squares as 25mm; model=brown; pair=grey
+/// or colour. `pair` is which of KITTI's pairs the frames are of, where the caller knows. Throws std::invalid_argument
+/// with one line: file, key, what was found, what is allowed.
+StereoCalibration read_calibration(const std::string& path, int width, int height,
+                                   std::optional<KittiPair> pair = std::nullopt);
 
 /// Writes the calibration of two raw cameras as OpenCV's YAML (M1 D1 M2 D2 R T, T in mm), which read_calibration() and
 /// OpenCV read back without loss. The same calibration gives the same text.

@@ -63,7 +63,8 @@ std::optional<StereoCalibration> find_camera_calibration(const std::string& seri
         return std::nullopt;
     }
     for (const std::string& folder : folders) {
-        for (const std::string& name : {"SN" + serial + ".conf", serial + ".yaml", serial + ".yml", serial + ".xml"}) {
+        for (const std::string& name : {"SN" + serial + ".conf", serial + ".yaml", serial + ".yml", serial + ".xml",
+                                        "zed_calibration_" + serial + ".yml"}) {
             const auto path = std::filesystem::path(folder) / name;
             if (base::is_file(path)) {
                 StereoCalibration calibration = read_calibration(path.string(), eye_width, height);

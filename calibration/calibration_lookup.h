@@ -16,8 +16,9 @@ inline constexpr const char* standard_calibration_folders = "/etc/disparityd/cal
 std::vector<std::string> folder_list(const std::string& text);
 
 /// Reads the calibration of the camera with this serial number: the first of SN<serial>.conf, <serial>.yaml,
-/// <serial>.yml and <serial>.xml in the first folder that has one. Returns nothing when there is none. Throws
-/// std::invalid_argument with one line when the file is damaged or cannot belong to a stereo camera.
+/// <serial>.yml, <serial>.xml and zed_calibration_<serial>.yml in the first folder that has one. Returns nothing when
+/// there is none. Throws std::invalid_argument with one line when the file is damaged or cannot belong to a stereo
+/// camera.
 std::optional<StereoCalibration> find_camera_calibration(const std::string& serial,
                                                          const std::vector<std::string>& folders, int eye_width,
                                                          int height);

@@ -9,6 +9,7 @@
 
 #include "base/message_text.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/rectified_view.h"
 
 namespace disparityd::calibration {
 
@@ -86,6 +87,7 @@ void rectify_raw(Rectification& result, const StereoCalibration& calibration, co
         throw std::invalid_argument("calibration " + calibration.origin +
                                     ": cannot be rectified: the cameras do not look side by side the same way");
     }
+    check_rectified_view(calibration);
     use_projection(result, f, left_projection.at<double>(0, 2), left_projection.at<double>(1, 2), geometry);
     result.baseline_mm = -shift / f;
     std::copy_n(left_turn.ptr<double>(), 9, result.left_rotation.begin());

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
-#include <stdexcept>
 #include <string>
 
 #include "base/message_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/rectified_eyes.h"
 
 namespace disparityd::calibration {
 
@@ -14,12 +17,30 @@ namespace {
 
 using Entries = std::map<std::string, std::string, std::less<>>;
 
-Entries read_entries(const std::string& text, char separator) {
+/// Reads lines of key, separator and value. `known` are the keys that are used, or say nothing about the geometry.
+Entries read_entries(const std::string& path, const std::string& text, char separator,
+                     const std::vector<std::string_view>& known, const std::string& format) {
     Entries entries;
-    for (const std::string_view line : base::split(text, '\n')) {
-        const auto at = line.find(separator);
-        if (at != std::string_view::npos) {
-            entries[std::string(base::trim(line.substr(0, at)))] = std::string(base::trim(line.substr(at + 1)));
+    int number = 0;
+    for (const std::string_view raw : base::split(text, '\n')) {
+        ++number;
+        const std::string_view line = base::trim(raw);
+        if (line.empty()) {
+            continue;
+        }
+        const auto at = std::min(line.find(separator), line.size());
+        const std::string key(base::trim(line.substr(0, at)));
+        const std::string where = "line " + std::to_string(number) + ": found '" + base::printable(line) + "', ";
+        if (at == line.size()) {
+            refuse_calibration(path, where + "expected key" + separator + "value: this is no calibration of " + format);
+        }
+        if (std::find(known.begin(), known.end(), key) == known.end()) {
+            refuse_calibration(path, where + "a key that calibrations of " + format +
+                                         " do not have and that would not be applied: take it out if it says nothing "
+                                         "about the cameras");
+        }
+        if (!entries.emplace(key, base::trim(line.substr(at + 1))).second) {
+            refuse_calibration(path, where + "a key that is there twice; once is allowed");
         }
     }
     return entries;
@@ -28,13 +49,12 @@ Entries read_entries(const std::string& text, char separator) {
 std::vector<double> numbers(const Entries& entries, const std::string& path, std::string_view key, std::size_t count) {
     const auto found = entries.find(key);
     if (found == entries.end()) {
-        throw std::invalid_argument("calibration " + path + ": has no entry " + std::string(key));
+        refuse_calibration(path, "has no entry " + std::string(key));
     }
     const auto values = base::parse_numbers(found->second, "[]; \t\r");
     if (!values || values->size() != count) {
-        throw std::invalid_argument("calibration " + path + ": " + std::string(key) + ": found '" +
-                                    base::printable(found->second) + "', expected " + std::to_string(count) +
-                                    (count == 1 ? " number" : " numbers"));
+        refuse_calibration(path, std::string(key) + ": found '" + base::printable(found->second) + "', expected " +
+                                     base::counted(count, "number"));
     }
     return *values;
 }
@@ -48,59 +68,115 @@ StereoCalibration rectified_calibration(const std::string& path, int width, int 
     return calibration;
 }
 
-void check_focal_length(double f, const std::string& path, const std::string& key) {
-    if (!(f > 0)) {
-        throw std::invalid_argument("calibration " + path + ": " + key + ": found a focal length of " +
-                                    base::number_text(f) + ", allowed is more than 0");
+/// Compares the offset of disparities that the file states with that of the two principal points.
+void check_offset(const Entries& entries, const std::string& path, const StereoCalibration& calibration) {
+    constexpr double rounding = 0.05;
+    const double expected = calibration.right.cx - calibration.left.cx;
+    const double found = entries.contains("doffs") ? numbers(entries, path, "doffs", 1)[0] : expected;
+    if (!(std::abs(found - expected) <= rounding)) {
+        refuse_calibration(path, "doffs: found " + base::number_text(found) +
+                                     ", and the principal points of cam0 and cam1 give " +
+                                     base::number_text(std::round(1000 * expected) / 1000) +
+                                     " (cx1 - cx0): they contradict each other; use the calibration that belongs to "
+                                     "the images");
     }
+}
+
+/// The keys of KITTI's files. Those of the raw cameras and of other sensors say nothing about rectified images.
+std::vector<std::string_view> kitti_keys() {
+    std::vector<std::string_view> keys{"calib_time",     "corner_dist",   "Tr",          "R0_rect",
+                                       "R_rect",         "Tr_velo_cam",   "Tr_imu_velo", "Tr_velo_to_cam",
+                                       "Tr_imu_to_velo", "Tr_cam_to_road"};
+    static const std::vector<std::string> numbered = [] {
+        std::vector<std::string> names;
+        for (const std::string camera : {"0", "1", "2", "3"}) {
+            names.push_back("P" + camera);
+            for (const char* key : {"S_0", "K_0", "D_0", "R_0", "T_0", "S_rect_0", "R_rect_0", "P_rect_0"}) {
+                names.push_back(key + camera);
+            }
+        }
+        return names;
+    }();
+    keys.insert(keys.end(), numbered.begin(), numbered.end());
+    return keys;
 }
 
 }  // namespace
 
 StereoCalibration read_middlebury_calibration(const std::string& path, const std::string& text, int width, int height) {
-    const Entries entries = read_entries(text, '=');
+    // Of the disparities that the scene has, and of the ground truth: matching does not depend on them.
+    const Entries entries = read_entries(
+        path, text, '=',
+        {"cam0", "cam1", "doffs", "baseline", "width", "height", "ndisp", "isint", "vmin", "vmax", "dyavg", "dymax"},
+        "Middlebury");
     const auto size_entry = [&](const char* key, int found) {
         const double expected = numbers(entries, path, key, 1)[0];
         if (expected != found) {
-            throw std::invalid_argument("calibration " + path + ": " + key + " is " + base::number_text(expected) +
-                                        ", that of the frames is " + std::to_string(found) +
-                                        ": use the calibration of the same resolution");
+            refuse_calibration(path, std::string(key) + " is " + base::number_text(expected) +
+                                         ", that of the frames is " + std::to_string(found) +
+                                         ": use the calibration of the same resolution");
         }
     };
     size_entry("width", width);
     size_entry("height", height);
     StereoCalibration calibration = rectified_calibration(path, width, height);
-    for (const auto& [camera, key] : {std::pair(&calibration.left, "cam0"), std::pair(&calibration.right, "cam1")}) {
-        const auto matrix = numbers(entries, path, key, 9);
-        check_focal_length(matrix[0], path, key);
-        *camera = {matrix[0], matrix[4], matrix[2], matrix[5], {}};
+    std::array<EyeProjection, 2> eyes;
+    for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
+        const std::string key = eye == 0 ? "cam0" : "cam1";
+        const auto m = numbers(entries, path, key, 9);
+        eyes[eye] = {path, key, {m[0], m[1], m[2], 0, m[3], m[4], m[5], 0, m[6], m[7], m[8], 0}};
     }
+    const RectifiedEyes both = rectified_eyes(eyes[0], eyes[1], width, height);
+    calibration.left = both.left;
+    calibration.right = both.right;
+    check_offset(entries, path, calibration);
     calibration.translation = {-numbers(entries, path, "baseline", 1)[0], 0, 0};
     return calibration;
 }
 
+int kitti_camera(const std::string& path, const std::string& text, std::optional<KittiPair> pair) {
+    const Entries entries = read_entries(path, text, ':', kitti_keys(), "KITTI");
+    const auto has = [&](const char* key, const char* raw_key) {
+        return entries.contains(key) || entries.contains(raw_key);
+    };
+    const bool grey = has("P0", "P_rect_00") && has("P1", "P_rect_01");
+    const bool colour = has("P2", "P_rect_02") && has("P3", "P_rect_03");
+    if (grey && colour && !pair) {
+        refuse_calibration(path,
+                           "has both of KITTI's pairs, and which one the images are of is not known: give the name "
+                           "with ?pair=grey behind it for images of image_0 and image_1 (image_00, image_01), with "
+                           "?pair=colour for those of image_2 and image_3");
+    }
+    return grey && (!colour || *pair == KittiPair::grey) ? 0 : 2;
+}
+
 StereoCalibration read_kitti_calibration(const std::string& path, const std::string& text, int first_camera, int width,
                                          int height) {
-    const Entries entries = read_entries(text, ':');
+    const Entries entries = read_entries(path, text, ':', kitti_keys(), "KITTI");
     const bool raw_layout = entries.contains("P_rect_00") || entries.contains("P_rect_02");
     const auto key = [&](int camera) { return (raw_layout ? "P_rect_0" : "P") + std::to_string(camera); };
     StereoCalibration calibration = rectified_calibration(path, width, height);
-    double shift[2] = {};
-    for (int i = 0; i < 2; ++i) {
+    std::array<EyeProjection, 2> eyes;
+    bool sized = false;
+    for (const int i : {0, 1}) {
         const std::string number = std::to_string(first_camera + i);
         if (const std::string size_key = "S_rect_0" + number; raw_layout && entries.contains(size_key)) {
             const auto size = numbers(entries, path, size_key, 2);
             if (size[0] != width || size[1] != height) {
                 refuse_other_size(path, base::number_text(size[0]) + "x" + base::number_text(size[1]), width, height);
             }
+            sized = true;
         }
-        const auto p = numbers(entries, path, key(first_camera + i), 12);
-        check_focal_length(p[0], path, key(first_camera + i));
-        auto& eye = i == 0 ? calibration.left : calibration.right;
-        eye = {p[0], p[5], p[2], p[6], {}};
-        shift[i] = p[3] / p[0];
+        eyes[static_cast<std::size_t>(i)] = {path, key(first_camera + i),
+                                             numbers(entries, path, key(first_camera + i), 12)};
     }
-    calibration.translation = {1000 * (shift[1] - shift[0]), 0, 0};
+    const RectifiedEyes both = rectified_eyes(eyes[0], eyes[1], width, height);
+    calibration.left = both.left;
+    calibration.right = both.right;
+    calibration.translation = {1000 * both.shift, 0, 0};
+    if (!sized) {
+        check_size_by_centre(calibration, path);
+    }
     return calibration;
 }
 

@@ -6,20 +6,44 @@
 #include "calibration/calibration.h"
 
 /// The file formats behind read_calibration(), one file of code each. All throw std::invalid_argument with one line:
-/// file, place, what was found, what is allowed. `text` is the content of the file `path`.
+/// file, key, what was found, what is allowed. Keys that a reader neither uses nor knows as harmless are refused;
+/// docs/calibration.md lists them.
 namespace disparityd::calibration {
+
+inline constexpr double metre_mm = 1000;
+
+/// A file that was read.
+struct CalibrationText {
+    std::string path;  ///< for messages
+    std::string text;
+};
+
+/// What a file says, and what it leaves open.
+struct FileCalibration {
+    StereoCalibration calibration;  ///< translation in mm if the file's unit is `unit_mm`
+    double unit_mm = 1;             ///< what one of the file's lengths is, by the rules of the format or by a key
+    bool unit_stated = false;       ///< by a key of the file
+    double least_baseline_mm = 20;  ///< below this the unit must be stated
+};
 
 /// Reads a factory file SN<serial>.conf.
 StereoCalibration read_factory_conf(const std::string& path, const std::string& text, int width, int height);
 
-/// Reads OpenCV's YAML or XML; `extrinsics` may name a second file with R and T, or be empty.
-StereoCalibration read_opencv_calibration(const std::string& path, const std::string& extrinsics, int width,
-                                          int height);
+/// Reads OpenCV's YAML, JSON or XML; R and T may stand in a second file. `brown`: four coefficients are k1 k2 p1 p2.
+FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
+                                        int height, bool brown);
 
 /// Reads a pair of ROS camera_info, one file per camera.
-StereoCalibration read_ros_calibration(const std::string& left, const std::string& right, int width, int height);
+FileCalibration read_ros_calibration(const CalibrationText& left, const CalibrationText& right, int width, int height,
+                                     bool brown);
 
-/// Reads calib.txt of Middlebury 2014.
+/// Reads the settings of ORB-SLAM 2 (LEFT.K ...) and 3 (Camera1.fx ..., Stereo.T_c1_c2).
+FileCalibration read_orbslam_settings(const CalibrationText& file, int width, int height);
+
+/// Reads the camchain of Kalibr: two cameras of the models pinhole and radtan.
+FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int height);
+
+/// Reads calib.txt of Middlebury 2014, which ETH3D has, too.
 StereoCalibration read_middlebury_calibration(const std::string& path, const std::string& text, int width, int height);
 
 /// Reads KITTI's calib.txt (P0: .. P3:) or calib_cam_to_cam.txt (P_rect_00: ..; S_rect_00: .. must be the frames'
@@ -27,9 +51,20 @@ StereoCalibration read_middlebury_calibration(const std::string& path, const std
 StereoCalibration read_kitti_calibration(const std::string& path, const std::string& text, int first_camera, int width,
                                          int height);
 
+/// Returns the number of the left camera in KITTI's file: the one that has a calibration there, or that of `pair`.
+/// Throws where both pairs have one and `pair` is not known.
+int kitti_camera(const std::string& path, const std::string& text, std::optional<KittiPair> pair);
+
+/// Throws std::invalid_argument: "calibration FILE: " and what is wrong. A name that is too long for a line is cut.
+[[noreturn]] void refuse_calibration(const std::string& path, const std::string& what);
+
 /// Throws for a calibration of another eye size than the frames have; `found` is its size, or sizes, such as
 /// "1280x720".
 [[noreturn]] void refuse_other_size(const std::string& path, const std::string& found, int width, int height);
+
+/// Throws for principal points so far from the middle that the file must be for images of another size. For files that
+/// do not state one.
+void check_size_by_centre(const StereoCalibration& calibration, const std::string& path);
 
 /// Throws for numbers that no stereo camera has.
 void check_plausible(const StereoCalibration& calibration, const std::string& path);

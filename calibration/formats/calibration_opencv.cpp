@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <initializer_list>
+#include <cmath>
 #include <string>
 
-#include "base/text_file.h"
+#include <opencv2/calib3d.hpp>
+
+#include "base/message_text.h"
+#include "base/number_text.h"
+#include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/calibration_name.h"
+#include "calibration/formats/lens_model.h"
+#include "calibration/formats/opencv_keys.h"
 #include "calibration/formats/opencv_storage.h"
 
 namespace disparityd::calibration {
@@ -12,37 +19,101 @@ namespace disparityd::calibration {
 namespace {
 
 using Matrix = OpencvStorage::Matrix;
+using Keys = std::span<const std::string_view>;
 
-// OpenCV's own programs and users give the same matrix several names.
-using Names = std::initializer_list<const char*>;
+constexpr const char* what_is_needed =
+    "M1, D1, M2, D2, R and T are needed (or K_LEFT, D_LEFT, K_RIGHT, D_RIGHT, R and T), in one file or as "
+    "intrinsics.yml,extrinsics.yml";
 
+/// The entries of one file.
 class CalibrationFile {
 public:
-    explicit CalibrationFile(const std::string& path)
-        : path_(path), storage_(path, base::read_text_file(path, "calibration")) {}
+    explicit CalibrationFile(const CalibrationText& file) : path_(file.path), storage_(file.path, file.text) {}
 
-    Matrix matrix(Names names) const {
-        for (const char* name : names) {
-            if (const auto matrix = storage_.matrix(name)) {
-                return *matrix;
+    /// A matrix and the name that the file gives it.
+    struct Named {
+        std::string name;
+        Matrix matrix;
+    };
+
+    /// Returns the matrix under any of these keys; `usual` is what a message calls it.
+    Named matrix(Keys keys, const std::string& usual) const {
+        Named result;
+        for (const std::string& name : storage_.names()) {
+            if (!is_among(name, keys)) {
+                continue;
             }
+            Matrix matrix = *storage_.matrix(name);
+            if (!result.name.empty() && result.matrix.numbers != matrix.numbers) {
+                storage_.fail(base::printable(result.name) + " and " + base::printable(name) +
+                              " are two names of the same matrix with different numbers: take the wrong one out");
+            }
+            result = {name, std::move(matrix)};
         }
-        fail("has no matrix " + std::string(*names.begin()) +
-             "; M1, D1, M2, D2, R and T are needed, in one file or as intrinsics.yml,extrinsics.yml");
+        if (result.name.empty()) {
+            storage_.fail("has no matrix " + usual + "; " + what_is_needed);
+        }
+        return result;
     }
 
-    void check_size(int width, int height) const {
-        for (const auto& [width_key, height_key] :
-             {std::pair("image_width", "image_height"), std::pair("imageWidth", "imageHeight")}) {
-            const auto found_width = storage_.integer(width_key);
-            const auto found_height = storage_.integer(height_key);
-            if (found_width && found_height && (*found_width != width || *found_height != height)) {
-                refuse_other_size(path_, std::to_string(*found_width) + "x" + std::to_string(*found_height), width,
-                                  height);
+    bool has(Keys keys) const {
+        const auto names = storage_.names();
+        return std::any_of(names.begin(), names.end(), [&](const auto& name) { return is_among(name, keys); });
+    }
+
+    /// Refuses every entry that is neither used nor known to say nothing about the geometry.
+    void check_keys() const {
+        for (const std::string& name : storage_.names()) {
+            const bool used = is_among(name, left_eye_keys.matrix) || is_among(name, left_eye_keys.distortion) ||
+                              is_among(name, right_eye_keys.matrix) || is_among(name, right_eye_keys.distortion) ||
+                              is_among(name, rotation_keys) || is_among(name, translation_keys) ||
+                              is_among(name, unit_keys) || is_size_key(name) || plain_name(name) == "baseline";
+            if (is_among(name, model_keys)) {
+                check_lens_model(path_, base::printable(name), storage_.word(name));
+            } else if (plain_name(name).find("fisheye") != std::string::npos || plain_name(name).ends_with("fe")) {
+                if (storage_.numbers(name) != std::vector<double>{0}) {
+                    refuse_fisheye(path_, base::printable(name), storage_.shown(name));
+                }
+            } else if (!used && !is_harmless_key(name)) {
+                storage_.fail("has the key '" + base::printable(name) + "' (" + storage_.shown(name) +
+                              "), which is not known and would not be applied; " + what_is_needed +
+                              ": take it out if it says nothing about lenses, sizes or units");
             }
         }
     }
 
+    /// Returns whether the file says what its lens model is.
+    bool has_model() const { return has(model_keys); }
+
+    bool check_size(int width, int height) const { return check_sizes(storage_, path_, width, height); }
+
+    std::optional<double> unit_mm() const {
+        for (const std::string& name : storage_.names()) {
+            if (is_among(name, unit_keys)) {
+                const auto unit = millimetres_of_unit(storage_.word(name));
+                if (!unit) {
+                    storage_.fail(base::printable(name) + ": found " + storage_.shown(name) +
+                                  ", allowed are mm, cm, m, or the side of the board's squares, such as 25mm");
+                }
+                return unit;
+            }
+        }
+        return std::nullopt;
+    }
+
+    /// Compares T with a baseline that the file states beside it.
+    void check_baseline(const std::array<double, 3>& t) const {
+        for (const std::string& name : storage_.names()) {
+            const auto stated = plain_name(name) == "baseline" ? storage_.numbers(name) : std::nullopt;
+            const double length = std::hypot(t[0], t[1], t[2]);
+            if (stated && (stated->size() != 1 || !(std::abs(std::abs(stated->front()) - length) <= 0.01 * length))) {
+                storage_.fail(base::printable(name) + ": found " + storage_.shown(name) + ", and T is " +
+                              base::number_text(length) + " long: they contradict each other; take the wrong one out");
+            }
+        }
+    }
+
+    const std::string& path() const { return path_; }
     [[noreturn]] void fail(const std::string& what) const { storage_.fail(what); }
 
 private:
@@ -54,55 +125,99 @@ std::string size_text(const Matrix& matrix) {
     return std::to_string(matrix.rows) + "x" + std::to_string(matrix.columns);
 }
 
-CameraModel camera_of(const CalibrationFile& file, const Matrix& matrix, const Matrix& distortion,
-                      const std::string& names) {
+struct RawEye {
+    CameraModel camera;
+    std::string distortion_name;
+    bool four = false;  ///< four coefficients that are not all zero
+};
+
+RawEye read_eye(const CalibrationFile& file, const EyeKeys& keys, const std::string& usual_matrix,
+                const std::string& usual_distortion) {
+    const auto [name, matrix] = file.matrix(keys.matrix, usual_matrix);
     if (matrix.rows != 3 || matrix.columns != 3) {
-        file.fail(names + ": found a camera matrix of " + size_text(matrix) + ", expected 3x3");
+        file.fail(base::printable(name) + ": found a camera matrix of " + size_text(matrix) + ", expected 3x3");
     }
-    const auto& m = matrix.numbers;
-    CameraModel camera{m[0], m[4], m[2], m[5], {}};
-    const auto& k = distortion.numbers;
-    for (std::size_t i = 0; i < k.size(); ++i) {
-        if (i < camera.distortion.size()) {
-            camera.distortion[i] = k[i];
-        } else if (k[i] != 0) {
-            file.fail(names + ": found " + std::to_string(k.size()) +
-                      " distortion coefficients, allowed are the five of the Brown model (k1 k2 p1 p2 k3): calibrate "
-                      "without the rational model");
-        }
+    RawEye eye;
+    eye.camera = camera_of_matrix(file.path(), base::printable(name), matrix.numbers);
+    const auto [distortion_name, distortion] = file.matrix(keys.distortion, usual_distortion);
+    eye.distortion_name = base::printable(distortion_name);
+    eye.camera.distortion = brown_coefficients(file.path(), eye.distortion_name, distortion.numbers);
+    eye.four = distortion.numbers.size() == 4 && eye.camera.distortion != std::array<double, 5>{};
+    return eye;
+}
+
+/// Tells the calibrations of single cameras, which lack what stands between the two.
+void refuse_single_cameras(const CalibrationFile& cameras, const CalibrationFile& pose, bool two_files) {
+    if (cameras.has(left_eye_keys.matrix) || !cameras.has(single_camera_keys)) {
+        return;
     }
-    return camera;
+    const bool both = two_files && pose.has(single_camera_keys);
+    cameras.fail(std::string(both ? "and " + base::printable(pose.path(), 200) +
+                                        " are the calibrations of two single "
+                                        "cameras"
+                                  : "is the calibration of one camera") +
+                 ": how the right one stands to the left one (R and T) is missing: calibrate both together, as "
+                 "disparityctl calibrate does; " +
+                 what_is_needed);
+}
+
+void read_pose(const CalibrationFile& file, StereoCalibration& calibration) {
+    const auto [rotation_name, rotation] = file.matrix(rotation_keys, "R");
+    const auto [translation_name, translation] = file.matrix(translation_keys, "T");
+    if (rotation.numbers.size() == 3) {
+        cv::Matx33d turn;
+        cv::Rodrigues(cv::Vec3d(rotation.numbers.data()), turn);
+        std::copy(turn.val, turn.val + 9, calibration.rotation.begin());
+    } else if (rotation.rows == 3 && rotation.columns == 3) {
+        std::copy(rotation.numbers.begin(), rotation.numbers.end(), calibration.rotation.begin());
+    } else {
+        file.fail(base::printable(rotation_name) + ": found " + size_text(rotation) +
+                  ", expected a rotation matrix of 3x3 or a rotation vector of 3 numbers");
+    }
+    if (translation.numbers.size() != calibration.translation.size()) {
+        file.fail(base::printable(translation_name) + ": found " + base::counted(translation.numbers.size(), "number") +
+                  ", expected 3");
+    }
+    std::copy(translation.numbers.begin(), translation.numbers.end(), calibration.translation.begin());
 }
 
 }  // namespace
 
-StereoCalibration read_opencv_calibration(const std::string& path, const std::string& extrinsics, int width,
-                                          int height) {
-    const CalibrationFile intrinsic_file(path);
-    const CalibrationFile extrinsic_file(extrinsics.empty() ? path : extrinsics);
-    intrinsic_file.check_size(width, height);
-    extrinsic_file.check_size(width, height);
-    StereoCalibration calibration;
+FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
+                                        int height, bool brown) {
+    const CalibrationFile camera_file(cameras);
+    const CalibrationFile pose_file(pose);
+    refuse_single_cameras(camera_file, pose_file, cameras.path != pose.path);
+    camera_file.check_keys();
+    pose_file.check_keys();
+    const bool sized = camera_file.check_size(width, height);
+    pose_file.check_size(width, height);
+    FileCalibration result;
+    StereoCalibration& calibration = result.calibration;
     calibration.width = width;
     calibration.height = height;
-    calibration.origin = path;
-    calibration.left = camera_of(
-        intrinsic_file, intrinsic_file.matrix({"M1", "cameraMatrix1", "CM1", "K1", "camera_matrix_1", "LEFT_K"}),
-        intrinsic_file.matrix({"D1", "distCoeffs1", "distortion_coefficients_1", "LEFT_D"}), "M1, D1");
-    calibration.right = camera_of(
-        intrinsic_file, intrinsic_file.matrix({"M2", "cameraMatrix2", "CM2", "K2", "camera_matrix_2", "RIGHT_K"}),
-        intrinsic_file.matrix({"D2", "distCoeffs2", "distortion_coefficients_2", "RIGHT_D"}), "M2, D2");
-    const Matrix rotation = extrinsic_file.matrix({"R", "rotation"});
-    const Matrix translation = extrinsic_file.matrix({"T", "translation"});
-    if (rotation.numbers.size() != calibration.rotation.size()) {
-        extrinsic_file.fail("R: found " + size_text(rotation) + ", expected a rotation matrix of 3x3");
+    const RawEye left = read_eye(camera_file, left_eye_keys, "M1", "D1");
+    const RawEye right = read_eye(camera_file, right_eye_keys, "M2", "D2");
+    if (left.four && right.four && !brown && !camera_file.has_model()) {
+        camera_file.fail(left.distortion_name +
+                         ": found 4 coefficients, which are k1 k2 p1 p2 of the Brown model or k1 to k4 of a fisheye "
+                         "lens, and the file does not say which: if it is Brown's, give the name with ?model=brown "
+                         "behind it, or write the fifth (k3), 0, into D1 and D2");
     }
-    if (translation.numbers.size() != calibration.translation.size()) {
-        extrinsic_file.fail("T: found " + std::to_string(translation.numbers.size()) + " numbers, expected 3, in mm");
+    calibration.left = left.camera;
+    calibration.right = right.camera;
+    read_pose(pose_file, calibration);
+    pose_file.check_baseline(calibration.translation);
+    if (!sized) {
+        check_size_by_centre(calibration, cameras.path);
     }
-    std::copy(rotation.numbers.begin(), rotation.numbers.end(), calibration.rotation.begin());
-    std::copy(translation.numbers.begin(), translation.numbers.end(), calibration.translation.begin());
-    return calibration;
+    const auto unit = pose_file.unit_mm();
+    result.unit_mm = unit.value_or(1);
+    result.unit_stated = unit.has_value();
+    for (double& length : calibration.translation) {
+        length *= result.unit_mm;
+    }
+    return result;
 }
 
 }  // namespace disparityd::calibration

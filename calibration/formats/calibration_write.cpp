@@ -29,7 +29,7 @@ void put_camera(std::string& text, const CameraModel& camera, const char* matrix
 
 std::string to_opencv_yaml(const StereoCalibration& calibration) {
     std::string text = "%YAML:1.0\n---\nimage_width: " + std::to_string(calibration.width) +
-                       "\nimage_height: " + std::to_string(calibration.height) + '\n';
+                       "\nimage_height: " + std::to_string(calibration.height) + "\nunit: mm\n";
     put_camera(text, calibration.left, "M1", "D1");
     put_camera(text, calibration.right, "M2", "D2");
     put_matrix(text, "R", 3, calibration.rotation);

@@ -2,24 +2,19 @@
 #include "calibration/formats/opencv_storage.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
-
-#include <yaml-cpp/yaml.h>
 
 #include "base/message_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
+#include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/yaml_text.h"
 
 namespace disparityd::calibration {
 
 namespace {
 
 constexpr int largest = 64;  // rows or columns; a calibration's have five at most
-
-std::string scalar(const YAML::Node& node) {
-    return node && node.IsScalar() ? node.Scalar() : std::string();
-}
 
 std::vector<std::string> words(std::string_view text) {
     constexpr std::string_view blank = " \t\r\n";
@@ -104,48 +99,42 @@ private:
 }  // namespace
 
 OpencvStorage::OpencvStorage(std::string path, std::string_view text) : path_(std::move(path)) {
-    if (text.starts_with("<?xml")) {
+    if (text.starts_with("<")) {
         read_xml(text);
-    } else if (text.starts_with("%YAML")) {
-        read_yaml(text);
     } else {
-        fail("is no OpenCV YAML or XML file");
+        read_yaml(text);
     }
 }
 
 void OpencvStorage::fail(const std::string& what) const {
-    throw std::invalid_argument("calibration " + path_ + ": " + what);
+    refuse_calibration(path_, what);
 }
 
 void OpencvStorage::read_yaml(std::string_view text) {
-    // The first line, "%YAML:1.0", is not valid YAML: the standard has a blank there.
-    text.remove_prefix(std::min(text.find('\n'), text.size()));
-    YAML::Node root;
-    try {
-        root = YAML::Load(std::string(text));
-    } catch (const YAML::Exception& error) {
-        fail("is a damaged OpenCV YAML file: line " + std::to_string(error.mark.line + 1));
-    }
-    if (!root.IsMap()) {
-        fail("is a damaged OpenCV YAML file: it has no entries");
-    }
-    for (const auto& item : root) {
+    const auto list_of = [](const YAML::Node& sequence) {
+        std::vector<std::string> list;
+        for (const YAML::Node& item : sequence) {
+            list.push_back(word_of(item));
+        }
+        return list;
+    };
+    for (const auto& item : read_yaml_map(path_, text, "OpenCV YAML file")) {
         const YAML::Node& value = item.second;
         Entry entry;
-        if (value.IsMap()) {
-            entry.rows = scalar(value["rows"]);
-            entry.columns = scalar(value["cols"]);
-            entry.type = scalar(value["dt"]);
+        entry.is_map = value.IsMap();
+        if (entry.is_map) {
+            entry.rows = word_of(value["rows"]);
+            entry.columns = word_of(value["cols"]);
+            entry.type = word_of(value["dt"]);
             if (const YAML::Node data = value["data"]; data && data.IsSequence()) {
-                entry.data.emplace();
-                for (const YAML::Node& number : data) {
-                    entry.data->push_back(scalar(number));
-                }
+                entry.data = list_of(data);
             }
+        } else if (value.IsSequence()) {
+            entry.data = list_of(value);
         } else {
-            entry.word = scalar(value);
+            entry.word = word_of(value);
         }
-        entries_.emplace(scalar(item.first), std::move(entry));
+        entries_.emplace(word_of(item.first), std::move(entry));
     }
 }
 
@@ -157,10 +146,11 @@ void OpencvStorage::read_xml(std::string_view text) {
     }
     XmlReader list(root->content);
     while (const auto element = list.next()) {
-        Entry entry{std::string(base::trim(element->content)), {}, {}, {}, {}};
+        Entry entry{std::string(base::trim(element->content)), {}, {}, {}, {}, false};
         XmlReader parts(element->content);
         while (const auto part = parts.next()) {
             const std::string content(base::trim(part->content));
+            entry.is_map = true;
             if (part->name == "rows") {
                 entry.rows = content;
             } else if (part->name == "cols") {
@@ -171,11 +161,21 @@ void OpencvStorage::read_xml(std::string_view text) {
                 entry.data = words(content);
             }
         }
-        entries_.emplace(element->name, std::move(entry));
+        if (!entries_.emplace(element->name, std::move(entry)).second) {
+            fail("has the key '" + base::printable(element->name) + "' twice; once is allowed");
+        }
     }
     if (list.broken()) {
         fail("is a damaged OpenCV XML file: a tag is not closed");
     }
+}
+
+std::vector<std::string> OpencvStorage::names() const {
+    std::vector<std::string> names;
+    for (const auto& [name, entry] : entries_) {
+        names.push_back(name);
+    }
+    return names;
 }
 
 std::optional<OpencvStorage::Matrix> OpencvStorage::matrix(const std::string& name) const {
@@ -193,27 +193,54 @@ std::optional<OpencvStorage::Matrix> OpencvStorage::matrix(const std::string& na
     // One channel is a letter without a number in front: integers or floating point.
     const bool one_channel =
         entry.type.size() == 1 && std::string_view("ucwsifd").find(entry.type[0]) != std::string_view::npos;
-    if (count == 0 || !one_channel || !entry.data || entry.data->size() != count) {
-        fail(name + " is no matrix");
+    const std::string shown_name = base::printable(name);
+    if (count == 0 || !one_channel || !entry.data) {
+        fail(shown_name +
+             " is no matrix of numbers: rows, cols, dt and data are needed, with 1 to 64 rows and columns");
+    }
+    if (entry.data->size() != count) {
+        fail(shown_name + " has " + std::to_string(matrix.rows) + " rows and " + std::to_string(matrix.columns) +
+             " columns, and " + base::counted(entry.data->size(), "number") + ": found a matrix that is not whole, " +
+             std::to_string(count) + " are expected");
     }
     for (const std::string& word : *entry.data) {
         const auto number = base::parse_number(word);
         if (!number) {
-            fail(name + " has values that are no numbers: found '" + base::printable(word) + "'");
+            fail(shown_name + " has values that are no numbers: found '" + base::printable(word) + "'");
         }
         matrix.numbers.push_back(*number);
     }
     return matrix;
 }
 
-std::optional<int> OpencvStorage::integer(const std::string& name) const {
+std::string OpencvStorage::word(const std::string& name) const {
     const auto found = entries_.find(name);
-    const auto number = base::parse_number(found == entries_.end() ? std::string_view() : found->second.word);
-    constexpr double most = 1e9;
-    if (!number || *number < -most || *number > most || *number != static_cast<int>(*number)) {
+    return found == entries_.end() || found->second.is_map ? std::string() : found->second.word;
+}
+
+std::optional<std::vector<double>> OpencvStorage::numbers(const std::string& name) const {
+    const auto found = entries_.find(name);
+    if (found == entries_.end()) {
         return std::nullopt;
     }
-    return static_cast<int>(*number);
+    const Entry& entry = found->second;
+    std::vector<double> numbers;
+    for (const std::string& word : entry.data ? *entry.data : words(entry.word)) {
+        const auto number = base::parse_number(word);
+        if (!number) {
+            return std::nullopt;
+        }
+        numbers.push_back(*number);
+    }
+    return numbers;
+}
+
+std::string OpencvStorage::shown(const std::string& name) const {
+    const auto found = entries_.find(name);
+    if (found == entries_.end()) {
+        return "nothing";
+    }
+    return found->second.is_map ? "a matrix" : found->second.data ? "a list" : "'" + base::printable(word(name)) + "'";
 }
 
 }  // namespace disparityd::calibration

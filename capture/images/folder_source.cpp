@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <condition_variable>
 #include <cstring>
+#include <filesystem>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
@@ -92,10 +93,27 @@ std::optional<calibration::StereoCalibration> calibration_of_frames(const Source
     return common;
 }
 
+/// Returns which of KITTI's pairs the images are of: by their folder, else by their colour.
+calibration::KittiPair kitti_pair(const ImageSequence& sequence, bool colour) {
+    if (sequence.kitti_camera >= 0) {
+        return sequence.kitti_camera == 0 ? calibration::KittiPair::grey : calibration::KittiPair::colour;
+    }
+    for (const std::filesystem::path& part : std::filesystem::path(sequence.frames.front().left).parent_path()) {
+        if (part == "image_0" || part == "image_00") {
+            return calibration::KittiPair::grey;
+        }
+        if (part == "image_2" || part == "image_02" || part == "colored_0") {
+            return calibration::KittiPair::colour;
+        }
+    }
+    return colour ? calibration::KittiPair::colour : calibration::KittiPair::grey;
+}
+
 std::optional<calibration::StereoCalibration> find_calibration(const SourceOptions& options,
-                                                               const ImageSequence& sequence, int width, int height) {
+                                                               const ImageSequence& sequence, bool colour, int width,
+                                                               int height) {
     if (!options.calibration_path.empty()) {
-        return calibration::read_calibration(options.calibration_path, width, height);
+        return calibration::read_calibration(options.calibration_path, width, height, kitti_pair(sequence, colour));
     }
     if (!sequence.calibration.empty()) {
         return sequence.kitti_camera >= 0 ? read_kitti(sequence.calibration, sequence.kitti_camera, width, height)
@@ -279,7 +297,7 @@ private:
         if (!options_.loop) {
             info_.frame_count = count;
         }
-        info_.calibration = find_calibration(options_, images_, info_.eye_width, info_.height);
+        info_.calibration = find_calibration(options_, images_, colour, info_.eye_width, info_.height);
         info_.description = images_.description + ", " + std::to_string(info_.eye_width) + " x " +
                             std::to_string(info_.height) + " per eye, " + (colour ? "colour" : "grey") + ", " +
                             base::counted(count, "frame");

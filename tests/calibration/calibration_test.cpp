@@ -203,7 +203,7 @@ TEST_F(CalibrationFiles, OpenCvThatCannotBeMeant) {
     EXPECT_THAT(said(replaced(intrinsics(), "cols: 4\n   dt: d\n   data: [ -0.28, 0.11, 0., 0. ]",
                               "cols: 8\n   dt: d\n   data: [ 0., 0., 0., 0., 0., 0.3, 0., 0. ]") +
                      extrinsics()),
-                HasSubstr("five"));
+                HasSubstr("the rational model"));
     EXPECT_THAT(said("M1: [ 1, 2\n"), HasSubstr("stereo.yml"));
 }
 
@@ -250,7 +250,7 @@ TEST_F(CalibrationFiles, WhatIsDeepIsRefusedAsADamagedFile) {
         const std::string opencv = write("deep.yml", "%YAML:1.0\n" + deep + "\n");
         EXPECT_THAT(refusal([&] { read_calibration(left + "," + left, 640, 480); }), HasSubstr("deep.yaml: line "))
             << level;
-        EXPECT_THAT(refusal([&] { read_calibration(opencv, 640, 480); }), HasSubstr("deep.yml: is a damaged")) << level;
+        EXPECT_THAT(refusal([&] { read_calibration(opencv, 640, 480); }), HasSubstr("deep.yml: line ")) << level;
     }
     std::string tags;
     for (int i = 0; i < 100'000; ++i) {

@@ -18,7 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     };
     read([&] { return calibration::read_factory_conf("input", text, 672, 376); });
     read([&] { return calibration::read_factory_conf("input", text, 1280, 720); });
+    read([&] { return calibration::read_factory_conf("input", text, 1920, 1200); });
     read([&] { return calibration::read_middlebury_calibration("input", text, 640, 480); });
     read([&] { return calibration::read_kitti_calibration("input", text, 0, 640, 480); });
+    fuzz::accepted("calibration input", [&] { calibration::kitti_camera("input", text, std::nullopt); });
     return 0;
 }

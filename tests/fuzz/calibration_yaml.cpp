@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Calibrations in YAML and XML: OpenCV's files and ROS camera_info. For images so small that maps are made of what is
-// accepted.
+// Calibrations in YAML, JSON and XML: OpenCV's files and the vendor's, ROS camera_info, settings of ORB-SLAM, Kalibr's
+// camchain. For images so small that maps are made of what is accepted.
+#include "base/text_file.h"
+#include "calibration/formats/baseline_unit.h"
+#include "calibration/formats/calibration_format.h"
 #include "calibration/formats/calibration_formats.h"
-#include "tests/fuzz/memory_file.h"
+#include "calibration/formats/calibration_name.h"
 #include "tests/fuzz/outcome.h"
 #include "tests/fuzz/rectify.h"
 
 using namespace disparityd;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    const fuzz::MemoryFile file(fuzz::text_of(data, size));
-    const std::string path = file.path();
+    const std::string path = "input";
+    const calibration::CalibrationText file{path,
+                                            std::string(base::without_byte_order_mark(fuzz::text_of(data, size)))};
     const auto read = [&](auto reader) {
         fuzz::accepted("calibration " + path, [&] {
             const calibration::StereoCalibration calibration = reader();
@@ -20,7 +24,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             fuzz::rectify(calibration, path);
         });
     };
-    read([&] { return calibration::read_opencv_calibration(path, {}, 64, 48); });
-    read([&] { return calibration::read_ros_calibration(path, path, 64, 48); });
+    constexpr int width = 64, height = 48;
+    const auto settled = [&](const calibration::FileCalibration& found) {
+        return calibration::settle_unit(found, std::nullopt, path);
+    };
+    read([&] { return settled(calibration::read_opencv_calibration(file, file, width, height, true)); });
+    read([&] { return settled(calibration::read_ros_calibration(file, file, width, height, false)); });
+    read([&] { return settled(calibration::read_orbslam_settings(file, width, height)); });
+    read([&] { return settled(calibration::read_kalibr_camchain(file, width, height)); });
+    fuzz::accepted("calibration " + path, [&] { calibration::calibration_format(path, file.text); });
+    // Any text may be the name of a calibration, too; no such file is there.
+    fuzz::accepted("calibration ", [&] {
+        const auto name = calibration::parse_calibration_name("/nowhere/" + file.text);
+        fuzz::expect(!name.first.empty(), "a name was lost");
+    });
     return 0;
 }

@@ -119,6 +119,25 @@ TEST(FolderSource, KittiOdometryWithItsTimesAndTheGreyCamerasCalibration) {
     EXPECT_EQ(source->next(frame, soon()), Next::end);
 }
 
+TEST(FolderSource, ANamedKittiCalibrationGivesThePairThatTheImagesAreOf) {
+    const TemporaryFolder folder;
+    make_folders(folder, {"image_0", "image_1"});
+    write_file(folder.file("both.txt"),
+               "P0: 7.5 0 3 0 0 7.5 2 0 0 0 1 0\nP1: 7.5 0 3 -4.05 0 7.5 2 0 0 0 1 0\n"
+               "P2: 8 0 3 0.5 0 8 2 0 0 0 1 0\nP3: 8 0 3 -3.5 0 8 2 0 0 0 1 0\n");
+    const auto focal_length = [&](const std::string& left, const std::string& right, int type) {
+        write_image(folder.file(left), numbered_image(6, 4, type, 1));
+        write_image(folder.file(right), numbered_image(6, 4, type, 2));
+        SourceOptions options = offline(folder.file(left) + "," + folder.file(right));
+        options.calibration_path = folder.file("both.txt");
+        return open_source(options)->info().calibration->left.fx;
+    };
+    EXPECT_EQ(focal_length("image_0/0.png", "image_1/0.png", CV_8UC1), 7.5);
+    EXPECT_EQ(focal_length("image_0/1.png", "image_1/1.png", CV_8UC3), 7.5) << "the folder counts first";
+    EXPECT_EQ(focal_length("l.png", "r.png", CV_8UC1), 7.5);
+    EXPECT_EQ(focal_length("left.png", "right.png", CV_8UC3), 8);
+}
+
 TEST(FolderSource, KittiRawFolders) {
     const TemporaryFolder folder;
     make_folders(folder, {"drive/image_02/data", "drive/image_03/data"});
@@ -314,8 +333,8 @@ TEST(FolderSourceRefuses, KittiCamerasThatCannotBe) {
     }
     const std::string left = "P0: 7.5 0 3 0 0 7.5 2 0 0 0 1 0\nP1: ";
     for (const auto& [right, said] : {std::pair("7.5 0 3 4.05 0 7.5 2 0 0 0 1 0", "exchange the two"),
-                                      {"1e300 0 3 -4.05 0 7.5 2 0 0 0 1 0", "right fx"},
-                                      {"7.5 0 134217700 -4.05 0 7.5 2 0 0 0 1 0", "right cx"}}) {
+                                      {"1e300 0 3 -4.05 0 7.5 2 0 0 0 1 0", "P1: found focal lengths"},
+                                      {"7.5 0 134217700 -4.05 0 7.5 2 0 0 0 1 0", "principal point"}}) {
         write_file(folder.file("calib.txt"), left + right + "\n");
         EXPECT_THAT(refusal([&] { open_source(offline(folder.file(""))); }),
                     AllOf(HasSubstr("calib.txt"), HasSubstr(said)));

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/matx.hpp>
+
+#include "base/message_text.h"
+#include "base/number_text.h"
+#include "base/words.h"
+#include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/lens_model.h"
+#include "calibration/formats/yaml_text.h"
+
+namespace disparityd::calibration {
+
+namespace {
+
+/// cam0 or cam1 of the file.
+class ChainCamera {
+public:
+    ChainCamera(const std::string& path, const std::string& name, const YAML::Node& node)
+        : path_(path), name_(name), node_(node) {
+        if (!node_ || !node_.IsMap()) {
+            fail("", "is missing; cam0 and cam1 are needed");
+        }
+        constexpr std::array<std::string_view, 10> known{
+            "T_cn_cnm1",        "T_cam_imu",  "cam_overlaps", "camera_model", "distortion_coeffs",
+            "distortion_model", "intrinsics", "resolution",   "rostopic",     "timeshift_cam_imu"};
+        for (const auto& item : node_) {
+            const std::string key = word_of(item.first);
+            if (std::find(known.begin(), known.end(), key) == known.end()) {
+                fail(base::printable(key),
+                     "is a key that is not known and would not be applied: take it out if it "
+                     "says nothing about lens and size");
+            }
+        }
+    }
+
+    bool has(const char* key) const { return node_[key].IsDefined(); }
+
+    CameraModel model() const {
+        check_model("camera_model");
+        check_model("distortion_model");
+        const auto intrinsics = numbers("intrinsics", node_["intrinsics"], 4);
+        CameraModel camera{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], {}};
+        camera.distortion = brown_coefficients(path_, name_ + " distortion_coeffs",
+                                               numbers("distortion_coeffs", node_["distortion_coeffs"], 0));
+        return camera;
+    }
+
+    void check_size(int width, int height) const {
+        const auto size = numbers("resolution", node_["resolution"], 2);
+        if (size[0] != width || size[1] != height) {
+            refuse_other_size(
+                path_, base::number_text(size[0]) + "x" + base::number_text(size[1]) + " (" + name_ + " resolution)",
+                width, height);
+        }
+    }
+
+    cv::Matx44d pose(const char* key) const {
+        const YAML::Node rows = node_[key];
+        if (!rows || !rows.IsSequence() || rows.size() != 4) {
+            fail(key, "expected a matrix of 4x4");
+        }
+        cv::Matx44d pose;
+        for (std::size_t row = 0; row < 4; ++row) {
+            const auto values = numbers(key, rows[row], 4);
+            std::copy(values.begin(), values.end(), pose.val + 4 * row);
+        }
+        return pose;
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& key, const std::string& what) const {
+        refuse_calibration(path_, name_ + (key.empty() ? " " : " " + key + ": ") + what);
+    }
+
+    void check_model(const char* key) const {
+        if (!has(key)) {
+            fail(key, "is missing; pinhole and radtan are allowed");
+        }
+        check_lens_model(path_, name_ + " " + key, word_of(node_[key]));
+    }
+
+    std::vector<double> numbers(const char* key, const YAML::Node& list, std::size_t count) const {
+        if (!list || !list.IsSequence() || (count != 0 && list.size() != count)) {
+            fail(key, "expected " + (count == 0 ? "numbers" : base::counted(count, "number")) + " in brackets");
+        }
+        std::vector<double> values;
+        for (const YAML::Node& node : list) {
+            const auto number = base::parse_number(word_of(node));
+            if (!number) {
+                fail(key, "found '" + base::printable(word_of(node)) + "', expected a number");
+            }
+            values.push_back(*number);
+        }
+        return values;
+    }
+
+    std::string path_;
+    std::string name_;
+    const YAML::Node node_;
+};
+
+}  // namespace
+
+FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int height) {
+    const YAML::Node root = read_yaml_map(file.path, file.text, "YAML file");
+    for (const auto& item : root) {
+        const std::string name = word_of(item.first);
+        if (name != "cam0" && name != "cam1") {
+            refuse_calibration(file.path, "has the entry '" + base::printable(name) +
+                                              "' beside cam0 and cam1; allowed is a chain of two cameras, the left one "
+                                              "first");
+        }
+    }
+    const ChainCamera left(file.path, "cam0", root["cam0"]);
+    if (!root["cam1"]) {
+        refuse_calibration(file.path,
+                           "is the calibration of one camera, cam0: cam1 with T_cn_cnm1 is needed, too: "
+                           "calibrate both together");
+    }
+    const ChainCamera right(file.path, "cam1", root["cam1"]);
+    left.check_size(width, height);
+    right.check_size(width, height);
+    FileCalibration result;
+    result.unit_mm = metre_mm;
+    result.calibration.width = width;
+    result.calibration.height = height;
+    result.calibration.left = left.model();
+    result.calibration.right = right.model();
+    if (!right.has("T_cn_cnm1")) {
+        refuse_calibration(file.path, "cam1 has no T_cn_cnm1, the pose that takes points of cam0 to cam1");
+    }
+    const cv::Matx44d pose = right.pose("T_cn_cnm1");
+    for (std::size_t row = 0; row < 3; ++row) {
+        std::copy(pose.val + 4 * row, pose.val + 4 * row + 3, result.calibration.rotation.begin() + 3 * row);
+        result.calibration.translation[row] = metre_mm * pose.val[4 * row + 3];
+    }
+    return result;
+}
+
+}  // namespace disparityd::calibration

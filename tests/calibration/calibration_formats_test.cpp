@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The same pairs of cameras in every format, against OpenCV's own rectification of them; and what must not be read.
+#include <sstream>
+
+#include <opencv2/core.hpp>
+
+#include "calibration/calibration.h"
+#include "calibration/calibration_lookup.h"
+#include "calibration/rectification.h"
+#include "tests/calibration/calibration_rigs.h"
+#include "tests/capture/images/image_fixture.h"
+#include "tests/capture/recording/record_fixture.h"
+
+namespace disparityd::calibration {
+namespace {
+
+using capture::test::refusal;
+using capture::test::TemporaryFolder;
+using capture::test::write_file;
+using test::Rectified;
+using test::Rig;
+using test::rigs;
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string list_of(const cv::Mat& matrix) {
+    std::ostringstream text;
+    text.precision(17);
+    for (int i = 0; i < static_cast<int>(matrix.total()); ++i) {
+        text << (i == 0 ? "" : ", ") << matrix.at<double>(i / matrix.cols, i % matrix.cols);
+    }
+    return text.str();
+}
+
+std::string matrix_text(const std::string& name, const cv::Mat& matrix) {
+    return name + ":\n  rows: " + std::to_string(matrix.rows) + "\n  cols: " + std::to_string(matrix.cols) +
+           "\n  dt: d\n  data: [ " + list_of(matrix) + " ]\n";
+}
+
+cv::Mat row(const std::array<double, 5>& distortion) {
+    return cv::Mat(1, 5, CV_64F, const_cast<double*>(distortion.data())).clone();
+}
+
+std::string with_other(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+std::string size_lines(const Rig& rig) {
+    return "image_width: " + std::to_string(rig.width) + "\nimage_height: " + std::to_string(rig.height) + "\n";
+}
+
+/// M1 D1 M2 D2 R T without a first line.
+std::string opencv_text(const Rig& rig, double unit = 1) {
+    return size_lines(rig) + matrix_text("M1", cv::Mat(rig.left_matrix())) +
+           matrix_text("D1", row(rig.left_distortion)) + matrix_text("M2", cv::Mat(rig.right_matrix())) +
+           matrix_text("D2", row(rig.right_distortion)) + matrix_text("R", cv::Mat(rig.rotation())) +
+           matrix_text("T", cv::Mat(rig.translation * (1 / unit)));
+}
+
+/// As OpenCV itself writes it; the ending of `path` says whether as YAML, JSON or XML. The names are the vendor's.
+void write_by_opencv(const Rig& rig, const std::string& path) {
+    cv::FileStorage file(path, cv::FileStorage::WRITE);
+    file << "Size" << cv::Size(rig.width, rig.height) << "K_LEFT" << cv::Mat(rig.left_matrix()) << "K_RIGHT"
+         << cv::Mat(rig.right_matrix()) << "D_LEFT" << row(rig.left_distortion) << "D_RIGHT"
+         << row(rig.right_distortion) << "R" << cv::Mat(rig.turn) << "T" << cv::Mat(rig.translation);
+}
+
+/// One eye's camera_info. `shift` is Tx / f in mm.
+std::string ros_text(const Rig& rig, int eye, double shift) {
+    const Rectified rectified(rig);
+    cv::Mat projection = rectified.projection[0].clone();
+    projection.at<double>(0, 3) = rectified.f() * shift / 1000;
+    return size_lines(rig) + "camera_name: eye\n" +
+           matrix_text("camera_matrix", cv::Mat(eye == 0 ? rig.left_matrix() : rig.right_matrix())) +
+           "distortion_model: plumb_bob\n" +
+           matrix_text("distortion_coefficients", row(eye == 0 ? rig.left_distortion : rig.right_distortion)) +
+           matrix_text("rectification_matrix", rectified.turn[eye]) + matrix_text("projection_matrix", projection);
+}
+
+std::string orbslam_2(const Rig& rig) {
+    const Rectified rectified(rig);
+    std::string text = "%YAML:1.0\n\nCamera.width: " + std::to_string(rig.width) +
+                       "\nCamera.height: " + std::to_string(rig.height) + "\nORBextractor.nFeatures: 1200\n";
+    for (const int eye : {0, 1}) {
+        const std::string name = eye == 0 ? "LEFT." : "RIGHT.";
+        cv::Mat projection = rectified.projection[eye].clone();
+        projection.at<double>(0, 3) /= 1000;
+        text += matrix_text(name + "K", cv::Mat(eye == 0 ? rig.left_matrix() : rig.right_matrix())) +
+                matrix_text(name + "D", row(eye == 0 ? rig.left_distortion : rig.right_distortion)) +
+                matrix_text(name + "R", rectified.turn[eye]) + matrix_text(name + "P", projection);
+    }
+    return text;
+}
+
+std::string orbslam_3(const Rig& rig) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "%YAML:1.0\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera.width: " << rig.width
+         << "\nCamera.height: " << rig.height << "\nStereo.ThDepth: 60.0\n";
+    for (const int eye : {1, 2}) {
+        const auto& camera = eye == 1 ? rig.left : rig.right;
+        const auto& k = eye == 1 ? rig.left_distortion : rig.right_distortion;
+        const std::string name = "Camera" + std::to_string(eye) + ".";
+        text << name << "fx: " << camera[0] << "\n"
+             << name << "fy: " << camera[1] << "\n"
+             << name << "cx: " << camera[2] << "\n"
+             << name << "cy: " << camera[3] << "\n"
+             << name << "k1: " << k[0] << "\n"
+             << name << "k2: " << k[1] << "\n"
+             << name << "p1: " << k[2] << "\n"
+             << name << "p2: " << k[3] << "\n"
+             << name << "k3: " << k[4] << "\n";
+    }
+    // The pose of the right camera as the left one sees it: the inverse of ours.
+    const cv::Matx33d back = rig.rotation().t();
+    const cv::Vec3d centre = back * rig.translation * (-1 / 1000.0);
+    const cv::Mat pose = (cv::Mat_<double>(4, 4) << back(0, 0), back(0, 1), back(0, 2), centre[0], back(1, 0),
+                          back(1, 1), back(1, 2), centre[1], back(2, 0), back(2, 1), back(2, 2), centre[2], 0, 0, 0, 1);
+    return text.str() + matrix_text("Stereo.T_c1_c2", pose);
+}
+
+/// Kalibr has four coefficients.
+std::string camchain(const Rig& rig) {
+    std::ostringstream text;
+    text.precision(17);
+    const cv::Matx33d r = rig.rotation();
+    const cv::Vec3d t = rig.translation * (1 / 1000.0);
+    for (const int eye : {0, 1}) {
+        const auto& camera = eye == 0 ? rig.left : rig.right;
+        const auto& k = eye == 0 ? rig.left_distortion : rig.right_distortion;
+        text << "cam" << eye << ":\n";
+        for (int i = 0; eye == 1 && i < 3; ++i) {
+            text << (i == 0 ? "  T_cn_cnm1:\n" : "") << "  - [" << r(i, 0) << ", " << r(i, 1) << ", " << r(i, 2) << ", "
+                 << t[i] << "]\n";
+        }
+        text << (eye == 1 ? "  - [0.0, 0.0, 0.0, 1.0]\n" : "") << "  cam_overlaps: [" << 1 - eye
+             << "]\n  camera_model: pinhole\n  distortion_coeffs: [" << k[0] << ", " << k[1] << ", " << k[2] << ", "
+             << k[3] << "]\n  distortion_model: radtan\n  intrinsics: [" << camera[0] << ", " << camera[1] << ", "
+             << camera[2] << ", " << camera[3] << "]\n  resolution: [" << rig.width << ", " << rig.height
+             << "]\n  rostopic: /camera/image_raw\n";
+    }
+    return text.str();
+}
+
+class Formats : public testing::Test {
+protected:
+    std::string write(const std::string& name, const std::string& text) const {
+        write_file(folder_.file(name), text);
+        return folder_.file(name);
+    }
+    /// What reading it for the rig's images says.
+    std::string refused(const std::string& text, const Rig& rig = Rig(), const std::string& name = "stereo.yml") const {
+        const std::string path = write(name, text);
+        return refusal([&] { read_calibration(path, rig.width, rig.height); });
+    }
+    /// Reads the file and compares with OpenCV's own rectification.
+    static void expect_rig(const std::string& path, const Rig& rig, double tolerance = 1e-6) {
+        const StereoCalibration read = read_calibration(path, rig.width, rig.height);
+        const Rectification ours = make_rectification(read, rig.width, rig.height, {});
+        const Rectified expected(rig);
+        EXPECT_NEAR(ours.f, expected.f(), tolerance * expected.f()) << path;
+        EXPECT_NEAR(ours.baseline_mm, expected.baseline(), tolerance * expected.baseline()) << path;
+        EXPECT_NEAR(read.left.distortion[0], rig.left_distortion[0], 1e-12) << path;
+        EXPECT_NEAR(read.right.distortion[3], rig.right_distortion[3], 1e-12) << path;
+        EXPECT_NEAR(read.right.cy, rig.right[3], 1e-9) << path;
+        for (std::size_t i = 0; i < 9; ++i) {
+            EXPECT_NEAR(read.rotation[i], rig.rotation().val[i], 1e-6) << path;
+        }
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(Formats, OpenCvWithAndWithoutItsFirstLine) {
+    for (const Rig& rig : rigs()) {
+        for (const char* head : {"", "%YAML:1.0\n---\n", "%YAML 1.2\n---\n", "# by hand\n", "---\n"}) {
+            expect_rig(write("stereo.yml", head + opencv_text(rig)), rig);
+        }
+    }
+}
+
+TEST_F(Formats, TheVendorsOwnNamesAsOpenCvWritesThem) {
+    for (const Rig& rig : rigs()) {
+        for (const char* name : {"zed_calibration_123.yml", "stereo.json", "stereo.xml"}) {
+            write_by_opencv(rig, folder_.file(name));
+            expect_rig(folder_.file(name), rig);
+        }
+        const auto found = find_camera_calibration("123", {folder_.file("")}, rig.width, rig.height);
+        ASSERT_TRUE(found);
+        EXPECT_NEAR(found->translation[0], rig.translation[0], 1e-9);
+    }
+}
+
+TEST_F(Formats, RosPairWhateverPointTheProjectionsAreSeenFrom) {
+    for (const Rig& rig : rigs()) {
+        const double baseline = Rectified(rig).baseline();
+        for (const double left_shift : {0.0, 59.9, -1.5}) {
+            for (const char* head : {"", "%YAML:1.0\n---\n"}) {
+                const std::string left = write("left.yaml", head + ros_text(rig, 0, left_shift));
+                const std::string right = write("right.yaml", head + ros_text(rig, 1, left_shift - baseline));
+                expect_rig(left + "," + right, rig);
+            }
+        }
+    }
+}
+
+TEST_F(Formats, OrbSlamAndKalibr) {
+    for (Rig rig : rigs()) {
+        expect_rig(write("EuRoC.yaml", orbslam_2(rig)), rig);
+        expect_rig(write("EuRoC.yaml", orbslam_3(rig)), rig);
+        rig.left_distortion[4] = rig.right_distortion[4] = 0;
+        expect_rig(write("camchain.yaml", camchain(rig)), rig);
+    }
+}
+
+TEST_F(Formats, RationalCoefficientsAreTakenOnlyWhereTheyAreZero) {
+    const Rig rig;
+    const std::string text = opencv_text(rig);
+    for (const int count : {8, 12, 14}) {
+        cv::Mat longer = cv::Mat::zeros(1, count, CV_64F);
+        row(rig.left_distortion).copyTo(longer.colRange(0, 5));
+        const std::string five = matrix_text("D1", row(rig.left_distortion));
+        expect_rig(write("stereo.yml", with_other(text, five, matrix_text("D1", longer))), rig);
+        longer.at<double>(0, count - 1) = 0.003;
+        const char* model = count == 8 ? "the rational model" : count == 12 ? "thin prism" : "tilted sensor";
+        EXPECT_THAT(refused(with_other(text, five, matrix_text("D1", longer))),
+                    AllOf(HasSubstr("D1: found 0.003"), HasSubstr(model), HasSubstr("disparityctl calibrate")));
+    }
+}
+
+TEST_F(Formats, ALensModelThatIsNotAppliedIsRefusedByItsName) {
+    const Rig rig;
+    const double baseline = Rectified(rig).baseline();
+    for (const char* line : {"camera_model: fisheye\n", "camera_model: Kannala-Brandt\n"}) {
+        write("right.yaml", ros_text(rig, 1, -baseline));
+        const std::string left = write("left.yaml", line + ros_text(rig, 0, 0));
+        EXPECT_THAT(refusal([&] { read_calibration(left + "," + folder_.file("right.yaml"), rig.width, rig.height); }),
+                    AllOf(HasSubstr("left.yaml: camera_model"), HasSubstr("fisheye model")));
+    }
+    EXPECT_THAT(refused("fisheye_model: 1\n" + opencv_text(rig)), HasSubstr("fisheye model"));
+    EXPECT_THAT(refused("distortion_model: omni\n" + opencv_text(rig)), HasSubstr("found 'omni'"));
+    EXPECT_THAT(refused(with_other(camchain(rig), "radtan", "equidistant")),
+                AllOf(HasSubstr("cam0 distortion_model: found 'equidistant'"), HasSubstr("fisheye model")));
+    EXPECT_THAT(refused(with_other(camchain(rig), "pinhole", "ds")), HasSubstr("cam0 camera_model: found 'ds'"));
+    EXPECT_THAT(refused(with_other(orbslam_3(rig), "PinHole", "KannalaBrandt8")), HasSubstr("Camera.type"));
+}
+
+TEST_F(Formats, FourCoefficientsMayBeThoseOfAFisheye) {
+    const Rig rig;
+    std::string text = opencv_text(rig);
+    for (const char* name : {"D1", "D2"}) {
+        const auto& five = name == std::string("D1") ? rig.left_distortion : rig.right_distortion;
+        text = with_other(text, matrix_text(name, row(five)), matrix_text(name, row(five).colRange(0, 4).clone()));
+    }
+    EXPECT_THAT(refused(text), AllOf(HasSubstr("D1: found 4 coefficients"), HasSubstr("?model=brown")));
+    const StereoCalibration read = read_calibration(write("stereo.yml", text) + "?model=brown", rig.width, rig.height);
+    EXPECT_EQ(read.left.distortion[3], rig.left_distortion[3]);
+    EXPECT_EQ(read_calibration(write("stereo.yml", "distortion_model: radtan\n" + text), rig.width, rig.height)
+                  .left.distortion[4],
+              0);
+}
+
+TEST_F(Formats, NothingIsIgnored) {
+    const Rig rig;
+    const std::string text = opencv_text(rig);
+    EXPECT_THAT(refused("xi: 1.5\n" + text), AllOf(HasSubstr("'xi'"), HasSubstr("'1.5'")));
+    EXPECT_THAT(refused("M1: 3\n" + text), HasSubstr("the key 'M1' twice"));
+    EXPECT_THAT(refused("baseline: 60\n" + text), AllOf(HasSubstr("baseline: found '60'"), HasSubstr("contradict")));
+    const std::string other = matrix_text("cameraMatrix1", cv::Mat(rig.right_matrix()));
+    EXPECT_THAT(refused(other + text), AllOf(HasSubstr("M1"), HasSubstr("cameraMatrix1"), HasSubstr("two names")));
+    cv::Matx33d skewed = rig.left_matrix();
+    skewed(0, 1) = 1.25;
+    EXPECT_THAT(refused(with_other(text, list_of(cv::Mat(rig.left_matrix())), list_of(cv::Mat(skewed)))),
+                HasSubstr("M1: found a skew of 1.25 px"));
+    EXPECT_THAT(refused(with_other(text, "0, 0, 1 ]", "0, 1 ]")), AllOf(HasSubstr("M1"), HasSubstr("8 numbers")));
+    EXPECT_THAT(refused(std::string(5000, 'x') + ": 1\n" + text), testing::SizeIs(testing::Lt(700U)));
+    // What says nothing about the geometry is taken.
+    expect_rig(write("stereo.yml", "rms: 0.2\nsquare_size: 25\nboard_width: 9\ncalibration_time: now\nQ: 1\n" + text),
+               rig);
+}
+
+TEST_F(Formats, TheSizeUnderEveryUsualKeyIsCompared) {
+    const Rig rig;
+    const std::string text = with_other(opencv_text(rig), size_lines(rig), "");
+    for (const char* size : {"image_size: [ 1280, 960 ]\n", "Size: [1280, 960]\n", "imageSize: [ 1280, 960 ]\n",
+                             "resolution: [ 1280, 960 ]\n", "img_shape: [ 960, 1280 ]\n",
+                             "frame_width: 1280\nframe_height: 960\n", "imageWidth: 1280\nimageHeight: 960\n"}) {
+        EXPECT_THAT(refused(size + text), AllOf(HasSubstr("1280x960"), HasSubstr("640x480"))) << size;
+    }
+    EXPECT_THAT(refused("image_width: 1280\n" + text), AllOf(HasSubstr("1280"), HasSubstr("640x480")));
+    expect_rig(write("stereo.yml", "img_shape: [ 480, 640, 3 ]\n" + text), rig);
+    expect_rig(write("stereo.yml", text), rig);
+    // Without any, the principal points tell a file for images of twice the size.
+    const std::string path = write("stereo.yml", text);
+    EXPECT_THAT(refusal([&] { read_calibration(path, 1280, 960); }), HasSubstr("does not say for which size"));
+}
+
+TEST_F(Formats, UnitsAreAskedFor) {
+    for (const Rig& rig : {rigs()[0], rigs()[2]}) {
+        for (const auto& [unit, name] : {std::pair(1000.0, "m"), {25.0, "25mm"}, {30.5, "30.5mm"}}) {
+            const std::string text = opencv_text(rig, unit);
+            expect_rig(write("stereo.yml", text) + "?unit=" + name, rig);
+            expect_rig(write("stereo.yml", "unit: " + std::string(name) + "\n" + text), rig);
+            if (-rig.translation[0] / unit < 17) {
+                EXPECT_THAT(refused(text, rig), AllOf(HasSubstr("the baseline"), HasSubstr("?unit=m ("),
+                                                      HasSubstr("centimetres"), HasSubstr("squares of the board")));
+            }
+        }
+    }
+    Rig far;
+    far.translation = {-4500, 10, 3};
+    EXPECT_THAT(refused(opencv_text(far)), HasSubstr("?unit=mm (4500 mm)"));
+    expect_rig(write("stereo.yml", opencv_text(far)) + "?unit=mm", far);
+    EXPECT_THAT(refused("unit: parsec\n" + opencv_text(Rig())), HasSubstr("unit: found 'parsec'"));
+    const std::string path = write("stereo.yml", opencv_text(Rig()));
+    EXPECT_THAT(refusal([&] { read_calibration(path + "?unit=inch", 640, 480); }), HasSubstr("'unit=inch'"));
+    // A pair of ROS is in metres; one calibrated with a board in mm is not.
+    const double baseline = Rectified(Rig()).baseline();
+    const std::string pair =
+        write("left.yaml", ros_text(Rig(), 0, 0)) + "," + write("right.yaml", ros_text(Rig(), 1, -1000 * baseline));
+    EXPECT_THAT(refusal([&] { read_calibration(pair, 640, 480); }), HasSubstr("if its unit is m;"));
+    expect_rig(pair + "?unit=mm", Rig());
+}
+
+TEST_F(Formats, SingleCamerasExchangedOnesAndInversePosesAreTold) {
+    const Rig rig;
+    const double baseline = Rectified(rig).baseline();
+    const std::string left = write("left.yaml", ros_text(rig, 0, 0));
+    const std::string right = write("right.yaml", ros_text(rig, 1, -baseline));
+    const auto said = [&](const std::string& name) { return refusal([&] { read_calibration(name, 640, 480); }); };
+    EXPECT_THAT(said(right + "," + left), AllOf(HasSubstr("exchange the two files"), HasSubstr(left + "," + right)));
+    EXPECT_THAT(said(left + "," + left), HasSubstr("two single cameras"));
+    write("right.yaml", ros_text(rig, 1, 0));
+    EXPECT_THAT(said(left + "," + right), HasSubstr("two single cameras"));
+
+    const std::string single = size_lines(rig) + matrix_text("camera_matrix", cv::Mat(rig.left_matrix())) +
+                               matrix_text("distortion_coefficients", row(rig.left_distortion));
+    const std::string one = write("a.yml", single);
+    EXPECT_THAT(said(one + "," + write("b.yml", "%YAML:1.0\n" + single)), HasSubstr("two single cameras"));
+    EXPECT_THAT(said(one), HasSubstr("of one camera"));
+    EXPECT_THAT(said(write("cam.yaml", camchain(rig).substr(0, camchain(rig).find("cam1:")))),
+                HasSubstr("of one camera"));
+
+    Rig inverse;
+    inverse.turn = -rig.turn;
+    inverse.translation = -(rig.rotation().t() * rig.translation);
+    EXPECT_THAT(refused(opencv_text(inverse)), AllOf(HasSubstr("exchange"), HasSubstr("inverse")));
+    EXPECT_THAT(refused(camchain(inverse)), HasSubstr("inverse"));
+    EXPECT_THAT(refused(orbslam_3(inverse)), HasSubstr("inverse"));
+}
+
+TEST_F(Formats, NumbersOfNoCameraAreRefused) {
+    Rig rig;
+    const auto rectified = [](const std::string& path, const Rig& of) {
+        make_rectification(read_calibration(path, of.width, of.height), of.width, of.height, {});
+    };
+    for (const double p1 : {5.0, -4.0, 2.5}) {
+        rig.left_distortion[2] = p1;
+        const std::string path = write("stereo.yml", opencv_text(rig));
+        EXPECT_THAT(refusal([&] { rectified(path, rig); }), HasSubstr("cannot be rectified")) << p1;
+    }
+    rig = Rig();
+    for (const double z : {120.0, 63.0, -90.0}) {
+        rig.translation[2] = z;
+        EXPECT_THAT(refused(opencv_text(rig)), HasSubstr("side by side")) << z;
+    }
+}
+
+}  // namespace
+}  // namespace disparityd::calibration
