@@ -227,6 +227,13 @@ void report(const CalibrateArguments& arguments, const calibration::BoardCalibra
     for (const std::string& line : missing) {
         print_note("it would be better to " + line);
     }
+    const double baseline = -found.calibration.translation[0];
+    constexpr double shortest = 20, longest = 2000;
+    if (baseline < shortest || baseline > longest) {
+        print_note("a baseline of " + fixed(baseline, 2) +
+                   " mm is unusual: measure it; if it is wrong, --square was not the side of a square in mm, and all "
+                   "distances are wrong by the same factor");
+    }
 }
 
 /// Refuses a calibration that the daemon would refuse, before a file is written.
