@@ -333,6 +333,9 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     }
     log_info(fmt::format("serving {}: {} x {}, {}", engine->source().name, layout.geometry.width,
                          layout.geometry.height, engine->workers()));
+    if (const std::string distances = engine->distances(); !distances.empty()) {
+        log_info(distances);
+    }
     if (engine->source().synthetic) {
         log_warning(Engine::synthetic_notice);
     }

@@ -10,6 +10,7 @@
 
 #include "base/words.h"
 #include "calibration/calibration_lookup.h"
+#include "calibration/depth_range.h"
 #include "calibration/online/correction_file.h"
 #include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
@@ -412,6 +413,16 @@ bool Engine::check_memory() {
 std::string Engine::workers() const {
     const int count = workers_.workers();
     return fmt::format("{}, {}", base::counted(static_cast<std::uint64_t>(count), "worker"), workers_.placement().text);
+}
+
+std::string Engine::distances() const {
+    const proto::FrameInfo& geometry = layout_.geometry;
+    const auto range =
+        calibration::DepthRange::of(geometry.f, geometry.baseline_mm, geometry.disparity_offset, config_.match.options);
+    if (range) {
+        return range->text();
+    }
+    return source_->condition().delivering ? calibration::unknown_depth_range : "";
 }
 
 std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {

@@ -91,6 +91,10 @@ public:
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
 
+    /// One line for people: the distances that are measured (calibration/depth_range.h). Empty as long as a camera is
+    /// waited for whose calibration is unknown.
+    std::string distances() const;
+
     /// Records what the threads of this engine do; see pipeline::Tracer.
     pipeline::Tracer& tracer() { return workers_.tracer(); }
 

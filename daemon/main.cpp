@@ -4,6 +4,7 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <google/protobuf/stubs/common.h>
 #if GOOGLE_PROTOBUF_VERSION < 4022000
@@ -21,6 +22,12 @@
 
 namespace {
 
+void print_notes(const std::vector<std::string>& notes) {
+    for (const std::string& note : notes) {
+        std::printf("disparityd: note: %s\n", disparityd::base::printable(note, note.size()).c_str());
+    }
+}
+
 int run(int argc, char** argv) {
     const auto line = disparityd::daemon::read_command_line(argc, argv);
     if (!line) {
@@ -37,8 +44,9 @@ int run(int argc, char** argv) {
         const disparityd::daemon::Engine would_run(config, {}, {});
         disparityd::daemon::client_access(config);
         disparityd::daemon::client_tls(config);
-        for (const std::string& note : config.notes) {
-            std::printf("disparityd: note: %s\n", disparityd::base::printable(note, note.size()).c_str());
+        print_notes(config.notes);
+        if (const std::string distances = would_run.distances(); !distances.empty()) {
+            print_notes({distances});
         }
         std::printf("disparityd: the configuration is valid\n");
         return 0;

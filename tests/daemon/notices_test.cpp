@@ -35,6 +35,16 @@ TEST_F(NoticesTest, WorkersWithoutCoresOfTheirOwn) {
     EXPECT_THAT(daemon->log(), HasSubstr("256 workers, not pinned to cores"));
 }
 
+TEST_F(NoticesTest, WhichDistancesAreMeasuredIsToldOnce) {
+    const auto daemon = start_ready(config_text());
+    ASSERT_TRUE(daemon->wait_for_log("at 10 m a step of 1/16 px is ")) << daemon->log();
+    const std::string log = daemon->log();
+    const std::string line = "nothing nearer than ";
+    const auto first = log.find(line);
+    ASSERT_NE(first, std::string::npos) << log;
+    EXPECT_EQ(log.find(line, first + 1), std::string::npos) << log;
+}
+
 TEST_F(NoticesTest, WhatIsSwitchedOffIsNoNews) {
     const auto daemon = start_ready(config_text(), {"--set", many_workers, "--set", "pipeline.pin_workers=false"});
     EXPECT_THAT(status_after(*daemon, 1).notices(), Not(Contains(HasSubstr("pinned"))));
