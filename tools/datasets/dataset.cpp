@@ -129,10 +129,7 @@ std::vector<DatasetScene> scenes_of_kitti(const std::string& folder) {
 }
 
 void collect(const std::string& folder, int depth, std::vector<DatasetScene>& scenes) {
-    std::vector<DatasetScene> here = scenes_of_kitti(folder);
-    if (here.empty()) {
-        here = scenes_of_middlebury(folder);
-    }
+    const std::vector<DatasetScene> here = scenes_in(folder);
     if (!here.empty()) {
         scenes.insert(scenes.end(), here.begin(), here.end());
         return;
@@ -152,6 +149,11 @@ void collect(const std::string& folder, int depth, std::vector<DatasetScene>& sc
 }
 
 }  // namespace
+
+std::vector<DatasetScene> scenes_in(const std::string& folder) {
+    std::vector<DatasetScene> here = scenes_of_kitti(folder);
+    return here.empty() ? scenes_of_middlebury(folder) : here;
+}
 
 std::vector<DatasetScene> find_scenes(const std::string& folder) {
     if (!base::is_folder(folder)) {

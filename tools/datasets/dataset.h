@@ -42,6 +42,9 @@ struct GroundTruth {
 /// Throws std::invalid_argument when the folder does not exist; a folder without a scene gives none.
 std::vector<DatasetScene> find_scenes(const std::string& folder);
 
+/// The same, of this folder alone; a folder that does not exist has none.
+std::vector<DatasetScene> scenes_in(const std::string& folder);
+
 /// Reads the ground truth. A `scale` other than 0 overrides the scene's own.
 /// Throws std::invalid_argument with one line for an unknown scale, a file that cannot be read, or sizes that differ.
 GroundTruth read_ground_truth(const DatasetScene& scene, double scale = 0);

@@ -3,32 +3,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 #include "base/message_text.h"
-#include "base/text_file.h"
 #include "capture/images/image_files.h"
+#include "tools/datasets/announced_range.h"
 
 namespace disparityd::eval {
 namespace {
 
-/// "ndisp=N" of the calib.txt that Middlebury puts beside its pictures; 0 where there is none.
+/// The ndisp of the calib.txt that Middlebury and ETH3D put beside their pictures; 0 where there is none.
 int announced_disparities(const std::string& picture) {
-    std::ifstream file(std::filesystem::path(picture).parent_path() / "calib.txt");
-    const std::string key = "ndisp=";
-    for (std::string line; std::getline(file, line);) {
-        const std::string_view text = base::without_byte_order_mark(line);
-        if (text.starts_with(key)) {
-            return std::atoi(text.data() + key.size());
-        }
-    }
-    return 0;
+    const auto announced =
+        datasets::range_of_calibration((std::filesystem::path(picture).parent_path() / "calib.txt").string());
+    return announced ? static_cast<int>(announced->largest) + 1 : 0;
 }
 
 }  // namespace
