@@ -42,6 +42,22 @@ void make_scene(const std::string& folder, unsigned seed = 5) {
 
 using EvalTest = FolderTest;
 
+TEST_F(EvalTest, ANearlyEmptyResultIsToldOnceWithItsCause) {
+    make_scene(path("scene"));
+    const Outcome good = run(DISPARITY_EVAL, {"--method", "all", "--scale", "4", path("scene")});
+    EXPECT_EQ(good.exit_code, 0) << good.err;
+    EXPECT_THAT(good.err, Not(HasSubstr("likely cause")));
+    std::filesystem::rename(path("scene/left.png"), path("scene/other.png"));
+    std::filesystem::rename(path("scene/right.png"), path("scene/left.png"));
+    std::filesystem::rename(path("scene/other.png"), path("scene/right.png"));
+    const Outcome exchanged = run(DISPARITY_EVAL, {"--preset", "obstacles", "--backend", "cpu", "--backend",
+                                                   "reference", "--scale", "4", path("scene")});
+    EXPECT_EQ(exchanged.exit_code, 0) << exchanged.err;
+    const auto first = exchanged.err.find("the likely cause: left and right are exchanged");
+    ASSERT_NE(first, std::string::npos) << exchanged.err;
+    EXPECT_EQ(exchanged.err.find("likely cause", first + 5), std::string::npos) << exchanged.err;
+}
+
 TEST_F(EvalTest, FramesOfARenderedSceneHaveTheirExactTruth) {
     const Outcome outcome =
         run(DISPARITY_EVAL, {"--json", "--preset", "obstacles", "scene:vga?width=336&height=188&frames=2"});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/describe.h"
 
+#include <cmath>
+
 #include "capture/camera/camera_problem.h"
 #include "capture/pixel_format.h"
 
@@ -10,6 +12,11 @@ namespace {
 Json to_json(const calibration::CameraModel& camera) {
     return {
         {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
+}
+
+/// JSON has no infinity.
+Json or_null(double value) {
+    return std::isfinite(value) ? Json(value) : Json();
 }
 
 }  // namespace
@@ -79,6 +86,24 @@ Json to_json(const calibration::Rectification& rectification) {
             {"disparity_offset", rectification.disparity_offset},
             {"unrectified", rectification.unrectified},
             {"calibration_id", hexadecimal(rectification.calibration_id)}};
+}
+
+Json to_json(const calibration::DepthRange& range) {
+    Json json{{"nearest_m", or_null(range.nearest_m())},
+              {"farthest_m", or_null(range.farthest_m())},
+              {"step_px", range.step_px()},
+              {"resolution", Json::array()},
+              {"disparities_for", Json::array()}};
+    for (const double distance : calibration::DepthRange::told_at_m) {
+        json["resolution"].push_back({{"at_m", distance},
+                                      {"step_m", or_null(range.error_m(distance, range.step_px()))},
+                                      {"error_of_1px_m", or_null(range.error_m(distance, 1))}});
+    }
+    for (const double wanted : calibration::DepthRange::wanted_m) {
+        const auto needed = range.disparities_for(wanted);
+        json["disparities_for"].push_back({{"nearest_m", wanted}, {"disparities", needed ? Json(*needed) : Json()}});
+    }
+    return json;
 }
 
 Json to_json(const MatchOptions& options) {

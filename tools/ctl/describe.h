@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "calibration/depth_range.h"
 #include "calibration/rectification.h"
 #include "capture/camera/camera_survey.h"
 #include "capture/frame_source.h"
@@ -20,6 +21,8 @@ Json to_json(const capture::CameraSurvey& camera);
 Json to_json(const capture::SourceInfo& source);
 Json to_json(const calibration::StereoCalibration& calibration);
 Json to_json(const calibration::Rectification& rectification);
+/// Without a limit: null.
+Json to_json(const calibration::DepthRange& range);
 Json to_json(const MatchOptions& options);
 Json to_json(const ScanOptions& options);
 

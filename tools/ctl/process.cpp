@@ -10,6 +10,7 @@
 
 #include "base/failure_text.h"
 #include "base/words.h"
+#include "calibration/depth_range.h"
 #include "capture/images/image_sequence.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
@@ -22,12 +23,14 @@
 #include "tools/command_line/table.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
+#include "tools/ctl/dataset_range.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/limited_source.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/process_output.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
+#include "tools/empty_result/empty_result.h"
 #include "tools/images/disparity_file.h"
 
 namespace disparityd::tools {
@@ -194,9 +197,19 @@ void report_estimates(const pipeline::CalibratingSchedule& calibrating) {
     }
 }
 
-int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& status,
-           const pipeline::CalibratingSchedule* calibrating, const SourceNews& news, std::uint64_t frames,
-           double seconds) {
+/// What was done, as report() tells it.
+struct Done {
+    pipeline::PipelineStatus status;
+    const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< where it estimated
+    std::optional<calibration::DepthRange> distances;
+    std::uint64_t frames = 0;
+    double seconds = 0;
+    double measured = 1;     ///< share of the pixels
+    std::string empty_note;  ///< where hardly any were
+};
+
+int report(const ProcessArguments& arguments, const Done& done, const SourceNews& news) {
+    const auto& [status, calibrating, distances, frames, seconds, measured, empty_note] = done;
     const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
     if (arguments.json) {
         Json json{{"folder", arguments.folder},
@@ -204,6 +217,8 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
                   {"damaged_frames_skipped", status.skipped_corrupt},
                   {"seconds", seconds},
                   {"frames_per_second", rate},
+                  {"measured", measured},
+                  {"distances", distances ? to_json(*distances) : Json()},
                   {"complete", status.error.empty() && news.left_out.empty() && !interrupted()},
                   {"left_out", news.left_out},
                   {"error", status.error}};
@@ -215,8 +230,12 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
         if (calibrating != nullptr) {
             report_estimates(*calibrating);
         }
-        std::cout << arguments.folder << ": " << base::counted(frames, "frame") << " in " << fixed(seconds, 1) << " s, "
+        std::cout << (distances ? distances->text() : calibration::unknown_depth_range) << '\n'
+                  << arguments.folder << ": " << base::counted(frames, "frame") << " in " << fixed(seconds, 1) << " s, "
                   << fixed(rate, 1) << " frames/s\n";
+    }
+    if (!empty_note.empty()) {
+        print_note(arguments.source + ": " + empty_note);
     }
     if (status.skipped_corrupt > 0) {
         print_note("left out because they are marked as damaged: " + base::counted(status.skipped_corrupt, "frame"));
@@ -247,6 +266,7 @@ int report(const ProcessArguments& arguments, const pipeline::PipelineStatus& st
 struct RunFiles {
     std::optional<ProcessOutput> folder;
     std::optional<ScanCsv> scans;
+    std::optional<empty_result::EmptyResult> measured;
     std::uint64_t scans_by_mounting = 0;  ///< whose ground is the configured one
 };
 
@@ -255,6 +275,7 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
     try {
         const std::uint64_t frame = files.folder->frames();
         files.folder->write(slot);
+        files.measured->add(slot.view.left, slot.view.right, slot.view.confidence);
         if (files.scans) {
             files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, slot.scan);
             files.scans_by_mounting += slot.scan.ground_source == GroundSource::configured ? 1U : 0U;
@@ -308,8 +329,9 @@ int process(ProcessArguments arguments) {
     ProcessOutput::check(arguments.folder, arguments.force);
     const Method method = parse_method(arguments.method);
     arguments.match.check_used({method});
-    const MatchOptions options = arguments.match.options(method, default_disparities);
     const Backend& chosen = backend(arguments.backend);
+    const MatchOptions options = arguments.match.options(
+        method, dataset_disparities(arguments.source, arguments.calibration, arguments.match, default_disparities));
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
@@ -335,6 +357,7 @@ int process(ProcessArguments arguments) {
     files.folder.emplace(arguments.folder, arguments.force, formats_of(arguments, options.range), info, options,
                          config.scan, substitute.empty() ? std::string(chosen.name) : substitute, rectification,
                          pipeline.steps());
+    files.measured.emplace(options.range);
     if (config.scan) {
         files.scans.emplace(arguments.scan, arguments.force);
     }
@@ -346,7 +369,13 @@ int process(ProcessArguments arguments) {
         print_note(trouble);
     }
     note_lack_of_gravity(files, config.scan);
-    return report(arguments, pipeline.status(), schedule.calibrating, news, files.folder->frames(), elapsed.count());
+    return report(
+        arguments,
+        {pipeline.status(), schedule.calibrating,
+         calibration::DepthRange::of(rectification.f, rectification.baseline_mm, rectification.disparity_offset,
+                                     options),
+         files.folder->frames(), elapsed.count(), files.measured->measured(), files.measured->note(info.calibration)},
+        news);
 }
 
 }  // namespace
@@ -396,7 +425,9 @@ void add_process(CLI::App& program, Action& action) {
                      "leave damaged images out and go on; they are listed, exit status 1");
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
     // The daemon's default: the same bytes as from it.
-    arguments->match.add_to(command, "default " + std::to_string(default_disparities), Preset::obstacles);
+    arguments->match.add_to(command,
+                            "default " + std::to_string(default_disparities) + ", or what a dataset's files ask for",
+                            Preset::obstacles);
     command.footer(
         "DIR gets a 16-bit PNG per frame (disparity x 256, 0 = rejected) with the name of the left image, or, of\n"
         "videos, 000000.png ...; times.csv (output, input and times of each frame); geometry.json (calibration and\n"

@@ -197,6 +197,9 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
     if (scan) {
         geometry["scan"] = to_json(*scan);
     }
+    const auto distances = calibration::DepthRange::of(rectification.f, rectification.baseline_mm,
+                                                       rectification.disparity_offset, options);
+    geometry["distances"] = distances ? to_json(*distances) : Json();
     geometry["files"] = files_of(formats);
     const std::string text = to_text(geometry, 2) + '\n';
     images::write_file(folder_ + '/' + geometry_name,

@@ -18,6 +18,7 @@
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
 #include "tools/eval/confidence/reliability_report.h"
+#include "tools/eval/empty_scene.h"
 #include "tools/eval/error_picture.h"
 #include "tools/eval/eval_arguments.h"
 #include "tools/eval/fair_opencv.h"
@@ -217,6 +218,7 @@ private:
         const pipeline::WorkerPool::ComputeSlot slot(workers_);
         const std::string method(to_string(options.method));
         MatcherResult result = run_ours(backend, options, scene.left, scene.right, workers_, repeat_);
+        tell_if_empty(scene, result);
         add(scene, method, std::string(backend.name), result);
         if (on_even_terms()) {
             if (!options.post.interpolate || arguments_.fair) {
@@ -224,6 +226,17 @@ private:
                 result = run_ours(backend, options, scene.left, scene.right, workers_, fair_repeat());
             }
             add_fair(scene, method, std::string(backend.name), result);
+        }
+    }
+
+    /// Once for each scene, whatever the number of methods and back ends.
+    void tell_if_empty(const Scene& scene, const MatcherResult& result) {
+        if (told_as_empty_ == scene.name) {
+            return;
+        }
+        if (const std::string note = empty_scene_note(scene, result); !note.empty()) {
+            tools::print_note(note);
+            told_as_empty_ = scene.name;
         }
     }
 
@@ -296,6 +309,7 @@ private:
     std::vector<SceneReliability> scene_reliability_;
     std::vector<NamedThinWidths> thin_widths_;
     std::optional<Halves> halves_;
+    std::string told_as_empty_;  ///< the newest scene of which hardly anything was measured
 };
 
 void print_as_json(const Evaluation& evaluation, const EvalArguments& arguments) {

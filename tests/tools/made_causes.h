@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <opencv2/core.hpp>
+
+#include "kernels/options.h"
+#include "tests/tools/rendered_pair.h"
+
+namespace disparityd::test {
+
+/// Size and range of the pairs below.
+inline const cv::Size made_size{336, 188};
+inline constexpr DisparityRange made_range{0, 32};
+
+// Rectified pairs of rendered scenes, each seed another one: scene, brightness, noise, and how wrong it is.
+
+RenderedPair good_pair(unsigned seed);
+RenderedPair exchanged_pair(unsigned seed);         ///< left is right
+RenderedPair near_pair(unsigned seed);              ///< all disparities lie beyond the range
+RenderedPair unaligned_pair(unsigned seed);         ///< the right image is moved in y, or turned
+RenderedPair plain_pair(unsigned seed);             ///< black, grey, ramps, vignetting, out of focus, one lens covered
+RenderedPair other_resolution_pair(unsigned seed);  ///< rectified by a calibration of another size of image
+
+}  // namespace disparityd::test
