@@ -29,7 +29,7 @@ std::string near_limit_text(double value) {
     return metres_text(std::ceil(value * 100 - 1e-6) / 100);
 }
 
-std::string short_text(double value) {
+std::string four_digits(double value) {
     return printed("%.4g", value);
 }
 
@@ -78,8 +78,8 @@ std::optional<int> DepthRange::disparities_for(double nearest) const {
 
 std::string DepthRange::limits_text() const {
     const double largest = range_.first + range_.count - 1 + offset_;
-    const std::string geometry = "disparities up to " + short_text(largest) + " px, f " + short_text(f_) +
-                                 " px, baseline " + short_text(baseline_mm_) + " mm";
+    const std::string geometry = "disparities up to " + four_digits(largest) + " px, f " + four_digits(f_) +
+                                 " px, baseline " + four_digits(baseline_mm_) + " mm";
     if (std::isinf(nearest_m())) {
         return "no distance is measured: no disparity is above 0 with its offset (" + geometry + ")";
     }
@@ -95,7 +95,7 @@ std::string DepthRange::wanted_text() const {
             continue;
         }
         const auto needed = disparities_for(wanted);
-        text += (text.empty() ? "; " : ", ") + short_text(wanted) + " m needs " +
+        text += (text.empty() ? "; " : ", ") + four_digits(wanted) + " m needs " +
                 (needed ? std::to_string(*needed) + " disparities" : "more than the 256 that there are");
         if (!needed) {
             return text + ": take a smaller mode or size";
@@ -111,8 +111,8 @@ std::string DepthRange::resolution_text() const {
             continue;
         }
         const std::string step = step_px_ < 1 ? "1/16 px" : "1 px";
-        text +=
-            "; at " + short_text(distance) + " m a step of " + step + " is " + metres_text(error_m(distance, step_px_));
+        text += "; at " + four_digits(distance) + " m a step of " + step + " is " +
+                metres_text(error_m(distance, step_px_));
         text += step_px_ < 1 ? ", an error of 1 px " + metres_text(error_m(distance, 1)) : "";
     }
     return text;
