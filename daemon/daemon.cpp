@@ -14,11 +14,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "base/descriptor_limit.h"
 #include "base/failure_text.h"
+#include "base/freed_memory.h"
 #include "daemon/configured_access.h"
 #include "daemon/log.h"
-#include "daemon/system/descriptor_limit.h"
-#include "daemon/system/freed_memory.h"
 #include "daemon/totals.h"
 
 namespace disparityd::daemon {
@@ -33,7 +33,7 @@ SocketServerConfig server_config(const Config& config) {
     server.access = client_access(config);
     server.tls = client_tls(config);
     server.idle_timeout = std::chrono::seconds(config.socket.idle_timeout_s);
-    server.descriptors = raise_descriptor_limit();
+    server.descriptors = base::raise_descriptor_limit();
     return server;
 }
 
@@ -327,7 +327,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
         ended_.Swap(&ended);
     }
     old.reset();  // not under the lock: it frees gigabytes and waits for its threads
-    give_back_freed_memory();
+    base::give_back_freed_memory();
     if (!serving()) {
         start_serving();
     }

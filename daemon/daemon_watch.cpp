@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
+#include "base/freed_memory.h"
 #include "daemon/daemon.h"
 #include "daemon/log.h"
-#include "daemon/system/freed_memory.h"
 #include "daemon/totals.h"
 #include "proto/text.h"
 
@@ -108,7 +108,7 @@ void Daemon::watch_freed_memory() {
     if (now >= next_give_back_ && server_.gone() != clients_gone_) {
         clients_gone_ = server_.gone();
         next_give_back_ = now + give_back_interval;
-        give_back_freed_memory();
+        base::give_back_freed_memory();
     }
 }
 

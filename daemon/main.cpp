@@ -12,13 +12,13 @@
 #endif
 
 #include "base/failure_text.h"
+#include "base/freed_memory.h"
 #include "base/message_text.h"
 #include "daemon/command_line.h"
 #include "daemon/configured_access.h"
 #include "daemon/daemon.h"
 #include "daemon/engine.h"
 #include "daemon/log.h"
-#include "daemon/system/freed_memory.h"
 
 namespace {
 
@@ -67,7 +67,7 @@ void print_error(const std::exception& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    disparityd::daemon::set_up_freed_memory();
+    disparityd::base::set_up_freed_memory();
     try {
         return run(argc, argv);
     } catch (const std::invalid_argument& error) {

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 
-namespace disparityd::daemon {
+namespace disparityd::base {
 
 /// Raises the soft limit of open file descriptors of this process to the hard one. Returns the limit that holds now;
 /// SIZE_MAX where there is none, or the system does not tell.
 std::size_t raise_descriptor_limit();
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::base

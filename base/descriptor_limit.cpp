@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/system/descriptor_limit.h"
+#include "base/descriptor_limit.h"
 
 #include <cstdint>
 
 #include <sys/resource.h>
 
-namespace disparityd::daemon {
+namespace disparityd::base {
 
 std::size_t raise_descriptor_limit() {
     rlimit limit{};
@@ -19,4 +19,4 @@ std::size_t raise_descriptor_limit() {
     return limit.rlim_cur == RLIM_INFINITY ? SIZE_MAX : static_cast<std::size_t>(limit.rlim_cur);
 }
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::base

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-namespace disparityd::daemon {
+namespace disparityd::base {
 
 /// Sets how the GNU C library keeps freed memory; does nothing with another library. A daemon runs for months, and
 /// every reload allocates a whole engine and frees the old one.
@@ -16,4 +16,4 @@ void set_up_freed_memory();
 /// Gives the free memory of the heaps back to the system. Takes some milliseconds, in which threads that allocate wait.
 void give_back_freed_memory();
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::base

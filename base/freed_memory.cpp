@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/system/freed_memory.h"
+#include "base/freed_memory.h"
 
 #include <cstdlib>
 
@@ -7,7 +7,7 @@
 #include <malloc.h>
 #endif
 
-namespace disparityd::daemon {
+namespace disparityd::base {
 
 void set_up_freed_memory() {
 #ifdef __GLIBC__
@@ -24,4 +24,4 @@ void give_back_freed_memory() {
 #endif
 }
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::base
