@@ -2,9 +2,12 @@
 //
 // Serves a live page of the daemon's depth to browsers.
 #include <iostream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "base/descriptor_limit.h"
+#include "base/freed_memory.h"
 #include "bridges/program/program.h"
 #include "bridges/web/options.h"
 #include "bridges/web/server.h"
@@ -20,8 +23,15 @@ int main(int argc, char** argv) {
         "Examples: disparity-web\n"
         "          disparity-web --name front --listen 127.0.0.1:8766 --allow-control\n"
         "Exit status: 0 SIGTERM or Ctrl-C ended it; 1 the system refuses; 2 an argument is wrong.");
-    return disparityd::bridges::run_program(app, argc, argv, [&options] {
-        disparityd::web::Server server(options.settings());
+    return disparityd::bridges::run_program(app, argc, argv, [&app, &options] {
+        auto settings = options.settings();
+        const std::string fewer =
+            disparityd::web::fit_to_descriptors(settings, disparityd::base::raise_descriptor_limit());
+        if (!fewer.empty()) {
+            disparityd::bridges::print_line(app.get_name(), "note", fewer);
+        }
+        disparityd::base::set_up_freed_memory();
+        disparityd::web::Server server(settings);
         std::cout << server.url() << std::endl;
         server.run();
     });

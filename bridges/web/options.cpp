@@ -71,6 +71,24 @@ void add_visitors(CLI::App& app, Options& options) {
         ->group(group);
 }
 
+/// What no browser sends would be taken, and let nobody in.
+void check_names(const Options& options) {
+    for (const std::string& origin : options.origins) {
+        if (!is_origin(origin)) {
+            throw std::invalid_argument("--origin: found \"" + origin +
+                                        "\", allowed: SCHEME://HOST or SCHEME://HOST:PORT without a path, such as "
+                                        "https://app.example.org or http://localhost:8080; file:// for programs on the "
+                                        "desktop");
+        }
+    }
+    for (const std::string& host : options.hosts) {
+        if (host.empty() || !is_origin("http://" + host) || host.find(':') != std::string::npos) {
+            throw std::invalid_argument("--host: found \"" + host +
+                                        "\", allowed: a name without scheme, port and path, such as robot.example.org");
+        }
+    }
+}
+
 void check_files(const Options& options) {
     if (options.certificate.empty() != options.key.empty()) {
         throw std::invalid_argument("--certificate and --key go together: one of them is missing");
@@ -119,6 +137,7 @@ ServerSettings Options::settings() const {
     check_files(*this);
     settings.tls = {certificate, key, client_authority};
     check_reach(*this, settings);
+    check_names(*this);
     settings.access.hosts = hosts;
     settings.access.origins = origins;
     settings.access.anybody_controls = allow_control;

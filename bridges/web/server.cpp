@@ -6,7 +6,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
-#include <boost/asio/thread_pool.hpp>
 
 #include "bridges/web/daemon/frame_feed.h"
 #include "bridges/web/daemon/status_feed.h"
@@ -24,10 +23,9 @@ public:
           scheme_(settings.tls.on() ? "https" : "http"),
           access_(settings.access, settings.tls.on()),
           signals_(network_, SIGTERM, SIGINT),
-          encoding_(1),
           hub_([this](const Wants& wants) { on_wants(wants); }),
-          connections_(static_cast<std::size_t>(settings.max_connections)),
-          place_{network_, encoding_, hub_},
+          connections_(static_cast<std::size_t>(settings.max_connections), access_.knows_controllers()),
+          place_{network_, encoding_, hub_, outgoing_},
           control_(settings.daemon),
           routes_(place_, access_, control_),
           listener_(settings, {place_, access_, routes_, connections_, guesses_}),
@@ -71,9 +69,10 @@ private:
     std::string url_host_;
     std::string scheme_;
     Access access_;
+    Outgoing outgoing_;
     asio::io_context network_{1};
     asio::signal_set signals_;
-    asio::thread_pool encoding_;
+    EncodingTurns encoding_;
     Hub hub_;
     Connections connections_;
     TokenGuesses guesses_;

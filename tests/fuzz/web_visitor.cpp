@@ -61,7 +61,7 @@ public:
         PairStream stream(PairStream::socket_type(network_, stream_protocol(), ends[0]));
         const auto session = std::make_shared<web::HttpSession<PairStream>>(
             std::move(stream), web::Site{place_, access_, routes_, connections_, guesses_}, "fuzz");
-        expect(connections_.admit(session), "no room for the only visitor");
+        expect(connections_.admit(session, "fuzz"), "no room for the only visitor");
         session->start();
     }
 
@@ -109,12 +109,13 @@ private:
     }
 
     web::Access access_{rules(), false};
+    web::Outgoing outgoing_;
     boost::asio::io_context network_{1};
-    boost::asio::thread_pool encoding_{1};
+    web::EncodingTurns encoding_;
     web::Hub hub_{[](const web::Wants&) {}};
     web::Connections connections_{8};
     web::TokenGuesses guesses_;
-    web::Workplace place_{network_, encoding_, hub_};
+    web::Workplace place_{network_, encoding_, hub_, outgoing_};
     std::optional<web::DaemonControl> control_{web::DaemonAddress{"fuzz", "unix:/nonexistent/socket"}};
     web::Routes routes_{place_, access_, *control_};
     int visitor_ = -1;

@@ -31,6 +31,10 @@ struct Visitor {
     std::string_view cookie;         ///< header Cookie
 };
 
+/// Returns whether a text is the origin of pages, as browsers send it: "https://app.example.org", "http://[::1]:8080",
+/// and "file://" of programs on the desktop.
+bool is_origin(std::string_view text);
+
 /// Decides what a request may do. The network's thread owns it.
 class Access {
 public:
@@ -42,21 +46,30 @@ public:
     std::string refuses(const Visitor& visitor) const;
 
     Right right_of(const Visitor& visitor) const;
-    bool needs_token() const { return !rules_.anybody_views || (!rules_.anybody_controls && has_controllers()); }
+    bool needs_token() const { return !rules_.anybody_views || knows_controllers(); }
+    /// Whether some visitors may control and others may not.
+    bool knows_controllers() const { return !rules_.anybody_controls && !rules_.tokens.controllers().empty(); }
 
-    /// Returns the value of a Set-Cookie header for whoever knows a token, "" for who does not.
-    std::string log_in(std::string_view token);
+    /// Whether there is such a token. Takes the same time wherever two tokens differ.
+    bool knows(std::string_view token) const { return rules_.tokens.right_of(token) != Right::none; }
+
+    /// Returns the value of a Set-Cookie header for whoever knows a token, "" for who does not. `host`: the header
+    /// Host; a browser sends a cookie to all ports of a host, so the cookie's name tells them apart. Of many visitors
+    /// with one token, the one that would have to log in again first has to.
+    std::string log_in(std::string_view token, std::string_view host);
 
 private:
-    bool has_controllers() const { return !rules_.tokens.controllers().empty(); }
     bool is_own_host(std::string_view host) const;
 
     AccessRules rules_;
     bool secure_;
     struct Session {
+        std::string token;
         Right right = Right::none;
         std::chrono::steady_clock::time_point ends;
     };
+    void make_room(std::string_view token, std::chrono::steady_clock::time_point now);
+
     std::map<std::string, Session, std::less<>> sessions_;
 };
 

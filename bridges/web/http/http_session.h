@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/ssl.hpp>
@@ -38,7 +39,7 @@ using TlsStream = boost::beast::ssl_stream<boost::beast::tcp_stream>;
 template <typename Stream>
 class HttpSession : public Connection, public std::enable_shared_from_this<HttpSession<Stream>> {
 public:
-    /// `sender`: the visitor's, for TokenGuesses.
+    /// `sender`: the visitor's address, as sender_of() names it.
     HttpSession(Stream&& stream, const Site& site, std::string sender)
         : stream_(std::move(stream)), site_(site), sender_(std::move(sender)) {}
 
@@ -57,9 +58,10 @@ public:
     }
 
     void drop() override { boost::beast::get_lowest_layer(stream_).close(); }
-    /// A peer that does not read its answer holds a place, too.
+    /// A peer that does not read its answer holds a place, too, and one that waits for being refused.
     bool idle() const override {
-        return !answering_ || (writing_since_ && std::chrono::steady_clock::now() - *writing_since_ > slow_reader);
+        return !answering_ || refusing_ ||
+               (writing_since_ && std::chrono::steady_clock::now() - *writing_since_ > slow_reader);
     }
 
 private:
@@ -73,8 +75,9 @@ private:
     void read();
     void on_request();
     void write(Response response);
-    bool logs_in(const Request& request) const;
+    void refuse_late(Response response);
     bool refuse_guess(const Request& request);
+    bool promote(const Request& request, Right right);
     bool upgrade(const Request& request);
     bool stream(const Request& request);
 
@@ -84,13 +87,16 @@ private:
     boost::beast::flat_buffer buffer_{most_head + most_body};
     std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;
     bool answering_ = false;
+    bool refusing_ = false;
     std::optional<std::chrono::steady_clock::time_point> writing_since_;  ///< when the answer was ready
+    std::unique_ptr<Outgoing::Load> load_;                                ///< the answer that is being written
 };
 
 template <typename Stream>
 void HttpSession<Stream>::read() {
     answering_ = false;
     writing_since_.reset();
+    load_.reset();
     parser_.emplace();
     parser_->header_limit(most_head);
     parser_->body_limit(most_body);
@@ -116,12 +122,9 @@ void HttpSession<Stream>::on_request() {
     }
     // An answer may take as long as the daemon needs to close a recording.
     boost::beast::get_lowest_layer(stream_).expires_never();
-    site_.routes.respond(*request, [self = this->shared_from_this(), request](Response response) {
+    site_.routes.respond(*request, sender_, [self = this->shared_from_this(), request](Response response) {
         if (response.result_int() >= 400) {
             ++self->site_.place.hub.counters.refused;
-        }
-        if (response.result() == boost::beast::http::status::forbidden && self->logs_in(*request)) {
-            self->site_.guesses.count(self->sender_, std::chrono::steady_clock::now());
         }
         self->write(std::move(response));
     });
@@ -132,9 +135,16 @@ void HttpSession<Stream>::write(Response response) {
     const auto kept = std::make_shared<Response>(std::move(response));
     constexpr std::size_t least_bytes_per_second = 65536;
     writing_since_ = std::chrono::steady_clock::now();
+    load_ = site_.place.outgoing.hold(kept->body().size(), *writing_since_, [weak = this->weak_from_this()] {
+        if (const auto self = weak.lock()) {
+            self->drop();
+        }
+    });
     boost::beast::get_lowest_layer(stream_).expires_after(
         patience + std::chrono::seconds(kept->body().size() / least_bytes_per_second));
     boost::beast::http::async_write(stream_, *kept, [self = this->shared_from_this(), kept](Error error, std::size_t) {
+        std::string().swap(kept->body());  // before it counts no more: the memory is free then
+        self->load_.reset();
         if (error || kept->need_eof()) {
             self->drop();
         } else {
@@ -143,33 +153,53 @@ void HttpSession<Stream>::write(Response response) {
     });
 }
 
-/// Returns whether the request brings a token in its body. What a page of another server sends does not count.
+/// Answers after a while, and ends the connection. The answer need not have gone: its place may be given to another.
 template <typename Stream>
-bool HttpSession<Stream>::logs_in(const Request& request) const {
-    return is_log_in(request) && site_.access.refuses(visitor_of(request)).empty();
+void HttpSession<Stream>::refuse_late(Response response) {
+    constexpr std::chrono::seconds pause{1};
+    refusing_ = true;
+    ++site_.place.hub.counters.refused;
+    boost::beast::get_lowest_layer(stream_).expires_never();
+    response.keep_alive(false);
+    const auto timer = std::make_shared<boost::asio::steady_timer>(site_.place.network, pause);
+    timer->async_wait([self = this->shared_from_this(), timer, kept = std::make_shared<Response>(std::move(response))](
+                          Error) { self->write(std::move(*kept)); });
 }
 
-/// Counts a wrong bearer token. Refuses every token of a sender that has sent too many wrong ones; whoever brings none,
-/// or has a cookie, does not notice. Returns whether the request has been dealt with.
+/// Looks at the token that a request brings. A right one passes, whatever its sender or others have sent before: many
+/// visitors may share an address. A wrong one counts, and one too many is answered late. Returns whether the request
+/// has been dealt with. A cookie is no token; what a page of another server sends does not count.
 template <typename Stream>
 bool HttpSession<Stream>::refuse_guess(const Request& request) {
-    Visitor bearer;
-    bearer.authorization = visitor_of(request).authorization;
-    // Other schemes are a proxy's affair.
-    const bool brings_token = bearer.authorization.starts_with("Bearer ");
-    if (!brings_token && !logs_in(request)) {
+    constexpr std::string_view bearer = "Bearer ";
+    const Visitor visitor = visitor_of(request);
+    bool wrong = false;
+    if (visitor.authorization.starts_with(bearer)) {  // other schemes are a proxy's affair
+        wrong = !site_.access.knows(visitor.authorization.substr(bearer.size()));
+    }
+    if (const std::optional<std::string> token = log_in_token(request)) {
+        wrong = wrong || !site_.access.knows(*token);
+    }
+    if (!wrong || !site_.access.needs_token() || !site_.access.refuses(visitor).empty() ||
+        !site_.guesses.count(sender_, std::chrono::steady_clock::now())) {
         return false;
     }
-    const auto now = std::chrono::steady_clock::now();
-    if (site_.guesses.blocks(sender_, now)) {
-        ++site_.place.hub.counters.refused;
-        write(error_response(request, boost::beast::http::status::too_many_requests,
-                             "too many wrong tokens came from this address: try again in a minute"));
+    refuse_late(error_response(request, boost::beast::http::status::too_many_requests,
+                               "too many wrong tokens have come: this one is wrong, too; try again in a minute"));
+    return true;
+}
+
+/// Makes this connection's place one of a stream. Answers where there is none, and returns false.
+template <typename Stream>
+bool HttpSession<Stream>::promote(const Request& request, Right right) {
+    if (site_.connections.promote(this, right == Right::control ? Stay::controller : Stay::viewer)) {
         return true;
     }
-    if (brings_token && site_.access.right_of(bearer) == Right::none) {
-        site_.guesses.count(sender_, now);
-    }
+    ++site_.place.hub.counters.refused;
+    write(error_response(request, boost::beast::http::status::service_unavailable,
+                         "all " + std::to_string(site_.connections.places_for_viewers()) +
+                             " places for pages and streams are taken; close one, or start disparity-web with a higher "
+                             "--max-connections"));
     return false;
 }
 
@@ -179,14 +209,14 @@ bool HttpSession<Stream>::upgrade(const Request& request) {
     if (!boost::beast::websocket::is_upgrade(request)) {
         return false;
     }
-    WebSocketChoice choice = choose_websocket(request, site_.place, site_.access);
+    WebSocketChoice choice = choose_websocket(request, site_.place, site_.access, sender_);
     if (choice.handler == nullptr) {
         ++site_.place.hub.counters.refused;
         write(std::move(choice.refusal));
-        return true;
-    }
-    const auto link = std::make_shared<WebSocketLink<Stream>>(std::move(stream_), std::move(choice.handler));
-    if (site_.connections.admit(link, this)) {
+    } else if (promote(request, choice.right)) {
+        const auto link = std::make_shared<WebSocketLink<Stream>>(std::move(stream_), std::move(choice.handler),
+                                                                  site_.place.outgoing);
+        site_.connections.hand_over(this, link);
         link->accept(request, choice.protocol);
     }
     return true;
@@ -198,14 +228,14 @@ bool HttpSession<Stream>::stream(const Request& request) {
     if (path_of(request) != "/stream.mjpg" || request.method() != boost::beast::http::verb::get) {
         return false;
     }
-    StreamChoice choice = choose_stream(request, site_.place, site_.access);
+    StreamChoice choice = choose_stream(request, site_.place, site_.access, sender_);
     if (choice.handler == nullptr) {
         ++site_.place.hub.counters.refused;
         write(std::move(choice.refusal));
-        return true;
-    }
-    const auto link = std::make_shared<MultipartLink<Stream>>(std::move(stream_), std::move(choice.handler));
-    if (site_.connections.admit(link, this)) {
+    } else if (promote(request, choice.right)) {
+        const auto link = std::make_shared<MultipartLink<Stream>>(std::move(stream_), std::move(choice.handler),
+                                                                  site_.place.outgoing);
+        site_.connections.hand_over(this, link);
         link->start(choice.head);
     }
     return true;

@@ -81,7 +81,7 @@ template <typename Stream>
 void PortListener::serve(Stream&& stream, const std::string& sender) {
     const auto session =
         std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_, sender);
-    if (site_.connections.admit(session)) {
+    if (site_.connections.admit(session, sender)) {
         session->start();
     } else {
         ++site_.place.hub.counters.refused;

@@ -26,6 +26,7 @@ using json::to_text;
 /// A request that is being answered.
 struct Routes::Asked {
     const Request& request;
+    const std::string& peer;
     const Answer& answer;
     std::string path;
     Right right;
@@ -123,8 +124,12 @@ std::string path_of(const Request& request) {
     return target.substr(0, target.find('?'));
 }
 
-bool is_log_in(const Request& request) {
-    return request.method() == http::verb::post && path_of(request) == session_path;
+std::optional<std::string> log_in_token(const Request& request) {
+    if (request.method() != http::verb::post || path_of(request) != session_path) {
+        return std::nullopt;
+    }
+    const std::optional<Json> body = body_of(request);
+    return body ? std::optional<std::string>(text_in(*body, "token")) : std::nullopt;
 }
 
 std::string query_of(const Request& request, const std::string& key) {
@@ -164,9 +169,9 @@ Response error_response(const Request& request, http::status status, const std::
     return make_response(request, status, "application/json", to_text({{"error", line}}, -1));
 }
 
-void Routes::respond(const Request& request, const Answer& answer) {
+void Routes::respond(const Request& request, const std::string& peer, const Answer& answer) {
     const Visitor visitor = visitor_of(request);
-    const Asked asked{request, answer, path_of(request), access_.right_of(visitor)};
+    const Asked asked{request, peer, answer, path_of(request), access_.right_of(visitor)};
     if (const std::string why = access_.refuses(visitor); !why.empty()) {
         asked.error(http::status::forbidden, why);
     } else if (asked.path == "/healthz" && asked.is(http::verb::get)) {
@@ -233,12 +238,12 @@ void Routes::session(const Asked& asked) {
         asked.json(session_json(access_, asked.right));
         return;
     }
-    const std::optional<Json> body = asked.is(http::verb::post) ? body_of(asked.request) : std::nullopt;
-    if (!body) {
+    const std::optional<std::string> token = log_in_token(asked.request);
+    if (!token) {
         asked.error(http::status::bad_request, "allowed: POST {\"token\": \"...\"} as application/json");
         return;
     }
-    const std::string cookie = access_.log_in(text_in(*body, "token"));
+    const std::string cookie = access_.log_in(*token, visitor_of(asked.request).host);
     if (cookie.empty()) {
         refuse_token(asked);
         return;
@@ -279,13 +284,15 @@ void Routes::snapshot(const Asked& asked) {
             return;
         }
     }
-    if (snapshots_under_way_ >= most_snapshots) {
+    const bool room = place_.outgoing.has_room(std::chrono::steady_clock::now(), Outgoing::most_for_snapshots);
+    if (snapshots_under_way_ >= most_snapshots || !room) {
         asked.error(http::status::service_unavailable, too_many);
         return;
     }
     ++snapshots_under_way_;
     const auto request = std::make_shared<const Request>(asked.request);
-    const auto finish = [this, request, answer = asked.answer, kind](const std::shared_ptr<const LiveFrame>& live) {
+    const auto finish = [this, request, peer = asked.peer, answer = asked.answer,
+                         kind](const std::shared_ptr<const LiveFrame>& live) {
         if (live == nullptr) {
             --snapshots_under_way_;
             const DaemonState& state = place_.hub.state();
@@ -293,20 +300,20 @@ void Routes::snapshot(const Asked& asked) {
                                   state.there ? "no frame with this image came within 3 s" : state.why));
             return;
         }
-        make_snapshot(request, answer, kind->type, [make = kind->make, live] { return make(*live); });
+        make_snapshot(request, peer, answer, kind->type, [make = kind->make, live] { return make(*live); });
     };
     FrameRequest::start(place_.network, place_.hub, kind->needed, kind->welcome, finish);
 }
 
 /// Makes the file in the encoding thread. The answer stays the network's: its last reference ends there.
-void Routes::make_snapshot(const std::shared_ptr<const Request>& request, const Answer& answer, const std::string& type,
-                           std::function<std::string()> make) {
+void Routes::make_snapshot(const std::shared_ptr<const Request>& request, const std::string& peer, const Answer& answer,
+                           const std::string& type, std::function<std::string()> make) {
     auto finish = [this, answer](const std::shared_ptr<Response>& response) {
         --snapshots_under_way_;
         answer(std::move(*response));
     };
-    boost::asio::post(place_.encoding, [&network = place_.network, request, type, make = std::move(make),
-                                        finish = std::move(finish)]() mutable {
+    place_.encoding.add(peer, [&network = place_.network, request, type, make = std::move(make),
+                               finish = std::move(finish)]() mutable {
         const auto response = std::make_shared<Response>();
         try {
             *response = make_response(*request, http::status::ok, type, make());

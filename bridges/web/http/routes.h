@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <optional>
 #include <string>
 
 #include <boost/beast/http.hpp>
@@ -21,9 +23,9 @@ public:
     Routes(const Workplace& workplace, Access& access, DaemonControl& control)
         : place_(workplace), access_(access), control_(control) {}
 
-    /// Calls `answer` once, in the network's thread: at once or later.
+    /// Calls `answer` once, in the network's thread: at once or later. `peer`: the visitor's address.
     using Answer = std::function<void(Response)>;
-    void respond(const Request& request, const Answer& answer);
+    void respond(const Request& request, const std::string& peer, const Answer& answer);
 
 private:
     struct Asked;
@@ -32,8 +34,8 @@ private:
     void session(const Asked& asked);
     void refuse_token(const Asked& asked);
     void snapshot(const Asked& asked);
-    void make_snapshot(const std::shared_ptr<const Request>& request, const Answer& answer, const std::string& type,
-                       std::function<std::string()> make);
+    void make_snapshot(const std::shared_ptr<const Request>& request, const std::string& peer, const Answer& answer,
+                       const std::string& type, std::function<std::string()> make);
     void camera(const Asked& asked);
     void recording(const Asked& asked);
     std::function<void(ControlAnswer)> to_answer(const Asked& asked);
@@ -48,8 +50,8 @@ private:
 /// Returns what a request tells of its sender. It refers to the request.
 Visitor visitor_of(const Request& request);
 
-/// Returns whether the request is one to log in with a token.
-bool is_log_in(const Request& request);
+/// Returns the token of a request to log in; nothing when it is another request or has none.
+std::optional<std::string> log_in_token(const Request& request);
 
 /// Returns the path of the target, without the query; the value of a query's key, "" where there is none.
 std::string path_of(const Request& request);

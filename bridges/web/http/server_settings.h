@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -18,5 +19,9 @@ struct ServerSettings {
     proto::TlsFiles tls;  ///< without a certificate the server does not encrypt
     int max_connections = 128;
 };
+
+/// Lowers max_connections to what so many file descriptors allow. Returns one line that says so, "" where they are
+/// enough. Throws std::runtime_error with one line where they are too few for any service.
+std::string fit_to_descriptors(ServerSettings& settings, std::size_t descriptors);
 
 }  // namespace disparityd::web

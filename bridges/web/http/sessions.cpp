@@ -2,10 +2,12 @@
 #include "bridges/web/http/sessions.h"
 
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 #include <boost/beast/http.hpp>
 
+#include "base/number_text.h"
 #include "bridges/web/live/foxglove_link.h"
 #include "bridges/web/live/mjpeg_session.h"
 
@@ -60,18 +62,27 @@ std::optional<int> number_of(const Request& request, const std::string& key, int
                                                                                 : std::nullopt;
 }
 
+/// Returns the frames per second that a stream has at most, for a header; "all" while the daemon has told no rate.
+std::string rate_told(int asked, const DaemonState& state) {
+    const double captured = state.status ? state.status->rate() : 0;
+    const double rate = asked > 0 && (captured <= 0 || asked < captured) ? asked : captured;
+    return rate > 0 ? base::number_text(std::round(rate * 10) / 10) : "all";
+}
+
 }  // namespace
 
-WebSocketChoice choose_websocket(const Request& request, const Workplace& workplace, const Access& access) {
+WebSocketChoice choose_websocket(const Request& request, const Workplace& workplace, const Access& access,
+                                 const std::string& peer) {
     WebSocketChoice choice;
+    choice.right = access.right_of(visitor_of(request));
     if (auto refusal = refused(request, access)) {
         choice.refusal = std::move(*refusal);
     } else if (offers(request, live_protocol)) {
         choice.protocol = live_protocol;
-        choice.handler = std::make_shared<LiveSession>(workplace);
+        choice.handler = std::make_shared<LiveSession>(workplace, peer);
     } else if (const std::string protocol = foxglove_protocol(request); !protocol.empty()) {
         choice.protocol = protocol;
-        choice.handler = std::make_shared<FoxgloveLink>(workplace);
+        choice.handler = std::make_shared<FoxgloveLink>(workplace, peer);
     } else {
         choice.refusal =
             error_response(request, http::status::bad_request,
@@ -80,8 +91,10 @@ WebSocketChoice choose_websocket(const Request& request, const Workplace& workpl
     return choice;
 }
 
-StreamChoice choose_stream(const Request& request, const Workplace& workplace, const Access& access) {
+StreamChoice choose_stream(const Request& request, const Workplace& workplace, const Access& access,
+                           const std::string& peer) {
     StreamChoice choice;
+    choice.right = access.right_of(visitor_of(request));
     if (auto refusal = refused(request, access)) {
         choice.refusal = std::move(*refusal);
         return choice;
@@ -102,9 +115,9 @@ StreamChoice choose_stream(const Request& request, const Workplace& workplace, c
     }
     constexpr int quality = 80;
     choice.handler = std::make_shared<MjpegSession>(
-        workplace, ImageView{*image, Encoding::jpeg, *width, quality, std::nullopt}, *rate);
+        workplace, peer, ImageView{*image, Encoding::jpeg, *width, quality, std::nullopt}, *rate);
     choice.head = std::string("HTTP/1.1 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=") +
-                  MjpegSession::boundary +
+                  MjpegSession::boundary + "\r\nX-Max-Rate: " + rate_told(*rate, workplace.hub.state()) +
                   "\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nCross-Origin-Resource-Policy: "
                   "same-origin\r\nConnection: close\r\n\r\n";
     return choice;

@@ -10,25 +10,26 @@
 
 namespace disparityd::web {
 
-/// Counts the wrong tokens of each sender. Who has sent too many is told to wait, and no token of it is looked at: so
-/// guessing is slow, and others wait for nothing. The network's thread owns it.
+/// Counts wrong tokens, those of each sender and all together. Where there are too many, a wrong one is answered late
+/// and costs its connection. A right one is never counted nor held up: whoever guesses behind the same proxy, or from
+/// many addresses, locks nobody out. The network's thread owns it.
 class TokenGuesses {
 public:
     using Time = std::chrono::steady_clock::time_point;
 
-    static constexpr int most = 10;                    ///< wrong tokens at once
-    static constexpr std::chrono::seconds pardon{6};   ///< after this time one of them is forgotten
+    static constexpr int most = 10;                   ///< wrong tokens of a sender at once
+    static constexpr std::chrono::seconds pardon{6};  ///< after this time one of them is forgotten
+    static constexpr int most_together = 100;         ///< wrong tokens of all senders at once
+    static constexpr std::chrono::milliseconds pardon_together{600};
     static constexpr std::size_t most_senders = 1024;  ///< then the one that would be forgotten first is
 
-    /// Returns whether no token of this sender is looked at now.
-    bool blocks(const std::string& sender, Time now) const;
-
-    /// A token was wrong.
-    void count(const std::string& sender, Time now);
+    /// A token of this sender was wrong. Returns whether it was one too many, of the sender or of all.
+    bool count(const std::string& sender, Time now);
 
 private:
-    /// Each wrong token moves the time on by `pardon`: it says when all will be forgotten.
+    /// Each wrong token moves a time on by its pardon: it says when all will be forgotten.
     std::map<std::string, Time> forgotten_at_;
+    Time all_forgotten_at_{};
 };
 
 /// Returns the name of a sender: an address, or of IPv6 the network of 64 bits that one machine can have all to itself.

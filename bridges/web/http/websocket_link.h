@@ -9,13 +9,16 @@
 #include <vector>
 
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 
 #include "bridges/web/http/connections.h"
+#include "bridges/web/http/liveness.h"
 #include "bridges/web/http/routes.h"
 #include "bridges/web/live/message_link.h"
+#include "bridges/web/live/outgoing.h"
 
 namespace disparityd::web {
 
@@ -25,24 +28,31 @@ class WebSocketLink : public MessageLink,
                       public Connection,
                       public std::enable_shared_from_this<WebSocketLink<Stream>> {
 public:
-    WebSocketLink(Stream&& stream, std::shared_ptr<MessageHandler> handler)
-        : socket_(std::move(stream)), handler_(std::move(handler)) {}
+    WebSocketLink(Stream&& stream, std::shared_ptr<MessageHandler> handler, Outgoing& outgoing)
+        : socket_(std::move(stream)),
+          handler_(std::move(handler)),
+          outgoing_(outgoing),
+          timer_(socket_.get_executor()) {}
 
     /// Answers the request, and begins. `protocol`: the subprotocol that was agreed on; "" = none.
     void accept(const Request& request, const std::string& protocol);
 
     void send_text(std::string text) override;
     void send_binary(std::vector<Bytes> parts) override;
-    bool busy() const override { return binary_waits_ > 0; }
+    bool busy() const override { return binary_waits_ > 0 || !outgoing_.has_room(std::chrono::steady_clock::now()); }
+    void ask_for_answer(std::string mark) override;
     void drop() override { boost::beast::get_lowest_layer(socket_).close(); }
-    bool idle() const override { return false; }
+    bool idle() const override { return handler_ == nullptr || handler_->wants_nothing(); }
 
 private:
     using Error = boost::system::error_code;
 
+    enum class Kind { text, binary, ping };
+
     struct Message {
-        bool text = false;
-        std::vector<Bytes> parts;
+        Kind kind = Kind::text;
+        std::unique_ptr<Outgoing::Load> load;  ///< ends after the parts: their memory is free then
+        std::vector<Bytes> parts;              ///< of a ping one: its mark
     };
 
     /// A peer that reads nothing ends when so many texts wait for it.
@@ -51,13 +61,19 @@ private:
 
     void send(Message message);
     void write_next();
+    void on_written(Error error);
     void read_next();
+    void hear_control(boost::beast::websocket::frame_type kind, boost::beast::string_view payload);
+    void look_after_a_while();
     void end();
 
     boost::beast::websocket::stream<Stream> socket_;
     std::shared_ptr<MessageHandler> handler_;  ///< nullptr after the end
     boost::beast::flat_buffer received_;
     std::deque<Message> waiting_;  ///< the first one is being written
+    Outgoing& outgoing_;
+    boost::asio::steady_timer timer_;
+    Liveness liveness_{std::chrono::steady_clock::now()};
     std::size_t binary_waits_ = 0;
     bool closing_ = false;
 };
@@ -68,9 +84,9 @@ void WebSocketLink<Stream>::accept(const Request& request, const std::string& pr
     boost::beast::get_lowest_layer(socket_).expires_never();
     websocket::stream_base::timeout timeouts{};
     timeouts.handshake_timeout = std::chrono::seconds(10);
-    // A ping waits behind the frame that is on its way out: over a slow link that may take long.
-    timeouts.idle_timeout = std::chrono::seconds(60);
-    timeouts.keep_alive_pings = true;
+    // Beast's own limit begins anew with each message that is written: Liveness has one of what is heard.
+    timeouts.idle_timeout = websocket::stream_base::none();
+    timeouts.keep_alive_pings = false;
     socket_.set_option(timeouts);
     socket_.set_option(websocket::stream_base::decorator([protocol](websocket::response_type& response) {
         if (!protocol.empty()) {
@@ -85,20 +101,39 @@ void WebSocketLink<Stream>::accept(const Request& request, const std::string& pr
             self->handler_ = nullptr;
             return;
         }
+        // The callback is called by read operations only, and they keep the link alive.
+        self->socket_.control_callback(
+            [link = self.get()](auto kind, auto payload) { link->hear_control(kind, payload); });
         self->handler_->on_open(*self);
         self->read_next();
+        self->look_after_a_while();
     });
 }
 
 template <typename Stream>
 void WebSocketLink<Stream>::send_text(std::string text) {
-    send({true, {std::make_shared<const std::string>(std::move(text))}});
+    send({Kind::text, nullptr, {std::make_shared<const std::string>(std::move(text))}});
 }
 
 template <typename Stream>
 void WebSocketLink<Stream>::send_binary(std::vector<Bytes> parts) {
     ++binary_waits_;
-    send({false, std::move(parts)});
+    std::size_t bytes = 0;
+    for (const Bytes& part : parts) {
+        bytes += part->size();
+    }
+    auto load = outgoing_.hold(bytes, std::chrono::steady_clock::now(), [weak = this->weak_from_this()] {
+        if (const auto self = weak.lock()) {
+            self->drop();
+        }
+    });
+    send({Kind::binary, std::move(load), std::move(parts)});
+}
+
+/// The answer is that to a ping: every WebSocket has it, and it comes when what was sent before has been read.
+template <typename Stream>
+void WebSocketLink<Stream>::ask_for_answer(std::string mark) {
+    send({Kind::ping, nullptr, {std::make_shared<const std::string>(std::move(mark))}});
 }
 
 template <typename Stream>
@@ -120,24 +155,68 @@ void WebSocketLink<Stream>::send(Message message) {
 template <typename Stream>
 void WebSocketLink<Stream>::write_next() {
     const Message& message = waiting_.front();
+    if (message.kind == Kind::ping) {
+        const std::string& mark = *message.parts.front();
+        socket_.async_ping(boost::beast::websocket::ping_data(mark.data(), mark.size()),
+                           [self = this->shared_from_this()](Error error) { self->on_written(error); });
+        return;
+    }
     std::vector<boost::asio::const_buffer> buffers;
     for (const Bytes& part : message.parts) {
         buffers.emplace_back(part->data(), part->size());
     }
-    socket_.text(message.text);
-    socket_.async_write(buffers, [self = this->shared_from_this()](Error error, std::size_t) {
-        if (error) {
-            self->end();
+    socket_.text(message.kind == Kind::text);
+    socket_.async_write(buffers,
+                        [self = this->shared_from_this()](Error error, std::size_t) { self->on_written(error); });
+}
+
+template <typename Stream>
+void WebSocketLink<Stream>::on_written(Error error) {
+    if (error) {
+        end();
+        return;
+    }
+    binary_waits_ -= waiting_.front().kind == Kind::binary ? 1 : 0;
+    waiting_.pop_front();
+    if (!waiting_.empty()) {
+        write_next();
+    }
+    if (const auto handler = handler_) {
+        handler->on_sent();
+    }
+}
+
+/// Takes what is no message: answers to pings, and pings of the peer's, which Beast answers.
+template <typename Stream>
+void WebSocketLink<Stream>::hear_control(boost::beast::websocket::frame_type kind, boost::beast::string_view payload) {
+    liveness_.heard(std::chrono::steady_clock::now());
+    if (kind != boost::beast::websocket::frame_type::pong || payload.empty()) {
+        return;
+    }
+    // Not in the middle of the operation that reads.
+    boost::asio::post(socket_.get_executor(),
+                      [self = this->shared_from_this(), mark = std::string(payload.data(), payload.size())] {
+                          if (const auto handler = self->handler_) {
+                              handler->on_answer(mark);
+                          }
+                      });
+}
+
+/// Ends a peer that is not heard any more or wants nothing, and asks one that has said nothing for a while.
+template <typename Stream>
+void WebSocketLink<Stream>::look_after_a_while() {
+    timer_.expires_after(Liveness::pause);
+    timer_.async_wait([weak = this->weak_from_this()](Error error) {
+        const auto self = weak.lock();
+        if (error || !self || !self->handler_) {
             return;
         }
-        self->binary_waits_ -= self->waiting_.front().text ? 0 : 1;
-        self->waiting_.pop_front();
-        if (!self->waiting_.empty()) {
-            self->write_next();
+        switch (self->liveness_.look(std::chrono::steady_clock::now())) {
+            case Liveness::Verdict::end: self->drop(); return;
+            case Liveness::Verdict::ask: self->ask_for_answer({}); break;
+            case Liveness::Verdict::well: break;
         }
-        if (const auto handler = self->handler_) {
-            handler->on_sent();
-        }
+        self->look_after_a_while();
     });
 }
 
@@ -148,6 +227,7 @@ void WebSocketLink<Stream>::read_next() {
             self->end();
             return;
         }
+        self->liveness_.heard(std::chrono::steady_clock::now());
         const auto handler = self->handler_;  // lives through the call, whatever it does to the link
         if (!handler) {
             return;
@@ -162,6 +242,9 @@ void WebSocketLink<Stream>::read_next() {
         const std::string text(static_cast<const char*>(data.data()), data.size());
         self->received_.consume(self->received_.size());
         handler->on_text(text);
+        if (!handler->wants_nothing()) {
+            self->liveness_.asked();
+        }
         self->read_next();
     });
 }
@@ -170,6 +253,7 @@ void WebSocketLink<Stream>::read_next() {
 template <typename Stream>
 void WebSocketLink<Stream>::end() {
     closing_ = true;
+    timer_.cancel();
     if (const auto handler = std::exchange(handler_, nullptr)) {
         handler->on_closed();
     }

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstring>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
@@ -140,13 +141,70 @@ const PlaneData* plane_of(const disparity::Frame& frame, Image image) {
     return plane != nullptr && plane->width > 0 && plane->height > 0 ? plane : nullptr;
 }
 
+/// Returns the view that is made instead of the one that is asked for, so that many connections share few views: the
+/// thread that encodes is one for all.
+ImageView shared_view(const LiveFrame& live, ImageView view, int whole_width) {
+    if (view.encoding == Encoding::deflate) {
+        view.max_width = 0;
+        view.quality = 0;
+        return view;  // a range costs nothing: the values are the same
+    }
+    view.max_width = view.max_width <= 0 || view.max_width >= whole_width ? 0 : shared_width(view.max_width);
+    if (view.range) {
+        std::set<RangeM> ranges;
+        for (const auto& [made, image] : live.encoded) {
+            if (made.range && made.encoding == Encoding::jpeg) {
+                ranges.insert(*made.range);
+            }
+        }
+        if (ranges.size() >= most_ranges && ranges.count(*view.range) == 0) {
+            view.range.reset();
+        }
+    }
+    return view;
+}
+
+/// Returns the values of an image when they were made before, for whatever range; else nullptr.
+std::shared_ptr<const std::string> values_made(const LiveFrame& live, Image image) {
+    const auto found = std::find_if(live.encoded.begin(), live.encoded.end(), [image](const auto& entry) {
+        return entry.first.image == image && entry.first.encoding == Encoding::deflate;
+    });
+    return found != live.encoded.end() ? found->second->bytes : nullptr;
+}
+
+int shared_step(int step) {
+    int shared = 1;
+    while (shared < step) {
+        shared *= 2;
+    }
+    return shared;
+}
+
+std::shared_ptr<const DepthGrid> make_grid(const disparity::Frame& frame, const PlaneData& plane, int step) {
+    auto grid = std::make_shared<DepthGrid>();
+    const auto stride = static_cast<std::uint32_t>(step);
+    grid->step = step;
+    grid->width = static_cast<int>((plane.width + stride - 1) / stride);
+    grid->height = static_cast<int>((plane.height + stride - 1) / stride);
+    std::vector<std::uint16_t> depth;
+    depth.reserve(static_cast<std::size_t>(grid->width) * static_cast<std::size_t>(grid->height));
+    for (std::uint32_t y = 0; y < plane.height; y += stride) {
+        for (std::uint32_t x = 0; x < plane.width; x += stride) {
+            depth.push_back(depth_mm(frame, value_at<std::int16_t>(plane, x, y)));
+        }
+    }
+    grid->bytes = std::make_shared<const std::string>(deflated(depth.data(), 2 * depth.size()));
+    return grid;
+}
+
 }  // namespace
 
-std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageView& view) {
-    const PlaneData* const plane = plane_of(live.frame, view.image);
+std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageView& asked) {
+    const PlaneData* const plane = plane_of(live.frame, asked.image);
     if (plane == nullptr) {
         return nullptr;
     }
+    const ImageView view = shared_view(live, asked, static_cast<int>(plane->width));
     if (const auto found = live.encoded.find(view); found != live.encoded.end()) {
         return found->second;
     }
@@ -166,30 +224,24 @@ std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageVie
         made->width = static_cast<int>(plane->width);
         made->height = static_cast<int>(plane->height);
         made->type = type_of(*plane, view.image);
-        made->bytes = std::make_shared<const std::string>(values_of(live.frame, *plane, view));
+        made->bytes = values_made(live, view.image);
+        if (made->bytes == nullptr) {
+            made->bytes = std::make_shared<const std::string>(values_of(live.frame, *plane, view));
+        }
     }
     live.encoded.emplace(view, made);
     return made;
 }
 
-std::shared_ptr<const DepthGrid> depth_grid(const disparity::Frame& frame, int step) {
-    const PlaneData* const plane = frame.plane(Product::disparity);
-    if (plane == nullptr || step < 1 || !has_metres(frame)) {
+std::shared_ptr<const DepthGrid> depth_grid(const LiveFrame& live, int step) {
+    const PlaneData* const plane = live.frame.plane(Product::disparity);
+    if (plane == nullptr || step < 1 || !has_metres(live.frame)) {
         return nullptr;
     }
-    auto grid = std::make_shared<DepthGrid>();
-    const auto stride = static_cast<std::uint32_t>(step);
-    grid->step = step;
-    grid->width = static_cast<int>((plane->width + stride - 1) / stride);
-    grid->height = static_cast<int>((plane->height + stride - 1) / stride);
-    std::vector<std::uint16_t> depth;
-    depth.reserve(static_cast<std::size_t>(grid->width) * static_cast<std::size_t>(grid->height));
-    for (std::uint32_t y = 0; y < plane->height; y += stride) {
-        for (std::uint32_t x = 0; x < plane->width; x += stride) {
-            depth.push_back(depth_mm(frame, value_at<std::int16_t>(*plane, x, y)));
-        }
+    std::shared_ptr<const DepthGrid>& grid = live.grids[shared_step(step)];
+    if (grid == nullptr) {
+        grid = make_grid(live.frame, *plane, shared_step(step));
     }
-    grid->bytes = std::make_shared<const std::string>(deflated(depth.data(), 2 * depth.size()));
     return grid;
 }
 

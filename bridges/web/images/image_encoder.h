@@ -9,19 +9,16 @@
 
 namespace disparityd::web {
 
-/// Encodes a view of a frame, or returns what was encoded before. Returns nullptr when the frame does not carry the
-/// product. Call it from one thread only. Throws std::runtime_error when a library refuses.
+/// So many ranges of colours are drawn of a frame, besides the one that the searched disparities can show.
+inline constexpr std::size_t most_ranges = 4;
+
+/// Encodes a view of a frame, or returns what was encoded before. What is wanted with a fifth range of colours gets the
+/// one that the searched disparities can show; the image says which it has. Returns nullptr when the frame does not
+/// carry the product. Call it from one thread only. Throws std::runtime_error when a library refuses.
 std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageView& view);
 
-/// A part of the depth image for a cloud of points: pixel (i, j) is that at (i * step, j * step) of the whole image.
-struct DepthGrid {
-    int step = 1;
-    int width = 0;
-    int height = 0;
-    std::shared_ptr<const std::string> bytes;  ///< u16, mm; 0 = unknown, 65535 = too far; zlib's format
-};
-
-/// Returns nullptr when the frame has no disparity or no calibration.
-std::shared_ptr<const DepthGrid> depth_grid(const disparity::Frame& frame, int step);
+/// Returns the grid of a frame, or what was made before; nullptr when the frame has no disparity or no calibration.
+/// Call it from one thread only. `step`: 0 = none; the next one of 1, 2, 4, 8, 16, 32 and 64 is taken.
+std::shared_ptr<const DepthGrid> depth_grid(const LiveFrame& live, int step);
 
 }  // namespace disparityd::web

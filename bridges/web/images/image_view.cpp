@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/images/image_view.h"
 
+#include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 namespace disparityd::web {
@@ -26,6 +28,11 @@ std::optional<Image> image_of(std::string_view name) {
         }
     }
     return std::nullopt;
+}
+
+int shared_width(int most) {
+    const auto above = std::upper_bound(shared_widths.begin(), shared_widths.end(), most);
+    return above == shared_widths.begin() ? shared_widths.front() : *std::prev(above);
 }
 
 disparity::Product product_of(Image image) {

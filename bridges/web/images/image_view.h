@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <compare>
 #include <cstdint>
 #include <memory>
@@ -38,11 +39,18 @@ struct RangeM {
     auto operator<=>(const RangeM&) const = default;
 };
 
+/// Widths (px) in which JPEGs are made when less than the whole width is asked for. They are few, so that connections
+/// share what is encoded.
+inline constexpr std::array<int, 12> shared_widths{16, 40, 80, 160, 320, 480, 640, 960, 1280, 1920, 2560, 3840};
+
+/// Returns the largest of shared_widths that is at most this; the smallest where there is none.
+int shared_width(int most);
+
 /// Says what is made of a frame. Equal views of a frame are encoded once.
 struct ImageView {
     Image image = Image::left;
     Encoding encoding = Encoding::jpeg;
-    int max_width = 0;            ///< px; 0 = as it is. Only JPEG is scaled
+    int max_width = 0;            ///< px; 0 = as it is, else taken down to one of shared_widths. Only JPEG is scaled
     int quality = 80;             ///< of a JPEG, 1 .. 100
     std::optional<RangeM> range;  ///< absent = what the searched disparities can show
     auto operator<=>(const ImageView&) const = default;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "bridges/web/foxglove/encoded_frame.h"
+#include "bridges/web/images/depth_grid.h"
 #include "bridges/web/images/image_view.h"
 #include "clients/cpp/disparity_client.hpp"
 
@@ -18,7 +19,8 @@ struct LiveFrame {
     std::chrono::steady_clock::time_point received;
     /// What was encoded of the frame: connections that ask for the same share it. Only the encoding thread touches it.
     mutable std::map<ImageView, std::shared_ptr<const EncodedImage>> encoded;
-    mutable std::unique_ptr<foxglove::EncodedFrame> foxglove;  ///< the same for Foxglove's viewers
+    mutable std::map<int, std::shared_ptr<const DepthGrid>> grids;  ///< by their step
+    mutable std::unique_ptr<foxglove::EncodedFrame> foxglove;       ///< the same for Foxglove's viewers
 };
 
 /// Returns the age of the frame now, from its capture, in ms: by this machine's clock where it agrees with the age that

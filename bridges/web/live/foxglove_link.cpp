@@ -13,6 +13,8 @@
 namespace disparityd::web {
 namespace {
 
+using std::chrono::steady_clock;
+
 std::int64_t now_ns() {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
         .count();
@@ -30,8 +32,9 @@ foxglove::Offer offer_of(const DaemonState& state) {
 
 }  // namespace
 
-FoxgloveLink::FoxgloveLink(const Workplace& workplace)
+FoxgloveLink::FoxgloveLink(const Workplace& workplace, std::string peer)
     : place_(workplace),
+      peer_(std::move(peer)),
       session_({"disparityd", base::version_line("disparity-web"), session_id()}, offer_of(workplace.hub.state())) {}
 
 void FoxgloveLink::on_open(MessageLink& link) {
@@ -50,6 +53,13 @@ void FoxgloveLink::on_closed() {
 void FoxgloveLink::on_text(std::string_view text) {
     send_texts(session_.on_text(text));
     place_.hub.update_wants();
+}
+
+void FoxgloveLink::on_answer(std::string_view mark) {
+    const auto now = steady_clock::now();
+    if (!samples_.answered(mark, now) && frames_.answered(mark, now)) {
+        send_next();
+    }
 }
 
 void FoxgloveLink::on_binary() {
@@ -86,8 +96,13 @@ void FoxgloveLink::on_state(const DaemonState& state) {
 }
 
 void FoxgloveLink::on_sensors(const disparity::SensorBatch& batch) {
-    if (link_ != nullptr && !link_->busy()) {
-        send_messages(session_.on_sensors(batch, now_ns()));
+    if (link_ == nullptr || link_->busy() || !samples_.ready(steady_clock::now())) {
+        return;
+    }
+    const std::vector<foxglove::Message> messages = session_.on_sensors(batch, now_ns());
+    if (!messages.empty()) {
+        send_messages(messages);
+        link_->ask_for_answer(samples_.sent(steady_clock::now()));
     }
 }
 
@@ -104,16 +119,16 @@ void FoxgloveLink::send_messages(const std::vector<foxglove::Message>& messages)
     }
 }
 
-/// Sends the newest frame when the messages before it are out. They are made in the encoding thread.
+/// Sends the newest frame when the messages before it have been read. They are made in the encoding thread.
 void FoxgloveLink::send_next() {
-    if (link_ == nullptr || encoding_ || waiting_ == nullptr || link_->busy()) {
+    if (link_ == nullptr || encoding_ || waiting_ == nullptr || link_->busy() || !frames_.ready(steady_clock::now())) {
         return;
     }
     encoding_ = true;
     const std::uint64_t skipped = std::exchange(passed_, 0) - 1;
     place_.hub.counters.frames_skipped += skipped;
-    boost::asio::post(place_.encoding, [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
-                                        channels = session_.subscribed(), received = now_ns()] {
+    place_.encoding.add(peer_, [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
+                                channels = session_.subscribed(), received = now_ns()] {
         foxglove::Payloads payloads;
         try {
             if (!live->foxglove) {
@@ -130,8 +145,12 @@ void FoxgloveLink::send_next() {
 void FoxgloveLink::send_frame(const foxglove::Payloads& payloads, std::int64_t received_ns) {
     encoding_ = false;
     if (link_ != nullptr) {
-        ++place_.hub.counters.frames_sent;
-        send_messages(session_.on_payloads(payloads, received_ns));
+        const std::vector<foxglove::Message> messages = session_.on_payloads(payloads, received_ns);
+        if (!messages.empty()) {
+            ++place_.hub.counters.frames_sent;
+            send_messages(messages);
+            link_->ask_for_answer(frames_.sent(steady_clock::now()));
+        }
         send_next();
     }
 }

@@ -162,7 +162,7 @@ void LiveSession::send_next() {
                     contents.images.push_back(std::move(image));
                 }
             }
-            contents.cloud = depth_grid(live->frame, step);
+            contents.cloud = depth_grid(*live, step);
             parts = frame_message(*live, contents);
         } catch (const std::exception&) {
             // A frame that cannot be encoded is left out; the next one comes soon.
@@ -172,7 +172,7 @@ void LiveSession::send_next() {
         });
     };
     passed_ = 0;
-    boost::asio::post(place_.encoding, std::move(encode_and_send));
+    place_.encoding.add(peer_, std::move(encode_and_send));
 }
 
 void LiveSession::send(const LiveFrame& live, const std::vector<Bytes>& parts, std::uint64_t skipped) {

@@ -2,35 +2,43 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 
 #include "bridges/web/daemon/hub.h"
+#include "bridges/web/live/encoding_turns.h"
 #include "bridges/web/live/frame_pace.h"
 #include "bridges/web/live/live_message.h"
 #include "bridges/web/live/message_link.h"
+#include "bridges/web/live/outgoing.h"
 
 namespace disparityd::web {
 
 /// Where connections do their work.
 struct Workplace {
-    boost::asio::io_context& network;    ///< one thread: sockets, the hub, the sessions
-    boost::asio::thread_pool& encoding;  ///< one thread: images
+    boost::asio::io_context& network;  ///< one thread: sockets, the hub, the sessions
+    EncodingTurns& encoding;           ///< one thread: images
     Hub& hub;
+    Outgoing& outgoing;
 };
 
 /// One page: what it asks for, and what it is told. docs/web.md defines the messages.
 class LiveSession : public MessageHandler, public Listener, public std::enable_shared_from_this<LiveSession> {
 public:
-    explicit LiveSession(const Workplace& workplace) : place_(workplace), timer_(workplace.network) {}
+    /// `peer`: the visitor's address.
+    LiveSession(const Workplace& workplace, std::string peer)
+        : place_(workplace), peer_(std::move(peer)), timer_(workplace.network) {}
 
     void on_open(MessageLink& link) override;
     void on_text(std::string_view text) override;
     void on_binary() override { handle(WrongMessage{"a message is binary; allowed: text"}); }
     void on_sent() override { send_next(); }
     void on_closed() override;
+    bool wants_nothing() const override { return !subscription_.wants_frames() && !subscription_.sensors; }
 
     void on_frame(const std::shared_ptr<const LiveFrame>& frame) override;
     void on_state(const DaemonState& state) override;
@@ -49,6 +57,7 @@ private:
     void send(const LiveFrame& live, const std::vector<Bytes>& parts, std::uint64_t skipped);
 
     Workplace place_;
+    std::string peer_;
     MessageLink* link_ = nullptr;  ///< nullptr after the end
     LiveSubscription subscription_;
     Point point_;

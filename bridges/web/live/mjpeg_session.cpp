@@ -13,8 +13,8 @@ namespace disparityd::web {
 
 using std::chrono::steady_clock;
 
-MjpegSession::MjpegSession(const Workplace& workplace, const ImageView& view, double rate)
-    : place_(workplace), view_(view) {
+MjpegSession::MjpegSession(const Workplace& workplace, std::string peer, const ImageView& view, double rate)
+    : place_(workplace), peer_(std::move(peer)), view_(view) {
     if (rate > 0) {
         interval_ = std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(1 / rate));
     }
@@ -58,7 +58,7 @@ void MjpegSession::send_next() {
         return;
     }
     encoding_ = true;
-    boost::asio::post(place_.encoding, [self = shared_from_this(), live = std::exchange(waiting_, nullptr)] {
+    place_.encoding.add(peer_, [self = shared_from_this(), live = std::exchange(waiting_, nullptr)] {
         std::shared_ptr<const EncodedImage> image;
         try {
             image = encode(*live, self->view_);

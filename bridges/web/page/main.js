@@ -23,6 +23,8 @@ import { NONE, bytes, counted, duration, fixed, showFacts, write } from './text.
 import { toast } from './toasts.js'
 
 const CLOUD_STEP = 4
+// The widths that disparity-web makes of pictures, besides the whole one.
+const SHARED_WIDTHS = [16, 40, 80, 160, 320, 480, 640, 960, 1280, 1920, 2560, 3840]
 const TICK_MS = 500
 const NO_FRAME_MS = 2000
 const POINT_MS = 40 // at most this often a new pixel is asked for
@@ -99,7 +101,8 @@ function width() {
   if (settings.encoding === 'lossless') return 0
   const widest = Math.max(left.figure.clientWidth, right.figure.clientWidth) * devicePixelRatio
   const whole = live.frame?.header.width ?? Infinity
-  return widest >= whole ? 0 : Math.ceil(widest / 64) * 64
+  const width = SHARED_WIDTHS.find(shared => shared >= widest) ?? 0
+  return width >= whole ? 0 : width
 }
 
 function subscribe() {

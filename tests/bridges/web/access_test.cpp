@@ -82,13 +82,14 @@ TEST(AccessTest, TokensGiveTheirRight) {
 
 TEST(AccessTest, ALogInGivesACookieWithTheTokensRight) {
     Access access(with_tokens(), true);
-    EXPECT_EQ(access.log_in("wrong"), "");
-    EXPECT_EQ(access.log_in(""), "");
-    const std::string cookie = access.log_in(control_token);
+    EXPECT_EQ(access.log_in("wrong", "robot:8765"), "");
+    EXPECT_EQ(access.log_in("", "robot:8765"), "");
+    const std::string cookie = access.log_in(control_token, "robot:8765");
     EXPECT_THAT(cookie, HasSubstr("; HttpOnly; SameSite=Strict; Secure"));
     EXPECT_THAT(cookie, testing::Not(HasSubstr(control_token)));
     const std::string pair = cookie.substr(0, cookie.find(';'));
     Visitor visitor;
+    visitor.host = "robot:8765";
     visitor.cookie = pair;
     EXPECT_EQ(access.right_of(visitor), Right::control);
     const std::string among_others = "a=b; " + pair + "; c=d";
@@ -97,7 +98,60 @@ TEST(AccessTest, ALogInGivesACookieWithTheTokensRight) {
     const std::string wrong = pair + "0";
     visitor.cookie = wrong;
     EXPECT_EQ(access.right_of(visitor), Right::none);
-    EXPECT_NE(access.log_in(view_token), cookie);
+    EXPECT_NE(access.log_in(view_token, "robot:8765"), cookie);
+}
+
+Visitor with_cookie(const std::string& pair, std::string_view host) {
+    Visitor visitor;
+    visitor.host = host;
+    visitor.cookie = pair;
+    return visitor;
+}
+
+std::string pair_of(const std::string& cookie) {
+    return cookie.substr(0, cookie.find(';'));
+}
+
+TEST(AccessTest, AViewersLogInsLogOutNoController) {
+    Access access(with_tokens(), false);
+    const std::string controller = pair_of(access.log_in(control_token, "robot:8765"));
+    const std::string first_viewer = pair_of(access.log_in(view_token, "robot:8765"));
+    std::string last_viewer;
+    for (int i = 0; i < 2000; ++i) {
+        last_viewer = pair_of(access.log_in(view_token, "robot:8765"));
+    }
+    EXPECT_EQ(access.right_of(with_cookie(controller, "robot:8765")), Right::control);
+    EXPECT_EQ(access.right_of(with_cookie(last_viewer, "robot:8765")), Right::view);
+    EXPECT_EQ(access.right_of(with_cookie(first_viewer, "robot:8765")), Right::none) << "sessions have a limit";
+}
+
+TEST(AccessTest, TwoServersOnAHostHaveCookiesOfTheirOwn) {
+    Access access(with_tokens(), false);
+    const auto name = [&](std::string_view host) {
+        const std::string cookie = access.log_in(view_token, host);
+        return cookie.substr(0, cookie.find('='));
+    };
+    EXPECT_EQ(name("127.0.0.1:8765"), "disparityd_8765");
+    EXPECT_EQ(name("[::1]:8766"), "disparityd_8766");
+    EXPECT_EQ(name("robot.local"), "disparityd_");
+    EXPECT_EQ(name("[::1]"), "disparityd_");
+    EXPECT_EQ(name("robot:80; Domain=x"), "disparityd_") << "nothing of the visitor's but digits";
+    const std::string pair = pair_of(access.log_in(view_token, "robot:8765"));
+    EXPECT_EQ(access.right_of(with_cookie("disparityd_8766=0; " + pair, "robot:8765")), Right::view);
+    EXPECT_EQ(access.right_of(with_cookie(pair, "robot:8766")), Right::none);
+}
+
+TEST(AccessTest, WhatIsAnOrigin) {
+    for (const char* text : {"https://app.example.org", "http://localhost:8080", "http://[::1]:8080", "file://",
+                             "http://127.0.0.1", "vscode-webview://abc-1"}) {
+        EXPECT_TRUE(is_origin(text)) << text;
+    }
+    for (const char* text :
+         {"", "x", "app.example.org", "https://", "://x", "https://app.example.org/", "https://app.example.org/a",
+          "https://app.example.org:", "https://app.example.org:x", "http://a b", "http://a@b", "http://a,http://b",
+          "file:///home", "null", "*", "http://*.example.org", "http://[]:80", "http://::1"}) {
+        EXPECT_FALSE(is_origin(text)) << text;
+    }
 }
 
 }  // namespace

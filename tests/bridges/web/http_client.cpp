@@ -36,7 +36,11 @@ bool read_some(asio::ip::tcp::socket& socket, std::string& bytes) {
 
 }  // namespace
 
-HttpClient::HttpClient(unsigned short port) : socket_(context_), port_(port) {
+HttpClient::HttpClient(unsigned short port, int receive_bytes) : socket_(context_), port_(port) {
+    socket_.open(asio::ip::tcp::v4());
+    if (receive_bytes > 0) {
+        socket_.set_option(asio::socket_base::receive_buffer_size(receive_bytes));
+    }
     socket_.connect(local(port));
 }
 

@@ -23,7 +23,8 @@ struct HttpAnswer {
 /// A bare TCP connection to a server of this machine: sends what the test says, well formed or not.
 class HttpClient {
 public:
-    explicit HttpClient(unsigned short port);
+    /// `receive_bytes`: of what is not read this system holds about so much; 0 = as usual.
+    explicit HttpClient(unsigned short port, int receive_bytes = 0);
 
     void send(const std::string& bytes);
     /// Returns the next answer, or the next part of a multipart one (status 0); nothing when the server ends the

@@ -86,9 +86,9 @@ TEST_F(ImageEncoderTest, TheLeftImageComesThroughJpeg) {
 }
 
 TEST_F(ImageEncoderTest, AnImageIsScaledToTheWidth) {
-    const auto image = encode(live_, {Image::left, Encoding::jpeg, 48, 95, std::nullopt});
-    EXPECT_EQ(decoded(*image).size(), cv::Size(48, 32));
-    EXPECT_EQ(encode(live_, {Image::disparity, Encoding::jpeg, 48, 95, std::nullopt})->width, 48);
+    const auto image = encode(live_, {Image::left, Encoding::jpeg, 40, 95, std::nullopt});
+    EXPECT_EQ(decoded(*image).size(), cv::Size(40, 27));
+    EXPECT_EQ(encode(live_, {Image::disparity, Encoding::jpeg, 40, 95, std::nullopt})->width, 40);
     EXPECT_EQ(encode(live_, {Image::left, Encoding::jpeg, 9999, 95, std::nullopt})->width, width);
 }
 
@@ -99,6 +99,38 @@ TEST_F(ImageEncoderTest, EqualViewsAreEncodedOnce) {
     ImageView other = view;
     other.range = RangeM{0.5, 11};
     EXPECT_NE(encode(live_, other), first);
+}
+
+TEST_F(ImageEncoderTest, AllWidthsShareAFew) {
+    const auto first = encode(live_, {Image::left, Encoding::jpeg, 40, 80, std::nullopt});
+    for (int wanted = 1; wanted < 9999; ++wanted) {
+        const auto image = encode(live_, {Image::left, Encoding::jpeg, wanted, 80, std::nullopt});
+        EXPECT_LE(image->width, std::max(wanted, 16));
+        if (wanted >= 40 && wanted < 80) {
+            EXPECT_EQ(image, first) << wanted;
+        }
+    }
+    EXPECT_EQ(live_.encoded.size(), 4U) << "16, 40, 80, and the whole one";
+}
+
+TEST_F(ImageEncoderTest, AllRangesOfColoursShareAFew) {
+    ImageView view{Image::disparity, Encoding::jpeg, 0, 80, std::nullopt};
+    const auto usual = encode(live_, view);
+    for (int i = 0; i < 100; ++i) {
+        view.range = RangeM{0.5 + 0.01 * i, 10};
+        const auto image = encode(live_, view);
+        EXPECT_EQ(image == usual, i >= 4) << i;
+        EXPECT_EQ(image->near_m == usual->near_m, i >= 4) << "the image says which range it has";
+    }
+    view.range = RangeM{0.5, 10};
+    EXPECT_NE(encode(live_, view), usual) << "those that came first keep theirs";
+}
+
+TEST_F(ImageEncoderTest, ValuesAreEncodedOnceForAllRanges) {
+    const auto one = encode(live_, {Image::disparity, Encoding::deflate, 0, 80, RangeM{0.5, 10}});
+    const auto other = encode(live_, {Image::disparity, Encoding::deflate, 0, 80, RangeM{0.5, 20}});
+    EXPECT_EQ(one->bytes, other->bytes);
+    EXPECT_NE(one->far_m, other->far_m);
 }
 
 TEST_F(ImageEncoderTest, AMissingProductIsNoImage) {
@@ -126,19 +158,21 @@ TEST_F(ImageEncoderTest, LosslessDepthIsTheReferences) {
 }
 
 TEST_F(ImageEncoderTest, TheGridHasEachNthDepth) {
-    const auto grid = depth_grid(live_.frame, 5);
-    ASSERT_EQ(grid->width, 20);
-    ASSERT_EQ(grid->height, 13);
-    const std::string whole = inflated(*grid->bytes, 2 * 20 * 13);
+    const auto grid = depth_grid(live_, 8);
+    EXPECT_EQ(depth_grid(live_, 5), grid) << "the next step that all share";
+    ASSERT_EQ(grid->step, 8);
+    ASSERT_EQ(grid->width, 12);
+    ASSERT_EQ(grid->height, 8);
+    const std::string whole = inflated(*grid->bytes, 2 * 12 * 8);
     for (int y = 0; y < grid->height; ++y) {
         for (int x = 0; x < grid->width; ++x) {
             std::uint16_t mm = 0;
             std::memcpy(&mm, whole.data() + 2 * (y * grid->width + x), 2);
-            EXPECT_EQ(mm, depth_mm(live_.frame, d16_[static_cast<std::size_t>(5 * y * width + 5 * x)]));
+            EXPECT_EQ(mm, depth_mm(live_.frame, d16_[static_cast<std::size_t>(8 * y * width + 8 * x)]));
         }
     }
     live_.frame.f = 0;
-    EXPECT_EQ(depth_grid(live_.frame, 5), nullptr);
+    EXPECT_EQ(depth_grid(live_, 8), nullptr);
 }
 
 TEST_F(ImageEncoderTest, ASnapshotsDisparityIsKittis) {

@@ -118,7 +118,7 @@ TEST(FrameMessageTest, TheHeaderSaysWhereEachPartLies) {
     image.image = Image::disparity;
     image.bytes = std::make_shared<const std::string>("12345");
     contents.images = {std::make_shared<const EncodedImage>(image), std::make_shared<const EncodedImage>(image)};
-    contents.cloud = depth_grid(live.frame, 2);
+    contents.cloud = depth_grid(live, 2);
     contents.skipped = 3;
     contents.scale = 2;
     const std::vector<Bytes> parts = frame_message(live, contents);

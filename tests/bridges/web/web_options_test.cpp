@@ -67,6 +67,33 @@ TEST(WebOptionsTest, TheSocketHasItsForm) {
     EXPECT_THAT(error_of(options), HasSubstr("--socket: found 'robot', allowed: "));
 }
 
+TEST(WebOptionsTest, WhatNoBrowserSendsIsNoOriginAndNoHost) {
+    Options options;
+    options.origins = {"https://app.example.org", "x"};
+    EXPECT_THAT(error_of(options), HasSubstr("--origin: found \"x\", allowed: SCHEME://HOST"));
+    options.origins = {"https://app.example.org/"};
+    EXPECT_THAT(error_of(options), HasSubstr("--origin: found \"https://app.example.org/\""));
+    options.origins = {"https://app.example.org", "file://"};
+    options.hosts = {"robot.example.org"};
+    EXPECT_EQ(error_of(options), "");
+    for (const char* wrong : {"http://robot", "robot:8765", "robot/", ""}) {
+        options.hosts = {wrong};
+        EXPECT_THAT(error_of(options), HasSubstr("--host: found \"" + std::string(wrong) + "\", allowed: ")) << wrong;
+    }
+}
+
+TEST(WebOptionsTest, ConnectionsFitToTheDescriptors) {
+    ServerSettings settings;
+    settings.max_connections = 128;
+    EXPECT_EQ(fit_to_descriptors(settings, 1024), "");
+    EXPECT_EQ(fit_to_descriptors(settings, 160), "");
+    EXPECT_EQ(settings.max_connections, 128);
+    EXPECT_THAT(fit_to_descriptors(settings, 100),
+                HasSubstr("may open 100 files, needed: 160 for --max-connections 128; only 68 connections are served"));
+    EXPECT_EQ(settings.max_connections, 68);
+    EXPECT_THROW(fit_to_descriptors(settings, 39), std::runtime_error);
+}
+
 TEST(WebOptionsTest, ADaemonElsewhereIsReachedOverTls) {
     Options options;
     options.socket = "tls:robot.local:9876";

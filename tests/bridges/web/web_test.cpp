@@ -115,6 +115,8 @@ TEST_F(WebPageTest, AStreamOfJpegs) {
     const auto head = viewer.ask("GET", "/stream.mjpg?image=left&width=80");
     ASSERT_TRUE(head);
     EXPECT_EQ(head->head.at("content-type"), "multipart/x-mixed-replace; boundary=disparityd-frame");
+    EXPECT_NE(head->head.at("x-max-rate"), "");
+    EXPECT_EQ(HttpClient(port()).ask("GET", "/stream.mjpg?rate=2")->head.at("x-max-rate"), "2");
     for (int i = 0; i < 3; ++i) {
         const auto part = viewer.answer();
         ASSERT_TRUE(part);
@@ -298,8 +300,14 @@ TEST_F(WebPageTest, WhoGuessesTokensIsToldToWait) {
     }
     EXPECT_GT(guesses, 10);
     ASSERT_EQ(status, 429U);
-    EXPECT_EQ(http(port(), "GET", "/api/status", right)->status, 429U) << "nobody learns whether a guess was right";
-    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"0123456789abcdef"})")->status, 429U);
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"000000000000000f"})")->status, 429U);
+    HttpClient guesser(port());
+    EXPECT_EQ(guesser.ask("GET", "/api/status", "Authorization: Bearer 000000000000000f\r\n")->status, 429U);
+    EXPECT_TRUE(guesser.ended()) << "each further guess costs a connection";
+    for (int i = 0; i < 40; ++i) {
+        EXPECT_EQ(http(port(), "GET", "/api/status", right)->status, 200U) << "others may share the address";
+    }
+    EXPECT_EQ(http(port(), "POST", "/api/session", as_json, R"({"token":"0123456789abcdef"})")->status, 200U);
     EXPECT_EQ(http(port(), "GET", "/")->status, 200U);
     const std::string cookie = logged_in->head.at("set-cookie");
     EXPECT_EQ(http(port(), "GET", "/api/session", "Cookie: " + cookie.substr(0, cookie.find(';')) + "\r\n")->status,
