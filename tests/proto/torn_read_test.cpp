@@ -66,6 +66,7 @@ Result take(proto::ShmReader& reader, const proto::ShmLayout& layout, Collected&
     if (result != Result::frame) {
         return result;
     }
+    seen.frame.age_ns -= reader.waited_ns();  // as it was published
     ++report.frames;
     ++report.borrowed;
     for (std::uint32_t i = 0; i < slot.view.plane_count; ++i) {
