@@ -19,7 +19,6 @@
 namespace disparityd::tools {
 namespace {
 
-using json::to_json;
 using json::to_text;
 using std::chrono::steady_clock;
 
@@ -178,7 +177,7 @@ void show_samples(SampleReader& samples, std::optional<int> most) {
             if (most && lines >= *most) {
                 return;
             }
-            std::cout << to_text(to_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
+            std::cout << to_text(json::to_json(batch.samples[i], i == 0 ? batch.skipped : 0), -1) << '\n';
         }
         std::cout.flush();
     }
