@@ -20,6 +20,9 @@ constexpr std::int64_t watched_ns = 100 * millisecond;
 constexpr std::int64_t least_allowed_ns = 20 * millisecond;
 constexpr std::int64_t unknown_interval_ns = 500 * millisecond;
 
+/// A daemon may send any times: of longer intervals and ways no sum or product would fit.
+constexpr std::int64_t longest_ns = 1'000'000'000 * millisecond;
+
 /// An interval that is this many times the one before is a gap of the source, and changes the estimate by no more.
 constexpr std::int64_t most_growth = 2;
 
@@ -27,7 +30,7 @@ constexpr std::int64_t most_growth = 2;
 
 void FrameFlow::start(double max_rate) {
     *this = {};
-    least_interval_ns_ = max_rate > 0 ? static_cast<std::int64_t>(std::min(1e9 / max_rate, 1e15)) : 0;
+    least_interval_ns_ = max_rate > 0 ? static_cast<std::int64_t>(std::min(1e9 / max_rate, 1.0 * longest_ns)) : 0;
 }
 
 void FrameFlow::reads(std::int64_t now_ns) {
@@ -80,8 +83,9 @@ void FrameFlow::arrived(const Arrival& frame) {
     on_the_way_ -= on_the_way_ > 0 ? 1 : 0;
     round_trip_ns_ = frame.round_trip_ns;
     if (any_ && frame.publish_index > last_index_ && frame.captured_ns > last_captured_ns_) {
-        const auto frames = static_cast<std::int64_t>(frame.publish_index - last_index_);
-        const std::int64_t interval = (frame.captured_ns - last_captured_ns_) / frames;
+        const auto time = static_cast<std::uint64_t>(frame.captured_ns - last_captured_ns_);
+        const auto every = static_cast<std::int64_t>(time / (frame.publish_index - last_index_));
+        const std::int64_t interval = std::min(every, longest_ns);
         published_ns_ = published_ns_ == 0
                             ? interval
                             : published_ns_ + (std::min(interval, most_growth * published_ns_) - published_ns_) / 4;
@@ -92,7 +96,7 @@ void FrameFlow::arrived(const Arrival& frame) {
 }
 
 bool FrameFlow::fresh(const Arrival& frame) {
-    const std::int64_t way = frame.now_ns - frame.sent_ns;
+    const std::int64_t way = std::clamp<std::int64_t>(frame.now_ns - frame.sent_ns, 0, longest_ns);
     const bool suspect = suspects_ > 0;
     suspects_ -= suspect ? 1 : 0;
     const std::int64_t allowed = interval_ns() == 0 ? unknown_interval_ns : std::max(interval_ns(), least_allowed_ns);

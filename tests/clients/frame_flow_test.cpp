@@ -5,11 +5,15 @@
 
 #include <algorithm>
 #include <deque>
+#include <fstream>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "clients/cpp/daemon_clock.h"
+#include "tests/proto/command_output.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 
@@ -273,6 +277,113 @@ TEST(DaemonClock, OldAnswersAreForgotten) {
         clock.add(now, 900'005 * ms + now, now + 10 * ms);
     }
     EXPECT_EQ(clock.latest(16'010 * ms), 900'005 * ms + 16'010 * ms);
+}
+
+/// Does things at random, as programs and daemons do, and as only a daemon that lies does. Writes each with its
+/// results.
+class Steps {
+public:
+    Steps(std::ostream& out, std::uint32_t seed) : out_(out), random_(seed) {}
+
+    void session() {
+        const std::int64_t rate = one_in(2) ? 0 : number(1, 60'000);  // thousandths of a frame per second
+        flow_.start(static_cast<double>(rate) / 1000);
+        clock_.forget();
+        out_ << "start " << rate << " = " << flow_.interval_ns() << '\n';
+        ahead_ = one_in(2) ? 0 : number(-1'000'000 * ms, 1'000'000 * ms);
+        longest_ = number(1, 150) * ms;
+        question();
+        for (int i = 0; i < 60; ++i) {
+            turn();
+        }
+    }
+
+private:
+    std::int64_t number(std::int64_t least, std::int64_t most) {
+        return least + static_cast<std::int64_t>(random_() % static_cast<std::uint64_t>(most - least + 1));
+    }
+    bool one_in(int count) { return number(1, count) == 1; }
+    std::int64_t later() { return now_ += one_in(30) ? number(0, 5000 * ms) : number(0, longest_); }
+
+    void question() {
+        const std::int64_t before = now_;
+        const std::int64_t daemon = one_in(40) ? disparity::sane_ns(INT64_MAX) : later() + ahead_;
+        later();
+        clock_.add(before, daemon, now_);
+        out_ << "add " << before << ' ' << daemon << ' ' << now_ << " =\n";
+    }
+
+    void ask(bool waiting) {
+        const std::uint32_t more = flow_.ask(waiting);
+        out_ << "ask " << waiting << " = " << more << '\n';
+    }
+
+    void tell(const char* what, const FrameFlow::Arrival& frame) {
+        out_ << what << ' ' << frame.publish_index << ' ' << frame.captured_ns << ' ' << frame.sent_ns << ' '
+             << frame.now_ns << ' ' << frame.unwatched_ns << ' ' << frame.round_trip_ns << " = ";
+    }
+
+    void turn() {
+        if (one_in(4)) {
+            question();
+        }
+        flow_.reads(later());
+        out_ << "reads " << now_ << " =\n";
+        ask(true);
+        FrameFlow::Arrival frame;
+        frame.publish_index = index_ += static_cast<std::uint64_t>(one_in(10) ? number(0, 9) : 1);
+        frame.sent_ns = now_ + ahead_;
+        frame.captured_ns = frame.sent_ns - number(0, 30 * ms);
+        if (one_in(50)) {
+            frame.sent_ns = disparity::sane_ns(one_in(2) ? INT64_MAX : INT64_MIN);
+            frame.captured_ns = frame.sent_ns * (one_in(2) ? 2 : -2);
+            frame.publish_index = random_();
+        }
+        frame.unwatched_ns = later() - now_ + number(0, 200 * ms);
+        frame.now_ns = clock_.latest(now_);
+        frame.round_trip_ns = clock_.round_trip();
+        out_ << "latest " << now_ << " = " << frame.now_ns << ' ' << frame.round_trip_ns << '\n';
+        flow_.arrived(frame);
+        tell("arrived", frame);
+        out_ << flow_.interval_ns() << ' ' << flow_.patience_ns() << '\n';
+        if (one_in(8)) {
+            return;  // another one came behind it
+        }
+        const bool fresh = flow_.fresh(frame);
+        tell("fresh", frame);
+        out_ << fresh << ' ' << flow_.patience_ns() << '\n';
+        if (fresh) {
+            ask(false);
+            flow_.given(later());
+            out_ << "given " << now_ << " =\n";
+        }
+    }
+
+    std::ostream& out_;
+    std::mt19937_64 random_;
+    FrameFlow flow_;
+    disparity::DaemonClock clock_;
+    std::int64_t now_ = 1'000'000 * ms;
+    std::int64_t ahead_ = 0;
+    std::int64_t longest_ = 0;
+    std::uint64_t index_ = 0;
+};
+
+TEST(FrameFlow, PythonDoesTheSame) {
+    const std::string check = FRAME_FLOW_CHECK;
+    if (check.empty()) {
+        GTEST_SKIP() << "no Python that this test may start";
+    }
+    const disparityd::test::TemporaryFolder folder;
+    const std::string path = folder.file("steps");
+    std::ofstream file(path);
+    Steps steps(file, 1);
+    for (int i = 0; i < 100; ++i) {
+        steps.session();
+    }
+    file.close();
+    const auto [status, text] = command_output(check + " " + path + " 2>&1");
+    EXPECT_EQ(status, 0) << text;
 }
 
 }  // namespace

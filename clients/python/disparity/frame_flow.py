@@ -18,6 +18,8 @@ _WATCHED = 100 * _MILLISECOND
 # A frame may have lain for so long where the interval is shorter, which a busy machine takes now and then, or is not
 # known.
 _LEAST_ALLOWED, _UNKNOWN_INTERVAL = 20 * _MILLISECOND, 500 * _MILLISECOND
+# A daemon may send any times: longer intervals and ways are none.
+_LONGEST = 10**9 * _MILLISECOND
 # An interval that is this many times the one before is a gap of the source, and changes the estimate by no more.
 _MOST_GROWTH = 2
 # Two clocks drift apart by less than one part in so many: an old answer bounds less.
@@ -71,7 +73,7 @@ class FrameFlow:
     """
 
     def __init__(self, max_rate: float = 0.0) -> None:
-        self._least_interval = int(min(1e9 / max_rate, 1e15)) if max_rate > 0 else 0
+        self._least_interval = int(min(1e9 / max_rate, 1.0 * _LONGEST)) if max_rate > 0 else 0
         self._published = 0  # between two frames that the daemon publishes; 0 = not known
         self._last: tuple[int, int] | None = None  # index and capture of the last frame
         self._way: int | None = None  # from the daemon to here, that of fast frames
@@ -113,15 +115,15 @@ class FrameFlow:
         if self._last is not None:
             frames, time = frame.publish_index - self._last[0], frame.captured - self._last[1]
             if frames > 0 and time > 0:
-                interval, before = time // frames, self._published
-                changed = before + (min(interval, _MOST_GROWTH * before) - before) // 4
+                interval, before = min(time // frames, _LONGEST), self._published
+                changed = before + int((min(interval, _MOST_GROWTH * before) - before) / 4)
                 self._published = interval if before == 0 else changed
         self._last = frame.publish_index, frame.captured
 
     def fresh(self, frame: Arrival) -> bool:
         """Returns whether that frame may be given: it has lain no longer than an interval, or it was asked for since the
         last one that was not fresh and has come while the program waited."""
-        way = frame.now - frame.sent
+        way = min(max(0, frame.now - frame.sent), _LONGEST)
         suspect = self._suspects > 0
         self._suspects -= int(suspect)
         allowed = max(self.interval(), _LEAST_ALLOWED) if self.interval() else _UNKNOWN_INTERVAL
@@ -147,9 +149,9 @@ class FrameFlow:
             return 1
         if self._work > interval:
             return 0
-        transfer = max(0, self._way - self._round_trip // 2)
+        transfer = max(0.0, self._way - self._round_trip / 2)
         if transfer >= 0.9 * interval:
-            needed = 1 + self._round_trip // transfer
+            needed = 1 + math.floor(self._round_trip / transfer)
         else:
             needed = math.ceil((transfer + self._round_trip) / interval + 0.25)
         return min(max(1, needed), _MOST_AHEAD)
