@@ -278,10 +278,9 @@ bool Connection::answers(std::int64_t interval_ns) {
     return true;
 }
 
-/// Asks for the daemon's clock about once a second while a program reads.
 void Connection::keep_clock() {
     const std::int64_t now = proto::monotonic_ns();
-    if (by_credit_ && asked_ns_ <= stream_->heard_ns() && now - asked_ns_ >= clock_interval) {
+    if (stream_ && by_credit_ && asked_ns_ <= stream_->heard_ns() && now - asked_ns_ >= clock_interval) {
         ping(now);
     }
 }

@@ -43,6 +43,10 @@ public:
     /// the intervals of what is expected. Without an answer the connection has ended.
     Outcome listen(Deadline deadline, std::int64_t interval_ns);
 
+    /// Asks for the daemon's clock when the last question is a second old; listen() does, too. Also of a connection
+    /// that has ended, which is not asked.
+    void keep_clock();
+
     /// Returns the message of the last receive() or listen() that was `done`; valid until the next one.
     const disparityd::v1::Envelope& envelope() const { return stream_->envelope(); }
     const std::vector<std::uint8_t>& payload() const { return stream_->payload(); }
@@ -87,7 +91,6 @@ private:
     void ping(std::int64_t now_ns);
     void take_pong();
     bool answers(std::int64_t interval_ns);
-    void keep_clock();
 
     std::string address_;
     ConnectOptions options_;

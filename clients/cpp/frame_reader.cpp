@@ -41,6 +41,7 @@ ReadResult FrameReader::read(Frame& frame, Deadline deadline, const Other& other
         if (has_frame_) {
             has_frame_ = false;
             if (is_fresh(frame)) {
+                connection_.keep_clock();  // where a frame is always there, nothing else asks
                 return give(frame);
             }
             if (!std::exchange(refused, true)) {  // the daemon has the time to send a fresh one

@@ -4,6 +4,7 @@
 Exit status 77: a Python module is missing, said on stderr.
 """
 import contextlib
+import itertools
 import os
 import socket
 import struct
@@ -115,6 +116,7 @@ class End:
         self._connection = connection
         self.hello = None
         self.credit = 0
+        self.pings = 0
 
     def clock(self):
         return time.monotonic_ns() + self.AHEAD
@@ -131,6 +133,7 @@ class End:
                 return None
             message = pb.Envelope.FromString(self._connection.recv(struct.unpack("<I", head)[0], socket.MSG_WAITALL))
             if message.HasField("ping"):
+                self.pings += 1
                 self.send(pong=pb.Pong(client_ns=message.ping.client_ns, monotonic_ns=self.clock()))
             elif message.HasField("ready"):
                 self.credit += message.ready.frames
@@ -212,6 +215,42 @@ def check_frames():
             assert 5 * MS <= frame.age_ns <= 5 * MS + took + 20 * MS, (frame.age_ns, took)
         frame = client.read(PATIENCE)
         assert frame.publish_index == 4 and frame.missed == 1 and frame.age_ns >= 300 * MS, frame
+
+
+def check_clock_is_kept():
+    """What is known of the daemon's clock does not grow old in a program that never waits for a frame."""
+    sent, given, asked = threading.Semaphore(0), threading.Event(), threading.Event()
+
+    def script(end):
+        end.greet()
+        with contextlib.suppress(ConnectionError):  # the client leaves with a frame unread
+            serve(end)
+
+    def serve(end):
+        before = None  # so many questions came while the first read waited
+        for index in itertools.count():
+            while end.credit == 0:
+                was_given = given.is_set()
+                if end.receive() is None:
+                    return
+                before = end.pings if was_given and before is None else before
+            end.credit -= 1
+            end.send_frame(index)
+            sent.release()
+            if before is not None and end.pings > before:
+                asked.set()
+
+    with daemon(script) as address, disparity.SocketClient(address) as client:
+        client.subscribe([disparity.CONFIDENCE], max_rate=0.01)  # however slow this machine is, the program keeps up
+        assert client.read(PATIENCE) is not None
+        given.set()
+        sent.acquire()
+        until = time.monotonic() + PATIENCE
+        while not asked.is_set() and time.monotonic() < until:
+            assert sent.acquire(timeout=PATIENCE), "no credit ahead"
+            assert client.read(PATIENCE) is not None
+            time.sleep(0.001)
+        assert asked.is_set(), "the clock was not asked for"
 
 
 def check_return():
@@ -314,6 +353,6 @@ def check_addresses():
         raise AssertionError("connected to nobody")
 
 
-for check in (check_credit, check_freshness, check_clock, check_liveness, check_frames, check_return, check_end,
-              check_one_user, check_addresses):
+for check in (check_credit, check_freshness, check_clock, check_liveness, check_frames, check_clock_is_kept,
+              check_return, check_end, check_one_user, check_addresses):
     check()

@@ -286,6 +286,45 @@ TEST(ClientReturn, ADaemonThatAnswersIsNotLeft) {
     }
 }
 
+// A program that never waits for a frame: what is known of the daemon's clock must not grow old.
+TEST(ClientReturn, TheClockIsAskedForWhereAFrameIsAlwaysThere) {
+    std::atomic<std::uint64_t> sent{0};
+    std::atomic<bool> given{false};
+    std::atomic<bool> asked{false};
+    FakeDaemon daemon([&](ServerEnd& end) {
+        end.greet_with_clock();
+        bool counts = false;  // what was sent while the first read waited has come
+        v1::Envelope message;
+        while (end.receive(message)) {
+            if (message.has_ready()) {
+                counts = counts || given;
+                send_frame(end, sent);
+                ++sent;
+            } else if (message.has_ping()) {
+                asked = asked || counts;
+                v1::Envelope answer;
+                answer.mutable_pong()->set_client_ns(message.ping().client_ns());
+                answer.mutable_pong()->set_monotonic_ns(disparityd::proto::monotonic_ns());
+                end.send(answer);
+            }
+        }
+    });
+    disparity::SocketClient client(daemon.unix_address());
+    disparity::Subscription subscription;
+    subscription.max_rate = 0.01;  // however slow this machine is, the program keeps up, and has credit ahead
+    client.subscribe(subscription);
+    disparity::Frame frame;
+    const auto deadline = std::chrono::steady_clock::now() + plenty;
+    while (!asked && std::chrono::steady_clock::now() < deadline) {
+        ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+        given = true;
+        while (sent <= frame.publish_index + 1 && std::chrono::steady_clock::now() < deadline) {
+            std::this_thread::sleep_for(1ms);
+        }
+    }
+    EXPECT_TRUE(asked);
+}
+
 // What the daemon said before it closed explains more than a broken connection.
 TEST(ClientReturn, WordsBeforeTheEndAreHeardByWhoeverSendsFirst) {
     std::atomic<bool> closed{false};

@@ -343,6 +343,8 @@ class SocketClient(FrameSource):
         frame.age_ns += max(0, self._clock.latest(now) - envelope.frame.sent_monotonic_ns)
         self._flow.given(now)
         self._order(waiting=False)
+        if not self._lost and self._later is None:
+            self._ask_whether_there()  # where a frame is always there, nothing else asks for the clock
         return frame
 
     def _arrival(self, frame: pb.Frame, unwatched: int) -> Arrival:
