@@ -46,6 +46,8 @@ class InstalledService(unittest.TestCase):
                 self.assertEqual(len(instances), 1)
                 self.assertIn(f"\nExecStart={prefix}/bin/disparityd --config {configuration.rpartition('/')[0]}/%i.toml --name %i\n",
                               instances[0].read_text(encoding="utf-8"))
+                self.assertEqual(len(list(root.rglob("disparityd.slice"))), 1)
+                self.assertIn("\nSlice=disparityd.slice\n", instances[0].read_text(encoding="utf-8"))
                 for bridge in ("mavlink", "web"):
                     units = list(root.rglob(f"disparity-{bridge}.service"))
                     self.assertEqual(len(units), 1)
