@@ -48,6 +48,8 @@ constexpr std::int64_t longest_interval = 3600 * second;
 /// It must answer within this time.
 constexpr std::int64_t answer_time = second;
 
+constexpr const char* no_answer = "no answer to hello in time: the daemon hangs, or another program listens there";
+
 std::uint64_t random_id() {
     std::random_device device;
     const std::uint64_t id = std::uint64_t{device()} << 32U | device();
@@ -68,7 +70,7 @@ Connection::Connection(const std::string& address, ConnectOptions options, const
     const Deadline deadline = after(timeout);
     connect(deadline, deadline);
     if (!greeted(deadline)) {
-        fail("no answer to hello in time");
+        fail(no_answer);
     }
 }
 
@@ -108,7 +110,7 @@ bool Connection::greeted(Deadline deadline) {
         const auto outcome = receive(std::min(deadline, greeting_));
         if (outcome == Outcome::timeout) {
             if (std::chrono::steady_clock::now() >= greeting_) {
-                fail("no answer to hello in time");
+                fail(no_answer);
             }
             return false;
         }
