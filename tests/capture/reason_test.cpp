@@ -132,7 +132,8 @@ TEST(Reasons, WhatIsNoVideoIsNotToldAsTheSystemsRefusal) {
             EXPECT_THAT(said, Not(HasSubstr(system)));
         }
     }
-    EXPECT_THAT(failure_to_open(folder.file("picture.mkv")), HasSubstr("its format is not among those that are read"));
+    EXPECT_THAT(failure_to_open(folder.file("picture.mkv")),
+                HasSubstr("is an image (PNG), and its name does not say so"));
 }
 
 }  // namespace
