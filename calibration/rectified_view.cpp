@@ -91,7 +91,10 @@ double area_of(const std::vector<cv::Point2d>& points) {
 
 void check_rectified_view(const StereoCalibration& calibration) {
     const View view = view_of(calibration);
-    const std::string advice = ": these numbers are not those of a stereo camera; calibrate again";
+    const std::string advice =
+        ": these numbers are not those of a stereo camera with images of this size; compare the size that the "
+        "calibration was made for, "
+        "or calibrate again";
     for (const CameraModel* camera : {&calibration.left, &calibration.right}) {
         const double factor = view.f / camera->fx;
         if (!(factor >= smallest_factor && factor <= 1 / smallest_factor)) {

@@ -130,7 +130,8 @@ TEST_F(RefusalTest, CheckOnlyChecks) {
     expect_refusal(config_text() + "x = 1\n", {"--check"}, 2, {"[record] x"});
     expect_refusal(config_text(), {"--check", "--set", "match.backend=gpu"}, 2, {"\"gpu\"", "auto", "reference"});
     expect_refusal(config_text(), {"--check", "--source", "absent.mkv"}, 2, {"absent.mkv", "cannot open"});
-    expect_refusal(config_text(), {"--check", "--source", "/dev/null"}, 2, {"/dev/null", "a device", "v4l2:"});
+    expect_refusal(config_text(), {"--check", "--source", "/dev/null"}, 2,
+                   {"/dev/null", "a device", "disparityctl sources"});
     expect_refusal(config_text(), {"--check", "--source", "scene:uhd@30"}, 2, {"scene:uhd@30", "vga"});
     expect_refusal(config_text(), {"--check", "--set", "rectify.region=[100, 0, 100, 50]"}, 2, {"100"});
 }

@@ -310,11 +310,8 @@ class SocketClient(FrameSource):
                 self._send_aside(pb.Envelope(ready=pb.Ready(frames=frames)))
 
     def _send_aside(self, message: pb.Envelope) -> None:
-        """Sends what the program has not asked for. Where that fails, the next read says why."""
-        try:
-            self._open_stream().send(message, _SEND_TIMEOUT)
-        except DisparityError as error:
-            self._later = error
+        """Sends what the program has not asked for. Where that fails, reading finds the end behind what has come."""
+        self._open_stream().try_to_send(message, _SEND_TIMEOUT)
 
     def _take_in(self) -> None:
         """Takes in what lies in the socket. What is wrong behind a frame is told after it."""

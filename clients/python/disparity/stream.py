@@ -89,20 +89,33 @@ class MessageStream:
         self._envelope = pb.Envelope()
         # When the last bytes were read, and when there were none to read; of time.monotonic_ns().
         self.heard = self.empty = time.monotonic_ns()
+        self._sends = True  # False: a message was cut off, and nothing can follow it
 
     def close(self) -> None:
         self._socket.close()
 
     def send(self, envelope: pb.Envelope, timeout: float) -> None:
-        body = envelope.SerializeToString()
         try:
-            self._socket.settimeout(min(timeout, LONGEST_WAIT))
-            self._socket.sendall(struct.pack("<I", len(body)) + body)
+            self._send_all(envelope, timeout)
         except OSError as error:
             # A part of the message may have been sent: nothing can follow it.
             self._report_last_words()
             self.close()
             raise Gone(f"disparityd at {self.address}: the connection has ended: {error}") from None
+
+    def try_to_send(self, envelope: pb.Envelope, timeout: float) -> None:
+        """As send(), for what nobody waits for. Where it fails, receive() still gives what came before the end."""
+        try:
+            self._send_all(envelope, timeout)
+        except OSError:
+            self._sends = False
+
+    def _send_all(self, envelope: pb.Envelope, timeout: float) -> None:
+        if not self._sends:
+            raise BrokenPipeError("it takes nothing any more")
+        body = envelope.SerializeToString()
+        self._socket.settimeout(min(timeout, LONGEST_WAIT))
+        self._socket.sendall(struct.pack("<I", len(body)) + body)
 
     def receive(self, deadline: float) -> Message | None:
         """Returns (Envelope, payload as bytearray), or None when the time (of time.monotonic) is up. Raises Gone when
