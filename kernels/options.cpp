@@ -138,6 +138,8 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
         options.post.speckle_size = 40;
         options.post.interpolate = true;
         options.post.guided_median = 7;
+    } else {
+        options.post.min_texture = 2;
     }
     return options;
 }

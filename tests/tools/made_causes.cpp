@@ -109,9 +109,8 @@ RenderedPair plain_pair(unsigned seed) {
 
 RenderedPair other_resolution_pair(unsigned seed) {
     Draw draw(seed);
-    // A calibration of still larger images is refused: too little of this one would be seen.
-    const double ratios[] = {0.5, 0.58, 0.667, 1.15};
-    const double ratio = ratios[draw.of(0, 3)];
+    const double ratios[] = {0.5, 0.58, 0.667, 1.15, 1.5, 1.725, 1.9};
+    const double ratio = ratios[draw.of(0, 6)];
     return rendered_pair(seed, made_size, [ratio](calibration::StereoCalibration& calibration) {
         for (calibration::CameraModel* eye : {&calibration.left, &calibration.right}) {
             const double focal = ratio == 1.15 ? 1 : ratio;

@@ -221,7 +221,8 @@ void add_snapshot(CLI::App& program, Action& action) {
     arguments->daemon.add_to(command);
     command.footer(
         "A frame older than a second is not written, but for the last one of a source that has ended, with its age\n"
-        "on standard error. Example: disparityctl snapshot -o now.png --disparity now.pfm");
+        "on standard error.\n"
+        "Example: disparityctl snapshot -o now.png --disparity now.pfm");
     command.callback([arguments, &action] { action = [arguments] { return snapshot(*arguments); }; });
 }
 
