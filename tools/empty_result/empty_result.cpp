@@ -2,8 +2,8 @@
 #include "tools/empty_result/empty_result.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
+
+#include "tools/command_line/table.h"
 
 namespace disparityd::empty_result {
 namespace {
@@ -18,9 +18,7 @@ std::vector<std::uint8_t> copy_of(Plane<const std::uint8_t> plane) {
 }
 
 std::string percent(double share) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.1f %%", 100 * share);
-    return text.data();
+    return tools::fixed(100 * share, 1) + " %";
 }
 
 }  // namespace

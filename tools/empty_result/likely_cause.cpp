@@ -2,12 +2,11 @@
 #include "tools/empty_result/likely_cause.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 #include "calibration/online/epipolar_fit.h"
+#include "tools/command_line/table.h"
 #include "tools/empty_result/calibration_size.h"
 #include "tools/empty_result/coarse_matches.h"
 #include "tools/empty_result/texture_share.h"
@@ -19,12 +18,6 @@ constexpr double least_texture = 0.03;  // of the pixels
 constexpr std::size_t least_matches = 12;
 constexpr double most_rows = 1;          // px; matching costs are made for less
 constexpr double most_of_matches = 0.5;  // share that lies beyond the range
-
-std::string fixed_text(double value, int decimals) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-    return text.data();
-}
 
 std::string counted_points(std::size_t count, std::size_t all) {
     return std::to_string(count) + " of " + std::to_string(all) + " points that were found in both images";
@@ -39,7 +32,7 @@ std::optional<LikelyCause> test_texture(const Suspect& suspect) {
     const bool one = left >= least_texture || right >= least_texture;
     const std::string where = !one ? "the images have" : left < right ? "the left image has" : "the right image has";
     return LikelyCause{Cause::no_texture,
-                       where + " no texture (" + fixed_text(100 * std::min(left, right), 1) +
+                       where + " no texture (" + tools::fixed(100 * std::min(left, right), 1) +
                            " % of the pixels differ from their surroundings): a covered lens, darkness, too much light "
                            "or a plain wall; there is nothing to match"};
 }
@@ -63,7 +56,7 @@ std::optional<LikelyCause> test_rows(const Suspect& suspect, const std::vector<C
                                      "self-calibration"
                                    : "the images are not rectified: give their calibration";
     return LikelyCause{Cause::rows, "the rows of the two images are not aligned: they differ by " +
-                                        fixed_text(error, 1) + " px (median of " + std::to_string(matches.size()) +
+                                        tools::fixed(error, 1) + " px (median of " + std::to_string(matches.size()) +
                                         " points); " + advice};
 }
 
@@ -89,7 +82,7 @@ std::optional<LikelyCause> test_range(const Suspect& suspect, const std::vector<
     const auto above = static_cast<std::size_t>(sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), last));
     const double enough = most_of_matches * static_cast<double>(sorted.size());
     const double low = sorted[sorted.size() / 20], high = sorted[sorted.size() - 1 - sorted.size() / 20];
-    const std::string found = fixed_text(low, 0) + " to " + fixed_text(high, 0) + " px";
+    const std::string found = tools::fixed(low, 0) + " to " + tools::fixed(high, 0) + " px";
     if (static_cast<double>(above) > enough) {
         return LikelyCause{Cause::range,
                            "the range of disparities is too small: " + counted_points(above, sorted.size()) +
@@ -119,8 +112,8 @@ std::optional<LikelyCause> other_resolution(const std::optional<calibration::Ste
     }
     return LikelyCause{Cause::other_resolution,
                        "the calibration " + calibration->origin + " is of another resolution: its principal point (" +
-                           fixed_text(calibration->left.cx, 0) + ", " + fixed_text(calibration->left.cy, 0) +
-                           ") belongs to images about " + fixed_text(*ratio, 2) + " times as large as these, " +
+                           tools::fixed(calibration->left.cx, 0) + ", " + tools::fixed(calibration->left.cy, 0) +
+                           ") belongs to images about " + tools::fixed(*ratio, 2) + " times as large as these, " +
                            std::to_string(calibration->width) + "x" + std::to_string(calibration->height) +
                            "; use the calibration of this size"};
 }
