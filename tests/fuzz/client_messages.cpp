@@ -38,6 +38,7 @@ public:
         answer(std::make_shared<std::vector<v1::Trace>>(request.seconds() > 0 ? 2 : 0), "");
     }
     void subscription_changed() override {}
+    void came_back(const daemon::ClientSession&) override {}
     void closed(std::uint64_t) noexcept override { closed_ = true; }
 
     void publish() {
