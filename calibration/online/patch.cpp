@@ -7,7 +7,7 @@ namespace disparityd::calibration {
 
 namespace {
 
-constexpr double least_correlation = 0.85;
+constexpr double least_refined_correlation = 0.85;
 constexpr double farthest = 1.5;  // px from the start
 constexpr double settled = 1e-3;  // px
 
@@ -154,7 +154,7 @@ std::optional<Place> refine(Plane<const std::uint8_t> left, Pixel corner, Plane<
             return std::nullopt;
         }
         if (std::abs(dx) < settled && std::abs(dy) < settled) {
-            return correlation >= least_correlation ? std::optional(place) : std::nullopt;
+            return correlation >= least_refined_correlation ? std::optional(place) : std::nullopt;
         }
     }
     return std::nullopt;

@@ -11,14 +11,14 @@ namespace disparityd::tools {
 namespace {
 
 // Programs that say every second why no frame came stay at that rate.
-constexpr std::chrono::seconds patience{1};
+constexpr std::chrono::seconds patience_for_status{1};
 
 }  // namespace
 
 std::string why_no_frame(const DaemonAddress& daemon) {
     try {
-        disparity::SocketClient client = connect(daemon, patience);
-        const v1::Status status = daemon_status(client, patience);
+        disparity::SocketClient client = connect(daemon, patience_for_status);
+        const v1::Status status = daemon_status(client, patience_for_status);
         if (!status.detail().empty()) {
             return status.detail();
         }
@@ -36,8 +36,8 @@ std::string why_no_frame(const DaemonAddress& daemon) {
 
 bool source_has_ended(const DaemonAddress& daemon) {
     try {
-        disparity::SocketClient client = connect(daemon, patience);
-        return daemon_status(client, patience).state() == "ended";
+        disparity::SocketClient client = connect(daemon, patience_for_status);
+        return daemon_status(client, patience_for_status).state() == "ended";
     } catch (const std::runtime_error&) {
         return false;  // frames may come over shared memory where no socket is known
     }
