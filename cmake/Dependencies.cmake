@@ -26,6 +26,10 @@ find_package(OpenCVModules 4.5 QUIET COMPONENTS core imgproc calib3d imgcodecs)
 # NVIDIA's Jetsons have all of OpenCV in one package.
 disparityd_need("OpenCV 4.5 (core, imgproc, calib3d, imgcodecs)" "${OpenCVModules_FOUND}"
   PACKAGES "libopencv-core-dev libopencv-imgproc-dev libopencv-calib3d-dev libopencv-imgcodecs-dev" "libopencv-dev")
+# CMake's own search, from 3.30 on only when asked for: it also takes an unpacked release, which has no package of CMake's.
+if(POLICY CMP0167)
+  cmake_policy(SET CMP0167 OLD)
+endif()
 find_package(Boost 1.74 QUIET)
 disparityd_need("Boost 1.74 (headers)" "${Boost_FOUND}" PACKAGES "libboost-dev")
 find_package(Protobuf 3.12 QUIET)
