@@ -45,13 +45,16 @@ class _Plane(ctypes.Structure):
 
 
 def _open_library() -> ctypes.CDLL:
-    """Loads $DISPARITY_CLIENT_LIBRARY, else the library beside the package, in its build tree, or of the system."""
+    """Loads $DISPARITY_CLIENT_LIBRARY, else the library beside the package, in its build tree or prefix, or of the system."""
     named = os.environ.get("DISPARITY_CLIENT_LIBRARY")
     if named:
         candidates = [named]
     else:
         here = pathlib.Path(__file__).resolve().parent
         beside = [here / LIBRARY, here.parent / LIBRARY, here.parent.parent / "lib" / LIBRARY]
+        # PREFIX/lib/python3/dist-packages/disparity belongs to a library in PREFIX/lib, or in PREFIX/lib/x86_64-linux-gnu.
+        prefix = here.parents[2]
+        beside += [prefix / LIBRARY, *sorted(prefix.glob(f"*/{LIBRARY}"))]
         candidates = [str(path) for path in beside if path.exists()] + [LIBRARY]
     reasons = []
     for candidate in candidates:
