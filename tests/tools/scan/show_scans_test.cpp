@@ -77,7 +77,8 @@ protected:
             ASSERT_TRUE(eventually([&] { return !program.running() || program.said("\"max_m\":20.0"); }));
             daemon_->send(signal);
             daemon_->wait();
-            ASSERT_TRUE(eventually([&] { return !program.running() || program.said("the daemon has stopped"); }));
+            // On a busy machine it may have been silent for so long before that it counts as hung.
+            ASSERT_TRUE(eventually([&] { return !program.running() || program.said("; waiting for it"); }));
             start({"scan.enabled=true", "scan.max_m=9"});
             ASSERT_TRUE(eventually([&] { return !program.running() || program.said("\"max_m\":9.0"); }));
             program.send(SIGINT);
