@@ -4,6 +4,19 @@
 # steps it is made of. A step that fails is noted and the next one runs, so that one look at the end shows everything.
 source tools/setup/full_disk.sh
 
+# took WHAT START: notes how long a step took that began at START seconds, for the table at the end.
+took() { printf '%s\t%s\n' "$((SECONDS - $2))" "$1" >>"${results:?}/times.tsv"; }
+
+# show_times: the longest first. Steps in the background wait for those in front: theirs add up to more than the whole.
+show_times() {
+    local seconds what
+    [[ -e ${results:?}/times.tsv ]] || return 0
+    step "times"
+    while IFS=$'\t' read -r seconds what; do
+        printf '%5d:%02d  %s\n' $((seconds / 60)) $((seconds % 60)) "$what"
+    done < <(sort -rn "$results/times.tsv")
+}
+
 step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
 
 # note passed|failed|skipped WHAT: the outcome of a step that is no ctest run.
@@ -52,7 +65,7 @@ fixed_addresses() {
 # build PRESET [CMAKE OPTION...]: notes only a failure; a build that works shows in its tests. Of a preset that is there for
 # its tests, only what they start.
 build() {
-    local preset=$1 run targets=()
+    local preset=$1 run targets=() start=$SECONDS
     shift
     case $preset in asan-ubsan | tsan | arm64) targets=(--target test-programs) ;; esac
     read -ra run < <(fixed_addresses "$preset"; echo)
@@ -61,26 +74,29 @@ build() {
         note failed "build $preset$(why_build_failed 3)"
         return 1
     fi
+    took "build $preset" "$start"
 }
 
 # run_tests TEST-PRESET: of what is built.
 run_tests() {
-    local tests=$1 run
+    local tests=$1 run start=$SECONDS
     read -ra run < <(fixed_addresses "$tests"; echo)
     step "test $tests"
     "${run[@]}" ctest --preset "$tests" --parallel "${jobs:?}" --output-junit "$results/$tests.xml" \
         --test-output-size-passed 1000000
+    took "test $tests" "$start"
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
 # run_fuzzers: targets for 15 s each, several at a time: with the same seed a longer run tries what was tried before. Those of
 # disparity-web take minutes to build: .ci/weekly runs them, and their kept inputs are tests of asan-ubsan.
 run_fuzzers() {
-    local outcome targets
+    local outcome targets start=$SECONDS
     step "fuzz"
     mapfile -t targets < <(cd tests/fuzz/corpus && printf '%s\n' * | grep -vxE 'page_messages|status_texts|web_.*')
     tests/fuzz/run 15 -j "$jobs" "${targets[@]}" >"$results/fuzz-run.txt" 2>&1
     outcome=$?
+    took "build and run fuzzers" "$start"
     grep '^fuzz: ' "$results/fuzz-run.txt" || cat "$results/fuzz-run.txt"
     case $outcome in
         0) note passed "fuzz" ;;
@@ -90,11 +106,13 @@ run_fuzzers() {
 }
 
 build_arm64() {
+    local start=$SECONDS
     step "arm64 root"
     if ! tools/setup/arm64-sysroot; then
         note failed "arm64 root"
         return 1
     fi
+    took "arm64 root" "$start"
     # Kernels keep their -O3; of the rest it is only seen that it builds and is right.
     build arm64 -DDISPARITYD_WERROR=ON -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG"
 }
