@@ -155,7 +155,7 @@ std::string ClientSession::label() const {
 }
 
 void ClientSession::read_length() {
-    if (!is_open() || reading_ || answer_pending_ || answers_.size() >= max_answers) {
+    if (!may_read() || reading_ || answer_pending_ || answers_.size() >= max_answers) {
         return;
     }
     reading_ = true;
@@ -167,7 +167,7 @@ void ClientSession::read_length() {
     }
     pace_timer_.expires_after(wait);
     pace_timer_.async_wait(handler([](ClientSession& self, error_code error) {
-        if (!error && self.is_open()) {
+        if (!error && self.may_read()) {
             self.await_length();
         }
     }));
@@ -180,7 +180,7 @@ void ClientSession::await_length() {
 
 void ClientSession::length_arrived(const error_code& error) {
     reading_ = false;
-    if (!is_open()) {
+    if (!may_read()) {
         return;
     }
     if (error) {
@@ -204,7 +204,7 @@ void ClientSession::read_message(std::uint32_t length) {
     asio::async_read(stream_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
                      handler([](ClientSession& self, error_code error, std::size_t) {
                          self.reading_ = false;
-                         if (!self.is_open()) {
+                         if (!self.may_read()) {
                              return;
                          }
                          if (error) {

@@ -162,10 +162,12 @@ private:
         waiting,    ///< for its turn to shake hands
         handshake,  ///< of TLS
         open,       ///< messages go both ways, Hello first
+        deaf,       ///< the client no longer takes anything; what it had sent before is still done
         leaving,    ///< an Error with closing = true is the last message; nothing is read
         closed
     };
     bool is_open() const { return phase_ == Phase::open; }
+    bool may_read() const { return phase_ == Phase::open || phase_ == Phase::deaf; }
     /// Returns whether bytes may be written: an Error may still be on its way to a client that leaves.
     bool may_write() const { return phase_ == Phase::open || phase_ == Phase::leaving; }
 
@@ -224,6 +226,7 @@ private:
     void write_some();
     void await_writable();
     void close_later();
+    void output_failed(const std::string& why);
     void end_output();
     void drain();
     void close(std::string_view why) noexcept;

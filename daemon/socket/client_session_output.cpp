@@ -62,6 +62,9 @@ void ClientSession::send(v1::Envelope message) {
 }
 
 void ClientSession::send_error(const std::string& why, bool closing) {
+    if (phase_ == Phase::deaf && closing) {
+        close("closed: " + why);
+    }
     if (!is_open()) {
         return;
     }
@@ -291,7 +294,7 @@ void ClientSession::write_some() {
     error_code error;
     message_.sent(stream_.write_some(message_.rest(), error));
     if (error && error != asio::error::would_block && error != asio::error::interrupted) {
-        close("connection lost: " + stream_.reason(error));
+        output_failed("connection lost: " + stream_.reason(error));
     } else if (message_.is_done()) {
         writing_ = false;
         stall_logged_ = false;
@@ -304,16 +307,40 @@ void ClientSession::write_some() {
 
 void ClientSession::await_writable() {
     stream_.async_wait_writable(handler([](ClientSession& self, error_code error) {
-        if (self.phase_ == Phase::closed) {
+        if (!self.may_write()) {
             return;
         }
         if (error) {
-            self.close("connection lost: " + error.message());
+            self.output_failed("connection lost: " + error.message());
             return;
         }
         self.write_some();
         self.pump();
     }));
+}
+
+/// A client that has gone may have asked for something in its last moment, such as the end of a recording: what lies in
+/// the socket is read and done before the connection is closed.
+void ClientSession::output_failed(const std::string& why) {
+    if (!is_open() || !greeted_) {
+        close(why);
+        return;
+    }
+    phase_ = Phase::deaf;
+    writing_ = false;
+    message_.finish();
+    compressed_.reset();
+    answers_.clear();
+    host_.subscription_changed();
+    // Reading finds the end of what the client has sent. One that keeps its connection half open, or asked for what
+    // takes long, gets no more than this time.
+    deadline_.expires_after(close_timeout);
+    deadline_.async_wait(handler([](ClientSession& self, error_code error) {
+        if (!error && self.phase_ == Phase::deaf) {
+            self.close("left");
+        }
+    }));
+    read_length();
 }
 
 /// Tells the client, once, that nothing follows its last message, and lets it read that one.

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <future>
 #include <memory>
 #include <string>
@@ -30,7 +31,10 @@ protected:
     void restart() {
         config_.unix_path = "/tmp/disparityd-test-" + std::to_string(getpid()) + ".sock";
         daemon::SocketServices services;
-        services.status = [] {
+        services.status = [this] {
+            if (before_status_) {
+                before_status_();
+            }
             v1::Status status;
             status.set_state("running");
             return status;
@@ -48,7 +52,10 @@ protected:
             }
             answer(status, request.path.empty() ? "record: no path" : "");
         };
-        services.stop_recording = [](const daemon::SessionHost::RecordAnswer& answer) { answer({}, ""); };
+        services.stop_recording = [this](const daemon::SessionHost::RecordAnswer& answer) {
+            ++stops_;
+            answer({}, "");
+        };
         services.is_recording_for = [this](std::uint64_t client) { return recording_ && client == recorder_; };
         services.client_is_gone = [this](std::uint64_t client) { gone_ = client; };
         services.control_camera = [](const v1::CameraRequest& request,
@@ -114,6 +121,8 @@ protected:
     std::promise<daemon::SessionHost::RecordAnswer> held_answer_;  ///< to a recording of "held.mkv"
     std::atomic<std::uint64_t> gone_{0};                           ///< the client that has gone last
     std::atomic<bool> recording_{false};                           ///< what the server is told of it
+    std::atomic<int> stops_{0};                                    ///< recordings that clients have ended
+    std::function<void()> before_status_;                          ///< in the server's thread; set before start()
     daemon::SocketServerConfig config_;
     PatternFrames feed_{64, 48, all_products()};
     std::unique_ptr<daemon::SocketServer> server_;
