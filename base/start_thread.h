@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -11,12 +10,9 @@
 
 namespace disparityd::base {
 
-/// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`.
-[[noreturn]] inline void refuse_thread(const std::string& reason) {
-    throw std::runtime_error("the system starts no more threads: " + reason +
-                             ": allow more (ulimit -u, TasksMax= of a service, the pids limit of a container) or "
-                             "choose fewer workers");
-}
+/// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`, or has no
+/// memory for the stack of another one, which it reports as the same.
+[[noreturn]] void refuse_thread(const std::string& reason);
 
 /// Starts a thread that no signal to the process interrupts (SignalsBlocked). Throws as refuse_thread() when the system
 /// starts no more; the caller then ends the threads that it has started before.

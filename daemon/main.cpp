@@ -14,6 +14,7 @@
 #include "base/failure_text.h"
 #include "base/freed_memory.h"
 #include "base/message_text.h"
+#include "base/program_end.h"
 #include "daemon/command_line.h"
 #include "daemon/configured_access.h"
 #include "daemon/daemon.h"
@@ -64,10 +65,7 @@ void print_error(const std::exception& error) {
     }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    disparityd::base::set_up_freed_memory();
+int exit_code(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const std::invalid_argument& error) {
@@ -77,4 +75,11 @@ int main(int argc, char** argv) {
         print_error(error);
         return 1;
     }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    disparityd::base::set_up_freed_memory();
+    return disparityd::base::end_program(exit_code(argc, argv));
 }

@@ -8,6 +8,7 @@
 
 #include "base/descriptor_limit.h"
 #include "base/freed_memory.h"
+#include "base/program_end.h"
 #include "bridges/program/program.h"
 #include "bridges/web/options.h"
 #include "bridges/web/server.h"
@@ -23,7 +24,7 @@ int main(int argc, char** argv) {
         "Examples: disparity-web\n"
         "          disparity-web --name front --listen 127.0.0.1:8766 --allow-control\n"
         "Exit status: 0 SIGTERM or Ctrl-C ended it; 1 the system refuses; 2 an argument is wrong.");
-    return disparityd::bridges::run_program(app, argc, argv, [&app, &options] {
+    const int code = disparityd::bridges::run_program(app, argc, argv, [&app, &options] {
         auto settings = options.settings();
         const std::string fewer =
             disparityd::web::fit_to_descriptors(settings, disparityd::base::raise_descriptor_limit());
@@ -35,4 +36,5 @@ int main(int argc, char** argv) {
         std::cout << server.url() << std::endl;
         server.run();
     });
+    return disparityd::base::end_program(code);
 }

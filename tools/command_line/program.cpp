@@ -14,6 +14,7 @@
 #include "base/file_kind.h"
 #include "base/message_text.h"
 #include "base/option_tree.h"
+#include "base/program_end.h"
 #include "base/version.h"
 #include "base/words.h"
 #include "tools/command_line/plain_help.h"
@@ -78,8 +79,9 @@ void print_note(const std::string& text) {
     print("note", text);
 }
 
-int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
-    program = app.get_name();
+namespace {
+
+int exit_code(CLI::App& app, int argc, char** argv, const Action& action) {
     const PrintableOutput printable(std::cout);
     std::signal(SIGXFSZ, SIG_IGN);  // a limit for files is then told as a full disk is
     use_plain_help(app);
@@ -105,6 +107,13 @@ int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
         print_error(base::failure_text(error));
         return exit_failed;
     }
+}
+
+}  // namespace
+
+int run_program(CLI::App& app, int argc, char** argv, const Action& action) {
+    program = app.get_name();
+    return base::end_program(exit_code(app, argc, argv, action));
 }
 
 }  // namespace disparityd::tools
