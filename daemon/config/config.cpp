@@ -2,6 +2,7 @@
 #include "daemon/config/config.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <numeric>
@@ -11,6 +12,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include <unistd.h>
+
+#include "base/error_text.h"
 #include "base/message_text.h"
 #include "base/text_file.h"
 #include "daemon/config/config_keys.h"
@@ -261,6 +265,24 @@ std::vector<std::string> notes_on(const Config& config, const std::vector<Assign
     return notes;
 }
 
+/// Returns notes on folders that were set and cannot be written to now. That refuses no configuration: the daemon runs
+/// without them, and their disk may come later.
+std::vector<std::string> notes_on_folders(const Config& config, const std::vector<Assignment>& assignments) {
+    std::vector<std::string> notes;
+    const auto look = [&](const char* section, const std::string& folder, bool used, const char* until_then) {
+        const std::string where = where_set(assignments, section, "directory", "");
+        if (used && !where.empty() && !folder.empty() && ::access((folder + "/.").c_str(), W_OK | X_OK) != 0) {
+            notes.push_back(where + ": [" + section + "] directory: " + base::printable(folder) + ": " +
+                            base::error_text(errno) + "; " + until_then +
+                            " until it is a folder that the daemon may write to");
+        }
+    };
+    look("record", config.record.directory, config.record.enabled, "recordings are refused");
+    look("self_calibration", config.self_calibration.directory, config.self_calibration.enabled,
+         "no correction is kept");
+    return notes;
+}
+
 std::string read_text(const std::string& path) {
     try {
         return base::read_text_file(path, "configuration");
@@ -294,6 +316,9 @@ Config build(std::vector<Assignment> assignments, const std::string& file, const
     }
     check_together(config, assignments, file);
     config.notes = notes_on(config, assignments, file);
+    for (std::string& note : notes_on_folders(config, assignments)) {
+        config.notes.push_back(std::move(note));
+    }
     return config;
 }
 

@@ -107,8 +107,8 @@ struct Config {
         std::string directory;  ///< empty = see resolved_correction_directory()
     } self_calibration;
 
-    /// One line for each thing to know about what was set: keys of [match] that the method does not use, and a preset
-    /// that an older file could not choose.
+    /// One line for each thing to know about what was set: keys of [match] that the method does not use, a preset that
+    /// an older file could not choose, and folders that cannot be written to now.
     std::vector<std::string> notes;
 };
 
