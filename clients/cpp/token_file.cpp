@@ -13,8 +13,12 @@ std::string read_token(const std::string& path) {
         return {};
     }
     struct stat facts {};
+    const bool found = ::stat(path.c_str(), &facts) == 0;
+    if (found && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode)) {  // a pipe would be waited for
+        throw std::invalid_argument(path + ": the file with the token is not a regular file, allowed: a regular file");
+    }
     std::ifstream file(path);
-    if (!file || ::stat(path.c_str(), &facts) != 0 || S_ISDIR(facts.st_mode)) {
+    if (!found || !file || S_ISDIR(facts.st_mode)) {
         throw std::invalid_argument(path + ": the file with the token cannot be read");
     }
     if ((facts.st_mode & (S_IROTH | S_IWOTH)) != 0) {

@@ -167,6 +167,10 @@ std::string advice_on(const std::string& problem, const std::string& name) {
     if (says("not yet valid") || says("expired")) {
         return ": is the clock of this machine right?";
     }
+    if (says("purpose")) {
+        return ": the daemon shows a certificate that is not for a server: its [socket] certificate must be another "
+               "one";
+    }
     if (says("certificate verify failed")) {
         return ": the daemon's certificate is signed by nobody who is trusted: give its authority's file";
     }
@@ -285,6 +289,8 @@ Transport::Outcome Transport::end_of(TlsStream::Outcome outcome) {
         why_closed_ = "TLS: " + tls_->problem();
         if (says("revoked")) {
             why_closed_ += ": whoever runs the daemon has taken this certificate back";
+        } else if (says("unsupported certificate")) {
+            why_closed_ += ": this certificate is for another purpose than a client's: have one made for a client";
         } else if (says("certificate")) {
             why_closed_ += ": the daemon takes only clients with a certificate that its authority has signed";
         }

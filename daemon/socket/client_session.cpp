@@ -26,6 +26,8 @@ using boost::system::error_code;
 /// Answers that may wait for a client before nothing more is read from it.
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
+/// A client that waits for the next status is not idle.
+constexpr double longest_status_interval_s = 86400;
 constexpr std::string_view messages_of_clients =
     "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request, ready, ping";
 
@@ -307,11 +309,18 @@ void ClientSession::hello(const v1::Hello& hello) {
 void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     Selection selection;
     const StreamLayout& layout = host_.layout();
+    const double interval = subscribe.status_interval_s();
+    if (!(interval >= 0 && interval <= longest_status_interval_s)) {
+        send_error(fmt::format("Subscribe: status_interval_s: found {:g}, allowed: 0 (none) .. {:g}", interval,
+                               longest_status_interval_s),
+                   false);
+        return;
+    }
     early_.reset();
     if (layout.products.empty()) {  // the first source is being prepared: its products are not known
         early_ = subscribe;
         credit_.start(subscribe.by_credit());
-        send_status_every(std::isfinite(subscribe.status_interval_s()) ? subscribe.status_interval_s() : 0);
+        send_status_every(subscribe.status_interval_s());
         return;
     }
     for (const int number : subscribe.products()) {
@@ -334,8 +343,6 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
         wrong = fmt::format("encoding: found {}, allowed: 0 (raw) or 1 (zstd)", static_cast<int>(selection.encoding));
     } else if (!std::isfinite(subscribe.max_rate()) || subscribe.max_rate() < 0) {
         wrong = fmt::format("max_rate: found {}, allowed: 0 (every frame) or more", subscribe.max_rate());
-    } else if (!std::isfinite(subscribe.status_interval_s()) || subscribe.status_interval_s() < 0) {
-        wrong = fmt::format("status_interval_s: found {}, allowed: 0 (none) or more", subscribe.status_interval_s());
     }
     if (!wrong.empty()) {
         send_error("Subscribe: " + wrong, false);
@@ -353,7 +360,7 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     feed_.start(host_.frames(), subscribe.max_rate(),
                 by_credit ? FrameFeed::Order::newest_only : FrameFeed::Order::oldest_first);
     host_.subscription_changed();
-    send_status_every(subscribe.status_interval_s());
+    send_status_every(interval);
     if (!has_subscribed_ && (wanted() != 0 || wants_sensors() || wants_status_)) {
         has_subscribed_ = true;
         host_.log().connections.write(LogLevel::info, label() + ": subscribed");
@@ -366,8 +373,8 @@ void ClientSession::send_status_every(double seconds) {
     if (!is_open() || seconds <= 0) {
         return;
     }
-    const auto interval =
-        std::chrono::milliseconds(static_cast<std::int64_t>(std::clamp(seconds, 0.1, 86400.0) * 1000));
+    const auto interval = std::chrono::milliseconds(
+        static_cast<std::int64_t>(std::clamp(seconds, 0.1, longest_status_interval_s) * 1000));
     status_timer_.expires_after(interval);
     status_timer_.async_wait(handler([seconds](ClientSession& self, error_code error) {
         if (error || !self.is_open()) {

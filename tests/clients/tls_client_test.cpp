@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The client libraries over TLS: every byte of a frame, the checks of both ends, and the lines that say what is wrong.
+#include <atomic>
 #include <cinttypes>
 #include <cstdio>
+#include <latch>
 #include <sstream>
 #include <thread>
 
@@ -119,6 +121,39 @@ protected:
         EXPECT_EQ(count, 6) << printed;  // three frames of two planes
     }
 
+    /// Connects as "guest". 1: a frame came; else prints why none did.
+    int frame_in_cpp() const {
+        try {
+            SocketClient client(tcp_, options("guest"), "test", 60s);
+            client.subscribe({.products = {Product::disparity}});
+            Frame frame;
+            return client.read(frame, 60s) == ReadResult::frame ? 1 : 0;
+        } catch (const std::exception& error) {
+            ADD_FAILURE() << error.what();
+            return 0;
+        }
+    }
+
+    int frame_in_c() const {
+        const ConnectOptions given = options("guest");
+        disparity_connect_options files{};
+        files.authority = given.authority.c_str();
+        files.certificate = given.certificate.c_str();
+        files.key = given.key.c_str();
+        const std::uint32_t product = DISPARITY_PRODUCT_DISPARITY;
+        disparity_subscription wanted{};
+        wanted.products = &product;
+        wanted.product_count = 1;
+        disparity_frame* const frame = disparity_frame_new();
+        disparity_socket* const client = disparity_socket_open_with(tcp_.c_str(), "c", 60000, &files, sizeof files);
+        const bool served = client != nullptr && disparity_socket_subscribe(client, &wanted) == 0 &&
+                            disparity_socket_read(client, frame, 60000) == DISPARITY_FRAME;
+        EXPECT_TRUE(served) << disparity_last_error();
+        disparity_socket_close(client);
+        disparity_frame_free(frame);
+        return served ? 1 : 0;
+    }
+
     CertificateFolder files_;
     std::jthread publishing_;
 };
@@ -170,6 +205,24 @@ TEST_F(TlsClientTest, PythonReadsTheBytesThatWerePublished) {
     }
     EXPECT_EQ(status, 0) << text;
     expect_pattern(text);
+}
+
+// More than may shake hands at once, while frames reach all of them.
+TEST_F(TlsClientTest, FortyThatComeAtOnceAreAllServed) {
+    constexpr int clients = 40;
+    files_.make({.common_name = "guest"});
+    start_with_tls(true);
+    std::latch together(clients);
+    std::atomic<int> served{0};
+    std::vector<std::jthread> threads;
+    for (int i = 0; i < clients; ++i) {
+        threads.emplace_back([&, in_c = i % 2 == 0] {
+            together.arrive_and_wait();
+            served += in_c ? frame_in_c() : frame_in_cpp();
+        });
+    }
+    threads.clear();
+    EXPECT_EQ(served, clients);
 }
 
 TEST_F(TlsClientTest, AnotherImplementationOfTlsCanTalkToTheServer) {
@@ -227,6 +280,21 @@ TEST_F(TlsClientTest, ACertificateThatIsMissingIsToldByTheDaemon) {
                 AllOf(HasSubstr("certificate required"), HasSubstr("its authority has signed")));
 }
 
+TEST_F(TlsClientTest, ACertificateForAnotherPurposeIsToldAsThat) {
+    files_.make({.purpose = Facts::Purpose::server, .common_name = "a-server", .hosts = {"127.0.0.1"}});
+    files_.make({.common_name = "guest"});
+    start_with_tls(true);
+    EXPECT_THAT(refusal(tcp_, options("a-server")),
+                AllOf(HasSubstr("for another purpose than a client's"), testing::Not(HasSubstr("signed"))));
+    stop_publishing();
+    // A server refuses to start with it; others than this one may not.
+    SSL_CTX* const context = config_.tls.get();
+    ASSERT_EQ(SSL_CTX_use_certificate_chain_file(context, files_.file("guest.crt").c_str()), 1);
+    ASSERT_EQ(SSL_CTX_use_PrivateKey_file(context, files_.file("guest.key").c_str(), SSL_FILETYPE_PEM), 1);
+    EXPECT_THAT(refusal(tcp_, options("guest")),
+                AllOf(HasSubstr("is not for a server"), testing::Not(HasSubstr("signed by nobody"))));
+}
+
 TEST_F(TlsClientTest, TokensAreSentAndRefused) {
     config_.access.tokens = {{view_token}, {control_token}};
     start_with_tls();
@@ -249,6 +317,9 @@ TEST_F(TlsClientTest, TokensAreSentAndRefused) {
     EXPECT_THAT(refusal(tcp_, from_file), HasSubstr("chmod o-rw"));
     from_file.token_file = files_.write_secret("empty", "# none\n\n");
     EXPECT_THAT(refusal(tcp_, from_file), HasSubstr("holds no token"));
+    from_file.token_file = files_.file("pipe");
+    ASSERT_EQ(::mkfifo(from_file.token_file.c_str(), 0600), 0);
+    EXPECT_THAT(refusal(tcp_, from_file), HasSubstr("not a regular file"));
     from_file.token_file = files_.file("absent");
     EXPECT_THAT(refusal(tcp_, from_file), HasSubstr("cannot be read"));
 }

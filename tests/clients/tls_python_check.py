@@ -5,6 +5,7 @@ tls_python_check.py ADDRESS AUTHORITY CERTIFICATE KEY TOKEN-FILE. Exit status 77
 """
 import os
 import sys
+import threading
 
 try:
     import google.protobuf  # noqa: F401
@@ -55,6 +56,24 @@ def check_refusals(address, authority, certificate, key, token_file):
     os.chmod(token_file, 0o600)
 
 
+def check_many(address, options):
+    """Forty connections begin at once: all come in, and each gets a frame."""
+    served, together = [], threading.Barrier(40)
+
+    def one():
+        together.wait()
+        with disparity.SocketClient(address, timeout=60, options=options) as client:
+            client.subscribe([disparity.DISPARITY])
+            served.append(client.read(timeout=60))
+
+    threads = [threading.Thread(target=one) for _ in range(together.parties)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(served) == together.parties and None not in served, f"{len(served)} of {together.parties} came in"
+
+
 def main():
     address, authority, certificate, key, token_file = sys.argv[1:]
     check_refusals(address, authority, certificate, key, token_file)
@@ -72,6 +91,7 @@ def main():
             frame = client.read(timeout=60)
             for product, plane in frame.planes.items():
                 print(frame.publish_index, product, f"{fnv1a(plane.tobytes()):016x}")
+    check_many(address, options)
 
 
 if __name__ == "__main__":

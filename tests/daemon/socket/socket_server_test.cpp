@@ -190,6 +190,8 @@ TEST_F(SocketServerTest, BadSubscriptionsAreRefusedAndTheOldOneStays) {
     bad = subscription({v1::DISPARITY});
     bad.mutable_subscribe()->set_status_interval_s(std::numeric_limits<double>::quiet_NaN());
     cases.emplace_back(bad, "status_interval_s");
+    bad.mutable_subscribe()->set_status_interval_s(1e308);
+    cases.emplace_back(bad, "status_interval_s: found 1e+308, allowed: 0 (none) .. 86400");
     bad = subscription({v1::DISPARITY});
     bad.mutable_subscribe()->set_encoding(static_cast<v1::Encoding>(9));
     cases.emplace_back(bad, "encoding: found 9");
