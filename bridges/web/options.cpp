@@ -8,6 +8,7 @@
 
 #include "bridges/program/host_and_port.h"
 #include "clients/places/daemon_sockets.h"
+#include "clients/places/running_daemons.h"
 
 namespace disparityd::web {
 namespace {
@@ -129,6 +130,7 @@ void Options::add_to(CLI::App& app) {
 
 ServerSettings Options::settings() const {
     ServerSettings settings;
+    clients::check_daemon_name(name);
     settings.daemon.name = name;
     settings.daemon.socket = socket.empty() ? "" : clients::socket_address(socket);
     reach.check(socket);

@@ -2,12 +2,13 @@
 #include "clients/places/daemon_sockets.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "clients/places/running_daemons.h"
 
 namespace disparityd::clients {
 namespace {
@@ -26,13 +27,24 @@ struct DefaultPath {
 
 /// Returns the default paths. The daemon listens in the first of these folders that it may write to.
 std::vector<DefaultPath> default_paths(const std::string& name) {
-    const std::string file = "disparityd" + (name == "default" ? "" : '-' + name);
-    std::vector<DefaultPath> paths{{"/run/disparityd/" + file + ".sock", true}};
-    if (const char* runtime = std::getenv("XDG_RUNTIME_DIR"); runtime != nullptr && *runtime != '\0') {
-        paths.push_back({std::string(runtime) + '/' + file + ".sock"});
+    check_daemon_name(name);
+    std::vector<DefaultPath> paths;
+    for (const std::string& folder : socket_folders()) {
+        paths.push_back({folder + '/' + socket_file(name, folder), paths.empty()});
     }
-    paths.push_back({"/tmp/" + file + '-' + std::to_string(getuid()) + ".sock"});
     return paths;
+}
+
+/// Says what to do when no daemon of this name answers.
+std::string advice(const std::string& name) {
+    const std::vector<std::string> running = running_daemons();
+    std::string names;
+    for (const std::string& other : running) {
+        names += other == name ? "" : (names.empty() ? "" : ", ") + other;
+    }
+    return names.empty() ? "start one with disparityd" + (name == "default" ? "" : " --name " + name) +
+                               ", or say with --socket where it listens"
+                         : "daemons of other names run: " + names + "; say which with --name";
 }
 
 bool is_trusted(uid_t user) {
@@ -109,9 +121,7 @@ disparity::SocketClient connect(const DaemonSockets& sockets, const std::string&
     if (!sockets.looked_for) {
         throw std::runtime_error(reasons);
     }
-    throw std::runtime_error("no daemon answers: " + reasons + " (start one with disparityd" +
-                             (daemon == "default" ? "" : " --name " + daemon) +
-                             ", or say with --socket where it listens)");
+    throw std::runtime_error("no daemon answers: " + reasons + " (" + advice(daemon) + ")");
 }
 
 }  // namespace disparityd::clients

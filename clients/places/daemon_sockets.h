@@ -26,7 +26,7 @@ struct DaemonSockets {
 };
 
 /// Returns the default places where there is a socket of a daemon of this name. In folders that other users may write
-/// to, a socket must belong to this user or root.
+/// to, a socket must belong to this user or root. Throws std::invalid_argument where no daemon can have this name.
 DaemonSockets default_sockets(const std::string& name);
 
 /// Returns the address as SocketClient takes it: "tcp:HOST:PORT", "tls:HOST:PORT" and "unix:PATH" as they are, "/PATH"
@@ -35,7 +35,7 @@ std::string socket_address(const std::string& text);
 
 /// Connects to the first address that answers, and calls `note` with a line for each socket or process of another user
 /// that was skipped. `timeout`: for each address. Throws std::runtime_error with one line: which places were tried,
-/// what to do.
+/// which other daemons run, what to do.
 disparity::SocketClient connect(const DaemonSockets& sockets, const std::string& daemon, const std::string& client_name,
                                 const std::function<void(const std::string&)>& note,
                                 std::chrono::milliseconds timeout = std::chrono::seconds(5),

@@ -115,6 +115,32 @@ TEST_F(SocketOfADaemon, OfThisUserWithItsOwnProcessIsConnectedTo) {
     daemon.join();
 }
 
+TEST_F(SocketOfADaemon, OfAnotherNameIsNamedWhereNoneAnswers) {
+    const auto said = [] {
+        try {
+            tools::connect({{}, "absent", {}});
+        } catch (const std::runtime_error& error) {
+            return std::string(error.what());
+        }
+        return std::string();
+    };
+    EXPECT_THAT(said(), Not(HasSubstr("mine"))) << "nobody listens there";
+    ASSERT_EQ(listen(fd_, 4), 0);
+    EXPECT_THAT(said(), AllOf(HasSubstr("no daemon answers"), HasSubstr("daemons of other names run: "),
+                              HasSubstr("mine"), HasSubstr("--name")));
+}
+
+TEST_F(SocketOfADaemon, CannotHaveANameThatIsAPath) {
+    for (const std::string name : {"../x", "", "a b"}) {
+        EXPECT_THAT(
+            [&] {
+                tools::connect({{}, name, {}});
+            },
+            testing::ThrowsMessage<std::invalid_argument>(
+                AllOf(HasSubstr("--name: found '" + name + "'"), HasSubstr("allowed: 1 to 64"))));
+    }
+}
+
 const std::string hostile =
     "x\x1b[2J\r\nstate       forged\x7f\xc2\x9b"
     "5A\xc3\xa9";
