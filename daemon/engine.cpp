@@ -319,7 +319,8 @@ void Engine::fill(v1::Status& status) const {
     const std::string trouble = matcher_->trouble();
     status.set_detail(
         proto::to_valid_utf8(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble));
-    status.set_rate(now.rate);
+    // The meter looks back some seconds: it would still tell of a source that has ended.
+    status.set_rate(condition.state == State::ended ? 0 : now.rate);
     status.set_captured(now.captured);
     status.set_published(now.published);
     status.set_dropped(now.dropped);

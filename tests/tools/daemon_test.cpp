@@ -228,6 +228,10 @@ protected:
     }
 };
 
+TEST_F(EndedDaemonTest, StatusTellsNoRateFromBefore) {
+    EXPECT_EQ(status()["frames_per_second"], 0);
+}
+
 TEST_F(EndedDaemonTest, WatchShowsNoFrameFromBefore) {
     for (const std::vector<std::string>& way : {std::vector<std::string>{}, {"--socket", "unix:" + socket_}}) {
         std::vector<std::string> more{"--count", "1", "--json"};
