@@ -316,12 +316,13 @@ TEST_F(DaemonTest, RecordAsksTheDaemon) {
     EXPECT_THAT(outside.err, HasSubstr("/nowhere/walk.mkv"));
 }
 
-TEST_F(DaemonTest, CtrlCAndALostTerminalStopARecordingInGoodOrder) {
-    for (const int signal : {SIGINT, SIGHUP}) {
+TEST_F(DaemonTest, SignalsStopARecordingInGoodOrder) {
+    for (const int signal : {SIGINT, SIGHUP, SIGTERM}) {
         const std::string file = "stop" + std::to_string(signal) + ".mkv";
         Program record(DISPARITYCTL, arguments("record", {file, "--json"}));
         ASSERT_TRUE(eventually([&] { return !record.running() || recorded_frames() > 3; }));
         record.send(signal);
+        record.send(signal);  // timeout(1) sends one to the program and one to its group
         const Outcome outcome = record.wait();
         ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
         EXPECT_EQ(status()["record"]["active"], false);
@@ -330,6 +331,26 @@ TEST_F(DaemonTest, CtrlCAndALostTerminalStopARecordingInGoodOrder) {
         EXPECT_EQ(capture::open_source(options)->info().frame_count,
                   nlohmann::json::parse(outcome.out)["frames"].get<std::uint64_t>());
     }
+}
+
+// The daemon takes a while to answer: however many signals come, it has been told to stop before the client ends.
+TEST_F(DaemonTest, MoreSignalsHastenAStopAndNeverSkipIt) {
+    Program record(DISPARITYCTL, arguments("record", {"on.mkv"}));
+    ASSERT_TRUE(eventually([&] { return !record.running() || recorded_frames() > 3; }));
+    daemon_->send(SIGSTOP);
+    EXPECT_TRUE(eventually([&] {
+        record.send(SIGTERM);
+        return !record.running();
+    }));
+    const Outcome outcome = record.wait();
+    daemon_->send(SIGCONT);
+    EXPECT_EQ(outcome.exit_code, 130);
+    EXPECT_THAT(outcome.err, HasSubstr("the daemon was told to stop recording and has not answered yet"));
+    EXPECT_THAT(outcome.err, HasSubstr("record --stop --name " + name_));
+    EXPECT_TRUE(eventually([&] { return status()["record"]["active"] == false; }));
+    capture::SourceOptions options;
+    options.uri = path("recordings/on.mkv");
+    EXPECT_GT(capture::open_source(options)->info().frame_count, 3U);
 }
 
 TEST_F(DaemonTest, ARecordingThatNobodyWaitsForCanBeStopped) {

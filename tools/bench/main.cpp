@@ -118,7 +118,7 @@ public:
             print_json(all_, std::cout);
         }
         if (tools::interrupted()) {
-            tools::print_note("stopped by Ctrl-C; the tables hold what was measured before");
+            tools::print_note("stopped by " + tools::interrupted_by() + "; the tables hold what was measured before");
             return tools::exit_interrupted;
         }
         return tools::exit_done;

@@ -7,19 +7,22 @@
 namespace disparityd::tools {
 namespace {
 
-std::atomic<bool> flag{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need lock-free atomics");
+std::atomic<int> count{0};
+std::atomic<int> first{0};
+static_assert(std::atomic<int>::is_always_lock_free, "signal handlers need lock-free atomics");
 
-extern "C" void on_signal(int /*number*/) {
-    flag.store(true, std::memory_order_relaxed);
+extern "C" void on_signal(int number) {
+    int none = 0;
+    first.compare_exchange_strong(none, number, std::memory_order_relaxed);
+    count.fetch_add(1, std::memory_order_relaxed);
 }
 
 }  // namespace
 
-void catch_interrupts() {
+void catch_interrupts(SecondSignal second) {
     struct sigaction action {};
     action.sa_handler = on_signal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    action.sa_flags = second == SecondSignal::is_kept ? 0 : static_cast<int>(SA_RESETHAND);
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     struct sigaction hang_up {};
@@ -29,7 +32,19 @@ void catch_interrupts() {
 }
 
 bool interrupted() {
-    return flag.load(std::memory_order_relaxed);
+    return interruptions() > 0;
+}
+
+int interruptions() {
+    return count.load(std::memory_order_relaxed);
+}
+
+std::string interrupted_by() {
+    switch (first.load(std::memory_order_relaxed)) {
+        case SIGTERM: return "SIGTERM";
+        case SIGHUP: return "SIGHUP";
+        default: return "Ctrl-C";
+    }
 }
 
 }  // namespace disparityd::tools

@@ -246,7 +246,7 @@ int report(const ProcessArguments& arguments, const Done& done, const SourceNews
         return exit_failed;
     }
     if (interrupted()) {
-        print_note("stopped by Ctrl-C; what came before that is in " + arguments.folder + ": " +
+        print_note("stopped by " + interrupted_by() + "; what came before that is in " + arguments.folder + ": " +
                    base::counted(frames, "frame"));
         return exit_interrupted;
     }

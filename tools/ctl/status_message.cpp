@@ -25,12 +25,18 @@ v1::Status daemon_status(disparity::SocketClient& client, std::chrono::milliseco
     return parsed<v1::Status>(client.status(limit));
 }
 
-v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path) {
-    return parsed<v1::RecordStatus>(client.start_recording(path, patience));
+v1::RecordStatus start_daemon_recording(disparity::SocketClient& client, const std::string& path,
+                                        std::chrono::milliseconds limit) {
+    return parsed<v1::RecordStatus>(client.start_recording(path, limit));
 }
 
 v1::RecordStatus stop_daemon_recording(disparity::SocketClient& client) {
     return parsed<v1::RecordStatus>(client.stop_recording(patience_for_files));
+}
+
+std::optional<v1::Status> pushed_status(disparity::SocketClient& client) {
+    const std::string bytes = client.take_status();
+    return bytes.empty() ? std::nullopt : std::optional(parsed<v1::Status>(bytes));
 }
 
 v1::CameraControls control_daemon_camera(disparity::SocketClient& client,

@@ -259,7 +259,7 @@ int main(int argc, char** argv) {
         try {
             return reaction::run(arguments);
         } catch (const reaction::Interrupted&) {
-            tools::print_note("stopped by Ctrl-C before anything was measured");
+            tools::print_note("stopped by " + tools::interrupted_by() + " before anything was measured");
             return static_cast<int>(tools::exit_interrupted);
         }
     });

@@ -269,7 +269,7 @@ int run_calibration(const CalibrateArguments& arguments) {
     collect(*source, collector);
     constexpr std::size_t least_views = 3;
     if (interrupted() && collector.views().size() < least_views) {
-        print_note("stopped by Ctrl-C with " + base::counted(collector.views().size(), "view") +
+        print_note("stopped by " + interrupted_by() + " with " + base::counted(collector.views().size(), "view") +
                    ", at least 3 are needed; nothing was written");
         return exit_interrupted;
     }

@@ -56,7 +56,7 @@ int show_rows(const RowsArguments& arguments) {
         found = schedule.for_frame(*last);
     }
     if (!last && interrupted()) {
-        print_note("stopped by Ctrl-C before the first frame; nothing was written");
+        print_note("stopped by " + interrupted_by() + " before the first frame; nothing was written");
         return exit_interrupted;
     }
     if (!last) {

@@ -25,6 +25,7 @@
 #include "tools/ctl/describe.h"
 #include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
+#include "tools/ctl/recording/stop_recording.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/ctl/status_message.h"
 
@@ -96,7 +97,7 @@ int report(const v1::RecordStatus& done, bool json, const std::string& why_none 
         return exit_failed;
     }
     if (done.frames() == 0 && interrupted()) {
-        print_note("stopped by Ctrl-C before the first frame; nothing was recorded");
+        print_note("stopped by " + interrupted_by() + " before the first frame; nothing was recorded");
         return exit_interrupted;
     }
     if (done.frames() == 0) {
@@ -112,7 +113,44 @@ int stop_recording(const RecordArguments& arguments) {
             "record: --stop ends what the daemon records, allowed beside it: where the daemon is");
     }
     disparity::SocketClient client = connect(arguments.daemon);
-    return report(stop_daemon_recording(client), arguments.json);
+    catch_interrupts(SecondSignal::is_kept);
+    return report(stop_recording_at_once(client, arguments.daemon.command("record --stop")), arguments.json);
+}
+
+/// Asks the daemon to record. `stop` is the command that ends a recording.
+v1::RecordStatus start_recording(disparity::SocketClient& client, const std::string& file, const std::string& stop) {
+    constexpr std::chrono::seconds patience{5};
+    const auto asked = steady_clock::now();
+    try {
+        return start_daemon_recording(client, file, patience);
+    } catch (const std::runtime_error& error) {
+        const bool answered = steady_clock::now() < asked + patience;
+        throw std::runtime_error(std::string(error.what()) +
+                                 (answered ? "" : "; it may record all the same later; to end that: " + stop));
+    }
+}
+
+/// Shows how the daemon's recording goes on, until it has ended or must be ended. `now` is what the daemon said last.
+/// `listener` is told at intervals: no question is open when a signal comes, so nothing is waited for then.
+void show_until_limit(disparity::SocketClient& listener, const RecordArguments& arguments, double rate,
+                      v1::RecordStatus& now) {
+    Progress bar("frames", expected_frames(arguments, rate, {}));
+    const Limit limit(arguments);
+    disparity::Subscription state_only;
+    state_only.products.clear();
+    state_only.status_interval_s = 0.1;
+    listener.subscribe(state_only);
+    disparity::SensorBatch none;
+    while (now.active() && !limit.reached(now.frames())) {
+        const auto heard = listener.read_sensors(none, std::chrono::milliseconds(50));
+        if (heard == disparity::ReadResult::gone && !listener.unanswered()) {
+            throw std::runtime_error(listener.why_gone());
+        }
+        if (const auto told = pushed_status(listener)) {
+            now = told->record();
+            bar.show(now.frames(), lost_and_size(now.lost(), now.bytes()));
+        }
+    }
 }
 
 int record_with_daemon(const RecordArguments& arguments) {
@@ -122,25 +160,17 @@ int record_with_daemon(const RecordArguments& arguments) {
             "configuration");
     }
     disparity::SocketClient client = connect(arguments.daemon);
-    catch_interrupts();
+    disparity::SocketClient listener = connect(arguments.daemon);
+    catch_interrupts(SecondSignal::is_kept);
     const v1::Status status = daemon_status(client);
+    const std::string stop = arguments.daemon.command("record --stop");
     if (status.record().active()) {
-        throw std::runtime_error("the daemon records " + status.record().path() +
-                                 " already; to end that: " + arguments.daemon.command("record --stop"));
+        throw std::runtime_error("the daemon records " + status.record().path() + " already; to end that: " + stop);
     }
-    const double rate = status.rate();
-    v1::RecordStatus now = start_daemon_recording(client, arguments.file);
-    {
-        Progress bar("frames", expected_frames(arguments, rate, {}));
-        const Limit limit(arguments);
-        while (now.active() && !limit.reached(now.frames())) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(50));
-            now = daemon_status(client).record();
-            bar.show(now.frames(), lost_and_size(now.lost(), now.bytes()));
-        }
-    }
+    v1::RecordStatus now = start_recording(client, arguments.file, stop);
+    show_until_limit(listener, arguments, status.rate(), now);
     // Where the daemon ended the recording (disk full, source gone), the status has the reason already.
-    const v1::RecordStatus done = now.active() ? stop_daemon_recording(client) : now;
+    const v1::RecordStatus done = now.active() ? stop_recording_at_once(client, stop) : now;
     return report(done, arguments.json, done.frames() == 0 ? why_no_frame(arguments.daemon) : "");
 }
 
@@ -282,9 +312,12 @@ void add_record(CLI::App& program, Action& action) {
     command.footer(
         "Without --source a running daemon records the frames that it captures. OUT is then a new name that ends in\n"
         ".mkv, on the daemon's machine, relative to its folder for recordings. Over TCP a daemon refuses to record\n"
-        "unless it is configured to. Ctrl-C ends the recording; the file is valid. When disparityctl is killed, the\n"
-        "daemon continues to record until record --stop, unless it is configured otherwise. Exit status 0 when at\n"
-        "least one frame was recorded and nothing failed; 130 when Ctrl-C came before the first frame.\n"
+        "unless it is configured to. Ctrl-C, SIGTERM and a lost terminal end the recording; the file is valid. A "
+        "second\n"
+        "signal ends disparityctl within a second, once it has told the daemon to stop. When disparityctl is killed,\n"
+        "the daemon continues to record until record --stop, unless it is configured otherwise. Exit status 0 when at\n"
+        "least one frame was recorded and nothing failed; 130 when the signal came before the first frame, or the\n"
+        "second one before the daemon's answer.\n"
         "Examples: disparityctl record walk.mkv --seconds 60\n"
         "          disparityctl record scene.mkv --source scene:vga@15 --frames 30");
     command.callback([arguments, &action] {
