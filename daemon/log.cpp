@@ -16,6 +16,7 @@
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
+#include "base/short_words.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -75,7 +76,7 @@ void set_log_level(LogLevel level) {
 
 void log_line(LogLevel level, const std::string& line) {
     // Names in the line may hold control characters.
-    spdlog::default_logger_raw()->log(spdlog_level(level), base::printable(line, line.size()));
+    spdlog::default_logger_raw()->log(spdlog_level(level), base::with_short_words(base::printable(line, line.size())));
 }
 
 void log_caught(const char* what) noexcept {

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/option_tree.h"
+#include "base/short_words.h"
 #include "base/version.h"
 
 namespace disparityd::bridges {
@@ -41,7 +42,7 @@ void print_line(const std::string& program, const char* kind, std::string text) 
         const auto code = static_cast<unsigned char>(character);
         character = code < 0x20 || code == 0x7f ? '?' : character;
     }
-    std::cerr << program << ": " << kind << ": " << text << std::endl;
+    std::cerr << program << ": " << kind << ": " << base::with_short_words(text) << std::endl;
 }
 
 }  // namespace disparityd::bridges
