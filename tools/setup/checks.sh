@@ -117,10 +117,24 @@ build_arm64() {
     build arm64 -DDISPARITYD_WERROR=ON -DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG"
 }
 
+# compile_for_debian_13: whether the compiler of Debian 13, with its headers, takes the sources.
+compile_for_debian_13() {
+    local outcome said=$results/debian-13-said.txt
+    step "debian 13"
+    tools/setup/debian-13 -j "$jobs" 2>&1 | tee "$said"
+    outcome=${PIPESTATUS[0]}
+    case $outcome in
+        0) note passed "debian 13" ;;
+        77) note skipped "$(grep '^debian 13: skipped' "$said")" ;;
+        *) note failed "$(grep -m1 FAILED "$said" || echo "debian 13: FAILED, see above")" ;;
+    esac
+}
+
 # prepare NAME: one of the steps that need nothing of the release build.
 prepare() {
     case $1 in
         fuzz) run_fuzzers ;;
+        debian-13) compile_for_debian_13 ;;
         arm64) build_arm64 ;;
         *) build "$1" ;;
     esac
@@ -177,7 +191,7 @@ check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tests/package/run tests/package/lifecycle tests/package/read_frames \
         tests/package/guest tests/package/emulated tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} \
         tools/benchmarks tools/demo tools/gpu-check tools/package tools/release tools/test \
-        tools/setup/{arm64-sysroot,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
+        tools/setup/{arm64-sysroot,debian-13,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
         debian/*.postinst debian/*.prerm debian/*.postrm
 }
 
