@@ -103,6 +103,7 @@ MatchOptions default_options(Method method, DisparityRange range) {
     MatchOptions options;
     options.method = method;
     options.range = range;
+    options.post.min_texture = 1;
     switch (method) {
         case Method::sad:
             options.post.uniqueness = 8;
@@ -138,8 +139,6 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
         options.post.speckle_size = 40;
         options.post.interpolate = true;
         options.post.guided_median = 7;
-    } else {
-        options.post.min_texture = 2;
     }
     return options;
 }

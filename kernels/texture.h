@@ -16,22 +16,25 @@ namespace disparityd {
 
 /// A pixel has texture from this horizontal gradient on (Sobel's operator, not clamped), and when the gradient differs
 /// by as much from that of a ramp through the pixels `texture_reach` to its left and right.
-constexpr int texture_gradient = 10;
+constexpr int texture_gradient = 12;
 constexpr int texture_reach = 8;
 
 /// A region needs so many votes beside its share: below that, noise agrees by chance.
-constexpr int texture_votes = 20;
+constexpr int texture_votes = 30;
 
 /// Returns what a pixel says of its match: 1 where it has texture and the other eye confirms it, -1 where the other eye
 /// refutes it, 0 without texture. `gradient` is the left image's at the pixel, `ramp` the difference over
-/// `texture_reach` to both sides, `other` the right image's gradient at the match.
-DISPARITYD_ANYWHERE constexpr int texture_vote(int gradient, int ramp, int other) {
+/// `texture_reach` to both sides, `other` and `next` the right image's gradients at the two pixels between which the
+/// match lies: what is between them agrees.
+DISPARITYD_ANYWHERE constexpr int texture_vote(int gradient, int ramp, int other, int next) {
     const int steep = gradient < 0 ? -gradient : gradient;
     const int bend = texture_reach * gradient - ramp;
     if (steep < texture_gradient || (bend < 0 ? -bend : bend) < texture_reach * texture_gradient) {
         return 0;
     }
-    const int apart = gradient < other ? other - gradient : gradient - other;
+    const int least = other < next ? other : next;
+    const int most = other < next ? next : other;
+    const int apart = gradient < least ? least - gradient : gradient > most ? gradient - most : 0;
     return 2 * apart <= steep ? 1 : -1;
 }
 

@@ -2,6 +2,7 @@
 #include "kernels/cuda/depth_of.h"
 #include "kernels/cuda/launch.h"
 #include "kernels/cuda/steps.h"
+#include "kernels/fill_limit.h"
 
 namespace disparityd::cuda {
 
@@ -89,6 +90,12 @@ __device__ std::uint8_t confidence_of(const ConfidenceJob& job, std::uint8_t rat
     return static_cast<std::uint8_t>((chance_at(job, below) * (16 - part) + chance_at(job, below + 1) * part + 8) / 16);
 }
 
+/// Whether step 11 has enough to fill from.
+__device__ bool fills(const InterpolateDepthJob& job) {
+    const auto pixels = static_cast<std::uint64_t>(job.width) * static_cast<unsigned>(job.height);
+    return job.measured != nullptr && enough_to_fill_from(*job.measured, pixels);
+}
+
 __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     const int x = static_cast<int>(blockIdx.x * lanes + threadIdx.x);
     const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
@@ -98,7 +105,7 @@ __global__ void interpolate_depth_kernel(InterpolateDepthJob job) {
     const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(y) * job.width + x;
     std::int16_t disparity = job.filtered[i];
     const bool measured = disparity != invalid_of(job);
-    if (!measured && job.interpolate) {
+    if (!measured && fills(job)) {
         disparity = mismatched(job, x, y) ? middle(job, x, y) : background(job, x, y);
     }
     job.disparity[i] = disparity;
@@ -128,7 +135,29 @@ __global__ void depth_error_kernel(DepthErrorJob job) {
     }
 }
 
+__global__ void clear_count_kernel(std::uint32_t* count) {
+    *count = 0;
+}
+
+__global__ void count_measured_kernel(CountMeasuredJob job) {
+    const int x = static_cast<int>(blockIdx.x * lanes + threadIdx.x);
+    const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
+    const bool inside = x < job.width && y < job.height;
+    const bool measured = inside && job.filtered[static_cast<std::ptrdiff_t>(y) * job.width + x] != job.invalid;
+    const unsigned of_warp = __ballot_sync(all_lanes, static_cast<int>(measured));
+    if (threadIdx.x == 0 && of_warp != 0) {
+        atomicAdd(job.measured, static_cast<std::uint32_t>(__popc(of_warp)));
+    }
+}
+
 }  // namespace
+
+void count_measured(const CountMeasuredJob& job, cudaStream_t stream) {
+    launch("clearing the count of measured pixels", {dim3(1), dim3(1)}, stream, clear_count_kernel, job.measured);
+    const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),
+                      dim3(lanes, block_height)};
+    launch("counting measured pixels", shape, stream, count_measured_kernel, job);
+}
 
 void interpolate_depth(const InterpolateDepthJob& job, cudaStream_t stream) {
     const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),

@@ -71,6 +71,9 @@ MatchStage::MatchStage(const MatcherConfig& config)
     left_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     right_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     filtered_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filtered disparities");
+    if (options.post.interpolate) {
+        measured_ = DeviceMemory(sizeof(std::uint32_t), "the count of measured pixels");
+    }
     if (options.post.guided_median > 0) {
         filled_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filled disparities");
     }
@@ -242,13 +245,19 @@ void MatchStage::fill_and_finish(const Output& output) {
     const PostOptions& post = config_.options.post;
     const bool guided = post.guided_median > 0;
     const DepthJob scale{output.depth_k, output.offset16};
+    if (post.interpolate) {
+        count_measured({config_.width, config_.height, invalid_disparity(config_.options.range),
+                        filtered_.as<const std::int16_t>(), measured_.as<std::uint32_t>()},
+                       stream_.get());
+    }
     auto* const depth = output.depth ? depth_.device<std::uint16_t>() : nullptr;
-    interpolate_depth({config_.width, config_.height, range(), post.interpolate, filtered_.as<const std::int16_t>(),
-                       right_winner_.as<const std::int16_t>(), winner_confidence_.as<const std::uint8_t>(), scale,
-                       ConfidenceJob(calibrates_confidence(config_.options)),
-                       guided ? filled_.as<std::int16_t>() : disparity_.device<std::int16_t>(),
-                       confidence_.device<std::uint8_t>(), guided ? nullptr : depth},
-                      stream_.get());
+    interpolate_depth(
+        {config_.width, config_.height, range(), post.interpolate ? measured_.as<const std::uint32_t>() : nullptr,
+         filtered_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(),
+         winner_confidence_.as<const std::uint8_t>(), scale, ConfidenceJob(calibrates_confidence(config_.options)),
+         guided ? filled_.as<std::int16_t>() : disparity_.device<std::int16_t>(), confidence_.device<std::uint8_t>(),
+         guided ? nullptr : depth},
+        stream_.get());
     mark();
     if (guided) {
         guided_median({config_.width, config_.height, range(), post.guided_median, filled_.as<const std::int16_t>(),

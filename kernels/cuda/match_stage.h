@@ -72,6 +72,7 @@ private:
     DeviceMemory left_winner_;
     DeviceMemory right_winner_;
     DeviceMemory filtered_;
+    DeviceMemory measured_;
     DeviceMemory filled_;
     DeviceMemory labels_;
     DeviceMemory sizes_;

@@ -74,9 +74,11 @@ __device__ int gradient(View<const std::uint8_t> image, int x, int y) {
 
 // What a pixel that is not rejected says of its match.
 __device__ int vote_of(const SpeckleJob& job, int x, int y, std::int16_t value) {
-    const int match = clamp(x - ((value + 8) >> 4), 0, job.width - 1);
+    const int match = x - ((value + 15) >> 4);
+    const int other = gradient(job.right, clamp(match, 0, job.width - 1), y);
+    const int next = gradient(job.right, clamp(match + 1, 0, job.width - 1), y);
     const int ramp = column_sum(job.left, x + texture_reach, y) - column_sum(job.left, x - texture_reach, y);
-    return texture_vote(gradient(job.left, x, y), ramp, gradient(job.right, match, y));
+    return texture_vote(gradient(job.left, x, y), ramp, other, next);
 }
 
 // The votes of so many lanes from this one on, which are a run that begins here.

@@ -184,12 +184,22 @@ struct ConfidenceJob {
     std::uint64_t last_chances = 0;
 };
 
+/// Counts the pixels that steps 7 to 10 have left: what step 11 fills from.
+struct CountMeasuredJob {
+    int width;
+    int height;
+    std::int16_t invalid;
+    const std::int16_t* filtered;
+    std::uint32_t* measured;  ///< set to their number
+};
+void count_measured(const CountMeasuredJob& job, cudaStream_t stream);
+
 /// Steps 11 and 13.
 struct InterpolateDepthJob {
     int width;
     int height;
     Range range;
-    bool interpolate;
+    const std::uint32_t* measured;  ///< number of measured pixels; null: nothing is interpolated
     const std::int16_t* filtered;
     const std::int16_t* right_winner;
     const std::uint8_t* measured_confidence;

@@ -57,10 +57,13 @@ private:
     }
 
     int vote(int x, int y) const {
-        const int match = std::clamp(x - ((disparity_.at(x, y) + 8) >> 4), 0, disparity_.width - 1);
+        const int match = x - ((disparity_.at(x, y) + 15) >> 4);
         const int ramp = column(test_.left, x + texture_reach, y) - column(test_.left, x - texture_reach, y);
-        return texture_vote(gradient(test_.left, x, y), ramp, gradient(test_.right, match, y));
+        return texture_vote(gradient(test_.left, x, y), ramp, right_gradient(match, y), right_gradient(match + 1, y));
     }
+
+    // Of the last pixel beyond the image's sides.
+    int right_gradient(int x, int y) const { return gradient(test_.right, std::clamp(x, 0, test_.right.width - 1), y); }
 
     // Of step 3, before it is clamped.
     static int gradient(Plane<const std::uint8_t> image, int x, int y) {

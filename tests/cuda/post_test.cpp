@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
@@ -169,10 +170,13 @@ Finished finished(const ToFinish& from) {
     const OnDevice<std::int16_t> disparity(Disparities(width, height, 77));
     const OnDevice<std::uint8_t> confidence(Image<std::uint8_t>(width, height, 77));
     const OnDevice<std::uint16_t> depth(Image<std::uint16_t>(width, height, 77));
+    const OnDevice<std::uint32_t> count(Image<std::uint32_t>(1, 1, 77));
+    std::uint32_t* const counted = count.at(stream);  // puts it there: once
+    cuda::count_measured({width, height, invalid_disparity(from.range), filtered.at(stream), counted}, stream.get());
     cuda::interpolate_depth({width,
                              height,
                              on_device(from.range),
-                             from.interpolate,
+                             from.interpolate ? counted : nullptr,
                              filtered.at(stream),
                              right.at(stream),
                              measured.at(stream),
@@ -185,6 +189,13 @@ Finished finished(const ToFinish& from) {
     return {disparity.found(stream), confidence.found(stream), depth.found(stream)};
 }
 
+/// Step 11 fills from one measured pixel of 20 on.
+bool enough_is_measured(const ToFinish& from) {
+    const std::vector<std::int16_t> pixels = from.filtered.pixels();
+    const auto rejected = std::count(pixels.begin(), pixels.end(), invalid_disparity(from.range));
+    return 20 * (static_cast<std::ptrdiff_t>(pixels.size()) - rejected) >= static_cast<std::ptrdiff_t>(pixels.size());
+}
+
 Finished expected_of(const ToFinish& from) {
     const std::int16_t invalid = invalid_disparity(from.range);
     Disparities disparity = from.filtered;
@@ -192,7 +203,7 @@ Finished expected_of(const ToFinish& from) {
     Image<std::uint16_t> depth(disparity.width(), disparity.height());
     reference::finish_confidence(std::as_const(disparity).plane(), invalid, from.calibrated, confidence.plane(),
                                  disparity.rows());
-    if (from.interpolate) {
+    if (from.interpolate && enough_is_measured(from)) {
         std::vector<std::byte> memory(reference::interpolate_scratch(disparity.width(), disparity.height()));
         reference::interpolate(disparity.plane(), from.right_winner.plane(), from.range, memory);
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -89,16 +90,52 @@ TEST_P(EveryMethod, NothingIsMeasuredOnConstantImagesWhereAllCandidatesAreEqual)
         match_pair(*matcher, frame.view, serial);
         for (int y = 0; y < 20; ++y) {
             for (int x = 0; x < 60; ++x) {
-                if (GetParam() == Method::sgm) {
-                    // The first column has a single candidate inside the right image; paths carry it along.
-                    EXPECT_EQ(frame.disparity.at(x, y), 0);
-                } else if (x >= 16) {
-                    EXPECT_EQ(frame.disparity.at(x, y), -16);
-                    EXPECT_EQ(frame.confidence.at(x, y), 0);
-                    EXPECT_EQ(frame.depth.at(x, y), 0);
-                }
+                EXPECT_EQ(frame.disparity.at(x, y), -16);
+                EXPECT_EQ(frame.confidence.at(x, y), 0);
+                EXPECT_EQ(frame.depth.at(x, y), 0);
             }
         }
+    }
+}
+
+/// Two images of noise of which only the left `columns` of the right one show what the left one does, 2 px moved.
+Pair partly_alike(Random& random, int columns) {
+    Pair pair{noise(random, 70, 30), noise(random, 70, 30)};
+    for (int y = 0; y < 30; ++y) {
+        for (int x = 0; x < std::min(columns, 68); ++x) {
+            pair.right.at(x, y) = pair.left.at(x + 2, y);
+        }
+    }
+    return pair;
+}
+
+TEST_P(EveryMethod, NothingIsFilledInWhereLessThanATwentiethIsMeasured) {
+    Serial serial;
+    MatchOptions options = default_options(GetParam(), {0, 16});
+    options.post.uniqueness = 10;
+    options.post.speckle_size = 30;
+    for (const char* name : {"reference", "cpu"}) {
+        Random random(24);
+        int filled = 0;
+        int left_alone = 0;
+        for (int columns = 0; columns <= 70; columns += 5) {
+            const Pair pair = partly_alike(random, columns);
+            const auto disparities = [&](bool interpolate) {
+                options.post.interpolate = interpolate;
+                const auto matcher = backend(name).create({70, 30, options});
+                Frame frame(*matcher, pair.left, pair.right);
+                match_pair(*matcher, frame.view, serial);
+                return frame.disparity.pixels();
+            };
+            const auto measured = disparities(false);
+            const auto rejected = std::count(measured.begin(), measured.end(), invalid_disparity(options.range));
+            const bool enough = 20 * (70 * 30 - rejected) >= 70 * 30;
+            const auto found = disparities(true);
+            EXPECT_EQ(found != measured, enough) << name << ", " << columns << " columns, " << rejected << " rejected";
+            ++(enough ? filled : left_alone);
+        }
+        EXPECT_GT(filled, 2) << name;
+        EXPECT_GT(left_alone, 0) << name;
     }
 }
 

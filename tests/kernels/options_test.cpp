@@ -29,6 +29,16 @@ TEST(Options, DefaultsAreFine) {
     }
 }
 
+// A covered lens is unknown, whatever is chosen.
+TEST(Options, EveryDefaultAsksForTexture) {
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        EXPECT_GT(default_options(method).post.min_texture, 0) << to_string(method);
+    }
+    for (const Preset preset : {Preset::paper, Preset::dense, Preset::obstacles}) {
+        EXPECT_GT(preset_options(preset).post.min_texture, 0) << to_string(preset);
+    }
+}
+
 TEST(Options, CostsAndPresetsHaveNames) {
     for (const CensusCost cost : {CensusCost::census_9x7, CensusCost::census_7x5_gradient}) {
         EXPECT_EQ(census_cost_from_name(to_string(cost)), cost);

@@ -77,6 +77,7 @@ TEST_P(Quality, IsAtLeastThatOfThePaper) {
         MatchOptions options = default_options(method, {0, scene.disparities});
         options.post.subpixel = false;
         options.post.interpolate = true;
+        options.post.min_texture = 0;
         const auto matcher = backend("auto").create({left.width(), left.height(), options});
         Frame frame(*matcher, left, right);
         match_pair(*matcher, frame.view, workers);

@@ -33,12 +33,6 @@ void PrintTo(const Settings& settings, std::ostream* out) {
     *out << settings.name;
 }
 
-/// Of the presets only obstacles asks for texture by itself.
-MatchOptions asking_for_texture(MatchOptions options) {
-    options.post.min_texture = 2;
-    return options;
-}
-
 const std::vector<Settings>& all_settings() {
     static const std::vector<Settings> all = {
         {"obstacles", [](DisparityRange range) { return preset_options(Preset::obstacles, range); }},
@@ -131,11 +125,6 @@ int sectors_known(const Found& found, int offset) {
     }));
 }
 
-/// 0.2 % of the pixels. Strong noise that JPEG has turned into the same waves in both eyes is worse: 0.3 %.
-int most_kept(double noise, bool jpeg) {
-    return jpeg && noise > 1 ? pixels * 3 / 1000 : pixels / 500;
-}
-
 class Textureless : public testing::TestWithParam<Settings> {
 protected:
     void expect_unknown(const View& view, double noise, bool hot_pixel, bool jpeg) {
@@ -145,11 +134,9 @@ protected:
         const auto right = eyes_.picture(view, noise, false, jpeg);  // a hot pixel is of one sensor
         for (const int d_min : {-16, 0, 8}) {
             SCOPED_TRACE(what + ", d_min " + std::to_string(d_min));
-            const Found found = match(asking_for_texture(GetParam().options({d_min, 64})), left, right);
-            EXPECT_LE(found.kept, most_kept(noise, jpeg));
-            if (noise == 0) {
-                EXPECT_EQ(found.filled, 0) << "nothing is filled from nothing";
-            }
+            const Found found = match(GetParam().options({d_min, 64}), left, right);
+            EXPECT_LE(found.kept, pixels / 500);
+            EXPECT_EQ(found.filled, found.kept) << "nothing is filled in from next to nothing";
             for (const int offset : {-15, 0, 15}) {
                 EXPECT_EQ(sectors_known(found, offset), 0) << "offset " << offset;
             }
@@ -188,7 +175,7 @@ TEST_P(Textureless, AnOverexposedHalfIsUnknownAndTheWallBelowItIsNot) {
             }
         }
     }
-    MatchOptions options = asking_for_texture(GetParam().options({0, 64}));
+    MatchOptions options = GetParam().options({0, 64});
     options.post.interpolate = false;
     const Found found = match(options, left, right);
     int invented = 0;

@@ -45,11 +45,7 @@ MatchOptions preset_of(unsigned seed) {
 std::string note_of(const Kind& kind, unsigned seed) {
     try {
         const RenderedPair pair = kind.make(seed);
-        MatchOptions options = preset_of(seed);
-        if (kind.make == test::plain_pair) {
-            options.post.min_texture = 2;  // without it such a picture may be measured everywhere, and nothing is empty
-        }
-        return result_of(pair, options).note(pair.calibration);
+        return result_of(pair, preset_of(seed)).note(pair.calibration);
     } catch (const std::invalid_argument& refused) {
         const std::string why = refused.what();
         return why.find("compare the size that the calibration was made for") != std::string::npos

@@ -107,6 +107,13 @@ private:
         return word_of(bytes) & ((std::uint64_t{1} << lanes) - 1);
     }
 
+    // Of the last pixel beyond the image's sides.
+    HWY_INLINE V right_gradient(V x) const {
+        const Numbers tag;
+        const V inside = hn::Min(hn::Max(x, hn::Zero(tag)), hn::Set(tag, right_.width - 1));
+        return hn::GatherIndex(tag, right_gradients_, inside);
+    }
+
     HWY_INLINE void add_votes(int x, const std::int16_t* disparity, std::int16_t invalid, int bit,
                               std::uint64_t& confirmed, std::uint64_t& refuted) const {
         const Numbers tag;
@@ -122,10 +129,12 @@ private:
         if (with_texture == 0) {
             return;
         }
-        const V whole = hn::ShiftRight<4>(hn::Add(d16, hn::Set(tag, 8)));
+        const V whole = hn::ShiftRight<4>(hn::Add(d16, hn::Set(tag, 15)));
         const V match = hn::Sub(hn::Iota(tag, x), whole);
-        const V inside = hn::Min(hn::Max(match, hn::Zero(tag)), hn::Set(tag, right_.width - 1));
-        const V apart = hn::Abs(hn::Sub(gradient, hn::GatherIndex(tag, right_gradients_, inside)));
+        const V other = right_gradient(match);
+        const V next = right_gradient(hn::Add(match, hn::Set(tag, 1)));
+        const V between = hn::Min(hn::Max(gradient, hn::Min(other, next)), hn::Max(other, next));
+        const V apart = hn::Abs(hn::Sub(gradient, between));
         const std::uint64_t refuting = bits_of(hn::Gt(hn::Add(apart, apart), steep));
         confirmed |= (with_texture & ~refuting) << bit;
         refuted |= (with_texture & refuting) << bit;
