@@ -19,8 +19,8 @@ namespace disparityd {
 constexpr int texture_gradient = 12;
 constexpr int texture_reach = 8;
 
-/// A region needs so many votes beside its share: below that, noise agrees by chance.
-constexpr int texture_votes = 30;
+/// A region needs so many votes whatever its share is: below that, noise agrees by chance.
+constexpr int texture_votes = 48;
 
 /// Returns what a pixel says of its match: 1 where it has texture and the other eye confirms it, -1 where the other eye
 /// refutes it, 0 without texture. `gradient` is the left image's at the pixel, `ramp` the difference over
@@ -40,7 +40,7 @@ DISPARITYD_ANYWHERE constexpr int texture_vote(int gradient, int ramp, int other
 
 /// Returns whether the votes of a region of so many pixels are enough; `percent` is the option min_texture, above 0.
 DISPARITYD_ANYWHERE constexpr bool has_texture(int votes, int pixels, int percent) {
-    return std::int64_t{100} * (votes - texture_votes) >= std::int64_t{percent} * pixels;
+    return votes >= texture_votes && std::int64_t{100} * votes >= std::int64_t{percent} * pixels;
 }
 
 }  // namespace disparityd

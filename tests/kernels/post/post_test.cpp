@@ -216,9 +216,11 @@ TEST(Texture, AVoteIsThatOfAGradientThatBothEyesSee) {
     EXPECT_EQ(texture_vote(-1020, 1020, -1020, -1020), 1) << "the steepest there is";
 }
 
-TEST(Texture, ARegionNeedsItsShareAndSomeVotesMore) {
-    EXPECT_TRUE(has_texture(texture_votes + 2, 100, 2));
-    EXPECT_FALSE(has_texture(texture_votes + 1, 100, 2));
+TEST(Texture, ARegionNeedsItsShareAndSomeVotes) {
+    EXPECT_TRUE(has_texture(texture_votes, 100, 2));
+    EXPECT_FALSE(has_texture(texture_votes - 1, 100, 2));
+    EXPECT_TRUE(has_texture(100, 5000, 2));
+    EXPECT_FALSE(has_texture(99, 5000, 2));
     EXPECT_FALSE(has_texture(-5, 100, 1));
     EXPECT_TRUE(has_texture(1 << 26, 1 << 26, 99)) << "the largest image there is";
 }
