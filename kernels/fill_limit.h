@@ -3,11 +3,7 @@
 
 #include <cstdint>
 
-#ifdef __CUDACC__
-#define DISPARITYD_ON_BOTH __host__ __device__
-#else
-#define DISPARITYD_ON_BOTH
-#endif
+#include "kernels/anywhere.h"
 
 namespace disparityd {
 
@@ -18,7 +14,7 @@ namespace disparityd {
 constexpr int pixels_for_one_measured = 20;
 
 /// Returns whether step 11 fills an image of so many pixels, of which `measured` are not rejected.
-DISPARITYD_ON_BOTH constexpr bool enough_to_fill_from(std::uint64_t measured, std::uint64_t pixels) {
+DISPARITYD_ANYWHERE constexpr bool enough_to_fill_from(std::uint64_t measured, std::uint64_t pixels) {
     return measured * pixels_for_one_measured >= pixels;
 }
 

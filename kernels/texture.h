@@ -3,11 +3,7 @@
 
 #include <cstdint>
 
-#ifdef __CUDACC__
-#define DISPARITYD_ANYWHERE __host__ __device__
-#else
-#define DISPARITYD_ANYWHERE
-#endif
+#include "kernels/anywhere.h"
 
 namespace disparityd {
 

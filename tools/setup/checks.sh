@@ -130,7 +130,7 @@ compile_for_debian_13() {
     esac
 }
 
-# prepare NAME: one of the steps that need nothing of the release build.
+# prepare NAME: one of the steps that need no tests of the release build; debian-13 asks it how files are compiled.
 prepare() {
     case $1 in
         fuzz) run_fuzzers ;;
