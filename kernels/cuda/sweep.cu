@@ -228,7 +228,7 @@ template <int packs>
 class RightNeighbour {
 public:
     __device__ RightNeighbour(const PathsJob& job, const Strip& strip)
-        : memory_(job, strip.number - 1, strip.upwards),
+        : memory_(job, strip.number == 0 ? 0 : strip.number - 1, strip.upwards),
           last_row_(strip.number == 0 ? 0 : min(strip.last_row, job.image.width - strip.x - columns_of_strip(packs))) {}
 
     // As it was in row r - 1.

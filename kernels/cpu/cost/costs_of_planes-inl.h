@@ -19,13 +19,13 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 #if HWY_TARGET != HWY_AVX3_DL && !HWY_ARCH_ARM
 struct DifferingBits {
-    alignas(16) std::uint8_t of[16][16] = {};
+    alignas(16) std::uint8_t of[256] = {};  ///< sixteen for each half byte
 
     constexpr DifferingBits() {
         for (unsigned a = 0; a < 16; ++a) {
             for (unsigned b = 0; b < 16; ++b) {
                 for (unsigned differing = a ^ b; differing != 0; differing &= differing - 1) {
-                    ++of[a][b];
+                    ++of[16 * a + b];
                 }
             }
         }
@@ -36,7 +36,7 @@ inline constexpr DifferingBits differing_bits;
 /// What counts the bits in which bytes of a plane differ from `left`: the table of one half byte, `left` its place.
 template <class Tag>
 HWY_INLINE hn::Vec<Tag> counter(Tag tag, std::uint8_t left) {
-    return hn::LoadDup128(tag, differing_bits.of[0] + left);
+    return hn::LoadDup128(tag, differing_bits.of + left);
 }
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V count_differing(Tag, V counter, V right) {
