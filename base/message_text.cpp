@@ -41,6 +41,32 @@ std::string printable(std::string_view text, std::size_t longest) {
     return size < text.size() ? line + "..." : line;
 }
 
+std::string printable_line(std::string_view line) {
+    constexpr std::size_t longest = 301;  // with the blank before it
+    constexpr std::size_t kept = 140;     // at each end
+    const std::string whole = printable(line, line.size());
+    const auto is_cut = [&whole](std::size_t at) { return continues_character(static_cast<unsigned char>(whole[at])); };
+    std::string text;
+    for (std::size_t begin = 0; begin < whole.size();) {
+        const std::size_t end = std::min(whole.find(' ', begin + 1), whole.size());
+        if (end - begin <= longest) {
+            text.append(whole, begin, end - begin);
+        } else {
+            std::size_t first = begin + kept;
+            std::size_t last = end - kept;
+            for (; first > begin && is_cut(first); --first) {
+            }
+            for (; last < end && is_cut(last); ++last) {
+            }
+            text.append(whole, begin, first - begin);
+            text += "...";
+            text.append(whole, last, end - last);
+        }
+        begin = end;
+    }
+    return text;
+}
+
 std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
 }

@@ -16,7 +16,6 @@
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
-#include "base/short_words.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -76,7 +75,7 @@ void set_log_level(LogLevel level) {
 
 void log_line(LogLevel level, const std::string& line) {
     // Names in the line may hold control characters.
-    spdlog::default_logger_raw()->log(spdlog_level(level), base::with_short_words(base::printable(line, line.size())));
+    spdlog::default_logger_raw()->log(spdlog_level(level), base::printable_line(line));
 }
 
 void log_caught(const char* what) noexcept {

@@ -15,7 +15,6 @@
 #include "base/freed_memory.h"
 #include "base/message_text.h"
 #include "base/program_end.h"
-#include "base/short_words.h"
 #include "daemon/command_line.h"
 #include "daemon/configured_access.h"
 #include "daemon/daemon.h"
@@ -24,13 +23,9 @@
 
 namespace {
 
-std::string printed(const std::string& line) {
-    return disparityd::base::with_short_words(disparityd::base::printable(line, line.size()));
-}
-
 void print_notes(const std::vector<std::string>& notes) {
     for (const std::string& note : notes) {
-        std::printf("disparityd: note: %s\n", printed(note).c_str());
+        std::printf("disparityd: note: %s\n", disparityd::base::printable_line(note).c_str());
     }
 }
 
@@ -64,7 +59,7 @@ int run(int argc, char** argv) {
 void print_error(const std::exception& error) {
     try {
         const std::string line = disparityd::base::failure_text(error);
-        std::fprintf(stderr, "disparityd: error: %s\n", printed(line).c_str());
+        std::fprintf(stderr, "disparityd: error: %s\n", disparityd::base::printable_line(line).c_str());
     } catch (const std::bad_alloc&) {
         std::fputs("disparityd: error: out of memory\n", stderr);
     }

@@ -7,8 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/message_text.h"
 #include "base/option_tree.h"
-#include "base/short_words.h"
 #include "base/version.h"
 
 namespace disparityd::bridges {
@@ -37,12 +37,8 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
     }
 }
 
-void print_line(const std::string& program, const char* kind, std::string text) {
-    for (char& character : text) {
-        const auto code = static_cast<unsigned char>(character);
-        character = code < 0x20 || code == 0x7f ? '?' : character;
-    }
-    std::cerr << program << ": " << kind << ": " << base::with_short_words(text) << std::endl;
+void print_line(const std::string& program, const char* kind, const std::string& text) {
+    std::cerr << program << ": " << kind << ": " << base::printable_line(text) << std::endl;
 }
 
 }  // namespace disparityd::bridges

@@ -23,6 +23,6 @@ int run_program(CLI::App& app, int argc, char** argv, const std::function<void()
 
 /// Writes "program: kind: text" as one line on stderr. What came from outside may hold anything; a control character
 /// becomes "?".
-void print_line(const std::string& program, const char* kind, std::string text);
+void print_line(const std::string& program, const char* kind, const std::string& text);
 
 }  // namespace disparityd::bridges

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include "base/message_text.h"
-#include "base/short_words.h"
 #include "base/text_file.h"
 #include "base/words.h"
 #include "capture/images/image_times.h"
@@ -51,11 +50,11 @@ TEST(PrintableText, IsCutBetweenCharacters) {
     EXPECT_EQ(printable("", 0), "");
 }
 
-TEST(ShortWords, LoseTheirMiddleAlone) {
+TEST(PrintableLine, LongWordsLoseTheirMiddleAlone) {
     const std::string longest(300, 'x');
-    EXPECT_EQ(with_short_words("a  b " + longest + " c"), "a  b " + longest + " c");
+    EXPECT_EQ(printable_line("a  b " + longest + " c"), "a  b " + longest + " c");
     const std::string name = "begin" + std::string(4000, '/') + "end";
-    const std::string cut = with_short_words("found " + name + ": no such file");
+    const std::string cut = printable_line("found " + name + ": no such file");
     EXPECT_EQ(cut.substr(0, 11), "found begin");
     EXPECT_EQ(cut.substr(cut.size() - 17), "end: no such file");
     EXPECT_LT(cut.size(), 320U);
@@ -64,7 +63,7 @@ TEST(ShortWords, LoseTheirMiddleAlone) {
         eyes += "\u20ac";
     }
     for (const std::string& start : {std::string(), std::string("a"), std::string("ab")}) {
-        const std::string text = with_short_words(start + eyes);
+        const std::string text = printable_line(start + eyes);
         EXPECT_EQ((text.size() - start.size()) % 3, 0U) << "three bytes each, and the dots";
     }
 }

@@ -15,7 +15,6 @@
 #include "base/message_text.h"
 #include "base/option_tree.h"
 #include "base/program_end.h"
-#include "base/short_words.h"
 #include "base/version.h"
 #include "base/words.h"
 #include "tools/command_line/plain_help.h"
@@ -29,7 +28,7 @@ std::string program = "disparityctl";
 void print(const char* kind, const std::string& text) {
     // A progress bar leaves the cursor behind its text. Names in it may hold anything.
     std::cerr << (isatty(STDERR_FILENO) != 0 ? "\r\033[K" : "") << program << ": " << kind << ": "
-              << base::with_short_words(base::printable(text, text.size())) << std::endl;
+              << base::printable_line(text) << std::endl;
 }
 
 std::string help_of(const CLI::App& app) {
