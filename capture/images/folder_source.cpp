@@ -48,6 +48,21 @@ void check_sizes(const ImageSequence& sequence, ImageSize expected) {
     }
 }
 
+/// Returns the frames that the options ask for; `start_ns`: the time of the first of all.
+ImageSequence asked_images(const SourceOptions& options, const std::string& path, std::int64_t& start_ns) {
+    ImageSequence sequence = find_images(path);
+    auto& frames = sequence.frames;
+    start_ns = frames.front().time_ns;
+    if (options.first_image >= frames.size()) {
+        throw std::invalid_argument(options.uri + ": image " + std::to_string(options.first_image) +
+                                    " is asked for, the first is 0, found " + base::counted(frames.size(), "frame"));
+    }
+    const std::size_t count = std::min(options.image_count, frames.size() - options.first_image);
+    const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(options.first_image);
+    std::vector<ImageSequence::Frame>(begin, begin + static_cast<std::ptrdiff_t>(count)).swap(frames);
+    return sequence;
+}
+
 calibration::StereoCalibration read_kitti(const std::string& path, int camera, int width, int height) {
     const calibration::StereoCalibration calibration =
         calibration::read_kitti_calibration(path, base::read_text_file(path, "calibration"), camera, width, height);
@@ -136,7 +151,10 @@ std::optional<calibration::StereoCalibration> find_calibration(const SourceOptio
 class FolderSource final : public FrameSource {
 public:
     explicit FolderSource(const SourceOptions& options)
-        : options_(options), uri_(parse_image_uri(options.uri)), images_(find_images(uri_.path)) {
+        : options_(options),
+          uri_(parse_image_uri(options.uri)),
+          images_(asked_images(options, uri_.path, start_ns_)),
+          sequence_(options.first_image) {
         if (options.loans < 1) {
             throw std::invalid_argument(options.uri + ": at least 1 frame must be on loan at a time, found " +
                                         std::to_string(options.loans));
@@ -370,14 +388,15 @@ private:
         frame.image = {both.data, info_.format, info_.eye_width, info_.height, static_cast<std::ptrdiff_t>(both.step)};
         frame.sequence = sequence_;
         if (images_.timed) {
-            frame.monotonic_ns = images_.frames[at_].time_ns - images_.frames.front().time_ns;
+            frame.monotonic_ns = images_.frames[at_].time_ns - start_ns_;
             // Times that count from 0 are no date.
             frame.realtime_ns = std::max(images_.frames[at_].time_ns, epoch_ns + frame.monotonic_ns);
         } else {
             frame.monotonic_ns = static_cast<std::int64_t>(sequence_) * untimed_period_ns;
             frame.realtime_ns = epoch_ns + frame.monotonic_ns;
         }
-        frame.flags = skipped_ > 0 || (sequence_ > 0 && at_ == 0) ? frame_flag_discontinuity : frame_flag_none;
+        frame.flags =
+            skipped_ > 0 || (sequence_ > options_.first_image && at_ == 0) ? frame_flag_discontinuity : frame_flag_none;
         frame.dropped_before = skipped_;
         const std::string_view path = images_.frames[at_].left;
         frame.name = path.substr(path.rfind('/') + 1);
@@ -395,6 +414,7 @@ private:
 
     const SourceOptions options_;
     const ImageUri uri_;
+    std::int64_t start_ns_ = 0;
     const ImageSequence images_;
     SourceInfo info_;
     std::string first_name_;  ///< of the image that all others must be as large as
@@ -402,7 +422,7 @@ private:
 
     // Of the thread that calls next().
     std::size_t at_ = 0;
-    std::uint64_t sequence_ = 0;
+    std::uint64_t sequence_;
     std::uint32_t skipped_ = 0;  ///< damaged frames since the one before
     Pacer pacer_;
     std::optional<Clock::time_point> due_;  ///< of the next frame, once it was asked for

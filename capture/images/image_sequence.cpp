@@ -15,6 +15,7 @@
 #include "base/number_text.h"
 #include "base/words.h"
 #include "capture/images/folder_pair.h"
+#include "capture/images/image_files.h"
 #include "capture/images/image_times.h"
 
 namespace disparityd::capture {
@@ -360,6 +361,21 @@ ImageSequence find_images(const std::string& uri) {
         "im2/im6, view1/view5 with .png, .ppm ...) nor folders of each eye (image_2 and "
         "image_3, image_0 and image_1, left and right, cam0/data and cam1/data ...); other names "
         "as two folders, FOLDER,FOLDER, or as a pattern: left_%04d.png,right_%04d.png");
+}
+
+std::vector<RunOfOneSize> runs_of_one_size(const std::string& uri) {
+    const ImageSequence sequence = find_images(parse_image_uri(uri).path);
+    std::vector<RunOfOneSize> runs;
+    std::optional<ImageSize> before;
+    for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
+        const auto size = peek_image_size(sequence.frames[i].left);
+        if (runs.empty() || (size && before && *size != *before)) {
+            runs.push_back({i, 0});
+        }
+        ++runs.back().count;
+        before = size ? size : before;
+    }
+    return runs;
 }
 
 }  // namespace disparityd::capture

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "base/failure_text.h"
+#include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/depth_range.h"
 #include "capture/images/image_sequence.h"
@@ -28,6 +29,7 @@
 #include "tools/ctl/limited_source.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/process_output.h"
+#include "tools/ctl/process_report.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
 #include "tools/empty_result/empty_result.h"
@@ -62,11 +64,6 @@ struct ProcessArguments {
     bool json = false;
 };
 
-/// Collects what the source reports besides its frames.
-struct SourceNews {
-    std::vector<std::string> left_out;  ///< damaged images, one line each
-};
-
 /// Parses whole numbers between separators, of which the last two are a width and a height. Throws
 /// std::invalid_argument unless there are as many as wanted.
 void parse_numbers(const std::string& option, const std::string& text, char separator, const char* form,
@@ -99,27 +96,46 @@ calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
     return geometry;
 }
 
-std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, int loans, SourceNews& news) {
+/// Returns the parts to process one after the other: of images those of one size each, of anything else the whole.
+std::vector<capture::RunOfOneSize> parts_of(const ProcessArguments& arguments) {
+    std::vector<capture::RunOfOneSize> parts{{0, SIZE_MAX}};
+    if (!arguments.keep_going && capture::is_image_sequence(arguments.source)) {
+        parts = capture::runs_of_one_size(arguments.source);
+    }
+    if (parts.size() > 1 && arguments.self_calibrate) {
+        throw std::invalid_argument("--self-calibrate: " + arguments.source +
+                                    " has images of several sizes, allowed: those of one camera and size");
+    }
+    if (parts.size() > 1) {
+        print_note(arguments.source + ": images of several sizes, each pair is matched at its own; geometry.json has " +
+                   std::to_string(parts.size()) + " parts");
+    }
+    return parts;
+}
+
+/// Opens a part of the source for at most so many frames.
+std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneSize& part,
+                                           std::optional<std::uint64_t> frames, int loans,
+                                           std::vector<std::string>& left_out) {
     capture::SourceOptions options;
     options.uri = arguments.source;
+    options.first_image = part.first;
+    options.image_count = part.count;
     options.skip_damaged = arguments.keep_going;
-    options.report = [&news](const std::string& line, bool trouble) {
+    options.report = [&left_out](const std::string& line, bool trouble) {
         if (trouble) {
-            news.left_out.push_back(line);
+            left_out.push_back(line);
             print_note("left out: " + line);
         } else {
             print_note(line);
         }
     };
-    if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
-        print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
-    }
     options.loans = loans;
     options.pace = capture::Pace::fastest;
     options.calibration_path = arguments.calibration;
     auto source = open_with_progress(options);
-    if (arguments.frames) {
-        return std::make_unique<LimitedSource>(std::move(source), static_cast<std::uint64_t>(*arguments.frames));
+    if (frames) {
+        return std::make_unique<LimitedSource>(std::move(source), *frames);
     }
     if (source->info().live && !source->info().frame_count) {
         print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
@@ -140,7 +156,7 @@ OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range
 }
 
 /// Runs the pipeline to its end, or to the end of the frames in flight after Ctrl-C.
-void run(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total) {
+void run_to_end(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total) {
     catch_interrupts();
     Progress bar("frames", total);
     pipeline.start();
@@ -169,97 +185,6 @@ Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInf
     const auto follow = arguments.no_self_calibration ? pipeline::CorrectedRectification::Follow::applied
                                                       : pipeline::CorrectedRectification::Follow::recorded;
     return {std::make_unique<pipeline::CorrectedRectification>(info, geometry, follow), nullptr};
-}
-
-Json schedule_json(const pipeline::CalibratingSchedule& calibrating) {
-    Json estimates = Json::array();
-    for (const auto& [sequence, result] : calibrating.estimates()) {
-        const calibration::CalibrationCorrection& correction = result.correction;
-        estimates.push_back({{"sequence", sequence},
-                             {"accepted", result.accepted},
-                             {"reason", result.reason},
-                             {"frames", result.frames},
-                             {"matches", result.matches},
-                             {"vertical_error_before_px", result.error_before},
-                             {"vertical_error_after_px", result.accepted ? Json(result.error_after) : Json()},
-                             {"pitch_nrad", correction.pitch_nrad},
-                             {"yaw_nrad", correction.yaw_nrad},
-                             {"roll_nrad", correction.roll_nrad},
-                             {"focal_ppb", correction.focal_ppb}});
-    }
-    return estimates;
-}
-
-void report_estimates(const pipeline::CalibratingSchedule& calibrating) {
-    for (const auto& [sequence, result] : calibrating.estimates()) {
-        std::cout << "self-calibration, frame " << sequence << ": "
-                  << (result.accepted ? "corrected" : "nothing changed") << ": " << result.reason << '\n';
-    }
-}
-
-/// What was done, as report() tells it.
-struct Done {
-    pipeline::PipelineStatus status;
-    const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< where it estimated
-    std::optional<calibration::DepthRange> distances;
-    std::uint64_t frames = 0;
-    double seconds = 0;
-    double measured = 1;     ///< share of the pixels
-    std::string empty_note;  ///< where hardly any were
-};
-
-int report(const ProcessArguments& arguments, const Done& done, const SourceNews& news) {
-    const auto& [status, calibrating, distances, frames, seconds, measured, empty_note] = done;
-    const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
-    if (arguments.json) {
-        Json json{{"folder", arguments.folder},
-                  {"frames", frames},
-                  {"damaged_frames_skipped", status.skipped_corrupt},
-                  {"seconds", seconds},
-                  {"frames_per_second", rate},
-                  {"measured", measured},
-                  {"distances", distances ? to_json(*distances) : Json()},
-                  {"complete", status.error.empty() && news.left_out.empty() && !interrupted()},
-                  {"left_out", news.left_out},
-                  {"error", status.error}};
-        if (calibrating != nullptr) {
-            json["self_calibration"] = schedule_json(*calibrating);
-        }
-        std::cout << to_text(json, 2) << '\n';
-    } else {
-        if (calibrating != nullptr) {
-            report_estimates(*calibrating);
-        }
-        std::cout << (distances ? distances->text() : calibration::unknown_depth_range) << '\n'
-                  << arguments.folder << ": " << base::counted(frames, "frame") << " in " << fixed(seconds, 1) << " s, "
-                  << fixed(rate, 1) << " frames/s\n";
-    }
-    if (!empty_note.empty()) {
-        print_note(arguments.source + ": " + empty_note);
-    }
-    if (status.skipped_corrupt > 0) {
-        print_note("left out because they are marked as damaged: " + base::counted(status.skipped_corrupt, "frame"));
-    }
-    if (!status.error.empty()) {
-        print_error(status.error + "; what came before that is in " + arguments.folder + ": " +
-                    base::counted(frames, "frame"));
-        return exit_failed;
-    }
-    if (interrupted()) {
-        print_note("stopped by " + interrupted_by() + "; what came before that is in " + arguments.folder + ": " +
-                   base::counted(frames, "frame"));
-        return exit_interrupted;
-    }
-    if (!news.left_out.empty()) {
-        print_error(std::to_string(news.left_out.size()) + (news.left_out.size() == 1 ? " frame was" : " frames were") +
-                    " left out, as noted above; in " + arguments.folder + ": " + base::counted(frames, "frame"));
-        return exit_failed;
-    }
-    if (frames == 0) {
-        print_error(arguments.source + ": there is no frame in it");
-        return exit_failed;
-    }
-    return exit_done;
 }
 
 /// What a run fills.
@@ -322,6 +247,83 @@ void check_metres(const ProcessArguments& arguments, const calibration::Rectific
     }
 }
 
+/// What the parts of a run share.
+struct Run {
+    const ProcessArguments& arguments;
+    pipeline::PipelineConfig config;
+    MatchOptions options;
+    pipeline::WorkerPool workers;
+    RunFiles files;
+    Schedule schedule;                                          ///< of the last part
+    std::optional<calibration::StereoCalibration> calibration;  ///< where all parts have the same
+    ProcessDone done;
+};
+
+/// Makes the folder for the first part, and tells it of the next ones.
+void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& matcher,
+                 const calibration::Rectification& rectification, const std::vector<std::string>& steps) {
+    if (run.files.folder) {
+        run.files.folder->begin_part(info, rectification);
+        return;
+    }
+    const ProcessArguments& arguments = run.arguments;
+    const std::string substitute(matcher.substitute());
+    run.files.folder.emplace(
+        arguments.folder, arguments.force, formats_of(arguments, run.options.range), info, run.options, run.config.scan,
+        substitute.empty() ? std::string(backend(arguments.backend).name) : substitute, rectification, steps);
+    run.files.measured.emplace(run.options.range);
+    if (run.config.scan) {
+        run.files.scans.emplace(arguments.scan, arguments.force);
+    }
+}
+
+/// Adds what people are told of the distances of a part.
+void tell_distances(ProcessDone& done, const calibration::Rectification& rectification, const MatchOptions& options,
+                    bool only_part) {
+    done.range = calibration::DepthRange::of(rectification.f, rectification.baseline_mm, rectification.disparity_offset,
+                                             options);
+    std::string line = done.range ? done.range->text() : calibration::unknown_depth_range;
+    if (!only_part) {
+        done.range.reset();
+        line.insert(0, base::size_text(rectification.width, rectification.height) + ": ");
+    }
+    if (std::find(done.distances.begin(), done.distances.end(), line) == done.distances.end()) {
+        done.distances.push_back(line);
+    }
+}
+
+void process_part(Run& run, const capture::RunOfOneSize& part, std::optional<std::uint64_t> frames, bool only_part) {
+    const ProcessArguments& arguments = run.arguments;
+    const auto source = open(arguments, part, frames, run.config.slots + 2, run.done.left_out);
+    const capture::SourceInfo& info = source->info();
+    run.config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
+    run.schedule = schedule_of(arguments, info, run.options.range);
+    const calibration::Rectification& rectification = run.schedule.frames->factory();
+    check_metres(arguments, rectification);
+    if (rectification.unrectified) {
+        print_note(arguments.source + ": no calibration is known, frames are matched as they are");
+    }
+    const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
+    pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
+                                [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
+    begin_files(run, info, *matcher, rectification, pipeline.steps());
+    const auto start = std::chrono::steady_clock::now();
+    run_to_end(pipeline, info.frame_count);
+    run.done.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
+        print_note(trouble);
+    }
+    const pipeline::PipelineStatus status = pipeline.status();
+    run.done.skipped_corrupt += status.skipped_corrupt;
+    run.done.error = status.error;
+    run.done.frames = run.files.folder->frames();
+    run.done.calibrating = run.schedule.calibrating;
+    if (only_part) {
+        run.calibration = info.calibration;
+    }
+    tell_distances(run.done, rectification, run.options, only_part);
+}
+
 int process(ProcessArguments arguments) {
     if (!arguments.right.empty()) {
         arguments.source += ',' + arguments.right;
@@ -329,53 +331,35 @@ int process(ProcessArguments arguments) {
     ProcessOutput::check(arguments.folder, arguments.force);
     const Method method = parse_method(arguments.method);
     arguments.match.check_used({method});
-    const Backend& chosen = backend(arguments.backend);
+    backend(arguments.backend);  // refuses an unknown one
     const MatchOptions options = arguments.match.options(
         method, dataset_disparities(arguments.source, arguments.calibration, arguments.match, default_disparities));
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
     config.scan = scan_of(arguments, options);
+    if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
+        print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
+    }
+    const auto parts = parts_of(arguments);
 
-    SourceNews news;
-    const auto source = open(arguments, config.slots + 2, news);
-    const capture::SourceInfo& info = source->info();
-    config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
-    const Schedule schedule = schedule_of(arguments, info, options.range);
-    const calibration::Rectification& rectification = schedule.frames->factory();
-    check_metres(arguments, rectification);
-    if (rectification.unrectified) {
-        print_note(arguments.source + ": no calibration is known, frames are matched as they are");
+    Run run{arguments, config, options, pipeline::WorkerPool(arguments.workers.value_or(0)), {}, {}, {}, {}};
+    run.done.source = arguments.source;
+    run.done.folder = arguments.folder;
+    for (const capture::RunOfOneSize& part : parts) {
+        const auto wanted = arguments.frames
+                                ? std::optional(static_cast<std::uint64_t>(*arguments.frames) - run.done.frames)
+                                : std::nullopt;
+        if (wanted == std::uint64_t{0} || !run.done.error.empty() || interrupted()) {
+            break;
+        }
+        process_part(run, part, wanted, parts.size() == 1);
     }
-    const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, options});
-    const std::string substitute(matcher->substitute());
-    pipeline::WorkerPool workers(arguments.workers.value_or(0));
-
-    RunFiles files;
-    pipeline::Pipeline pipeline(config, *source, *matcher, workers, *schedule.frames,
-                                [&files](const pipeline::FrameSlot& slot) { write(files, slot); });
-    files.folder.emplace(arguments.folder, arguments.force, formats_of(arguments, options.range), info, options,
-                         config.scan, substitute.empty() ? std::string(chosen.name) : substitute, rectification,
-                         pipeline.steps());
-    files.measured.emplace(options.range);
-    if (config.scan) {
-        files.scans.emplace(arguments.scan, arguments.force);
-    }
-    const auto start = std::chrono::steady_clock::now();
-    run(pipeline, info.frame_count);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    files.folder->close();
-    if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
-        print_note(trouble);
-    }
-    note_lack_of_gravity(files, config.scan);
-    return report(
-        arguments,
-        {pipeline.status(), schedule.calibrating,
-         calibration::DepthRange::of(rectification.f, rectification.baseline_mm, rectification.disparity_offset,
-                                     options),
-         files.folder->frames(), elapsed.count(), files.measured->measured(), files.measured->note(info.calibration)},
-        news);
+    run.files.folder->close();
+    note_lack_of_gravity(run.files, run.config.scan);
+    run.done.measured = run.files.measured->measured();
+    run.done.empty_note = run.files.measured->note(run.calibration);
+    return report_process(run.done, arguments.json);
 }
 
 }  // namespace

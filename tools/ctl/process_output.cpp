@@ -189,21 +189,12 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
       options_(options) {
     check_content(folder_, force);  // again: another run may have filled it meanwhile
     remove_earlier_run(folder_);
-    Json match = to_json(options);
-    match["backend"] = backend;
-    Json rectified = to_json(rectification);
-    rectified["invalid"] = invalid_disparity(options.range);
-    Json geometry{{"source", to_json(source)}, {"rectified", rectified}, {"match", match}};
+    match_ = to_json(options);
+    match_["backend"] = backend;
     if (scan) {
-        geometry["scan"] = to_json(*scan);
+        scan_ = to_json(*scan);
     }
-    const auto distances = calibration::DepthRange::of(rectification.f, rectification.baseline_mm,
-                                                       rectification.disparity_offset, options);
-    geometry["distances"] = distances ? to_json(*distances) : Json();
-    geometry["files"] = files_of(formats);
-    const std::string text = to_text(geometry, 2) + '\n';
-    images::write_file(folder_ + '/' + geometry_name,
-                       {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    begin_part(source, rectification);
 
     times_.open(folder_ + '/' + times_name, std::ios::binary);
     times_ << "frame,output,input,sequence,monotonic_ns,flags,dropped_before";
@@ -211,6 +202,34 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
         times_ << ',' << step << "_us";
     }
     times_ << ",total_us\n";
+}
+
+void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification) {
+    Json rectified = to_json(rectification);
+    rectified["invalid"] = invalid_disparity(options_.range);
+    const auto distances = calibration::DepthRange::of(rectification.f, rectification.baseline_mm,
+                                                       rectification.disparity_offset, options_);
+    parts_.push_back({{"from_frame", frames_},
+                      {"source", to_json(source)},
+                      {"rectified", rectified},
+                      {"distances", distances ? to_json(*distances) : Json()}});
+    Json geometry;
+    if (parts_.size() == 1) {
+        geometry = {{"source", parts_[0]["source"]}, {"rectified", parts_[0]["rectified"]}, {"match", match_}};
+    } else {
+        // Whoever expects one geometry for all frames must not find one.
+        geometry = {{"parts", parts_}, {"match", match_}};
+    }
+    if (!scan_.is_null()) {
+        geometry["scan"] = scan_;
+    }
+    if (parts_.size() == 1) {
+        geometry["distances"] = parts_[0]["distances"];
+    }
+    geometry["files"] = files_of(formats_);
+    const std::string text = to_text(geometry, 2) + '\n';
+    images::write_file(folder_ + '/' + geometry_name,
+                       {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 void ProcessOutput::write(const pipeline::FrameSlot& slot) {

@@ -12,6 +12,7 @@
 #include "kernels/options.h"
 #include "kernels/scan/scan_options.h"
 #include "pipeline/frame_slot.h"
+#include "tools/ctl/describe.h"
 #include "tools/ctl/frame_names.h"
 #include "tools/images/picture.h"
 
@@ -54,6 +55,10 @@ public:
                   const MatchOptions& options, const std::optional<ScanOptions>& scan, const std::string& backend,
                   const calibration::Rectification& rectification, const std::vector<std::string>& steps);
 
+    /// Says that the frames from here on are of another size: geometry.json then describes each part. Throws
+    /// std::runtime_error when it cannot be written.
+    void begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification);
+
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
     void write(const pipeline::FrameSlot& slot);
 
@@ -73,6 +78,9 @@ private:
     FrameNames names_;
     OutputFormats formats_;
     MatchOptions options_;
+    Json parts_ = Json::array();  ///< source, rectified, distances of each
+    Json match_;
+    Json scan_;  ///< null: no scan
     std::ofstream times_;
     std::ofstream corrections_;  // opened with the first of them
     calibration::CalibrationCorrection correction_;

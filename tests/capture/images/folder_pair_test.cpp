@@ -4,9 +4,12 @@
 #include "capture/images/folder_pair.h"
 
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "capture/images/image_sequence.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
 
@@ -115,6 +118,40 @@ TEST(FolderPair, PatternsInFoldersWithCommasAreFound) {
     make_images(folder.file("a, b"), {"l1.png", "r1.png"}, 0);
     EXPECT_THAT(played(folder.file("a, b/l%d.png") + "," + folder.file("a, b/r%d.png")), ElementsAre("l1.png 0 0 31"));
     EXPECT_THAT(played(folder.file("a, b/l%d.png")), ElementsAre("l1.png 0 0 9")) << "side by side";
+}
+
+TEST(FolderPair, ImagesOfOneSizeCanBePlayedAlone) {
+    const TemporaryFolder folder;
+    for (const auto& [name, width] : std::map<std::string, int>{{"0", 8}, {"1", 10}, {"2", 10}, {"3", 8}}) {
+        for (const char* eye : {"image_2", "image_3"}) {
+            std::filesystem::create_directories(folder.file(eye));
+            write_image(folder.file(std::string(eye) + "/00000" + name + ".png"), numbered_image(width, 4, CV_8UC1, 0));
+        }
+    }
+    std::vector<std::pair<std::size_t, std::size_t>> runs;
+    for (const RunOfOneSize& run : runs_of_one_size(folder.file(""))) {
+        runs.emplace_back(run.first, run.count);
+    }
+    EXPECT_EQ(runs, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}, {1, 2}, {3, 1}}));
+    SourceOptions options;
+    options.uri = folder.file("");
+    options.pace = Pace::fastest;
+    options.first_image = 1;
+    options.image_count = 2;
+    const auto source = open_source(options);
+    EXPECT_EQ(source->info().eye_width, 10);
+    EXPECT_EQ(source->info().frame_count, 2U);
+    RawFrame frame;
+    for (const std::uint64_t sequence : {1U, 2U}) {
+        ASSERT_EQ(source->next(frame, soon()), Next::frame);
+        EXPECT_EQ(frame.sequence, sequence);
+        EXPECT_EQ(frame.monotonic_ns, static_cast<std::int64_t>(sequence) * 100'000'000);
+        EXPECT_EQ(frame.flags, frame_flag_none);
+        source->give_back(frame);
+    }
+    EXPECT_EQ(source->next(frame, soon()), Next::end);
+    options.first_image = 4;
+    EXPECT_THAT(refusal([&] { open_source(options); }), HasSubstr("found 4 frames"));
 }
 
 // KITTI's scenes differ in size; so do their calibrations.

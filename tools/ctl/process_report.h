@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/depth_range.h"
+#include "pipeline/calibrating_schedule.h"
+
+namespace disparityd::tools {
+
+/// What `process` has done.
+struct ProcessDone {
+    std::string source;
+    std::string folder;
+    std::vector<std::string> left_out;                           ///< damaged images, one line each
+    const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< where it estimated
+    std::vector<std::string> distances;                          ///< for people, a line for each size
+    std::optional<calibration::DepthRange> range;                ///< where all frames have one
+    std::uint64_t skipped_corrupt = 0;
+    std::string error;  ///< why it ended early; empty: it did not
+    std::uint64_t frames = 0;
+    double seconds = 0;
+    double measured = 1;     ///< share of the pixels
+    std::string empty_note;  ///< where hardly any were
+};
+
+/// Prints the summary, as one JSON object or for people, and what went wrong; returns the exit status.
+int report_process(const ProcessDone& done, bool json);
+
+}  // namespace disparityd::tools
