@@ -30,7 +30,8 @@ private:
 
 class SocketFrames final : public FrameReader {
 public:
-    SocketFrames(const DaemonAddress& daemon, const std::vector<Product>& products) : client_(connect(daemon)) {
+    SocketFrames(const DaemonAddress& daemon, const std::vector<Product>& products, std::chrono::milliseconds timeout)
+        : client_(connect(daemon, timeout)) {
         disparity::Subscription subscription;
         subscription.products = products;
         client_.subscribe(subscription);
@@ -46,9 +47,10 @@ private:
 
 }  // namespace
 
-std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<Product>& products) {
+std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<Product>& products,
+                                         std::chrono::milliseconds timeout) {
     if (!daemon.socket.empty()) {
-        return std::make_unique<SocketFrames>(daemon, products);
+        return std::make_unique<SocketFrames>(daemon, products, timeout);
     }
     std::string why;
     try {
@@ -57,7 +59,7 @@ std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std:
         why = error.what();
     }
     try {
-        return std::make_unique<SocketFrames>(daemon, products);
+        return std::make_unique<SocketFrames>(daemon, products, timeout);
     } catch (const std::runtime_error& error) {
         throw std::runtime_error(std::string(error.what()) + " (" + why + ")");
     }
