@@ -21,7 +21,6 @@ namespace {
 using simulated_camera::first_difference_from_pattern;
 using simulated_camera::pattern_number;
 
-constexpr VideoReader::Size vga{1344, 376};
 constexpr milliseconds a_while{1000};
 
 class Faults : public testing::Test {

@@ -17,8 +17,6 @@ namespace {
 using simulated_camera::first_difference_from_pattern;
 using simulated_camera::pattern_number;
 
-constexpr VideoReader::Size vga{1344, 376};
-
 void expect_pattern(VideoReader& reader, std::size_t frame_bytes, int frames) {
     reader.start();
     std::uint32_t last_number = 0;

@@ -51,4 +51,7 @@ private:
     std::vector<std::span<std::uint8_t>> buffers_;
 };
 
+/// Both eyes of the camera's smallest mode.
+inline constexpr VideoReader::Size vga{1344, 376};
+
 }  // namespace vm_guest
