@@ -97,34 +97,15 @@ std::optional<TimedScan> ScanSource::next(milliseconds timeout) {
         return std::nullopt;
     }
     try {
-        // Whoever reads late, because a link was slow or the machine slept, may find a frame that has waited since the
-        // last look.
-        const auto may_have_waited = began - last_look_;
-        const bool found = read_newest(timeout);
-        last_look_ = steady_clock::now();
-        return found ? scan_of(last_look_ - age_ - may_have_waited) : std::nullopt;
-    } catch (const std::exception& error) {
-        fail(error.what());
-        return std::nullopt;
-    }
-}
-
-/// Reads into frame_ until nothing newer waits, and sets age_ or problem_.
-bool ScanSource::read_newest(milliseconds timeout) {
-    constexpr int most_waiting = 64;  // a daemon that sends without end is not waited for
-    bool found = false;
-    for (int i = 0; i < most_waiting; ++i) {
-        const ReadResult result = read(newer_, found ? milliseconds(0) : timeout);
+        const ReadResult result = read(frame_, timeout);
         if (result == ReadResult::frame) {
-            std::swap(frame_, newer_);
-            found = true;
-            continue;
+            return scan_of(steady_clock::now() - std::chrono::nanoseconds(std::max<std::int64_t>(frame_.age_ns, 0)));
         }
         problem_ = result == ReadResult::gone ? why_gone() : std::string();
-        break;
+    } catch (const std::exception& error) {
+        fail(error.what());
     }
-    age_ = std::chrono::nanoseconds(std::max<std::int64_t>(frame_.age_ns, 0));
-    return found;
+    return std::nullopt;
 }
 
 std::optional<TimedScan> ScanSource::scan_of(steady_clock::time_point captured) {
@@ -140,8 +121,7 @@ std::optional<TimedScan> ScanSource::scan_of(steady_clock::time_point captured) 
 void ScanSource::fail(const std::string& reason) {
     problem_ = reason;
     disconnect();
-    last_look_ = steady_clock::now();
-    next_try_ = last_look_ + pause_after_error;
+    next_try_ = steady_clock::now() + pause_after_error;
 }
 
 std::unique_ptr<ScanSource> shared_memory_source(const std::string& name) {

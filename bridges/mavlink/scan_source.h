@@ -13,7 +13,7 @@ namespace disparityd::mavlink {
 /// A scan and when it was measured.
 struct TimedScan {
     disparity::Scan scan;
-    /// When its frame was captured, or earlier: the time that it may have waited unread counts as age.
+    /// When its frame was captured; or earlier, of a daemon on another machine (FrameInfo::age_ns).
     std::chrono::steady_clock::time_point captured;
     bool synthetic = false;  ///< the frame was rendered
 };
@@ -41,16 +41,12 @@ protected:
     virtual void disconnect() = 0;  ///< after an error: the next read() begins anew
 
 private:
-    bool read_newest(std::chrono::milliseconds timeout);
     std::optional<TimedScan> scan_of(std::chrono::steady_clock::time_point captured);
     void fail(const std::string& reason);
 
     disparity::Frame frame_;
-    disparity::Frame newer_;
     std::string problem_;
-    std::chrono::steady_clock::time_point last_look_ = std::chrono::steady_clock::now();
     std::chrono::steady_clock::time_point next_try_{};
-    std::chrono::nanoseconds age_{};
 };
 
 /// Returns a source that reads shared memory of this name. Throws std::invalid_argument for a name that is not allowed.

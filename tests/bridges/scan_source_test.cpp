@@ -62,36 +62,14 @@ TEST(ScanSource, ReturnsTheScanOfAFrame) {
     EXPECT_EQ(source.problem(), "");
 }
 
-TEST(ScanSource, ReturnsTheNewestOfThoseThatWait) {
+TEST(ScanSource, TakesTheAgeThatTheClientTells) {
     PreparedSource source;
-    for (const int mm : {1000, 2000, 3000}) {
-        source.add(test::client_frame(test::scan_with_obstacle(0, mm), seconds(mm)));
-    }
-    const auto timed = source.next(milliseconds(0));
-    EXPECT_EQ(distance_of(timed), 3);
-    EXPECT_LE(timed->captured, steady_clock::now() - seconds(3000));
-}
-
-TEST(ScanSource, KeepsAFrameWhenTheDaemonGoesRightAfterIt) {
-    PreparedSource source;
-    source.add(test::client_frame(test::scan_with_obstacle(0, 1000), {}));
-    source.reads.emplace_back([](Frame& frame) {
-        frame = {};
-        return ReadResult::gone;
-    });
-    EXPECT_EQ(distance_of(source.next(milliseconds(0))), 1);
-}
-
-TEST(ScanSource, CountsTheTimeThatAFrameMayHaveWaitedAsAge) {
-    PreparedSource source;
-    const auto last_look = steady_clock::now();
+    const auto before = steady_clock::now();
     source.add(test::client_frame(test::scan_with_obstacle(0, 1000), seconds(2)));
-    std::this_thread::sleep_for(milliseconds(50));  // a link was slow
-    const auto began = steady_clock::now();
     const auto timed = source.next(milliseconds(0));
     ASSERT_TRUE(timed);
-    EXPECT_LE(timed->captured, last_look - seconds(2) + (steady_clock::now() - began));
-    EXPECT_GT(timed->captured, last_look - seconds(3));
+    EXPECT_GE(timed->captured, before - seconds(2));
+    EXPECT_LE(timed->captured, steady_clock::now() - seconds(2));
 }
 
 TEST(ScanSource, AnAgeBelowZeroIsNone) {

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 namespace {
 
 // Sanitizers keep freed memory for a while to find its late users: 256 MiB of it, and their own notes.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(DISPARITYD_SANITIZED)
 constexpr double growth_limit_mib = 640.0;
 #else
 constexpr double growth_limit_mib = 32.0;

@@ -291,7 +291,7 @@ TEST_F(EndToEndTest, BadReloadChangesNothing) {
 
 // Everything large is allocated before the old configuration stops.
 TEST_F(EndToEndTest, AReloadThatFindsNoMemoryChangesNothing) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(DISPARITYD_SANITIZED)
     GTEST_SKIP() << "sanitizers reserve all addresses there are";
 #endif
     if (!std::string(DISPARITYD_EMULATOR).empty()) {

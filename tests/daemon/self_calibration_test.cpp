@@ -78,7 +78,7 @@ void expect_found(const v1::SelfCalibration& found) {
 }
 
 TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysTheSameBytes) {
-#if defined(__SANITIZE_THREAD__)
+#if defined(DISPARITYD_SANITIZED) && __has_feature(thread_sanitizer)
     GTEST_SKIP() << "an estimate takes minutes under the thread sanitizer";
 #endif
     const std::vector<std::string> calibrated{"--set", "source.calibration=" + untrue_calibration()};
