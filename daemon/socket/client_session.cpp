@@ -145,7 +145,8 @@ v1::ClientStatus ClientSession::status() {
     status.set_frames_skipped(feed_.frames_skipped());
     status.set_bytes_sent(bytes_sent_);
     status.set_compressed_bytes(account().bytes());
-    status.set_compressor_us(std::chrono::duration_cast<std::chrono::microseconds>(account().time()).count());
+    const auto compressing = std::chrono::duration_cast<std::chrono::microseconds>(account().time());
+    status.set_compressor_us(static_cast<std::uint64_t>(compressing.count()));
     status.set_compressor_share(account().share(std::chrono::steady_clock::now()));
     return status;
 }

@@ -48,7 +48,8 @@ __device__ void census_costs(const GradientWord& word, Right right, Costs<packs>
             const auto bits_low = static_cast<unsigned>(__popc(word.census[row] ^ low.census[row]));
             const auto bits_high = static_cast<unsigned>(__popc(word.census[row] ^ high.census[row]));
             // The byte of the row from each, with the highest one, which is 0, above it.
-            const U16x2 gradient = __byte_perm(low_differences, high_differences, 0x7430 + 0x0101U * row);
+            const U16x2 gradient =
+                __byte_perm(low_differences, high_differences, 0x7430U + 0x0101U * static_cast<unsigned>(row));
             of_row[row] = bits_low + (bits_high << 16) + min_u16x2(gradient, splat_u16x2(max_gradient_cost));
         }
         costs[p] = average_u16x2(average_u16x2(of_row[0], of_row[2]), of_row[1]);
