@@ -134,7 +134,10 @@ class End:
             message = pb.Envelope.FromString(self._connection.recv(struct.unpack("<I", head)[0], socket.MSG_WAITALL))
             if message.HasField("ping"):
                 self.pings += 1
-                self.send(pong=pb.Pong(client_ns=message.ping.client_ns, monotonic_ns=self.clock()))
+                try:
+                    self.send(pong=pb.Pong(client_ns=message.ping.client_ns, monotonic_ns=self.clock()))
+                except (BrokenPipeError, ConnectionResetError):
+                    return None  # it asked, and left before it was answered
             elif message.HasField("ready"):
                 self.credit += message.ready.frames
                 return message
