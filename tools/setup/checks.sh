@@ -88,7 +88,8 @@ run_tests() {
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
-# run_fuzzers: targets for 15 s each, several at a time: with the same seed a longer run tries what was tried before.
+# run_fuzzers: targets for 15 s each, several at a time: with the same seed a longer run tries what was tried before. In front,
+# since an input that waits for the processor looks like one that takes for ever.
 run_fuzzers() {
     local outcome start=$SECONDS
     step "fuzz"
@@ -131,7 +132,6 @@ compile_for_debian_13() {
 # prepare NAME: one of the steps that need no tests of the release build; debian-13 asks it how files are compiled.
 prepare() {
     case $1 in
-        fuzz) run_fuzzers ;;
         debian-13) compile_for_debian_13 ;;
         arm64) build_arm64 ;;
         *) build "$1" ;;
