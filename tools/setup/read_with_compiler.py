@@ -76,7 +76,7 @@ def compiler(root):
     headers = [f"include/c++/{version}", f"include/{machine}/c++/{version}", f"include/c++/{version}/backward",
                f"lib/gcc/{machine}/{version}/include", f"include/{machine}", "include"]
     start = [str(next(root.glob("lib64/ld-linux*"))), "--library-path", str(root / "usr/lib" / machine), str(inner)]
-    return ([*start, "-quiet", "-fsyntax-only", "-D_GNU_SOURCE", "-nostdinc"],
+    return ([*start, "-quiet", "-fsyntax-only", "-o", "/dev/null", "-D_GNU_SOURCE", "-nostdinc"],
             [word for folder in headers for word in ("-isystem", str(root / "usr" / folder))])
 
 
