@@ -17,9 +17,6 @@
 #define SIMT_ADDRESS_SANITIZER 1
 #endif
 #endif
-#ifdef __SANITIZE_ADDRESS__
-#define SIMT_ADDRESS_SANITIZER 1
-#endif
 
 // Kernels with a mistake each, as people make them: the emulation must tell.
 namespace disparityd::test {

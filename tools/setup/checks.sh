@@ -55,7 +55,7 @@ known_sources() {
     }
 }
 
-# Programs of GCC 12's sanitizers need addresses where they expect them; newer kernels randomise more than that.
+# Programs of clang 14's sanitizers need addresses where they expect them; newer kernels randomise more than that.
 fixed_addresses() {
     case $1 in
         asan-ubsan | tsan) if setarch -R true 2>/dev/null; then echo setarch -R; fi ;;
