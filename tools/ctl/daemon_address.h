@@ -30,10 +30,12 @@ struct DaemonAddress {
     clients::DaemonSockets sockets() const;
 };
 
+/// So long a daemon may take to answer, unless somebody asks for less.
+constexpr std::chrono::milliseconds patience_to_connect = std::chrono::seconds(5);
+
 /// Connects to the first address that answers. It skips sockets and processes of other users in default places, and
 /// notes them. `timeout`: for each address. Throws std::runtime_error with one line: which places were tried, what to
 /// do.
-disparity::SocketClient connect(const DaemonAddress& daemon,
-                                std::chrono::milliseconds timeout = std::chrono::seconds(5));
+disparity::SocketClient connect(const DaemonAddress& daemon, std::chrono::milliseconds timeout = patience_to_connect);
 
 }  // namespace disparityd::tools

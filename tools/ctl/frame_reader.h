@@ -23,6 +23,6 @@ public:
 /// Opens the socket when the user gave one; else shared memory, and the default socket where there is none. `timeout`:
 /// to connect. Throws std::runtime_error with one line when there is no daemon.
 std::unique_ptr<FrameReader> open_frames(const DaemonAddress& daemon, const std::vector<disparity::Product>& products,
-                                         std::chrono::milliseconds timeout = std::chrono::seconds(5));
+                                         std::chrono::milliseconds timeout = patience_to_connect);
 
 }  // namespace disparityd::tools

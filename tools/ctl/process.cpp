@@ -102,11 +102,11 @@ std::vector<capture::RunOfOneSize> parts_of(const ProcessArguments& arguments) {
     if (!arguments.keep_going && capture::is_image_sequence(arguments.source)) {
         parts = capture::runs_of_one_size(arguments.source);
     }
-    if (parts.size() > 1 && arguments.self_calibrate) {
-        throw std::invalid_argument("--self-calibrate: " + arguments.source +
-                                    " has images of several sizes, allowed: those of one camera and size");
-    }
     if (parts.size() > 1) {
+        if (arguments.self_calibrate) {
+            throw std::invalid_argument("--self-calibrate: " + arguments.source +
+                                        " has images of several sizes, allowed: those of one camera and size");
+        }
         print_note(arguments.source + ": images of several sizes, each pair is matched at its own; geometry.json has " +
                    std::to_string(parts.size()) + " parts");
     }

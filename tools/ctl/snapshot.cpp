@@ -30,8 +30,6 @@ static_assert(std::endian::native == std::endian::little, "planes arrive in litt
 /// A frame that is older is not what a daemon sees now: a newer one is waited for.
 constexpr std::chrono::seconds old_frame{1};
 
-constexpr int longest_to_connect_s = 5;
-
 struct SnapshotArguments {
     DaemonAddress daemon;
     std::string picture;
@@ -114,7 +112,8 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
     const int timeout_s = arguments.timeout_s.value_or(10);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(timeout_s);
     const auto frames =
-        open_frames(arguments.daemon, products, std::chrono::seconds(std::min(timeout_s, longest_to_connect_s)));
+        open_frames(arguments.daemon, products,
+                    std::min<std::chrono::milliseconds>(std::chrono::seconds(timeout_s), patience_to_connect));
     disparity::Frame frame;
     std::string last;
     while (true) {
