@@ -181,6 +181,19 @@ TEST_F(DaemonTest, HandoverMeasuresEveryWay) {
     }
     EXPECT_EQ(run(DISPARITY_HANDOVER, {"--name", name_ + "-absent", "--seconds", "1"}).exit_code, 1);
 }
+
+TEST_F(DaemonTest, HandoverMeasuresTheAgesOfReadersThatWork) {
+    const Outcome outcome = run(DISPARITY_HANDOVER, {"--socket", "unix:" + socket_, "--seconds", "1", "--work", "0,0.2",
+                                                     "--products", "disparity,left"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n0.00 +[1-9]"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n0.20 +[1-9]"));
+    EXPECT_EQ(run(DISPARITY_HANDOVER, {"--work", "0"}).exit_code, 2);
+    const Outcome unknown =
+        run(DISPARITY_HANDOVER, {"--socket", "unix:" + socket_, "--work", "0", "--products", "scam"});
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("found scam, allowed: scan, disparity, depth, left"));
+}
 #endif
 
 TEST_F(DaemonTest, TheNameSaysTheFormat) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <stdexcept>
 #include <system_error>
+#include <thread>
 
 #include <signal.h>
 #include <sys/wait.h>
@@ -170,13 +171,39 @@ Seen read_socket(const ReaderOptions& options) {
     return seen;
 }
 
+/// Only on the daemon's own machine: its clock is this one's.
+Seen read_and_work(const ReaderOptions& options) {
+    Seen seen;
+    disparity::Frame frame;
+    disparity::SocketClient client(options.address, options.connect, "disparity-handover");
+    disparity::Subscription subscription;
+    subscription.products = options.products;
+    client.subscribe(subscription);
+    const auto end = Clock::now() + std::chrono::duration<double>(options.seconds);
+    while (Clock::now() < end) {
+        const disparity::ReadResult result = client.read(frame, 500ms);
+        const std::int64_t now = proto::monotonic_ns();
+        check(result, client.why_gone());
+        if (result != disparity::ReadResult::frame) {
+            continue;
+        }
+        const std::int64_t age = now - frame.monotonic_ns;
+        seen.missed += seen.age_ns.empty() ? 0 : frame.missed;
+        seen.age_ns.push_back(age);
+        seen.told_less_ns.push_back(frame.age_ns - age);
+        std::this_thread::sleep_for(std::chrono::duration<double>(options.work_s));
+    }
+    return seen;
+}
+
 Seen run(const ReaderOptions& options) {
     switch (options.way) {
         case Way::copy: return read_copies(options);
         case Way::borrow: return read_borrowed(options);
-        case Way::socket: break;
+        case Way::socket: return read_socket(options);
+        case Way::work: break;
     }
-    return read_socket(options);
+    return read_and_work(options);
 }
 
 void write_all(int to, const void* data, std::size_t bytes) {
@@ -212,9 +239,35 @@ bool read_all(int from, void* data, std::size_t bytes) {
 }
 
 void send(int to, const Seen& seen) {
-    const std::uint64_t head[4] = {seen.handover_ns.size(), seen.missed, seen.torn, seen.untimed};
-    write_all(to, head, sizeof head);
-    write_all(to, seen.handover_ns.data(), seen.handover_ns.size() * sizeof(std::int64_t));
+    const std::uint64_t counts[3] = {seen.missed, seen.torn, seen.untimed};
+    write_all(to, counts, sizeof counts);
+    for (const auto* times : {&seen.handover_ns, &seen.age_ns, &seen.told_less_ns}) {
+        const std::uint64_t size = times->size();
+        write_all(to, &size, sizeof size);
+        write_all(to, times->data(), times->size() * sizeof(std::int64_t));
+    }
+}
+
+/// Returns whether all came.
+bool receive(int from, Seen& seen) {
+    std::uint64_t counts[3] = {};
+    if (!read_all(from, counts, sizeof counts)) {
+        return false;
+    }
+    seen.missed = counts[0];
+    seen.torn = counts[1];
+    seen.untimed = counts[2];
+    for (auto* times : {&seen.handover_ns, &seen.age_ns, &seen.told_less_ns}) {
+        std::uint64_t size = 0;
+        if (!read_all(from, &size, sizeof size)) {
+            return false;
+        }
+        times->resize(size);
+        if (!read_all(from, times->data(), times->size() * sizeof(std::int64_t))) {
+            return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace
@@ -255,15 +308,7 @@ ReaderProcess::~ReaderProcess() {
 
 Seen ReaderProcess::wait() {
     Seen seen;
-    std::uint64_t head[4] = {};
-    bool whole = read_all(results_, head, sizeof head);
-    if (whole) {
-        seen.handover_ns.resize(head[0]);
-        whole = read_all(results_, seen.handover_ns.data(), head[0] * sizeof(std::int64_t));
-        seen.missed = head[1];
-        seen.torn = head[2];
-        seen.untimed = head[3];
-    }
+    const bool whole = receive(results_, seen);
     int status = 0;
     while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
     }

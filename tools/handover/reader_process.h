@@ -7,24 +7,36 @@
 
 #include <sys/types.h>
 
+#include "clients/cpp/disparity_client.hpp"
+
 namespace disparityd::handover {
 
 /// How a reader gets its frames.
-enum class Way { copy, borrow, socket };
+enum class Way {
+    copy,
+    borrow,
+    socket,
+    work  ///< from the socket, and works for a while on each frame
+};
 
 struct ReaderOptions {
     Way way = Way::copy;
     std::string name;     ///< of the shared memory
-    std::string address;  ///< of the socket, for Way::socket
+    std::string address;  ///< of the socket, for Way::socket and Way::work
     double seconds = 10;
+    double work_s = 0;                                                   ///< Way::work: on each frame
+    std::vector<disparity::Product> products{disparity::Product::scan};  ///< Way::work asks for these
+    disparity::ConnectOptions connect{};                                 ///< Way::work: for a daemon with TLS
 };
 
 /// What one reader saw.
 struct Seen {
-    std::vector<std::int64_t> handover_ns;  ///< from publishing to the return of the read, one for each frame
-    std::uint64_t missed = 0;               ///< frames that the reader did not see
-    std::uint64_t untimed = 0;              ///< frames of which nothing says when they were published
-    std::uint64_t torn = 0;                 ///< borrowed frames that were written over before their depth was added up
+    std::vector<std::int64_t> handover_ns;   ///< from publishing to the return of the read, one for each frame
+    std::vector<std::int64_t> age_ns;        ///< Way::work: from capture to the return of the read, one for each frame
+    std::vector<std::int64_t> told_less_ns;  ///< Way::work: the age that the library tells, less that one
+    std::uint64_t missed = 0;                ///< frames that the reader did not see
+    std::uint64_t untimed = 0;               ///< frames of which nothing says when they were published
+    std::uint64_t torn = 0;                  ///< borrowed frames that were written over before their depth was added up
 };
 
 /// A reader in a process of its own, as clients are: it reads all products and adds up the depth of each frame.
