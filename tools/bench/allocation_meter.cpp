@@ -54,23 +54,23 @@ void* __libc_memalign(std::size_t alignment, std::size_t size);
 void __libc_free(void* memory);
 // NOLINTEND(bugprone-reserved-identifier)
 
-void* malloc(std::size_t size) {
+void* malloc(std::size_t size) noexcept {
     return allocated(__libc_malloc(size));
 }
-void* calloc(std::size_t number, std::size_t size) {
+void* calloc(std::size_t number, std::size_t size) noexcept {
     return allocated(__libc_calloc(number, size));
 }
-void* realloc(void* old, std::size_t size) {
+void* realloc(void* old, std::size_t size) noexcept {
     released(old);
     return allocated(__libc_realloc(old, size));
 }
-void* memalign(std::size_t alignment, std::size_t size) {
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
     return allocated(__libc_memalign(alignment, size));
 }
-void* aligned_alloc(std::size_t alignment, std::size_t size) {
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
     return allocated(__libc_memalign(alignment, size));
 }
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
     *memory = allocated(__libc_memalign(alignment, size));
     return *memory != nullptr ? 0 : ENOMEM;
 }

@@ -54,7 +54,8 @@ void add_camera(CLI::App& program, Action& action) {
         "camera",
         "Show the controls of a running daemon's camera, or set some of them: exposure, gain, white balance.");
     const auto arguments = std::make_shared<CameraArguments>();
-    command.add_option("NAME=VALUE", arguments->settings, "controls to set, in this order; none: only show them");
+    command.add_option("CONTROL", arguments->settings, "controls to set, in this order; none: only show them")
+        ->type_name("NAME=VALUE");
     command.add_flag("--json", arguments->json, "a list of objects");
     arguments->daemon.add_to(command);
     command.footer(

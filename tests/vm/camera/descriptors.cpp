@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 namespace simulated_camera {
 
@@ -34,7 +35,11 @@ constexpr std::uint32_t processing_controls = 0x107f;
 // A descriptor is written from its fields; its length goes in front.
 class Descriptor {
 public:
-    explicit Descriptor(std::uint8_t type) : bytes_{0, type} {}
+    explicit Descriptor(std::uint8_t type) {
+        bytes_.reserve(255);  // its length is one byte
+        bytes_.push_back(0);
+        bytes_.push_back(type);
+    }
 
     Descriptor& byte(std::uint32_t value) { return number(value, 1); }
     Descriptor& word(std::uint32_t value) { return number(value, 2); }
@@ -49,9 +54,10 @@ public:
         }
         return *this;
     }
+    /// Gives the bytes away: nothing is added after it.
     Bytes done() {
         bytes_[0] = static_cast<std::uint8_t>(bytes_.size());
-        return bytes_;
+        return std::move(bytes_);
     }
 
 private:
