@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# DISPARITYD_CUDA: AUTO builds the back end cuda where a CUDA compiler is found, ON demands one, OFF does not look. Sets
-# DISPARITYD_WITH_CUDA. The program starts on machines without a driver: the runtime is linked statically and looks for it.
-set(DISPARITYD_CUDA AUTO CACHE STRING "Back end for NVIDIA GPUs: AUTO (where nvcc is found), ON or OFF")
-set_property(CACHE DISPARITYD_CUDA PROPERTY STRINGS AUTO ON OFF)
+# DISPARITYD_CUDA: AUTO builds the back end cuda where a CUDA compiler is found, ON demands one, OFF does not look. LOCAL is AUTO
+# for the GPU of this machine alone, and OFF where it has none. Sets DISPARITYD_WITH_CUDA. The program starts on machines without
+# a driver: the runtime is linked statically and looks for it.
+set(DISPARITYD_CUDA AUTO CACHE STRING "Back end for NVIDIA GPUs: AUTO (where nvcc is found), LOCAL (for this machine), ON or OFF")
+set_property(CACHE DISPARITYD_CUDA PROPERTY STRINGS AUTO LOCAL ON OFF)
 
 # The sources of kernels/cuda: what the CUDA compiler builds (and, for the tests, the C++ compiler), and what it does not.
 set(DISPARITYD_CUDA_STEPS
@@ -47,9 +48,35 @@ function(disparityd_cuda_architectures result)
   set(${result} "${architectures}" PARENT_SCOPE)
 endfunction()
 
+# The compute capability of this machine's first GPU, such as 87; "some" where nothing says which it has, "" without a GPU.
+function(disparityd_local_gpu result)
+  execute_process(COMMAND nvidia-smi --query-gpu=compute_cap --format=csv,noheader OUTPUT_VARIABLE told ERROR_QUIET
+    RESULT_VARIABLE failed)
+  set(found "")
+  if(NOT failed AND told MATCHES "^([0-9]+)[.]([0-9])")
+    set(found "${CMAKE_MATCH_1}${CMAKE_MATCH_2}")
+  else()
+    # A desktop's driver, and those of Jetsons before and from JetPack 6 on.
+    foreach(device nvidiactl nvhost-gpu nvhost-ctrl-gpu nvgpu)
+      if(EXISTS /dev/${device})
+        set(found some)
+      endif()
+    endforeach()
+  endif()
+  set(${result} "${found}" PARENT_SCOPE)
+endfunction()
+
 set(DISPARITYD_WITH_CUDA OFF)
 if(NOT DISPARITYD_CUDA)
   return()
+endif()
+set(local_gpu some)
+if(DISPARITYD_CUDA STREQUAL LOCAL)
+  disparityd_local_gpu(local_gpu)
+  if(local_gpu STREQUAL "")
+    message(STATUS "Back end cuda: this machine has no NVIDIA GPU, built without")
+    return()
+  endif()
 endif()
 
 # Unlike enable_language(CUDA), this also looks where the toolkit installs itself.
@@ -60,14 +87,18 @@ endif()
 include(CheckLanguage)
 check_language(CUDA)
 if(CMAKE_CUDA_COMPILER AND CUDAToolkit_FOUND)
+  # Not kept in the cache: another value of DISPARITYD_CUDA asks for others.
   if(NOT CMAKE_CUDA_ARCHITECTURES)
-    disparityd_cuda_architectures(architectures)
-    set(CMAKE_CUDA_ARCHITECTURES "${architectures}" CACHE STRING "Compute capabilities that the back end cuda is built for")
+    if(local_gpu STREQUAL some)
+      disparityd_cuda_architectures(CMAKE_CUDA_ARCHITECTURES)
+    else()
+      set(CMAKE_CUDA_ARCHITECTURES ${local_gpu}-real)
+    endif()
   endif()
   enable_language(CUDA)
   set(DISPARITYD_WITH_CUDA ON)
   message(STATUS "Back end cuda: ${CMAKE_CUDA_COMPILER} ${CMAKE_CUDA_COMPILER_VERSION} for ${CMAKE_CUDA_ARCHITECTURES}")
-elseif(DISPARITYD_CUDA STREQUAL AUTO)
+elseif(DISPARITYD_CUDA MATCHES "AUTO|LOCAL")
   message(STATUS "Back end cuda: no CUDA compiler found, built without")
 else()
   message(FATAL_ERROR "DISPARITYD_CUDA=ON, but no CUDA toolkit from 11.4 on was found: install one and put nvcc into PATH or "
