@@ -164,9 +164,13 @@ std::string reason(std::string text) {
     return text.empty() ? "" : ": " + text;
 }
 
-[[noreturn]] void refuse(const std::string& where, const std::string& why) {
-    if (why.find("already exists") != std::string::npos) {
-        throw std::invalid_argument(where + why + " allowed: each key and each section once");
+[[noreturn]] void refuse(const std::string& where, std::string why) {
+    // "exists" in all versions of toml11, "defined" and "closed" in 4.
+    for (const char* const twice : {"already exists", "already defined", "already closed"}) {
+        if (why.find(twice) != std::string::npos) {
+            why.resize(why.find_last_not_of(". ") + 1);
+            throw std::invalid_argument(where + why + "; allowed: each key and each section once");
+        }
     }
     throw std::invalid_argument(where + ": this is not TOML" + why +
                                 "; allowed: [section] lines and key = value lines");
