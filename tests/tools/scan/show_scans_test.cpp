@@ -193,6 +193,39 @@ TEST_F(ShowScansTest, ADaemonThatWasAwayIsFoundAgainAtItsSocket) {
     find_again(Way::socket);
 }
 
+/// `disparityctl scan --json`, its words quoted for a shell.
+std::string json_in_a_shell(const std::string& name, const std::string& more) {
+    return std::string("'") + DISPARITYCTL + "' scan --json --name '" + name + "' " + more;
+}
+
+TEST_F(ShowScansTest, AProgramThatWorksOnEachScanReadsNoOldOnes) {
+    start({"scan.enabled=true"});
+    const std::string slow = "while IFS= read -r line; do printf '%s\\n' \"$line\"; sleep 0.4; done";
+    const Outcome outcome = run("/bin/sh", {"-c", json_in_a_shell(name_, "--count 7") + " | { " + slow + "; }"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::vector<std::uint64_t> sequences;
+    std::istringstream lines(outcome.out);
+    for (std::string line; std::getline(lines, line);) {
+        const auto json = nlohmann::json::parse(line);
+        ASSERT_TRUE(json.contains("sequence")) << line;
+        sequences.push_back(json["sequence"].get<std::uint64_t>());
+    }
+    ASSERT_EQ(sequences.size(), 7U);
+    // The second one waits in the pipe while the first one is worked on; 15 come in a second.
+    for (std::size_t i = 2; i < sequences.size(); ++i) {
+        EXPECT_GE(sequences[i], sequences[i - 1] + 3) << i;
+    }
+}
+
+TEST_F(ShowScansTest, CtrlCEndsItWhereNobodyReads) {
+    start({"scan.enabled=true"});
+    const std::string pipe = "'" + path("pipe") + "'";
+    const Outcome outcome =
+        run("/bin/sh", {"-c", "mkfifo " + pipe + "; sleep 60 <" + pipe + " & timeout --preserve-status -s INT 3 " +
+                                  json_in_a_shell(name_, ">" + pipe) + "; echo \"status $?\" >&2; kill $!"});
+    EXPECT_THAT(outcome.err, HasSubstr("status 0"));
+}
+
 TEST_F(ShowScansTest, APlotSaysThatADaemonHangs) {
     start(scans);
     for (const Way way : {Way::memory, Way::socket}) {

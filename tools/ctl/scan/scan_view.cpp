@@ -2,37 +2,35 @@
 #include "tools/ctl/scan/scan_view.h"
 
 #include <algorithm>
-#include <iostream>
-#include <stdexcept>
 #include <vector>
 
 #include "tools/command_line/table.h"
 #include "tools/ctl/scan/live_screen.h"
 #include "tools/ctl/scan/radar.h"
+#include "tools/ctl/scan/scan_lines.h"
 
 namespace disparityd::tools {
 namespace {
 
-void put_scan_line(const std::string& line) {
-    std::cout << line << std::endl;
-    if (!std::cout) {
-        throw std::runtime_error("standard output cannot be written");
-    }
-}
-
 class JsonScanView final : public ScanView {
 public:
-    void show(const ScanReading& reading) override { put_scan_line(to_text(scan_json(reading), -1)); }
-    void show_none(const std::string& why, double /*silent_s*/) override {
-        put_scan_line(to_text(no_scan_json(why), -1));
-    }
+    bool taken(std::chrono::milliseconds longest) override { return lines_.read(longest); }
+    void show(const ScanReading& reading) override { lines_.put(to_text(scan_json(reading), -1)); }
+    void show_none(const std::string& why, double /*silent_s*/) override { lines_.put(to_text(no_scan_json(why), -1)); }
+
+private:
+    ScanLines lines_;
 };
 
 class LineScanView final : public ScanView {
 public:
-    LineScanView() { put_scan_line(scan_heading()); }
-    void show(const ScanReading& reading) override { put_scan_line(scan_line(reading)); }
-    void show_none(const std::string& why, double /*silent_s*/) override { put_scan_line(no_scan_line(why)); }
+    LineScanView() { lines_.put(scan_heading()); }
+    bool taken(std::chrono::milliseconds longest) override { return lines_.read(longest); }
+    void show(const ScanReading& reading) override { lines_.put(scan_line(reading)); }
+    void show_none(const std::string& why, double /*silent_s*/) override { lines_.put(no_scan_line(why)); }
+
+private:
+    ScanLines lines_;
 };
 
 /// Draws the newest scan. While none comes, the plot shows its sectors as unknown: an old scan says nothing of now.

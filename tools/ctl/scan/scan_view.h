@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,8 @@ namespace disparityd::tools {
 class ScanView {
 public:
     virtual ~ScanView() = default;
+    /// Waits until whoever reads what is shown has taken the last one, `longest` at most; returns whether it has.
+    virtual bool taken(std::chrono::milliseconds /*longest*/) { return true; }
     virtual void show(const ScanReading& reading) = 0;
     /// Takes away what is no longer true, before the daemon is asked why no scan comes: that may take 5 s.
     virtual void hide(double /*silent_s*/) {}

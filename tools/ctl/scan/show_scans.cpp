@@ -74,8 +74,13 @@ int show_scans(const ShowScansArguments& arguments) {
     RateLimit limit(arguments.rate || !wants_plot(arguments) ? arguments.rate : std::optional(plots_per_second));
     Silence silence;
     for (int lines = 0; (!arguments.lines || lines < *arguments.lines) && !interrupted();) {
-        // Ctrl-C ends the wait after this time at most.
-        const ScanFeed::Got got = feed.next(std::chrono::milliseconds(100));
+        // Ctrl-C ends a wait after this time at most.
+        constexpr std::chrono::milliseconds patience{100};
+        if (!view->taken(patience)) {
+            silence.end();  // it is not the daemon that is slow
+            continue;
+        }
+        const ScanFeed::Got got = feed.next(patience);
         if (got == ScanFeed::Got::scan) {
             silence.end();
             if (limit.allows(ScanClock::now())) {
@@ -125,8 +130,10 @@ void add_scan(CLI::App& program, Action& action) {
         "--socket is given. The plot shows the robot (at the bottom) from above: free is shaded, obstacles are "
         "blocks,\n"
         "blank is unknown, rings have their distance. While no scan comes, a plot or line each second says why; a\n"
-        "daemon that was away is found again. Colours are left out where NO_COLOR is set. Ctrl-C ends it, exit status\n"
-        "0; 1 when the daemon makes no scans.\n"
+        "daemon that was away is found again. Into a pipe a line is written when the last one was read, so that a "
+        "slow\n"
+        "program misses scans and reads no old ones. Colours are left out where NO_COLOR is set. Ctrl-C ends it, exit\n"
+        "status 0; 1 when the daemon makes no scans.\n"
         "Examples: disparityctl scan\n"
         "          disparityctl scan --json | jq -c '[.age_ms, .nearest]'");
     command.callback([arguments, &action] { action = [arguments] { return show_scans(*arguments); }; });
