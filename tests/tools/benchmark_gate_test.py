@@ -113,8 +113,10 @@ class BenchmarkGate(unittest.TestCase):
         # The program says its number, then never ends by itself.
         self.write_kernels(f"#!/bin/sh\necho $$ >{told}\nexec sleep infinity\n")
         for number in (signal.SIGINT, signal.SIGTERM):
+            # What a shell starts in the background ignores Ctrl-C, and so does what that starts.
             with self.subTest(signal=number), subprocess.Popen(
-                    self.command("HEAD"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as gate:
+                    self.command("HEAD"), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                    preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as gate:
                 program = int(self.hear(told, gate))
                 gate.send_signal(number)
                 _, errors = gate.communicate()
