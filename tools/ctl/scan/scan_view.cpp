@@ -12,25 +12,28 @@
 namespace disparityd::tools {
 namespace {
 
-class JsonScanView final : public ScanView {
+class LinesView : public ScanView {
 public:
     bool taken(std::chrono::milliseconds longest) override { return lines_.read(longest); }
-    void show(const ScanReading& reading) override { lines_.put(to_text(scan_json(reading), -1)); }
-    void show_none(const std::string& why, double /*silent_s*/) override { lines_.put(to_text(no_scan_json(why), -1)); }
+
+protected:
+    void put(const std::string& line) { lines_.put(line); }
 
 private:
     ScanLines lines_;
 };
 
-class LineScanView final : public ScanView {
+class JsonScanView final : public LinesView {
 public:
-    LineScanView() { lines_.put(scan_heading()); }
-    bool taken(std::chrono::milliseconds longest) override { return lines_.read(longest); }
-    void show(const ScanReading& reading) override { lines_.put(scan_line(reading)); }
-    void show_none(const std::string& why, double /*silent_s*/) override { lines_.put(no_scan_line(why)); }
+    void show(const ScanReading& reading) override { put(to_text(scan_json(reading), -1)); }
+    void show_none(const std::string& why, double /*silent_s*/) override { put(to_text(no_scan_json(why), -1)); }
+};
 
-private:
-    ScanLines lines_;
+class LineScanView final : public LinesView {
+public:
+    LineScanView() { put(scan_heading()); }
+    void show(const ScanReading& reading) override { put(scan_line(reading)); }
+    void show_none(const std::string& why, double /*silent_s*/) override { put(no_scan_line(why)); }
 };
 
 /// Draws the newest scan. While none comes, the plot shows its sectors as unknown: an old scan says nothing of now.
