@@ -18,8 +18,6 @@ namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;
 using std::chrono::milliseconds;
 
-constexpr std::int64_t second = 1'000'000'000;
-
 /// A subscription is small: only a daemon that hangs takes this long to accept it.
 constexpr milliseconds send_timeout{5000};
 
@@ -36,17 +34,6 @@ constexpr milliseconds reconnect_interval{100};
 
 /// A caller that waits looks at the socket at least this often.
 constexpr milliseconds look_interval{50};
-
-/// Passes between two questions about the daemon's clock.
-constexpr std::int64_t clock_interval = second;
-
-/// A daemon that has said nothing for so long, and for some intervals, is asked whether it is there.
-constexpr std::int64_t least_silence = second / 2;
-constexpr std::int64_t silent_intervals = 3;
-constexpr std::int64_t longest_interval = 3600 * second;
-
-/// It must answer within this time.
-constexpr std::int64_t answer_time = second;
 
 constexpr const char* no_answer = "no answer to hello in time: the daemon hangs, or another program listens there";
 
@@ -129,7 +116,8 @@ bool Connection::greeted(Deadline deadline) {
     if (welcome.monotonic_ns() != 0 && welcome.monotonic_ns() == sane_ns(welcome.monotonic_ns())) {
         by_credit_ = true;
         clock_.add(hello_ns_, welcome.monotonic_ns(), now);
-        ping(now);
+        liveness_ = {};
+        keep_clock();
     }
     return true;
 }
@@ -244,46 +232,42 @@ Connection::Outcome Connection::listen(Deadline deadline, std::int64_t interval_
     }
 }
 
-void Connection::ping(std::int64_t now_ns) {
+/// Asks the daemon whether it is there, and for its clock, when that is due.
+void Connection::ask(std::int64_t now_ns, std::int64_t interval_ns) {
+    if (!liveness_.asks(now_ns, stream_->heard_ns(), interval_ns)) {
+        return;
+    }
     v1::Envelope envelope;
     envelope.mutable_ping()->set_client_ns(now_ns);
-    asked_ns_ = now_ns;
     static_cast<void>(stream_->send(envelope, after(milliseconds(0))));
 }
 
 /// An answer to another question, or one that is no time, is left alone.
 void Connection::take_pong() {
     const v1::Pong& pong = envelope().pong();
-    if (pong.client_ns() != asked_ns_ || pong.monotonic_ns() != sane_ns(pong.monotonic_ns())) {
+    if (pong.client_ns() != liveness_.asked_ns() || pong.monotonic_ns() != sane_ns(pong.monotonic_ns())) {
         return;
     }
     clock_.add(pong.client_ns(), pong.monotonic_ns(), proto::monotonic_ns());
 }
 
-/// The socket has just been found empty. Returns whether the daemon may still be there; asks it when it has said
-/// nothing for long.
+/// The socket has just been found empty. Returns whether the daemon may still be there.
 bool Connection::answers(std::int64_t interval_ns) {
     const std::int64_t now = proto::monotonic_ns();
     const std::int64_t heard = stream_->heard_ns();
-    if (asked_ns_ > heard) {
-        if (now - asked_ns_ <= answer_time) {
-            return true;
-        }
+    if (liveness_.is_gone(now, heard)) {
         end("disparityd at " + address_ + ": no answer from the daemon for " + seconds_text(now - heard) +
             ": connecting anew");
         unanswered_ = true;
         return false;
     }
-    if (now - heard >= std::max(least_silence, silent_intervals * std::min(interval_ns, longest_interval))) {
-        ping(now);
-    }
+    ask(now, interval_ns);
     return true;
 }
 
 void Connection::keep_clock() {
-    const std::int64_t now = proto::monotonic_ns();
-    if (stream_ && by_credit_ && asked_ns_ <= stream_->heard_ns() && now - asked_ns_ >= clock_interval) {
-        ping(now);
+    if (stream_ && by_credit_) {
+        ask(proto::monotonic_ns(), Liveness::longest_interval);
     }
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "clients/cpp/daemon_clock.h"
+#include "clients/cpp/liveness.h"
 #include "clients/cpp/message_stream.h"
 
 namespace disparity {
@@ -88,7 +89,7 @@ private:
     bool greeted(Deadline deadline);
     std::string token() const;
     void send_subscription();
-    void ping(std::int64_t now_ns);
+    void ask(std::int64_t now_ns, std::int64_t interval_ns);
     void take_pong();
     bool answers(std::int64_t interval_ns);
 
@@ -107,7 +108,7 @@ private:
     bool by_credit_ = false;
     bool unanswered_ = false;
     DaemonClock clock_;
-    std::int64_t asked_ns_ = 0;  ///< when the last Ping was sent
+    Liveness liveness_;
 };
 
 }  // namespace disparity

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "clients/cpp/daemon_clock.h"
+#include "clients/cpp/liveness.h"
 #include "tests/proto/command_output.h"
 #include "tests/temporary_folder.h"
 
@@ -279,6 +280,28 @@ TEST(DaemonClock, OldAnswersAreForgotten) {
     EXPECT_EQ(clock.latest(16'010 * ms), 900'005 * ms + 16'010 * ms);
 }
 
+TEST(Liveness, ASilentDaemonIsAskedAndIsGoneASecondLater) {
+    disparity::Liveness daemon;
+    const std::int64_t start = 1'000'000 * ms;
+    EXPECT_TRUE(daemon.asks(start, start, 33 * ms)) << "its clock is not known yet";
+    const std::int64_t heard = start + ms;
+    EXPECT_FALSE(daemon.asks(heard + 499 * ms, heard, 33 * ms));
+    EXPECT_TRUE(daemon.asks(heard + 500 * ms, heard, 33 * ms));
+    EXPECT_FALSE(daemon.asks(heard + 1400 * ms, heard, 33 * ms)) << "it has been asked";
+    EXPECT_FALSE(daemon.is_gone(heard + 1500 * ms, heard));
+    EXPECT_TRUE(daemon.is_gone(heard + 1501 * ms, heard));
+    EXPECT_FALSE(daemon.is_gone(heard + 1501 * ms, heard + 1500 * ms)) << "it has answered";
+}
+
+TEST(Liveness, ADaemonThatSaysLittleIsAskedForItsClockAlone) {
+    disparity::Liveness daemon;
+    const std::int64_t start = 1'000'000 * ms;
+    EXPECT_TRUE(daemon.asks(start, start, 2000 * ms));
+    EXPECT_FALSE(daemon.asks(start + 999 * ms, start + ms, 2000 * ms)) << "frames come every two seconds";
+    EXPECT_TRUE(daemon.asks(start + 1000 * ms, start + ms, 2000 * ms));
+    EXPECT_EQ(daemon.asked_ns(), start + 1000 * ms);
+}
+
 /// Does things at random, as programs and daemons do, and as only a daemon that lies does. Writes each with its
 /// results.
 class Steps {
@@ -289,6 +312,8 @@ public:
         const std::int64_t rate = one_in(2) ? 0 : number(1, 60'000);  // thousandths of a frame per second
         flow_.start(static_cast<double>(rate) / 1000);
         clock_.forget();
+        daemon_ = {};
+        heard_ = now_;
         out_ << "start " << rate << " = " << flow_.interval_ns() << '\n';
         ahead_ = one_in(2) ? 0 : number(-1'000'000 * ms, 1'000'000 * ms);
         longest_ = number(1, 150) * ms;
@@ -313,6 +338,17 @@ private:
         out_ << "add " << before << ' ' << daemon << ' ' << now_ << " =\n";
     }
 
+    void listen() {
+        if (one_in(2)) {
+            heard_ = now_;
+        }
+        const std::int64_t interval = one_in(20) ? number(0, 5'000'000 * ms) : flow_.interval_ns();
+        const bool gone = daemon_.is_gone(now_, heard_);
+        out_ << "is_gone " << now_ << ' ' << heard_ << " = " << gone << '\n';
+        const bool asks = daemon_.asks(now_, heard_, interval);
+        out_ << "asks " << now_ << ' ' << heard_ << ' ' << interval << " = " << asks << '\n';
+    }
+
     void ask(bool waiting) {
         const std::uint32_t more = flow_.ask(waiting);
         out_ << "ask " << waiting << " = " << more << '\n';
@@ -329,6 +365,7 @@ private:
         }
         flow_.reads(later());
         out_ << "reads " << now_ << " =\n";
+        listen();
         ask(true);
         FrameFlow::Arrival frame;
         frame.publish_index = index_ += static_cast<std::uint64_t>(one_in(10) ? number(0, 9) : 1);
@@ -363,6 +400,8 @@ private:
     std::mt19937_64 random_;
     FrameFlow flow_;
     disparity::DaemonClock clock_;
+    disparity::Liveness daemon_;
+    std::int64_t heard_ = 0;
     std::int64_t now_ = 1'000'000 * ms;
     std::int64_t ahead_ = 0;
     std::int64_t longest_ = 0;
