@@ -12,7 +12,6 @@ using std::chrono::seconds;
 constexpr milliseconds slow{300};   ///< a frame that takes longer from here to the eye feels late
 constexpr milliseconds quick{100};  ///< from here on a larger image may be tried
 constexpr int largest_scale = 4;
-constexpr seconds first_trial{4};
 constexpr seconds longest_trial{64};
 
 }  // namespace
@@ -35,6 +34,13 @@ void FramePace::seen(std::uint64_t publish_index, Time now) {
         adapt(now - found->time, now);
         under_way_.erase(under_way_.begin(), found + 1);
     }
+}
+
+void FramePace::forget_way(Time now) {
+    scale_ = 1;
+    usual_way_.reset();
+    scaled_at_ = now;  // those of before, which are still under way, scale nothing
+    trial_ = first_trial;
 }
 
 void FramePace::adapt(std::chrono::nanoseconds way, Time now) {

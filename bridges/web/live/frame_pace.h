@@ -30,11 +30,15 @@ public:
     /// The page has drawn this frame, and so all before it.
     void seen(std::uint64_t publish_index, Time now);
 
+    /// Forgets how long frames took: the next ones are made otherwise.
+    void forget_way(Time now);
+
     /// Images are 1, 2 or 4 times smaller than asked.
     int scale() const { return scale_; }
 
 private:
     static constexpr std::size_t most_under_way = 2;
+    static constexpr std::chrono::seconds first_trial{4};
     struct Sent {
         std::uint64_t publish_index;
         Time time;
@@ -48,7 +52,7 @@ private:
     int scale_ = 1;
     std::optional<std::chrono::nanoseconds> usual_way_;  ///< from sending to being seen, smoothed
     Time scaled_at_{};
-    std::chrono::seconds trial_{4};  ///< so long a scale is kept before a larger image is tried
+    std::chrono::seconds trial_ = first_trial;  ///< so long a scale is kept before a larger image is tried
 };
 
 }  // namespace disparityd::web

@@ -41,6 +41,9 @@ void LiveSession::on_text(std::string_view text) {
 }
 
 void LiveSession::handle(const LiveSubscription& subscription) {
+    if (subscription.encoding != subscription_.encoding) {
+        pace_.forget_way(steady_clock::now());
+    }
     subscription_ = subscription;
     pace_.set_max_rate(subscription.max_rate);
     if (!subscription.wants_frames()) {
@@ -102,7 +105,7 @@ void LiveSession::on_state(const DaemonState& state) {
         if (state.there && state.products != told_products_) {
             greet(state);
         }
-        facts_.scale = pace_.scale();
+        facts_.scale = scale();
         link_->send_text(status_message(state, facts_));
     }
 }
@@ -115,6 +118,11 @@ void LiveSession::on_sensors(const disparity::SensorBatch& batch) {
     }
 }
 
+/// Returns how many times smaller than asked images are made. Values are wanted whole, or not at all.
+int LiveSession::scale() const {
+    return subscription_.encoding == Encoding::jpeg ? pace_.scale() : 1;
+}
+
 std::vector<ImageView> LiveSession::views() const {
     std::vector<ImageView> views;
     for (const Image image : subscription_.images) {
@@ -122,10 +130,10 @@ std::vector<ImageView> LiveSession::views() const {
         if (image == Image::disparity || image == Image::depth) {
             view.range = subscription_.range;
         }
-        if (pace_.scale() > 1 && view.encoding == Encoding::jpeg) {
+        if (scale() > 1) {
             const int width = static_cast<int>(waiting_->frame.width);
             const int asked = view.max_width > 0 ? std::min(view.max_width, width) : width;
-            view.max_width = std::max(asked / pace_.scale(), 16);
+            view.max_width = std::max(asked / scale(), 16);
         }
         views.push_back(view);
     }
@@ -149,7 +157,7 @@ void LiveSession::send_next() {
     LiveContents contents;
     contents.point = point_;
     contents.scan = subscription_.scan;
-    contents.scale = pace_.scale();
+    contents.scale = scale();
     contents.skipped = passed_ - 1;
     std::vector<ImageView> wanted = views();
     auto encode_and_send = [self = shared_from_this(), live = std::exchange(waiting_, nullptr),

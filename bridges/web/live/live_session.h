@@ -53,6 +53,7 @@ private:
     void greet(const DaemonState& state);
     void send_next();
     void wait_for_rate();
+    int scale() const;
     std::vector<ImageView> views() const;
     void send(const LiveFrame& live, const std::vector<Bytes>& parts, std::uint64_t skipped);
 

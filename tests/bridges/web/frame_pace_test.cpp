@@ -95,6 +95,14 @@ TEST_F(FramePaceTest, AQuickLinkKeepsTheSize) {
     EXPECT_EQ(pace_.scale(), 1);
 }
 
+TEST_F(FramePaceTest, FramesThatAreMadeOtherwiseBeginWithTheWholeSize) {
+    run(milliseconds(400), seconds(10));
+    pace_.forget_way(now_);
+    EXPECT_EQ(pace_.scale(), 1);
+    run(milliseconds(400), seconds(10));
+    EXPECT_EQ(pace_.scale(), 4);
+}
+
 TEST_F(FramePaceTest, ALinkThatRecoversGetsTheWholeSizeBack) {
     run(milliseconds(400), seconds(10));
     EXPECT_EQ(pace_.scale(), 4);

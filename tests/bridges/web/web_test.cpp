@@ -193,6 +193,14 @@ TEST_F(WebPageTest, ASlowPageGetsSmallerImages) {
         page.send(R"({"type":"seen","publish_index":)" + frame["publish_index"].dump() + "}");
     }
     EXPECT_EQ(frame["images"][0]["width"], 40);
+    // Values are wanted whole, and are not said to be fewer.
+    page.send(R"({"type":"subscribe","images":["disparity"],"encoding":"lossless"})");
+    do {
+        frame = header_of(next_frame(page));
+        page.send(R"({"type":"seen","publish_index":)" + frame["publish_index"].dump() + "}");
+    } while (frame["images"][0]["encoding"] == "jpeg");
+    EXPECT_EQ(frame["images"][0]["width"], 160);
+    EXPECT_EQ(frame["scale"], 1);
 }
 
 TEST_F(WebPageTest, FoxglovesViewersAreGreeted) {
