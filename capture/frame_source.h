@@ -119,8 +119,8 @@ struct SourceOptions {
     /// Of images: those that cannot be read, or have another size than the first, are left out; each is told to
     /// `report`, and the next frame counts them as dropped. Otherwise they end the source.
     bool skip_damaged = false;
-    /// Of images: which of the sequence are played, so that those of one size can be (runs_of_one_size() in
-    /// images/image_sequence.h). Frames keep the numbers and times that they have in the whole.
+    /// Of images: which of the sequence are played, so that those that belong together can be (runs_of_one_geometry()
+    /// in images/image_sequence.h). Frames keep the numbers and times that they have in the whole.
     std::size_t first_image = 0;
     std::size_t image_count = SIZE_MAX;  ///< at most
     // Of cameras only:

@@ -363,17 +363,24 @@ ImageSequence find_images(const std::string& uri) {
         "as two folders, FOLDER,FOLDER, or as a pattern: left_%04d.png,right_%04d.png");
 }
 
-std::vector<RunOfOneSize> runs_of_one_size(const std::string& uri) {
+std::vector<RunOfOneGeometry> runs_of_one_geometry(const std::string& uri, bool by_calibration) {
     const ImageSequence sequence = find_images(parse_image_uri(uri).path);
-    std::vector<RunOfOneSize> runs;
-    std::optional<ImageSize> before;
+    std::vector<RunOfOneGeometry> runs;
+    std::optional<ImageSize> size_before;
+    std::string calibration_before;
     for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
-        const auto size = peek_image_size(sequence.frames[i].left);
-        if (runs.empty() || (size && before && *size != *before)) {
+        const ImageSequence::Frame& frame = sequence.frames[i];
+        const auto size = peek_image_size(frame.left);
+        std::string calibration;
+        if (by_calibration && !frame.calibration.empty()) {
+            calibration = base::read_text_file(frame.calibration, "calibration");
+        }
+        if (runs.empty() || (size && size_before && *size != *size_before) || calibration != calibration_before) {
             runs.push_back({i, 0});
         }
         ++runs.back().count;
-        before = size ? size : before;
+        size_before = size ? size : size_before;
+        calibration_before = std::move(calibration);
     }
     return runs;
 }

@@ -34,15 +34,16 @@ struct ImageUri {
 /// Throws std::invalid_argument with one line when the bits are none of 9 to 16.
 ImageUri parse_image_uri(const std::string& uri);
 
-/// Frames that follow each other and are of one size.
-struct RunOfOneSize {
+/// Frames that follow each other and share their size and their calibration.
+struct RunOfOneGeometry {
     std::size_t first = 0;
     std::size_t count = 0;
 };
 
-/// Cuts a sequence where the size of the images changes, by their headers: at least one run. An image whose size cannot
-/// be told belongs to the run before it. `uri` may end in "?bits=". Throws as parse_image_uri() and find_images().
-std::vector<RunOfOneSize> runs_of_one_size(const std::string& uri);
+/// Cuts a sequence where the size of the images changes, by their headers, and, where asked, the calibration that some
+/// data sets have for each frame: at least one run. An image whose size cannot be told belongs to the run before it.
+/// `uri` may end in "?bits=". Throws as parse_image_uri() and find_images(), and for a calibration that cannot be read.
+std::vector<RunOfOneGeometry> runs_of_one_geometry(const std::string& uri, bool by_calibration);
 
 /// True for an existing folder or two with a comma between, for names with %d, for one or two names of image files.
 bool is_image_sequence(const std::string& uri);

@@ -181,35 +181,39 @@ TEST_F(ProcessFilesTest, KeepGoingLeavesDamagedImagesOut) {
     EXPECT_EQ(whole.err, "");
 }
 
-// As in KITTI 2012 and 2015, whose calibrations of each frame are of its size.
-TEST_F(ProcessFilesTest, EachPairIsMatchedAtItsOwnSize) {
-    const std::vector<cv::Size> sizes{{64, 32}, {80, 40}, {80, 40}, {64, 32}};
+// As in KITTI 2012 and 2015, whose calibrations of each frame are of its size, and of its day.
+TEST_F(ProcessFilesTest, EachPairIsMatchedAtItsOwnSizeWithItsOwnCalibration) {
+    const std::vector<cv::Size> sizes{{64, 32}, {80, 40}, {80, 40}, {64, 32}, {64, 32}};
+    const std::vector<int> f{64, 80, 80, 64, 70};
     std::filesystem::create_directories(path("in/calib_cam_to_cam"));
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         const std::string name = "00000" + std::to_string(i);
         make_pair(name + "_10.png", 3 + static_cast<int>(i), sizes[i]);
         const std::string centre = " 0 " + std::to_string(sizes[i].width / 2) + " ";
-        const std::string row = " 0 " + std::to_string(sizes[i].width) + " 16 0 0 0 1 0";
+        const std::string row = " 0 " + std::to_string(f[i]) + " 16 0 0 0 1 0";
         write_text(path("in/calib_cam_to_cam/" + name + ".txt"),
                    "S_rect_02: " + std::to_string(sizes[i].width) + " " + std::to_string(sizes[i].height) +
-                       "\nP_rect_02: " + std::to_string(sizes[i].width) + centre + "0" + row +
-                       "\nP_rect_03: " + std::to_string(sizes[i].width) + centre + "-12" + row + "\n");
+                       "\nP_rect_02: " + std::to_string(f[i]) + centre + "0" + row +
+                       "\nP_rect_03: " + std::to_string(f[i]) + centre + "-12" + row + "\n");
     }
     const Outcome outcome = process({path("in")});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("several sizes"), HasSubstr("3 parts")));
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("several sizes"), HasSubstr("4 parts")));
     EXPECT_THAT(outcome.out,
-                AllOf(HasSubstr("64x32: nothing nearer"), HasSubstr("80x40: nothing nearer"), HasSubstr("4 frames")));
-    EXPECT_THAT(times(), ElementsAre("frame,output,input", "0,000000_10,000000_10.png", "1,000001_10,000001_10.png",
-                                     "2,000002_10,000002_10.png", "3,000003_10,000003_10.png"));
+                AllOf(HasSubstr("64x32: nothing nearer"), HasSubstr("80x40: nothing nearer"), HasSubstr("5 frames")));
+    EXPECT_THAT(times(),
+                ElementsAre("frame,output,input", "0,000000_10,000000_10.png", "1,000001_10,000001_10.png",
+                            "2,000002_10,000002_10.png", "3,000003_10,000003_10.png", "4,000004_10,000004_10.png"));
     const auto geometry = nlohmann::json::parse(read_file(path("out/geometry.json")));
     EXPECT_FALSE(geometry.contains("rectified")) << "of which size would it be?";
-    ASSERT_EQ(geometry["parts"].size(), 3U);
+    ASSERT_EQ(geometry["parts"].size(), 4U);
     EXPECT_EQ(geometry["parts"][1]["from_frame"], 1);
     EXPECT_EQ(geometry["parts"][1]["rectified"]["width"], 80);
     EXPECT_EQ(geometry["parts"][1]["rectified"]["f"], 80.0);
     EXPECT_EQ(geometry["parts"][2]["from_frame"], 3);
     EXPECT_EQ(geometry["parts"][2]["rectified"]["f"], 64.0);
+    EXPECT_EQ(geometry["parts"][3]["from_frame"], 4);
+    EXPECT_EQ(geometry["parts"][3]["rectified"]["f"], 70.0);
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         const std::string name = "00000" + std::to_string(i) + "_10.png";
         const Outcome alone = run(DISPARITYCTL, {"process", path("in/image_2/" + name), path("in/image_3/" + name),
@@ -218,11 +222,17 @@ TEST_F(ProcessFilesTest, EachPairIsMatchedAtItsOwnSize) {
         EXPECT_EQ(read_file(path("alone/" + name)), read_file(path("out/" + name)));
     }
 
+    // One calibration for all leaves the sizes alone.
+    const Outcome named =
+        process({path("in"), "--calibration", path("in/calib_cam_to_cam/000000.txt"), "--frames", "1", "--force"});
+    ASSERT_EQ(named.exit_code, 0) << named.err;
+    EXPECT_THAT(named.err, HasSubstr("3 parts"));
+
     EXPECT_EQ(process({path("in"), "--frames", "2", "--force"}).exit_code, 0);
     EXPECT_THAT(times(), SizeIs(3));
     const Outcome refused = process({path("in"), "--self-calibrate", "--force"});
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_THAT(refused.err, HasSubstr("images of several sizes, allowed: those of one camera and size"));
+    EXPECT_THAT(refused.err, HasSubstr("several sizes or calibrations, allowed: those of one camera and size"));
 }
 
 TEST_F(ProcessFilesTest, OneProcessAtATimeFillsAFolder) {

@@ -96,25 +96,28 @@ calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
     return geometry;
 }
 
-/// Returns the parts to process one after the other: of images those of one size each, of anything else the whole.
-std::vector<capture::RunOfOneSize> parts_of(const ProcessArguments& arguments) {
-    std::vector<capture::RunOfOneSize> parts{{0, SIZE_MAX}};
+/// Returns the parts to process one after the other: of images those that share size and calibration, of
+/// anything else the whole.
+std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& arguments) {
+    std::vector<capture::RunOfOneGeometry> parts{{0, SIZE_MAX}};
     if (!arguments.keep_going && capture::is_image_sequence(arguments.source)) {
-        parts = capture::runs_of_one_size(arguments.source);
+        parts = capture::runs_of_one_geometry(arguments.source, arguments.calibration.empty());
     }
     if (parts.size() > 1) {
         if (arguments.self_calibrate) {
-            throw std::invalid_argument("--self-calibrate: " + arguments.source +
-                                        " has images of several sizes, allowed: those of one camera and size");
+            throw std::invalid_argument(
+                "--self-calibrate: " + arguments.source +
+                " has images of several sizes or calibrations, allowed: those of one camera and size");
         }
-        print_note(arguments.source + ": images of several sizes, each pair is matched at its own; geometry.json has " +
+        print_note(arguments.source +
+                   ": images of several sizes or calibrations, each pair is matched with its own; geometry.json has " +
                    std::to_string(parts.size()) + " parts");
     }
     return parts;
 }
 
 /// Opens a part of the source for at most so many frames.
-std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneSize& part,
+std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneGeometry& part,
                                            std::optional<std::uint64_t> frames, int loans,
                                            std::vector<std::string>& left_out) {
     capture::SourceOptions options;
@@ -292,7 +295,8 @@ void tell_distances(ProcessDone& done, const calibration::Rectification& rectifi
     }
 }
 
-void process_part(Run& run, const capture::RunOfOneSize& part, std::optional<std::uint64_t> frames, bool only_part) {
+void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional<std::uint64_t> frames,
+                  bool only_part) {
     const ProcessArguments& arguments = run.arguments;
     const auto source = open(arguments, part, frames, run.config.slots + 2, run.done.left_out);
     const capture::SourceInfo& info = source->info();
@@ -346,7 +350,7 @@ int process(ProcessArguments arguments) {
     Run run{arguments, config, options, pipeline::WorkerPool(arguments.workers.value_or(0)), {}, {}, {}, {}};
     run.done.source = arguments.source;
     run.done.folder = arguments.folder;
-    for (const capture::RunOfOneSize& part : parts) {
+    for (const capture::RunOfOneGeometry& part : parts) {
         const auto wanted = arguments.frames
                                 ? std::optional(static_cast<std::uint64_t>(*arguments.frames) - run.done.frames)
                                 : std::nullopt;

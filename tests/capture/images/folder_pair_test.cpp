@@ -129,7 +129,7 @@ TEST(FolderPair, ImagesOfOneSizeCanBePlayedAlone) {
         }
     }
     std::vector<std::pair<std::size_t, std::size_t>> runs;
-    for (const RunOfOneSize& run : runs_of_one_size(folder.file(""))) {
+    for (const RunOfOneGeometry& run : runs_of_one_geometry(folder.file(""), true)) {
         runs.emplace_back(run.first, run.count);
     }
     EXPECT_EQ(runs, (std::vector<std::pair<std::size_t, std::size_t>>{{0, 1}, {1, 2}, {3, 1}}));
