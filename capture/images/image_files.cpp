@@ -97,7 +97,7 @@ cv::Mat decode(std::vector<std::uint8_t> bytes, const std::string& path) {
     }
     if (begins_with(bytes, "\x89PNG\r\n\x1a\n")) {
         bytes = checked_png(bytes, path);
-    } else if (const auto least = least_size_of_pnm(bytes); least && bytes.size() < *least) {
+    } else if (const auto least = least_size(bytes); least && bytes.size() < *least) {
         refuse(path, "is damaged: the file was cut off, " + std::to_string(bytes.size()) + " of " +
                          std::to_string(*least) + " bytes are there");
     }

@@ -277,6 +277,34 @@ int orientation_in_chunks(std::istream& file, bool png, std::uint64_t wanted) {
     return 1;
 }
 
+/// Rows of pixels lie behind each other, each of a multiple of four bytes; with run lengths they have no size of their
+/// own.
+std::optional<std::uint64_t> least_size_of_bmp(std::span<const std::uint8_t> file) {
+    constexpr std::size_t header_size = 34;
+    constexpr std::uint64_t most = 1U << 16U;
+    constexpr std::uint64_t plain = 0, bit_fields = 3;
+    if (file.size() < header_size) {
+        return header_size;
+    }
+    const auto number = [&](std::size_t at, std::size_t bytes) {
+        std::uint64_t value = 0;
+        for (std::size_t i = bytes; i-- > 0;) {
+            value = value << 8U | file[at + i];
+        }
+        return value;
+    };
+    const bool old = number(14, 4) == 12;
+    const std::uint64_t compression = old ? plain : number(30, 4);
+    const std::uint64_t width = old ? number(18, 2) : number(18, 4);
+    const std::uint64_t height = old ? number(20, 2) : number(22, 4);
+    const std::uint64_t rows = !old && height > 0x80000000U ? 0x100000000U - height : height;
+    if ((compression != plain && compression != bit_fields) || width > most || rows > most) {
+        return std::nullopt;
+    }
+    const std::uint64_t row = (width * number(old ? 24 : 28, 2) + 31) / 32 * 4;
+    return number(10, 4) + rows * row;
+}
+
 }  // namespace
 
 std::optional<ImageSize> read_image_header(std::istream& file) {
@@ -326,8 +354,11 @@ int read_image_orientation(std::istream& file) {
     return orientation_of_tiff(file, 0);
 }
 
-std::optional<std::uint64_t> least_size_of_pnm(std::span<const std::uint8_t> file) {
+std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file) {
     const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min(file.size(), head_size));
+    if (head.starts_with("BM")) {
+        return least_size_of_bmp(file);
+    }
     if (!head.starts_with("P5") && !head.starts_with("P6")) {
         return std::nullopt;
     }

@@ -25,7 +25,8 @@ std::optional<ImageSize> read_image_header(std::istream& file);
 /// nothing.
 int read_image_orientation(std::istream& file);
 
-/// Returns how many bytes a binary PGM or PPM has at least, by its header; nothing for all other files.
-std::optional<std::uint64_t> least_size_of_pnm(std::span<const std::uint8_t> file);
+/// Returns how many bytes a binary PGM or PPM, or a BMP without run lengths, has at least, by its header; nothing for
+/// all other files.
+std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file);
 
 }  // namespace disparityd::capture

@@ -112,10 +112,11 @@ TEST(ImageDamage, APngWithAnOddProfileIsReadWithoutAWord) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(ImageDamage, APgmThatWasCutOffIsRefused) {
+TEST(ImageDamage, APgmOrABmpThatWasCutOffIsRefused) {
     const TemporaryFolder folder;
     for (const auto& [name, type] :
-         {std::pair("a.pgm", CV_8UC1), std::pair("a.ppm", CV_8UC3), std::pair("b.pgm", CV_16UC1)}) {
+         {std::pair("a.pgm", CV_8UC1), std::pair("a.ppm", CV_8UC3), std::pair("b.pgm", CV_16UC1),
+          std::pair("a.bmp", CV_8UC3), std::pair("b.bmp", CV_8UC1)}) {
         const std::string path = folder.file(name);
         write_image(path, noise(20, 10, type));
         EXPECT_EQ(decode_image(path).type(), type);
