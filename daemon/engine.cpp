@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/engine.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/memory_room.h"
 #include "base/words.h"
 #include "calibration/calibration_lookup.h"
 #include "calibration/depth_range.h"
@@ -21,6 +23,7 @@
 #include "daemon/sensor_message.h"
 #include "daemon/system/huge_pages.h"
 #include "daemon/totals.h"
+#include "kernels/large_buffer.h"
 #include "proto/text.h"
 
 namespace disparityd::daemon {
@@ -146,6 +149,7 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
       layout_(make_layout(config, rectifications_->factory())),
       geometry_(layout_.geometry) {
+    const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         pipeline_config(config_, source().live), *source_, *matcher_, workers_, *rectifications_,
@@ -154,6 +158,8 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
             note_activity();
             raw_(frame);
         });
+    const std::size_t now_held = large_memory_held();
+    base::check_memory_room(now_held - std::min(now_held, held), base::memory_room());
 }
 
 Engine::~Engine() {

@@ -1,18 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/large_buffer.h"
 
+#include <atomic>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include <sys/mman.h>
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/asan_interface.h>
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#include <sanitizer/asan_interface.h>
+#endif
+#endif
 
 namespace disparityd {
 
 namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
+
+std::atomic<std::size_t> held{0};
+
+/// Nobody may use what was mapped behind the end, up to a page or a large page; the address sanitizer is told so.
+void close_tail([[maybe_unused]] std::byte* data, [[maybe_unused]] std::size_t size, [[maybe_unused]] bool closed,
+                [[maybe_unused]] std::size_t mapped) {
+#if defined(ASAN_POISON_MEMORY_REGION)
+    constexpr std::size_t page = 4096;
+    const std::size_t end = (mapped + page - 1) / page * page;
+    if (closed) {
+        ASAN_POISON_MEMORY_REGION(data + size, end - size);
+    } else {
+        ASAN_UNPOISON_MEMORY_REGION(data + size, end - size);
+    }
+#endif
+}
 
 /// nullptr when the system refuses.
 std::byte* map(std::size_t size) {
@@ -51,15 +75,23 @@ LargeBuffer::LargeBuffer(std::size_t size) : size_(size), mapped_(size) {
     }
     if (data_ == nullptr) {
         throw std::runtime_error("matching needs " + std::to_string((size - 1) / 1000000 + 1) +
-                                 " MB of memory at once and the system has not got them: choose a smaller image or "
-                                 "fewer disparities");
+                                 " MB of memory at once and the system has not got them: choose a smaller image, "
+                                 "fewer disparities or fewer slots");
     }
+    held += mapped_;
+    close_tail(data_, size_, true, mapped_);
 }
 
 LargeBuffer::~LargeBuffer() {
     if (data_ != nullptr) {
+        close_tail(data_, size_, false, mapped_);
         munmap(data_, mapped_);
+        held -= mapped_;
     }
+}
+
+std::size_t large_memory_held() {
+    return held;
 }
 
 LargeBuffer::LargeBuffer(LargeBuffer&& other) noexcept

@@ -3,11 +3,14 @@
 
 #include <cstddef>
 
+#include "kernels/image.h"
+
 namespace disparityd {
 
-/// Memory for a volume: zeroed, aligned to a page. From 2 MB on it begins and ends at a multiple of 2 MB and asks for
-/// pages of that size, the large ones of x86 and of arm64 with 4 kB pages: a volume is read along lines of every
-/// direction, which costs a translation per pixel with small ones. Whether it gets them is up to the system's setting
+/// Memory for a volume or the planes of a frame: zeroed, aligned to a page. From 2 MB on it begins and ends at a
+/// multiple of 2 MB and asks for pages of that size, the large ones of x86 and of arm64 with 4 kB pages: a volume is
+/// read along lines of every direction, which costs a translation per pixel with small ones. Whether it gets them is up
+/// to the system's setting
 /// (/sys/kernel/mm/transparent_hugepage/enabled); without them all works the same.
 class LargeBuffer {
 public:
@@ -21,10 +24,20 @@ public:
     std::byte* data() const { return data_; }
     std::size_t size() const { return size_; }
 
+    /// Returns a dense plane that begins with the buffer, which must be large enough.
+    template <typename T>
+    Plane<T> plane(int width, int height) const {
+        return {reinterpret_cast<T*>(data_), width, height, width};
+    }
+
 private:
     std::byte* data_ = nullptr;
     std::size_t size_ = 0;
     std::size_t mapped_ = 0;
 };
+
+/// Returns how many bytes all LargeBuffers of this process have. The system gives them when they are first written, so
+/// a program compares what a matcher took with what the machine has before it matches.
+std::size_t large_memory_held();
 
 }  // namespace disparityd

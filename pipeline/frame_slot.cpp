@@ -6,8 +6,8 @@ namespace disparityd::pipeline {
 namespace {
 
 template <typename T>
-Plane<T> allocate(AlignedBuffer& buffer, int width, int height) {
-    buffer = AlignedBuffer(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * sizeof(T));
+Plane<T> allocate(LargeBuffer& buffer, int width, int height) {
+    buffer = LargeBuffer(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * sizeof(T));
     return buffer.plane<T>(width, height);
 }
 
@@ -30,7 +30,7 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t step
     if (products.left_colour) {
         view.left_colour = allocate<std::uint8_t>(left_colour_, 3 * width, height);
     }
-    scratch_ = AlignedBuffer(matcher.scratch_bytes());
+    scratch_ = LargeBuffer(matcher.scratch_bytes());
     view.scratch = {scratch_.data(), scratch_.size()};
 }
 

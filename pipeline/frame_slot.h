@@ -9,9 +9,9 @@
 
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
+#include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
 #include "kernels/scan/scan.h"
-#include "pipeline/aligned_buffer.h"
 
 namespace disparityd::pipeline {
 
@@ -42,7 +42,7 @@ public:
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    AlignedBuffer left_, right_, left_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
+    LargeBuffer left_, right_, left_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
 };
 
 }  // namespace disparityd::pipeline

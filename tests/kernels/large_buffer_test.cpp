@@ -34,6 +34,20 @@ TEST(LargeBuffer, BeginsWithALargePage) {
     }
 }
 
+TEST(LargeBuffer, WhatAllHoldIsCounted) {
+    const std::size_t before = large_memory_held();
+    {
+        LargeBuffer first(large_page + 1);
+        EXPECT_EQ(large_memory_held() - before, 2 * large_page);
+        const LargeBuffer moved(std::move(first));
+        LargeBuffer small(1000);
+        EXPECT_EQ(large_memory_held() - before, 2 * large_page + 1000);
+        small = LargeBuffer();
+        EXPECT_EQ(large_memory_held() - before, 2 * large_page);
+    }
+    EXPECT_EQ(large_memory_held(), before);
+}
+
 TEST(LargeBuffer, Moves) {
     LargeBuffer first(large_page + 1);
     std::byte* const data = first.data();

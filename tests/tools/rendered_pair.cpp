@@ -7,9 +7,9 @@
 
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
+#include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
 #include "kernels/parallel.h"
-#include "pipeline/aligned_buffer.h"
 
 namespace disparityd::test {
 namespace {
@@ -22,7 +22,7 @@ void rectify(const RawImage& raw, RenderedPair& pair, cv::Size size) {
     const auto rectification = calibration::make_rectification(pair.calibration, size.width, size.height, {});
     const Rectifier rectifier = rectification.rectifier();
     const auto matcher = make_matcher("cpu", {size.width, size.height, default_options(Method::sad, {0, 16})});
-    const pipeline::AlignedBuffer scratch(matcher->scratch_bytes());
+    const LargeBuffer scratch(matcher->scratch_bytes());
     pair.left.create(size, CV_8UC1);
     pair.right.create(size, CV_8UC1);
     FrameView view;

@@ -9,10 +9,12 @@
 #include <CLI/CLI.hpp>
 
 #include "base/failure_text.h"
+#include "base/memory_room.h"
 #include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/depth_range.h"
 #include "capture/images/image_sequence.h"
+#include "kernels/large_buffer.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
@@ -310,6 +312,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
+    base::check_memory_room(large_memory_held(), base::memory_room());
     begin_files(run, info, *matcher, rectification, pipeline.steps());
     const auto start = std::chrono::steady_clock::now();
     run_to_end(pipeline, info.frame_count);

@@ -6,8 +6,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
-#include "pipeline/aligned_buffer.h"
 
 namespace disparityd::eval {
 
@@ -28,7 +28,7 @@ public:
 
 private:
     Matcher& matcher_;
-    pipeline::AlignedBuffer left_, right_, disparity_, confidence_, scratch_;
+    LargeBuffer left_, right_, disparity_, confidence_, scratch_;
     FrameView frame_;
     std::vector<std::chrono::nanoseconds> step_times_;
 };
