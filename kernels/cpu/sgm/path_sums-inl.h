@@ -31,7 +31,7 @@ public:
     template <bool streaming>
     HWY_INLINE void store(std::uint8_t* to) const {
         const Tag tag;
-        constexpr std::size_t bytes = hn::MaxLanes(Tag());
+        constexpr auto bytes = static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             if constexpr (streaming) {
@@ -68,7 +68,7 @@ public:
 
     template <bool streaming>
     HWY_INLINE void store(std::uint8_t* to) const {
-        constexpr std::size_t bytes = hn::MaxLanes(Tag());
+        constexpr auto bytes = static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             store<streaming>(even_[r], to + r * bytes);

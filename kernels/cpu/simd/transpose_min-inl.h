@@ -88,15 +88,17 @@ class EightInMemory {
     using V = hn::Vec<Tag>;
 
 public:
-    HWY_INLINE void add(int k, V v) { hn::Store(v, Tag(), words_ + k * hn::MaxLanes(Tag())); }
+    HWY_INLINE void add(int k, V v) { hn::Store(v, Tag(), words_ + k * lanes); }
     HWY_INLINE V minima() const { return min_by_block<1>(Tag(), 0, loads()); }
     HWY_INLINE V last_lanes() const { return last_lanes_side_by_side(Tag(), loads()); }
 
 private:
+    static constexpr auto lanes = static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
+
     HWY_INLINE auto loads() const {
-        return [this](int k) HWY_ATTR { return hn::Load(Tag(), words_ + k * hn::MaxLanes(Tag())); };
+        return [this](int k) HWY_ATTR { return hn::Load(Tag(), words_ + k * lanes); };
     }
-    alignas(64) std::uint16_t words_[8 * hn::MaxLanes(Tag())];
+    alignas(64) std::uint16_t words_[8 * lanes];
 };
 
 /// What EightInMemory::minima() gives, where there are many registers: of the eight no more than four wait there.
