@@ -19,6 +19,7 @@
 #include "base/freed_memory.h"
 #include "daemon/configured_access.h"
 #include "daemon/log.h"
+#include "daemon/requests/record_request.h"
 #include "daemon/totals.h"
 
 namespace disparityd::daemon {
@@ -77,19 +78,9 @@ Daemon::Daemon(DaemonOptions options, Config config)
       builder_(
           [this](const Config& built, const EngineBuilder::Progress& progress) { return make_engine(built, progress); },
           [this] { tell_built(); }),
-      server_(server_config(config_), {[this] { return status(); },
-                                       [this](const RecordRequest& request, SessionHost::RecordAnswer answer) {
-                                           recording_.start(request, std::move(answer));
-                                       },
-                                       [this](SessionHost::RecordAnswer answer) { recording_.stop(std::move(answer)); },
-                                       [this](std::uint64_t client) { return recording_.is_recording_for(client); },
-                                       [this](std::uint64_t client) { recording_.client_is_gone(client); },
-                                       [this](const v1::CameraRequest& request, SessionHost::CameraAnswer answer) {
-                                           camera_.ask(request, std::move(answer));
-                                       },
-                                       [this](const v1::TraceRequest& request, SessionHost::TraceAnswer answer) {
-                                           trace_.ask(request, std::move(answer));
-                                       }}),
+      server_(server_config(config_), [this] { return status(); },
+              {record_start_request(recording_), record_stop_request(recording_), camera_request(camera_),
+               trace_request(trace_)}),
       camera_([this] { return engine(); }),
       trace_(control_, [this] { return engine(); }) {
     recording_.configure(record_rules(config_));

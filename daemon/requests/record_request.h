@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <string>
+#include "daemon/requests/request.h"
 
 namespace disparityd::daemon {
 
-/// What a client wants to have recorded, and who it is.
-struct RecordRequest {
-    std::string path;          ///< as the client wrote it
-    bool owner = false;        ///< ClientPeer::owns_daemon()
-    std::uint64_t client = 0;  ///< the connection's number
-};
+class RecordingControl;
+
+/// Starts and ends a recording, for clients that may control. RecordingControl has the rules about folder, owner, rate
+/// and room on the disk; it must outlive the requests. A recording goes on for the client that has started it.
+Request record_start_request(RecordingControl& recording);
+Request record_stop_request(RecordingControl& recording);
 
 }  // namespace disparityd::daemon

@@ -104,11 +104,11 @@ void RecordingControl::set_source(std::optional<capture::SourceInfo> source, con
     end_in_background(reason);
 }
 
-void RecordingControl::start(const RecordRequest& request, Answer answer) {
-    do_in(worker_, not_answered, [this, request, answer = std::move(answer)] {
+void RecordingControl::start(const WantedRecording& wanted, Answer answer) {
+    do_in(worker_, not_answered, [this, wanted, answer = std::move(answer)] {
         std::string refusal;
         try {
-            start_now(request);
+            start_now(wanted);
         } catch (const std::exception& error) {
             refusal = base::failure_text(error);
         }
@@ -136,7 +136,7 @@ void RecordingControl::wait() {
     finished.get_future().wait();
 }
 
-void RecordingControl::start_now(const RecordRequest& request) {
+void RecordingControl::start_now(const WantedRecording& wanted) {
     RecordRules rules;
     capture::SourceInfo source;
     unsigned number = 0;
@@ -145,7 +145,7 @@ void RecordingControl::start_now(const RecordRequest& request) {
         if (!rules_.enabled) {
             throw std::invalid_argument("record: refused, allowed only with [record] enabled = true");
         }
-        if (!rules_.directory_is_chosen && !request.owner) {
+        if (!rules_.directory_is_chosen && !wanted.owner) {
             throw std::invalid_argument(
                 "record: refused, allowed: for the daemon's own user over the Unix socket; for others only where "
                 "[record] directory names a folder");
@@ -161,7 +161,7 @@ void RecordingControl::start_now(const RecordRequest& request) {
         number = source_number_;
     }
     finish_ended();  // nothing more is ended until there is a recorder again
-    const std::string target = target_path(request.path, rules.directory);
+    const std::string target = target_path(wanted.path, rules.directory);
     if (const auto free = free_bytes(fs::path(target).parent_path()); free && *free < rules.keep_free_bytes) {
         throw std::runtime_error(fmt::format("record: {}: {}", target, too_full(*free, rules.keep_free_bytes)));
     }
@@ -179,7 +179,7 @@ void RecordingControl::start_now(const RecordRequest& request) {
         if (same_source) {
             path_ = target;
             recorder_ = recorder;
-            client_ = request.client;
+            client_ = wanted.client;
         }
     }
     if (!same_source) {

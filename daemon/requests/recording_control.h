@@ -13,7 +13,6 @@
 #include "capture/recording/recorder.h"
 #include "daemon/log.h"
 #include "daemon/one_thread.h"
-#include "daemon/requests/record_request.h"
 #include "daemon/socket/rate_limit.h"
 #include "proto/disparity.pb.h"
 
@@ -28,6 +27,13 @@ struct RecordRules {
     std::uint64_t max_bytes = 0;        ///< of a recording; 0 = no limit
     std::chrono::seconds max_time{0};   ///< of a recording; 0 = no limit
     bool ends_with_client = false;      ///< when the connection of the client that asked for it has ended
+};
+
+/// What a client wants to have recorded, and who it is.
+struct WantedRecording {
+    std::string path;          ///< as the client wrote it
+    bool owner = false;        ///< Requester::owns_daemon
+    std::uint64_t client = 0;  ///< Requester::client
 };
 
 /// Makes the recordings that clients ask for: one at a time, inside one folder, never over an existing file. A
@@ -51,7 +57,7 @@ public:
 
     /// Starts a recording. Its path is relative to the folder, each part begins with a letter or digit, and it ends in
     /// ".mkv".
-    void start(const RecordRequest& request, Answer answer);
+    void start(const WantedRecording& wanted, Answer answer);
     void stop(Answer answer);
 
     /// Waits until a recording that gets no more frames is finished. Not to be called by an Answer.
@@ -89,7 +95,7 @@ private:
     void watch_space();
 
     // In the worker; finish_ended() also when there is none any more.
-    void start_now(const RecordRequest& request);
+    void start_now(const WantedRecording& wanted);
     void finish_ended();
     void look_for_space();
 

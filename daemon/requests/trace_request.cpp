@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/requests/trace_service.h"
+#include "daemon/requests/trace_request.h"
 
 #include <utility>
 
@@ -11,20 +11,30 @@
 
 namespace disparityd::daemon {
 
-void TraceService::ask(const v1::TraceRequest& request, Answer answer) {
+Request trace_request(TraceService& trace) {
+    return {.message = v1::Envelope::kTraceRequest,
+            .name = "trace_request",
+            .word = "trace",
+            .handle = [&trace](const v1::Envelope& message, const Requester&, Reply reply) {
+                trace.ask(message.trace_request(), std::move(reply));
+            }};
+}
+
+void TraceService::ask(const v1::TraceRequest& request, Reply reply) {
     const double seconds = request.seconds();
     if (!(seconds >= least_seconds && seconds <= most_seconds)) {
-        answer({}, fmt::format("trace: seconds: found {}, allowed: {} to {}", seconds, least_seconds, most_seconds));
+        reply(refusal_of(
+            fmt::format("trace: seconds: found {}, allowed: {} to {}", seconds, least_seconds, most_seconds)));
         return;
     }
     {
         const std::lock_guard lock(mutex_);
-        if (!answer_) {
-            answer_ = std::exchange(answer, {});
+        if (!reply_) {
+            reply_ = std::exchange(reply, {});
         }
     }
-    if (answer) {
-        answer({}, fmt::format("trace: another one is being taken: ask again in {} s", most_seconds));
+    if (reply) {
+        reply(refusal_of(fmt::format("trace: another one is being taken: ask again in {} s", most_seconds)));
         return;
     }
     const std::chrono::duration<double> time(seconds);
@@ -66,22 +76,25 @@ void TraceService::end() {
             refuse("trace: the configuration was loaded again, or the source opened anew, meanwhile; ask again");
             return;
         }
-        auto parts = std::make_shared<const std::vector<v1::Trace>>(to_messages(engine->tracer().end()));
-        take_answer()(std::move(parts), {});
+        Answer answer;
+        for (v1::Trace& part : to_messages(engine->tracer().end())) {
+            *answer.messages.emplace_back().mutable_trace() = std::move(part);
+        }
+        take_reply()(std::move(answer));
     } catch (const std::exception& error) {
         refuse("trace: " + base::failure_text(error));
     }
 }
 
 void TraceService::refuse(const std::string& why) {
-    if (const Answer answer = take_answer()) {
-        answer({}, why);
+    if (const Reply reply = take_reply()) {
+        reply(refusal_of(why));
     }
 }
 
-TraceService::Answer TraceService::take_answer() {
+Reply TraceService::take_reply() {
     const std::lock_guard lock(mutex_);
-    return std::exchange(answer_, {});
+    return std::exchange(reply_, {});
 }
 
 }  // namespace disparityd::daemon

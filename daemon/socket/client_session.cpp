@@ -8,11 +8,13 @@
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/dispatch.hpp>
 #include <boost/asio/read.hpp>
 #include <fmt/format.h>
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
+#include "daemon/socket/clients.h"
 #include "proto/framing.h"
 #include "proto/monotonic_clock.h"
 #include "proto/products.h"
@@ -28,8 +30,6 @@ constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
 /// A client that waits for the next status is not idle.
 constexpr double longest_status_interval_s = 86400;
-constexpr std::string_view messages_of_clients =
-    "hello, subscribe, status_request, record_start, record_stop, camera_request, trace_request, ready, ping";
 
 /// What a client is told that wants a product which is not made.
 std::string refused_product(int number, const std::vector<v1::Product>& made) {
@@ -48,16 +48,16 @@ std::string refused_product(int number, const std::vector<v1::Product>& made) {
 
 }  // namespace
 
-ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, SessionHost& host)
+ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, Clients& clients)
     : stream_(std::move(stream)),
       peer_(std::move(peer)),
       id_(id),
-      host_(host),
+      clients_(clients),
       deadline_(stream_.get_executor()),
       status_timer_(stream_.get_executor()),
       turn_timer_(stream_.get_executor()),
       pace_timer_(stream_.get_executor()),
-      requests_(ClientRules::most_at_once, host.rules().request_interval),
+      requests_(ClientRules::most_at_once, clients.rules().request_interval),
       credits_(ClientRules::most_at_once, ClientRules::credit_interval) {
     stream_.do_not_block();
     peer_.encrypted = stream_.encrypted();
@@ -79,14 +79,14 @@ void ClientSession::stop() noexcept {
 /// Returns whether a client that sends nothing stays connected.
 bool ClientSession::waits_for_something() const {
     return wanted() != 0 || early_ || wants_sensors() || wants_status_ || answer_pending_ ||
-           host_.is_recording_for(id_);
+           clients_.something_goes_on_for(id_);
 }
 
 void ClientSession::watch() {
     if (!is_open()) {
         return;
     }
-    const ClientRules& rules = host_.rules();
+    const ClientRules& rules = clients_.rules();
     if (!peer_.local && has_vanished(stream_.native_handle(), rules.liveness)) {
         close(fmt::format("connection lost: its machine has not answered for {} s",
                           rules.liveness.longest_silence().count()));
@@ -245,29 +245,24 @@ void ClientSession::handle(const v1::Envelope& message) {
         send_error("the first message must be Hello", true);
         return;
     }
+    if (const Request* const request = clients_.request(message.body_case())) {
+        pass_on(*request, message);
+        return;
+    }
+    const auto allowed = [this] { return "hello, subscribe, " + clients_.names_of_requests() + ", ready, ping"; };
     switch (message.body_case()) {
         case v1::Envelope::kHello: hello(message.hello()); break;
         case v1::Envelope::kSubscribe: subscribe(message.subscribe()); break;
-        case v1::Envelope::kStatusRequest: {
-            v1::Envelope answer;
-            *answer.mutable_status() = host_.status();
-            send(std::move(answer));
-            break;
-        }
-        case v1::Envelope::kRecordStart: start_recording(message.record_start()); break;
-        case v1::Envelope::kRecordStop: stop_recording(); break;
-        case v1::Envelope::kCameraRequest: control_camera(message.camera_request()); break;
-        case v1::Envelope::kTraceRequest: trace(message.trace_request()); break;
         case v1::Envelope::kReady: add_credit(message.ready()); break;
         case v1::Envelope::kPing: answer_ping(message.ping()); break;
         case v1::Envelope::BODY_NOT_SET:  // a newer client, which works without the answer
             send_error(fmt::format("Envelope: no message that disparityd {} knows, allowed: {}", DISPARITYD_VERSION,
-                                   messages_of_clients),
+                                   allowed()),
                        false);
             break;
         default:
             send_error(fmt::format("message {} of Envelope is not for clients to send, allowed: {}",
-                                   static_cast<int>(message.body_case()), messages_of_clients),
+                                   static_cast<int>(message.body_case()), allowed()),
                        true);
     }
 }
@@ -293,7 +288,7 @@ void ClientSession::hello(const v1::Hello& hello) {
     deadline_.cancel();
     v1::Envelope answer;
     v1::Welcome& welcome = *answer.mutable_welcome();
-    const StreamLayout& layout = host_.layout();
+    const StreamLayout& layout = clients_.layout();
     welcome.set_protocol_version(proto::protocol_version);
     welcome.set_server_version(DISPARITYD_VERSION);
     *welcome.mutable_geometry() = to_message(layout.geometry);
@@ -303,13 +298,13 @@ void ClientSession::hello(const v1::Hello& hello) {
     welcome.set_shared_memory(layout.shared_memory);
     welcome.set_monotonic_ns(proto::monotonic_ns());
     send(std::move(answer));
-    host_.came_back(*this);
-    host_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
+    clients_.came_back(*this);
+    clients_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
 }
 
 void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     Selection selection;
-    const StreamLayout& layout = host_.layout();
+    const StreamLayout& layout = clients_.layout();
     const double interval = subscribe.status_interval_s();
     if (!(interval >= 0 && interval <= longest_status_interval_s)) {
         send_error(fmt::format("Subscribe: status_interval_s: found {:g}, allowed: 0 (none) .. {:g}", interval,
@@ -353,18 +348,18 @@ void ClientSession::subscribe(const v1::Subscribe& subscribe) {
     outdated_ = compressing_;
     compressed_.reset();
     if (subscribe.sensors() && !wants_sensors_) {
-        next_sample_ = host_.sensors().end();
+        next_sample_ = clients_.sensors().end();
     }
     wants_sensors_ = subscribe.sensors();
     const bool by_credit = subscribe.by_credit();
     credit_.start(by_credit);
-    feed_.start(host_.frames(), subscribe.max_rate(),
+    feed_.start(clients_.frames(), subscribe.max_rate(),
                 by_credit ? FrameFeed::Order::newest_only : FrameFeed::Order::oldest_first);
-    host_.subscription_changed();
+    clients_.subscription_changed();
     send_status_every(interval);
     if (!has_subscribed_ && (wanted() != 0 || wants_sensors() || wants_status_)) {
         has_subscribed_ = true;
-        host_.log().connections.write(LogLevel::info, label() + ": subscribed");
+        clients_.log().connections.write(LogLevel::info, label() + ": subscribed");
     }
 }
 
@@ -383,80 +378,61 @@ void ClientSession::send_status_every(double seconds) {
         }
         if (self.answers_.empty()) {  // a client that does not read gets no queue of them
             v1::Envelope message;
-            *message.mutable_status() = self.host_.status();
+            *message.mutable_status() = self.clients_.status();
             self.send(std::move(message));
         }
         self.send_status_every(seconds);
     }));
 }
 
-void ClientSession::start_recording(const v1::RecordStart& start) {
-    if (may_control("record")) {
-        host_.start_recording({start.path(), peer_.owns_daemon(), id_}, record_answer());
+void ClientSession::pass_on(const Request& request, const v1::Envelope& message) {
+    if (request.changes_something && request.changes_something(message) && !may_control(request.word)) {
+        return;
     }
+    request.handle(message, {id_, peer_.owns_daemon()}, reply());
 }
 
-void ClientSession::stop_recording() {
-    if (may_control("record")) {
-        host_.stop_recording(record_answer());
-    }
-}
-
-SessionHost::RecordAnswer ClientSession::record_answer() {
-    return [self = shared_from_this(), question = ask()](const v1::RecordStatus& status, const std::string& refusal) {
-        self->guarded([&] {
-            v1::Envelope answer;
-            *answer.mutable_record_status() = status;
-            self->answer_later(std::move(answer), refusal);
+/// Returns what takes the answer to the request that has arrived, in whatever thread it comes.
+Reply ClientSession::reply() {
+    return [self = shared_from_this(), question = ask(), thread = stream_.get_executor()](Answer answer) {
+        asio::dispatch(thread, [self, question, answer = std::move(answer)]() mutable {
+            self->guarded([&] { self->answer(std::move(answer)); });
+            self->clients_.answered(self->id_);
         });
     };
 }
 
-void ClientSession::control_camera(const v1::CameraRequest& request) {
-    constexpr int most_settings = 64;
-    if (request.settings_size() > most_settings) {
-        send_error(
-            fmt::format("camera: found {} settings, allowed: at most {}", request.settings_size(), most_settings),
-            false);
-        return;
-    }
-    if (request.settings_size() > 0 && !may_control("camera")) {
-        return;
-    }
-    host_.control_camera(request, [self = shared_from_this(), question = ask()](const v1::CameraControls& controls,
-                                                                                const std::string& refusal) {
-        self->guarded([&] {
-            v1::Envelope answer;
-            *answer.mutable_camera_controls() = controls;
-            self->answer_later(std::move(answer), refusal);
-        });
-    });
-}
-
-void ClientSession::trace(const v1::TraceRequest& request) {
-    host_.trace(request, [self = shared_from_this(), question = ask()](const SessionHost::TraceParts& parts,
-                                                                       const std::string& refusal) {
-        self->guarded([&] {
-            v1::Envelope answer;
-            for (std::size_t i = 0; parts && i < parts->size(); ++i) {
-                *answer.mutable_trace() = (*parts)[i];
-                if (i + 1 < parts->size()) {
-                    self->send(answer);
-                }
-            }
-            self->answer_later(std::move(answer), refusal);
-        });
-    });
-}
-
-void ClientSession::answer_later(v1::Envelope answer, const std::string& refusal) {
+void ClientSession::answer(Answer answer) {
     answer_pending_ = false;
-    if (!refusal.empty()) {
-        send_error(refusal, false);
-    } else {
-        send(std::move(answer));
+    if (!answer.refusal.empty()) {
+        send_error(answer.refusal, false);
+    }
+    for (v1::Envelope& message : answer.messages) {
+        send(std::move(message));
     }
     read_length();
+}
+
+void ClientSession::answer_ping(const v1::Ping& ping) {
+    limit_apart_from_requests();
+    v1::Envelope answer;
+    answer.mutable_pong()->set_client_ns(ping.client_ns());
+    answer.mutable_pong()->set_monotonic_ns(proto::monotonic_ns());
+    send(std::move(answer));
+}
+
+/// A client may send Ready with every frame, and still ask as much as others.
+void ClientSession::limit_apart_from_requests() {
+    requests_.give_back();
+    credits_.take();
+}
+
+void ClientSession::make_room_for(const ClientSession& newer) noexcept {
+    const bool same_client = id_ != newer.id_ && greeted_ && client_id_ != 0 && client_id_ == newer.client_id_;
+    if (same_client && is_open() && peer_.local == newer.peer_.local && peer_.user == newer.peer_.user &&
+        peer_.certificate == newer.peer_.certificate && token_ == newer.token_) {
+        close("closed: its client has connected anew");
+    }
 }
 
 void ClientSession::layout_changed() {
@@ -468,13 +444,13 @@ void ClientSession::layout_changed() {
         subscribe(v1::Subscribe(*early_));
         credit_ = given;
     }
-    const auto& offered = host_.layout().products;
+    const auto& offered = clients_.layout().products;
     const std::size_t before = selection_.products.size();
     std::erase_if(selection_.products, [&offered](v1::Product product) {
         return std::find(offered.begin(), offered.end(), product) == offered.end();
     });
     if (selection_.products.size() != before) {
-        host_.subscription_changed();
+        clients_.subscription_changed();
         send_error("a subscribed product is no longer served since the daemon was reconfigured", false);
     }
 }
@@ -485,14 +461,14 @@ void ClientSession::close(std::string_view why) noexcept {
     }
     stop();
     try {
-        (has_subscribed_ ? host_.log().connections : host_.log().unsubscribed)
+        (has_subscribed_ ? clients_.log().connections : clients_.log().unsubscribed)
             .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
                    fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, feed_.frames_sent(),
                                feed_.frames_skipped()));
     } catch (...) {
         log_caught("a client is closed");
     }
-    host_.closed(id_);
+    clients_.closed(id_);
 }
 
 }  // namespace disparityd::daemon

@@ -15,12 +15,11 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "daemon/log.h"
 #include "daemon/published_frame.h"
-#include "daemon/requests/record_request.h"
-#include "daemon/socket/client_access.h"
+#include "daemon/requests/request.h"
 #include "daemon/socket/client_handler.h"
 #include "daemon/socket/client_peer.h"
+#include "daemon/socket/client_rules.h"
 #include "daemon/socket/client_stream.h"
 #include "daemon/socket/frame_compressor.h"
 #include "daemon/socket/frame_credit.h"
@@ -29,64 +28,10 @@
 #include "daemon/socket/outgoing_message.h"
 #include "daemon/socket/rate_limit.h"
 #include "daemon/socket/sensor_ring.h"
-#include "daemon/socket/tcp_liveness.h"
 
 namespace disparityd::daemon {
 
-/// Rate limits of log lines about clients, one per kind of line: many lines of one kind do not suppress another kind.
-struct ClientLog {
-    LogLimiter connections;
-    LogLimiter unsubscribed;  ///< of clients that subscribe to nothing
-    LogLimiter errors;
-    LogLimiter slow_clients;
-};
-
-/// Rights and time limits of clients, as configured.
-struct ClientRules {
-    ClientAccess access;
-    proto::TlsContext tls;                      ///< for clients over TCP; null: they use none
-    std::chrono::milliseconds idle_timeout{0};  ///< for clients without subscription and request; 0 = unlimited
-    TcpLiveness liveness;
-    std::chrono::microseconds request_interval{5000};  ///< between two messages of a client, after most_at_once
-    static constexpr int most_at_once = 200;
-    static constexpr std::size_t bytes_of_one = 4096;  ///< a longer message counts as several
-    /// Between two messages Ready or Ping, after most_at_once; they count as no other message.
-    static constexpr std::chrono::microseconds credit_interval{1000};
-};
-
-class ClientSession;
-
-/// What a session needs of the server that owns it. All calls are made in the server's thread.
-class SessionHost {
-public:
-    /// The answer to a request about recordings: the state, or why it was refused.
-    using RecordAnswer = std::function<void(const v1::RecordStatus& status, const std::string& refusal)>;
-
-    /// The same for requests about the camera.
-    using CameraAnswer = std::function<void(const v1::CameraControls& controls, const std::string& refusal)>;
-
-    /// The same for traces: the parts of one, at least one where nothing is refused.
-    using TraceParts = std::shared_ptr<const std::vector<v1::Trace>>;
-    using TraceAnswer = std::function<void(TraceParts parts, const std::string& refusal)>;
-
-    virtual ~SessionHost() = default;
-    virtual const StreamLayout& layout() const = 0;
-    virtual FrameRing& frames() = 0;
-    virtual FrameCompressor& compressor() = 0;
-    virtual const SensorRing& sensors() = 0;
-    virtual ClientLog& log() = 0;
-    virtual v1::Status status() = 0;
-    virtual const ClientRules& rules() const = 0;
-    virtual bool is_recording_for(std::uint64_t id) const = 0;
-    virtual void start_recording(const RecordRequest& request, RecordAnswer answer) = 0;
-    virtual void stop_recording(RecordAnswer answer) = 0;
-    virtual void control_camera(const v1::CameraRequest& request, CameraAnswer answer) = 0;
-    virtual void trace(const v1::TraceRequest& request, TraceAnswer answer) = 0;
-    virtual void subscription_changed() = 0;
-    /// Closes older connections of the client that `session` has greeted.
-    virtual void came_back(const ClientSession& session) = 0;
-    virtual void closed(std::uint64_t id) noexcept = 0;
-};
+class Clients;
 
 /// One connection: reads requests, writes answers and frames, and closes when a rule is broken. Its memory is bounded:
 /// one incoming message (1 MiB at most), a few answers or a trace (12 MiB at most), one outgoing frame and one
@@ -96,7 +41,7 @@ class ClientSession : public std::enable_shared_from_this<ClientSession>, public
 public:
     using Socket = ClientStream::Socket;
 
-    ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, SessionHost& host);
+    ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, Clients& clients);
 
     /// Waits for the client's Hello, with TLS after the handshake, which begins after `wait`.
     void start(std::chrono::nanoseconds wait = {});
@@ -199,13 +144,10 @@ private:
     void limit_apart_from_requests();
     bool holds_back();
     void send_status_every(double seconds);
-    bool may_control(const char* what);
-    void start_recording(const v1::RecordStart& start);
-    void stop_recording();
-    SessionHost::RecordAnswer record_answer();
-    void control_camera(const v1::CameraRequest& request);
-    void trace(const v1::TraceRequest& request);
-    void answer_later(v1::Envelope answer, const std::string& refusal);
+    bool may_control(std::string_view what);
+    void pass_on(const Request& request, const v1::Envelope& message);
+    Reply reply();
+    void answer(Answer answer);
     void send(v1::Envelope message);
     void send_error(const std::string& why, bool closing);
     void pump();
@@ -235,7 +177,7 @@ private:
     ClientStream stream_;
     ClientPeer peer_;
     const std::uint64_t id_;
-    SessionHost& host_;
+    Clients& clients_;
     boost::asio::steady_timer deadline_;  ///< for the Hello, later for the client's end of a close
     boost::asio::steady_timer status_timer_;
     boost::asio::steady_timer turn_timer_;  ///< until the handshake may begin

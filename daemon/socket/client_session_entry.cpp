@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "daemon/socket/client_session.h"
+#include "daemon/socket/clients.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -91,8 +92,8 @@ void ClientSession::handshake_failed(const error_code& error) {
             true);
         return;
     }
-    host_.log().errors.write(LogLevel::warning,
-                             fmt::format("{}: closed: no TLS handshake: {}", label(), stream_.reason(error)));
+    clients_.log().errors.write(LogLevel::warning,
+                                fmt::format("{}: closed: no TLS handshake: {}", label(), stream_.reason(error)));
     phase_ = Phase::leaving;
     close_later();
     end_output();  // after OpenSSL's alert, which tells the client why
@@ -117,7 +118,7 @@ void ClientSession::access_changed() {
 
 /// Returns why the client may not look; empty: it may. The rules may be newer than the handshake.
 std::string ClientSession::why_refused(const std::string& token) const {
-    const ClientRules& rules = host_.rules();
+    const ClientRules& rules = clients_.rules();
     if (rules.access.right_of(peer_, token) == base::Right::none) {
         return rules.access.why_not_view(peer_, token);
     }
@@ -153,8 +154,8 @@ void ClientSession::refuse_late(const std::string& why) {
 }
 
 /// Returns whether the client may do that; sends an Error if not.
-bool ClientSession::may_control(const char* what) {
-    const ClientAccess& access = host_.rules().access;
+bool ClientSession::may_control(std::string_view what) {
+    const ClientAccess& access = clients_.rules().access;
     if (access.right_of(peer_, token_) == base::Right::control) {
         return true;
     }

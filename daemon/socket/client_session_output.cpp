@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The output of a session: which message is written next, which frame, and how the connection ends.
+// The output of a session: which message is written next, which frame, what keeps frames fresh, and how the connection
+// ends.
 #include <algorithm>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <fmt/format.h>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 
 #include "base/failure_text.h"
 #include "daemon/socket/client_session.h"
+#include "daemon/socket/clients.h"
 #include "proto/framing.h"
 #include "proto/monotonic_clock.h"
 #include "proto/text.h"
@@ -51,6 +55,17 @@ v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, cons
     return message;
 }
 
+/// So many frames may lie in the system's buffers for a client that gives no credit.
+constexpr std::size_t frames_in_buffers = 4;
+
+/// Returns the bytes that the system still holds for the client: over TCP those not sent yet, on the Unix socket those
+/// not read yet, with the system's own bytes around them. What lies unread at another machine is not known here.
+std::size_t held_by_system(int socket, bool local) {
+    int bytes = 0;
+    return ::ioctl(socket, local ? SIOCOUTQ : SIOCOUTQNSD, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes)
+                                                                                     : 0;
+}
+
 }  // namespace
 
 void ClientSession::send(v1::Envelope message) {
@@ -72,11 +87,11 @@ void ClientSession::send_error(const std::string& why, bool closing) {
     message.mutable_error()->set_message(proto::to_valid_utf8(why));
     message.mutable_error()->set_closing(closing);
     proto::encode(message, answers_.emplace_back());
-    host_.log().errors.write(LogLevel::warning,
-                             fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
+    clients_.log().errors.write(LogLevel::warning,
+                                fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
     if (closing) {
         phase_ = Phase::leaving;
-        host_.subscription_changed();
+        clients_.subscription_changed();
         close_later();
     }
     pump();
@@ -103,10 +118,10 @@ void ClientSession::frame_arrived() {
     if (writing_ && !stall_logged_ && wanted() != 0 &&
         std::chrono::steady_clock::now() - write_started_ > stall_limit) {
         stall_logged_ = true;
-        host_.log().slow_clients.write(LogLevel::warning,
-                                       fmt::format("{}: a message to it takes longer than {} s: it reads too slowly; "
-                                                   "it stays connected, frames are skipped for it",
-                                                   label(), stall_limit.count()));
+        clients_.log().slow_clients.write(
+            LogLevel::warning, fmt::format("{}: a message to it takes longer than {} s: it reads too slowly; "
+                                           "it stays connected, frames are skipped for it",
+                                           label(), stall_limit.count()));
     }
     ask_for_compressed();
     pump();
@@ -134,11 +149,11 @@ void ClientSession::pump() {
 
 /// Starts a message with all new samples. They go before the next frame: a client that skips frames gets all samples.
 bool ClientSession::take_sensors() {
-    if (!wants_sensors() || next_sample_ == host_.sensors().end()) {
+    if (!wants_sensors() || next_sample_ == clients_.sensors().end()) {
         return false;
     }
     v1::Envelope message;
-    next_sample_ = host_.sensors().fill(next_sample_, *message.mutable_sensors());
+    next_sample_ = clients_.sensors().fill(next_sample_, *message.mutable_sensors());
     proto::encode(message, message_.start());
     return true;
 }
@@ -160,14 +175,14 @@ bool ClientSession::clamp_region(const FrameCopy& frame, Selection& selection) {
 /// Takes the next frame of the feed, with the selection for it. The frame is null if there is none or the region lies
 /// outside of it.
 FrameCompressor::Request ClientSession::take_request() {
-    FrameCompressor::Request request{feed_.take(host_.frames(), wanted()), selection_};
+    FrameCompressor::Request request{feed_.take(clients_.frames(), wanted()), selection_};
     if (request.frame) {
         credit_.take();
     }
     if (request.frame && !clamp_region(*request.frame, request.selection)) {
         request.frame = nullptr;
         selection_ = {};
-        host_.subscription_changed();
+        clients_.subscription_changed();
         send_error("the subscribed region lies outside of the image since the daemon was reconfigured: subscribe again",
                    false);
     }
@@ -190,7 +205,7 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
 
 bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
     return wanted() != 0 && may_compress() && selection_ == request.selection &&
-           feed_.would_take(host_.frames(), request.frame);
+           feed_.would_take(clients_.frames(), request.frame);
 }
 
 bool ClientSession::take_frame() {
@@ -212,7 +227,7 @@ bool ClientSession::take_frame() {
     }
     std::shared_ptr<const EncodedPlanes> planes;
     try {
-        planes = host_.frames().encoded(next.frame, next.selection);
+        planes = clients_.frames().encoded(next.frame, next.selection);
     } catch (const std::exception& error) {
         send_error(base::failure_text(error), true);
         return false;
@@ -246,9 +261,9 @@ bool ClientSession::may_compress() const {
 
 void ClientSession::ask_for_compressed() {
     if (wanted() != 0 && selection_.encoding == v1::ZSTD && may_compress() && !compressing_ && !compressed_ &&
-        feed_.has_next(host_.frames())) {
+        feed_.has_next(clients_.frames())) {
         compressing_ = true;
-        host_.compressor().ask(shared_from_this());
+        clients_.compressor().ask(shared_from_this());
     }
 }
 
@@ -331,7 +346,7 @@ void ClientSession::output_failed(const std::string& why) {
     message_.finish();
     compressed_.reset();
     answers_.clear();
-    host_.subscription_changed();
+    clients_.subscription_changed();
     // Reading finds the end of what the client has sent. One that keeps its connection half open, or asked for what
     // takes long, gets no more than this time.
     deadline_.expires_after(close_timeout);
@@ -364,6 +379,20 @@ void ClientSession::drain() {
                                   self.drain();
                               }
                           }));
+}
+
+void ClientSession::add_credit(const v1::Ready& ready) {
+    limit_apart_from_requests();
+    credit_.add(ready.frames());
+    ask_for_compressed();
+    pump();
+}
+
+/// Returns whether the next frame waits: a client that gives no credit would get it behind frames of the past. The next
+/// one that is published asks again, and watch() where none comes.
+bool ClientSession::holds_back() {
+    return !credit_.limited() && frame_bytes_ != 0 &&
+           held_by_system(stream_.native_handle(), peer_.local) > frames_in_buffers * frame_bytes_;
 }
 
 }  // namespace disparityd::daemon

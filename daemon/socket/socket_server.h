@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -16,12 +15,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "daemon/one_thread.h"
-#include "daemon/socket/client_places.h"
-#include "daemon/socket/client_session.h"
-#include "daemon/socket/frame_compressor.h"
+#include "daemon/requests/request.h"
+#include "daemon/socket/clients.h"
 #include "daemon/socket/frame_pool.h"
-#include "daemon/socket/frame_ring.h"
 #include "daemon/socket/listener.h"
 #include "daemon/socket/sensor_ring.h"
 
@@ -42,25 +38,15 @@ struct SocketServerConfig {
     std::chrono::milliseconds handshake_interval{10};  ///< between two TLS handshakes, after a few at once
 };
 
-/// What the server asks of the daemon; called in the server's thread, must not block.
-struct SocketServices {
-    std::function<v1::Status()> status;  ///< without the clients, which the server adds
-    /// The answer may come later, from any thread.
-    std::function<void(const RecordRequest& request, SessionHost::RecordAnswer answer)> start_recording;
-    std::function<void(SessionHost::RecordAnswer answer)> stop_recording;
-    std::function<bool(std::uint64_t client)> is_recording_for;  ///< RecordRequest::client; empty: never
-    std::function<void(std::uint64_t client)> client_is_gone;    ///< RecordRequest::client; empty: not reported
-    std::function<void(const v1::CameraRequest& request, SessionHost::CameraAnswer answer)> control_camera;
-    std::function<void(const v1::TraceRequest& request, SessionHost::TraceAnswer answer)> trace;
-};
-
 /// Serves frames and status over TCP and a Unix socket, in one thread of its own. The publisher never waits for it: it
 /// copies the planes that clients want into a bounded pool; the server's thread does the rest.
-class SocketServer final : private SessionHost {
+class SocketServer {
 public:
-    /// Binds. Throws as make_tcp_listener() and make_unix_listener(). Clients are accepted from start() on.
-    SocketServer(const SocketServerConfig& config, SocketServices services);
-    ~SocketServer() override;
+    /// Binds. Throws as make_tcp_listener() and make_unix_listener(). Clients are accepted from start() on. `status`
+    /// gives the daemon's, without the clients; `requests` are what clients may ask for beside it. Both are called in
+    /// the server's thread.
+    SocketServer(const SocketServerConfig& config, std::function<v1::Status()> status, Requests requests);
+    ~SocketServer();
     SocketServer(const SocketServer&) = delete;
     SocketServer& operator=(const SocketServer&) = delete;
 
@@ -102,7 +88,7 @@ public:
     std::chrono::nanoseconds silence();
 
     /// Returns how many clients have disconnected since the start. Any thread.
-    std::uint64_t gone() const { return gone_.load(std::memory_order_relaxed); }
+    std::uint64_t gone() const { return clients_.gone(); }
 
     /// Returns how many frames no client was offered because all copies were in use. Any thread.
     std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
@@ -110,35 +96,10 @@ public:
 private:
     using Listeners = std::vector<std::shared_ptr<Listener>>;
 
-    const StreamLayout& layout() const override { return layout_; }
-    FrameRing& frames() override { return ring_; }
-    FrameCompressor& compressor() override { return compressor_; }
-    const SensorRing& sensors() override { return sensors_; }
-    ClientLog& log() override { return log_; }
-    v1::Status status() override;
-    const ClientRules& rules() const override { return rules_; }
-    bool is_recording_for(std::uint64_t id) const override {
-        return services_.is_recording_for && services_.is_recording_for(id);
-    }
-    void start_recording(const RecordRequest& request, RecordAnswer answer) override;
-    void stop_recording(RecordAnswer answer) override;
-    void control_camera(const v1::CameraRequest& request, CameraAnswer answer) override;
-    void trace(const v1::TraceRequest& request, TraceAnswer answer) override;
-    void subscription_changed() override;
-    void came_back(const ClientSession& session) override;
-    void closed(std::uint64_t id) noexcept override;
-
     void serve(Listener& listener);
     Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
-    void accepted(ClientSession::Socket socket, ClientPeer peer);
-    bool has_place(bool local) const;
-    void make_place();
-    void frame_arrived(FrameHandle frame);
-    void sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest);
-    template <typename Action>
-    void for_each_session(Action action) noexcept;
-    RecordAnswer in_server_thread(RecordAnswer answer);
-    void tell_gone(std::uint64_t client) noexcept;
+    Requests with_status(Requests requests);
+    v1::Status status_and_losses() const;
     void watch_clients() noexcept;
     void run() noexcept;
     void look_around() noexcept;
@@ -146,7 +107,7 @@ private:
 
     boost::asio::io_context io_{1};
     boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
-    SocketServices services_;
+    std::function<v1::Status()> status_;
     std::thread thread_;
 
     // The configuring thread's.
@@ -161,30 +122,16 @@ private:
     std::uint32_t samples_lost_ = 0;
 
     // Between threads.
-    std::atomic<std::uint32_t> wanted_{0};
-    std::atomic<bool> sensors_wanted_{false};
     std::atomic<std::size_t> samples_on_the_way_{0};
     std::atomic<std::uint64_t> lost_{0};
     std::atomic<bool> answered_{true};
-    std::atomic<std::uint64_t> gone_{0};
 
     // The server thread's.
     Listeners serving_;
-    StreamLayout layout_;
-    FrameRing ring_;
-    boost::asio::thread_pool compressing_ = one_thread();
-    FrameCompressor compressor_;
-    SensorRing sensors_;
-    ClientLog log_;
     boost::asio::steady_timer watch_timer_;
     std::chrono::steady_clock::time_point watch_due_;
-    ClientPlaces places_;
-    ClientRules rules_;
-    RateLimit handshakes_;
-    std::map<std::uint64_t, std::shared_ptr<ClientSession>> clients_;
-    std::map<std::uint64_t, std::shared_ptr<ClientSession>> refused_;
-    v1::Totals served_;  ///< of the clients that have gone
-    std::uint64_t next_id_ = 1;
+    std::chrono::milliseconds watch_interval_;
+    Clients clients_;
 };
 
 }  // namespace disparityd::daemon

@@ -143,7 +143,7 @@ TEST_F(MemoryFailureTest, AClientThatHasLeftHoldsNoFrame) {
     constexpr std::size_t frame_bytes = 640 * 480 * 3;
     feed_ = PatternFrames(640, 480, {v1::LEFT_COLOUR});  // more than a Unix socket takes
     start(64, 1);
-    daemon::SessionHost::RecordAnswer answer;
+    daemon::Reply answer;
     {
         WireClient leaver = connect(unix_);
         subscribe(leaver, subscription({v1::LEFT_COLOUR}));

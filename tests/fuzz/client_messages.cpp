@@ -5,7 +5,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "daemon/socket/client_session.h"
+#include "daemon/requests/status_request.h"
+#include "daemon/socket/clients.h"
+#include "daemon/socket/frame_pool.h"
 #include "tests/daemon/socket/pattern_frames.h"
 #include "tests/fuzz/outcome.h"
 
@@ -13,51 +15,29 @@ using namespace disparityd;
 
 namespace {
 
+daemon::Request granted(v1::Envelope::BodyCase message, std::function<void(v1::Envelope&)> answer) {
+    return {.message = message,
+            .name = "request",
+            .word = "request",
+            .changes_something = [](const v1::Envelope&) { return true; },
+            .handle = [answer = std::move(answer)](const v1::Envelope&, const daemon::Requester&,
+                                                   const daemon::Reply& reply) { reply(daemon::answer_of(answer)); }};
+}
+
 /// A daemon that grants everything.
-class Host final : public daemon::SessionHost {
-public:
-    /// What it does, it does in `loop`, so that the same input always takes the same way.
-    explicit Host(boost::asio::io_context& loop) : compressor_(loop, loop.get_executor()) {
-        ring_.put(pool_.copy(feed_.next(), ~0U));
-    }
-
-    const daemon::StreamLayout& layout() const override { return feed_.layout(); }
-    daemon::FrameRing& frames() override { return ring_; }
-    daemon::FrameCompressor& compressor() override { return compressor_; }
-    const daemon::SensorRing& sensors() override { return samples_; }
-    daemon::ClientLog& log() override { return log_; }
-    v1::Status status() override { return {}; }
-    const daemon::ClientRules& rules() const override { return rules_; }
-    bool is_recording_for(std::uint64_t) const override { return false; }
-    void start_recording(const daemon::RecordRequest& request, RecordAnswer answer) override {
-        answer({}, request.path.empty() ? "record: no path" : "");
-    }
-    void stop_recording(RecordAnswer answer) override { answer({}, ""); }
-    void control_camera(const v1::CameraRequest&, CameraAnswer answer) override { answer({}, ""); }
-    void trace(const v1::TraceRequest& request, TraceAnswer answer) override {
-        answer(std::make_shared<std::vector<v1::Trace>>(request.seconds() > 0 ? 2 : 0), "");
-    }
-    void subscription_changed() override {}
-    void came_back(const daemon::ClientSession&) override {}
-    void closed(std::uint64_t) noexcept override { closed_ = true; }
-
-    void publish() {
-        ring_.put(pool_.copy(feed_.next(), ~0U));
-        samples_.put(std::vector<capture::SensorSample>(2), std::chrono::steady_clock::now());
-    }
-    bool is_closed() const { return closed_; }
-
-private:
-    test::PatternFrames feed_{8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT}};
-    daemon::FramePool pool_{feed_.layout(), 4};
-    daemon::FrameRing ring_{2};
-    daemon::FrameCompressor compressor_;
-    daemon::SensorRing samples_;
-    daemon::ClientLog log_;
-    // Without a pause between messages.
-    daemon::ClientRules rules_{{}, {}, {}, {}, {}};
-    bool closed_ = false;
-};
+daemon::Requests all_granted() {
+    return {daemon::status_request([] { return v1::Status(); }),
+            granted(v1::Envelope::kRecordStart, [](v1::Envelope& answer) { answer.mutable_record_status(); }),
+            granted(v1::Envelope::kRecordStop, [](v1::Envelope& answer) { answer.mutable_record_status(); }),
+            granted(v1::Envelope::kCameraRequest, [](v1::Envelope& answer) { answer.mutable_camera_controls(); }),
+            {.message = v1::Envelope::kTraceRequest,
+             .name = "trace_request",
+             .word = "trace",
+             .handle = [](const v1::Envelope& message, const daemon::Requester&, const daemon::Reply& reply) {
+                 const std::size_t parts = message.trace_request().seconds() > 0 ? 2 : 0;
+                 reply({std::vector<v1::Envelope>(parts), parts > 0 ? "" : "trace: no time"});
+             }}};
+}
 
 }  // namespace
 
@@ -70,11 +50,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::array<int, 2> ends{};
     fuzz::expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) == 0, "socketpair");
     boost::asio::io_context loop;
-    Host host(loop);
-    const auto session = std::make_shared<daemon::ClientSession>(
-        daemon::ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]),
-        daemon::ClientPeer{.address = "fuzz", .local = true, .user = ::geteuid()}, 1, host);
-    session->start();
+    test::PatternFrames feed(8, 6, {v1::DISPARITY, v1::CONFIDENCE, v1::DEPTH, v1::LEFT});
+    daemon::FramePool pool(feed.layout(), 4);
+    // Without a pause between messages.
+    daemon::Clients clients(loop, 2, daemon::ClientPlaces(4, SIZE_MAX, false, true), {{}, {}, {}, {}, {}},
+                            all_granted(), [] { return v1::Status(); }, {});
+    clients.set_layout(feed.layout());
+    clients.frame_arrived(pool.copy(feed.next(), ~0U));
+    clients.accept(daemon::ClientSession::Socket(loop, boost::asio::generic::stream_protocol(AF_UNIX, 0), ends[0]),
+                   daemon::ClientPeer{.address = "fuzz", .local = true, .user = ::geteuid()});
     std::size_t sent = 0;
     // Until the session has read all and has nothing to do; what it answers is thrown away.
     for (bool busy = true; busy;) {
@@ -86,15 +70,14 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             busy = true;
         }
     }
-    host.publish();
-    session->frame_arrived();
-    session->sensors_arrived();
-    session->layout_changed();
-    session->watch();
+    clients.frame_arrived(pool.copy(feed.next(), ~0U));
+    clients.sensors_arrived(std::vector<capture::SensorSample>(2), std::chrono::steady_clock::now());
+    clients.set_layout(feed.layout());
+    clients.watch();
     loop.poll();
-    session->status();
+    clients.status();
     ::close(ends[1]);
-    session->stop();
+    clients.end_all();
     loop.poll();
     return 0;
 }

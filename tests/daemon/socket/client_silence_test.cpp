@@ -131,7 +131,7 @@ TEST_F(ClientSilenceTest, OneThatGoesBeforeItsRecordingBeginsIsReportedAgain) {
         }
         return gone_ == client;
     };
-    daemon::SessionHost::RecordAnswer answer;
+    daemon::Reply answer;
     {
         WireClient client = connect(unix_);
         subscribe(client, subscription({v1::DISPARITY}));
@@ -142,7 +142,7 @@ TEST_F(ClientSilenceTest, OneThatGoesBeforeItsRecordingBeginsIsReportedAgain) {
     }
     EXPECT_TRUE(wait_until_gone(recorder_));
     gone_ = 0;
-    answer({}, "");  // it runs now, and its client was gone before
+    answer(daemon::answer_of([](v1::Envelope& told) { told.mutable_record_status(); }));  // it runs now, and its client was gone before
     EXPECT_TRUE(wait_until_gone(recorder_));
 }
 

@@ -30,8 +30,7 @@ protected:
     /// Makes a server from the configuration as it is.
     void restart() {
         config_.unix_path = "/tmp/disparityd-test-" + std::to_string(getpid()) + ".sock";
-        daemon::SocketServices services;
-        services.status = [this] {
+        const auto daemons_status = [this] {
             if (before_status_) {
                 before_status_();
             }
@@ -39,44 +38,8 @@ protected:
             status.set_state("running");
             return status;
         };
-        services.start_recording = [this](const daemon::RecordRequest& request,
-                                          const daemon::SessionHost::RecordAnswer& answer) {
-            v1::RecordStatus status;
-            status.set_active(true);
-            status.set_path(request.path);
-            asked_by_owner_ = request.owner;
-            recorder_ = request.client;
-            if (request.path == "held.mkv") {
-                held_answer_.set_value(answer);
-                return;
-            }
-            answer(status, request.path.empty() ? "record: no path" : "");
-        };
-        services.stop_recording = [this](const daemon::SessionHost::RecordAnswer& answer) {
-            ++stops_;
-            answer({}, "");
-        };
-        services.is_recording_for = [this](std::uint64_t client) { return recording_ && client == recorder_; };
-        services.client_is_gone = [this](std::uint64_t client) { gone_ = client; };
-        services.control_camera = [](const v1::CameraRequest& request,
-                                     const daemon::SessionHost::CameraAnswer& answer) {
-            v1::CameraControls controls;
-            for (const v1::CameraSetting& setting : request.settings()) {
-                v1::CameraControl& control = *controls.add_controls();
-                control.set_name(setting.name());
-                control.set_value(setting.value());
-            }
-            answer(controls, request.settings_size() == 0 ? "camera: nothing asked for" : "");
-        };
-        services.trace = [](const v1::TraceRequest& request, const daemon::SessionHost::TraceAnswer& answer) {
-            std::vector<v1::Trace> parts(2);
-            parts[0].add_tracks()->set_name("first");
-            parts[1].add_tracks()->set_name("second");
-            parts[1].set_last(true);
-            answer(std::make_shared<const std::vector<v1::Trace>>(std::move(parts)),
-                   request.seconds() > 0 ? "" : "trace: no time");
-        };
-        server_ = std::make_unique<daemon::SocketServer>(config_, services);
+        server_ = std::make_unique<daemon::SocketServer>(
+            config_, daemons_status, daemon::Requests{record_start(), record_stop(), camera(), trace()});
         server_->set_layout(feed_.layout());
         server_->start();
         tcp_ = server_->addresses().at(0);
@@ -116,13 +79,92 @@ protected:
         status(client);
     }
 
-    std::atomic<bool> asked_by_owner_{false};                      ///< the last recording; read it after the answer
-    std::atomic<std::uint64_t> recorder_{0};                       ///< who has asked for it
-    std::promise<daemon::SessionHost::RecordAnswer> held_answer_;  ///< to a recording of "held.mkv"
-    std::atomic<std::uint64_t> gone_{0};                           ///< the client that has gone last
-    std::atomic<bool> recording_{false};                           ///< what the server is told of it
-    std::atomic<int> stops_{0};                                    ///< recordings that clients have ended
-    std::function<void()> before_status_;                          ///< in the server's thread; set before start()
+    // Requests as a daemon has them, which are answered at once.
+
+    daemon::Request record_start() {
+        return {
+            .message = v1::Envelope::kRecordStart,
+            .name = "record_start",
+            .word = "record",
+            .changes_something = [](const v1::Envelope&) { return true; },
+            .handle =
+                [this](const v1::Envelope& message, const daemon::Requester& requester, const daemon::Reply& reply) {
+                    const std::string& path = message.record_start().path();
+                    asked_by_owner_ = requester.owns_daemon;
+                    recorder_ = requester.client;
+                    if (path == "held.mkv") {
+                        held_answer_.set_value(reply);
+                        return;
+                    }
+                    reply(path.empty() ? daemon::refusal_of("record: no path")
+                                       : daemon::answer_of([&](v1::Envelope& answer) {
+                                             answer.mutable_record_status()->set_active(true);
+                                             answer.mutable_record_status()->set_path(path);
+                                         }));
+                },
+            .goes_on_for = [this](std::uint64_t client) { return recording_ && client == recorder_; },
+            .client_is_gone = [this](std::uint64_t client) { gone_ = client; }};
+    }
+
+    daemon::Request record_stop() {
+        return {.message = v1::Envelope::kRecordStop,
+                .name = "record_stop",
+                .word = "record",
+                .changes_something = [](const v1::Envelope&) { return true; },
+                .handle =
+                    [this](const v1::Envelope&, const daemon::Requester&, const daemon::Reply& reply) {
+                        ++stops_;
+                        reply(daemon::answer_of([](v1::Envelope& answer) { answer.mutable_record_status(); }));
+                    }};
+    }
+
+    static daemon::Request camera() {
+        return {
+            .message = v1::Envelope::kCameraRequest,
+            .name = "camera_request",
+            .word = "camera",
+            .changes_something = [](const v1::Envelope& asked) { return asked.camera_request().settings_size() > 0; },
+            .handle =
+                [](const v1::Envelope& message, const daemon::Requester&, const daemon::Reply& reply) {
+                    const v1::CameraRequest& request = message.camera_request();
+                    if (request.settings_size() == 0) {
+                        reply(daemon::refusal_of("camera: nothing asked for"));
+                        return;
+                    }
+                    reply(daemon::answer_of([&](v1::Envelope& answer) {
+                        for (const v1::CameraSetting& setting : request.settings()) {
+                            v1::CameraControl& control = *answer.mutable_camera_controls()->add_controls();
+                            control.set_name(setting.name());
+                            control.set_value(setting.value());
+                        }
+                    }));
+                }};
+    }
+
+    static daemon::Request trace() {
+        return {.message = v1::Envelope::kTraceRequest,
+                .name = "trace_request",
+                .word = "trace",
+                .handle = [](const v1::Envelope& message, const daemon::Requester&, const daemon::Reply& reply) {
+                    if (message.trace_request().seconds() <= 0) {
+                        reply(daemon::refusal_of("trace: no time"));
+                        return;
+                    }
+                    daemon::Answer answer{std::vector<v1::Envelope>(2), ""};
+                    answer.messages[0].mutable_trace()->add_tracks()->set_name("first");
+                    answer.messages[1].mutable_trace()->add_tracks()->set_name("second");
+                    answer.messages[1].mutable_trace()->set_last(true);
+                    reply(std::move(answer));
+                }};
+    }
+
+    std::atomic<bool> asked_by_owner_{false};  ///< the last recording; read it after the answer
+    std::atomic<std::uint64_t> recorder_{0};   ///< who has asked for it
+    std::promise<daemon::Reply> held_answer_;  ///< to a recording of "held.mkv"
+    std::atomic<std::uint64_t> gone_{0};       ///< the client that has gone last
+    std::atomic<bool> recording_{false};       ///< what the server is told of it
+    std::atomic<int> stops_{0};                ///< recordings that clients have ended
+    std::function<void()> before_status_;      ///< in the server's thread; set before start()
     daemon::SocketServerConfig config_;
     PatternFrames feed_{64, 48, all_products()};
     std::unique_ptr<daemon::SocketServer> server_;

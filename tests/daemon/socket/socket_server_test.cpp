@@ -11,6 +11,7 @@
 #include <sys/un.h>
 #include <zstd.h>
 
+#include "daemon/requests/camera_request.h"
 #include "tests/daemon/socket/server_fixture.h"
 
 namespace disparityd::test {
@@ -18,6 +19,10 @@ namespace {
 
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
+
+v1::Status no_status() {
+    return {};
+}
 
 using SocketServerTest = ServerTest;
 
@@ -327,7 +332,7 @@ TEST_F(SocketServerTest, AddressesInUseAreNamed) {
     second.unix_path = "";
     second.tcp = tcp_.substr(4);
     try {
-        daemon::SocketServer server(second, {});
+        daemon::SocketServer server(second, no_status, {});
         FAIL() << "bound twice";
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), HasSubstr(tcp_));
@@ -336,7 +341,7 @@ TEST_F(SocketServerTest, AddressesInUseAreNamed) {
     second = config_;
     second.tcp = "";
     try {
-        daemon::SocketServer server(second, {});
+        daemon::SocketServer server(second, no_status, {});
         FAIL() << "bound twice";
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), HasSubstr(config_.unix_path));
@@ -357,9 +362,8 @@ TEST_F(SocketServerTest, LeftOverUnixSocketIsReplacedAndOwnRemoved) {
     }
     daemon::SocketServerConfig config;
     config.unix_path = path;
-    daemon::SocketServices services;
     {
-        daemon::SocketServer server(config, services);
+        daemon::SocketServer server(config, no_status, {});
         server.set_layout(feed_.layout());
         server.start();
         connect("unix:" + path);
@@ -372,9 +376,9 @@ TEST_F(SocketServerTest, LeftOverUnixSocketIsReplacedAndOwnRemoved) {
 TEST_F(SocketServerTest, AnAddressIsTakenBeforeItIsServed) {
     daemon::SocketServerConfig config;
     config.unix_path = "/tmp/disparityd-early-" + std::to_string(getpid()) + ".sock";
-    daemon::SocketServer first(config, {});
+    daemon::SocketServer first(config, no_status, {});
     first.set_layout(feed_.layout());
-    EXPECT_THROW(daemon::SocketServer(config, {}), std::runtime_error);
+    EXPECT_THROW(daemon::SocketServer(config, no_status, {}), std::runtime_error);
     WireClient early("unix:" + config.unix_path);
     first.start();
     const auto welcome = early.hello("early");
@@ -384,13 +388,7 @@ TEST_F(SocketServerTest, AnAddressIsTakenBeforeItIsServed) {
 TEST_F(SocketServerTest, ASubscriptionFromBeforeTheFirstLayoutHoldsFromThenOn) {
     daemon::SocketServerConfig config;
     config.unix_path = "/tmp/disparityd-prepares-" + std::to_string(getpid()) + ".sock";
-    daemon::SocketServices services;
-    services.status = [] {
-        v1::Status status;
-        status.set_state("waiting");
-        return status;
-    };
-    daemon::SocketServer server(config, services);
+    daemon::SocketServer server(config, no_status, {});
     server.start();
     WireClient client("unix:" + config.unix_path);
     const auto welcome = client.hello("early");
@@ -407,6 +405,21 @@ TEST_F(SocketServerTest, ASubscriptionFromBeforeTheFirstLayoutHoldsFromThenOn) {
     EXPECT_EQ(answer->envelope.frame().planes(0).product(), v1::DISPARITY);
 }
 
+TEST(CameraRequest, OneOfTooManySettingsIsRefusedAndOneWithoutASource) {
+    daemon::CameraControlService camera([] { return nullptr; });
+    const auto refusal = [&](int settings) {
+        v1::CameraRequest request;
+        while (request.settings_size() < settings) {
+            request.add_settings();
+        }
+        std::promise<std::string> told;
+        camera.ask(request, [&](const daemon::Answer& answer) { told.set_value(answer.refusal); });
+        return told.get_future().get();
+    };
+    EXPECT_THAT(refusal(65), HasSubstr("found 65 settings, allowed: at most 64"));
+    EXPECT_THAT(refusal(64), HasSubstr("the source is being prepared"));
+}
+
 TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
     start();
     WireClient client = connect(unix_);
@@ -419,13 +432,6 @@ TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
     ASSERT_TRUE(answer && answer->envelope.has_camera_controls());
     EXPECT_EQ(answer->envelope.camera_controls().controls(0).name(), "gain-left");
     EXPECT_EQ(answer->envelope.camera_controls().controls(0).value(), 30);
-    for (int i = 0; i < 64; ++i) {
-        request.mutable_camera_request()->add_settings();
-    }
-    ASSERT_TRUE(client.send(request));
-    answer = client.receive();
-    ASSERT_TRUE(answer && answer->envelope.has_error());
-    EXPECT_THAT(answer->envelope.error().message(), HasSubstr("found 65 settings, allowed: at most 64"));
     request.mutable_camera_request()->clear_settings();
     ASSERT_TRUE(client.send(request));
     answer = client.receive();
@@ -459,7 +465,7 @@ TEST_F(SocketServerTest, AFileInPlaceOfTheSocketIsRefused) {
     daemon::SocketServerConfig config;
     config.unix_path = path;
     try {
-        daemon::SocketServer server(config, {});
+        daemon::SocketServer server(config, no_status, {});
         FAIL() << "replaced a file";
     } catch (const std::runtime_error& error) {
         EXPECT_THAT(error.what(), HasSubstr(path));
