@@ -2,7 +2,6 @@
 #include "daemon/socket/client_session.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -17,7 +16,6 @@
 #include "daemon/socket/clients.h"
 #include "proto/framing.h"
 #include "proto/monotonic_clock.h"
-#include "proto/products.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -28,24 +26,6 @@ using boost::system::error_code;
 /// Answers that may wait for a client before nothing more is read from it.
 constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
-/// A client that waits for the next status is not idle.
-constexpr double longest_status_interval_s = 86400;
-
-/// What a client is told that wants a product which is not made.
-std::string refused_product(int number, const std::vector<v1::Product>& made) {
-    std::string allowed;
-    for (const v1::Product product : made) {
-        allowed += (allowed.empty() ? "" : ", ") + v1::Product_Name(product);
-    }
-    const auto wanted = std::find_if(proto::products.begin(), proto::products.end(),
-                                     [number](const proto::ProductInfo& one) { return one.number == number; });
-    if (wanted == proto::products.end() || wanted->config_key.empty()) {
-        return fmt::format("Subscribe: products: found {}, allowed: {}", number, allowed);
-    }
-    return fmt::format("Subscribe: products: found {}, allowed: {}; for {} set {} = true in the daemon's configuration",
-                       v1::Product_Name(wanted->number), allowed, wanted->name, wanted->config_key);
-}
-
 }  // namespace
 
 ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, Clients& clients)
@@ -78,7 +58,7 @@ void ClientSession::stop() noexcept {
 
 /// Returns whether a client that sends nothing stays connected.
 bool ClientSession::waits_for_something() const {
-    return wanted() != 0 || early_ || wants_sensors() || wants_status_ || answer_pending_ ||
+    return wanted() != 0 || subscription_.keeps_one() || wants_sensors() || wants_status_ || answer_pending_ ||
            clients_.something_goes_on_for(id_);
 }
 
@@ -132,8 +112,8 @@ void ClientSession::look_for_answer() noexcept {
 
 void ClientSession::add_to(v1::Totals& totals) const noexcept {
     totals.set_clients(totals.clients() + (greeted_ ? 1 : 0));
-    totals.set_client_frames_sent(totals.client_frames_sent() + feed_.frames_sent());
-    totals.set_client_frames_skipped(totals.client_frames_skipped() + feed_.frames_skipped());
+    totals.set_client_frames_sent(totals.client_frames_sent() + subscription_.feed().frames_sent());
+    totals.set_client_frames_skipped(totals.client_frames_skipped() + subscription_.feed().frames_skipped());
     totals.set_client_bytes_sent(totals.client_bytes_sent() + bytes_sent_);
 }
 
@@ -141,8 +121,8 @@ v1::ClientStatus ClientSession::status() {
     v1::ClientStatus status;
     status.set_name(name_);
     status.set_address(peer_.address);
-    status.set_frames_sent(feed_.frames_sent());
-    status.set_frames_skipped(feed_.frames_skipped());
+    status.set_frames_sent(subscription_.feed().frames_sent());
+    status.set_frames_skipped(subscription_.feed().frames_skipped());
     status.set_bytes_sent(bytes_sent_);
     status.set_compressed_bytes(account().bytes());
     const auto compressing = std::chrono::duration_cast<std::chrono::microseconds>(account().time());
@@ -302,62 +282,24 @@ void ClientSession::hello(const v1::Hello& hello) {
     clients_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
 }
 
-void ClientSession::subscribe(const v1::Subscribe& subscribe) {
-    Selection selection;
+void ClientSession::subscribe(const v1::Subscribe& wanted) {
     const StreamLayout& layout = clients_.layout();
-    const double interval = subscribe.status_interval_s();
-    if (!(interval >= 0 && interval <= longest_status_interval_s)) {
-        send_error(fmt::format("Subscribe: status_interval_s: found {:g}, allowed: 0 (none) .. {:g}", interval,
-                               longest_status_interval_s),
-                   false);
-        return;
-    }
-    early_.reset();
-    if (layout.products.empty()) {  // the first source is being prepared: its products are not known
-        early_ = subscribe;
-        credit_.start(subscribe.by_credit());
-        send_status_every(subscribe.status_interval_s());
-        return;
-    }
-    for (const int number : subscribe.products()) {
-        const auto product = static_cast<v1::Product>(number);
-        if (std::find(layout.products.begin(), layout.products.end(), product) == layout.products.end()) {
-            send_error(refused_product(number, layout.products), false);
-            return;
-        }
-        if (std::find(selection.products.begin(), selection.products.end(), product) == selection.products.end()) {
-            selection.products.push_back(product);
-        }
-    }
-    selection.region = {subscribe.region().x(), subscribe.region().y(), subscribe.region().width(),
-                        subscribe.region().height()};
-    selection.encoding = subscribe.encoding();
-    std::string wrong = region_problem(selection.region, layout.geometry.width, layout.geometry.height);
-    if (!wrong.empty()) {
-        wrong = "region: " + wrong;
-    } else if (selection.encoding != v1::RAW && selection.encoding != v1::ZSTD) {
-        wrong = fmt::format("encoding: found {}, allowed: 0 (raw) or 1 (zstd)", static_cast<int>(selection.encoding));
-    } else if (!std::isfinite(subscribe.max_rate()) || subscribe.max_rate() < 0) {
-        wrong = fmt::format("max_rate: found {}, allowed: 0 (every frame) or more", subscribe.max_rate());
-    }
-    if (!wrong.empty()) {
+    if (const std::string wrong = ClientSubscription::problem(wanted, layout); !wrong.empty()) {
         send_error("Subscribe: " + wrong, false);
         return;
     }
-    selection_ = std::move(selection);
+    static_cast<void>(subscription_.take_kept());  // this one replaces it
+    if (layout.products.empty()) {                 // the first source is being prepared: its products are not known
+        subscription_.keep(wanted);
+        send_status_every(wanted.status_interval_s());
+        return;
+    }
+    subscription_.start(wanted, clients_.frames(), clients_.sensors());
     outdated_ = compressing_;
     compressed_.reset();
-    if (subscribe.sensors() && !wants_sensors_) {
-        next_sample_ = clients_.sensors().end();
-    }
-    wants_sensors_ = subscribe.sensors();
-    const bool by_credit = subscribe.by_credit();
-    credit_.start(by_credit);
-    feed_.start(clients_.frames(), subscribe.max_rate(),
-                by_credit ? FrameFeed::Order::newest_only : FrameFeed::Order::oldest_first);
     clients_.subscription_changed();
-    send_status_every(interval);
-    if (!has_subscribed_ && (wanted() != 0 || wants_sensors() || wants_status_)) {
+    send_status_every(wanted.status_interval_s());
+    if (!has_subscribed_ && (this->wanted() != 0 || wants_sensors() || wants_status_)) {
         has_subscribed_ = true;
         clients_.log().connections.write(LogLevel::info, label() + ": subscribed");
     }
@@ -370,7 +312,7 @@ void ClientSession::send_status_every(double seconds) {
         return;
     }
     const auto interval = std::chrono::milliseconds(
-        static_cast<std::int64_t>(std::clamp(seconds, 0.1, longest_status_interval_s) * 1000));
+        static_cast<std::int64_t>(std::clamp(seconds, 0.1, ClientSubscription::longest_status_interval_s) * 1000));
     status_timer_.expires_after(interval);
     status_timer_.async_wait(handler([seconds](ClientSession& self, error_code error) {
         if (error || !self.is_open()) {
@@ -439,17 +381,12 @@ void ClientSession::layout_changed() {
     if (!is_open()) {
         return;
     }
-    if (early_) {
-        const FrameCredit given = credit_;
-        subscribe(v1::Subscribe(*early_));
-        credit_ = given;
+    if (const auto kept = subscription_.take_kept()) {
+        const FrameCredit given = subscription_.credit();
+        subscribe(*kept);
+        subscription_.credit() = given;
     }
-    const auto& offered = clients_.layout().products;
-    const std::size_t before = selection_.products.size();
-    std::erase_if(selection_.products, [&offered](v1::Product product) {
-        return std::find(offered.begin(), offered.end(), product) == offered.end();
-    });
-    if (selection_.products.size() != before) {
+    if (subscription_.drop_products_not_in(clients_.layout().products)) {
         clients_.subscription_changed();
         send_error("a subscribed product is no longer served since the daemon was reconfigured", false);
     }
@@ -463,8 +400,8 @@ void ClientSession::close(std::string_view why) noexcept {
     try {
         (has_subscribed_ ? clients_.log().connections : clients_.log().unsubscribed)
             .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
-                   fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, feed_.frames_sent(),
-                               feed_.frames_skipped()));
+                   fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, subscription_.feed().frames_sent(),
+                               subscription_.feed().frames_skipped()));
     } catch (...) {
         log_caught("a client is closed");
     }

@@ -21,13 +21,10 @@
 #include "daemon/socket/client_peer.h"
 #include "daemon/socket/client_rules.h"
 #include "daemon/socket/client_stream.h"
-#include "daemon/socket/frame_compressor.h"
-#include "daemon/socket/frame_credit.h"
-#include "daemon/socket/frame_feed.h"
-#include "daemon/socket/frame_ring.h"
-#include "daemon/socket/outgoing_message.h"
+#include "daemon/socket/client_subscription.h"
+#include "daemon/socket/frames/frame_compressor.h"
+#include "daemon/socket/frames/outgoing_message.h"
 #include "daemon/socket/rate_limit.h"
-#include "daemon/socket/sensor_ring.h"
 
 namespace disparityd::daemon {
 
@@ -93,8 +90,8 @@ public:
 
     bool greeted() const { return greeted_; }
     bool local() const { return peer_.local; }
-    std::uint32_t wanted() const { return is_open() ? selection_.product_bits() : 0; }
-    bool wants_sensors() const { return is_open() && wants_sensors_; }
+    std::uint32_t wanted() const { return is_open() ? subscription_.products() : 0; }
+    bool wants_sensors() const { return is_open() && subscription_.sensors(); }
     v1::ClientStatus status();
 
     /// Adds what this client was sent, and the client itself once it has said hello.
@@ -138,7 +135,7 @@ private:
     std::string why_refused(const std::string& token) const;
     bool admit(const std::string& token);
     void refuse_late(const std::string& why);
-    void subscribe(const v1::Subscribe& subscribe);
+    void subscribe(const v1::Subscribe& wanted);
     void add_credit(const v1::Ready& ready);
     void answer_ping(const v1::Ping& ping);
     void limit_apart_from_requests();
@@ -162,7 +159,6 @@ private:
     void compressed(const FrameCompressor::Request& request,
                     std::shared_ptr<const EncodedPlanes> planes) noexcept override;
     void not_compressed(const std::string& why) noexcept override;
-    bool clamp_region(const FrameCopy& frame, Selection& selection);
     v1::Envelope make_head(const FrameCompressor::Request& request, const EncodedPlanes& planes);
     void write();
     void write_some();
@@ -211,15 +207,10 @@ private:
     bool stall_logged_ = false;
     std::chrono::steady_clock::time_point write_started_;
 
-    Selection selection_;
-    FrameFeed feed_;
-    FrameCredit credit_;
-    std::size_t frame_bytes_ = 0;         ///< of the frame's message sent last
-    std::optional<v1::Subscribe> early_;  ///< came before the first layout, which applies it
-    bool wants_sensors_ = false;
-    bool wants_status_ = false;  ///< at intervals
+    ClientSubscription subscription_;
+    std::size_t frame_bytes_ = 0;  ///< of the frame's message sent last
+    bool wants_status_ = false;    ///< at intervals
     bool has_subscribed_ = false;
-    std::uint64_t next_sample_ = 0;
     std::uint64_t bytes_sent_ = 0;
 };
 

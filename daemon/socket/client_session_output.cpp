@@ -149,51 +149,32 @@ void ClientSession::pump() {
 
 /// Starts a message with all new samples. They go before the next frame: a client that skips frames gets all samples.
 bool ClientSession::take_sensors() {
-    if (!wants_sensors() || next_sample_ == clients_.sensors().end()) {
+    v1::Envelope message;
+    if (!wants_sensors() || !subscription_.has_samples(clients_.sensors()) ||
+        !subscription_.take_samples(clients_.sensors(), *message.mutable_sensors())) {
         return false;
     }
-    v1::Envelope message;
-    next_sample_ = clients_.sensors().fill(next_sample_, *message.mutable_sensors());
     proto::encode(message, message_.start());
     return true;
 }
 
-/// Cuts the region to the image, which may be smaller after a reload. Returns false if nothing of it is left.
-bool ClientSession::clamp_region(const FrameCopy& frame, Selection& selection) {
-    auto& region = selection.region;
-    if (region_problem(region, frame.info.width, frame.info.height).empty()) {
-        return true;
-    }
-    if (region.x >= frame.info.width || region.y >= frame.info.height) {
-        return false;
-    }
-    region.width = std::min(region.width, frame.info.width - region.x);
-    region.height = std::min(region.height, frame.info.height - region.y);
-    return true;
-}
-
-/// Takes the next frame of the feed, with the selection for it. The frame is null if there is none or the region lies
-/// outside of it.
+/// Takes the next frame, with the selection for it. The frame is null if there is none, or the client is told that its
+/// region lies outside of it.
 FrameCompressor::Request ClientSession::take_request() {
-    FrameCompressor::Request request{feed_.take(clients_.frames(), wanted()), selection_};
-    if (request.frame) {
-        credit_.take();
-    }
-    if (request.frame && !clamp_region(*request.frame, request.selection)) {
-        request.frame = nullptr;
-        selection_ = {};
+    ClientSubscription::Taken taken = subscription_.take_frame(clients_.frames());
+    if (taken.region_is_outside) {
         clients_.subscription_changed();
         send_error("the subscribed region lies outside of the image since the daemon was reconfigured: subscribe again",
                    false);
     }
-    return request;
+    return std::move(taken.request);
 }
 
 FrameCompressor::Request ClientSession::next_request() noexcept {
     outdated_ = false;
     FrameCompressor::Request next;
     guarded([&] {
-        if (wanted() != 0 && selection_.encoding == v1::ZSTD && may_compress()) {
+        if (wanted() != 0 && subscription_.compressed() && may_compress()) {
             next = take_request();
         }
     });
@@ -204,8 +185,8 @@ FrameCompressor::Request ClientSession::next_request() noexcept {
 }
 
 bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
-    return wanted() != 0 && may_compress() && selection_ == request.selection &&
-           feed_.would_take(clients_.frames(), request.frame);
+    return wanted() != 0 && may_compress() && subscription_.selection() == request.selection &&
+           subscription_.feed().would_take(clients_.frames(), request.frame);
 }
 
 bool ClientSession::take_frame() {
@@ -215,10 +196,10 @@ bool ClientSession::take_frame() {
     if (holds_back()) {
         return false;
     }
-    if (selection_.encoding == v1::ZSTD) {
+    if (subscription_.compressed()) {
         return take_compressed();
     }
-    if (!credit_.allows_one()) {
+    if (!subscription_.credit().allows_one()) {
         return false;
     }
     const FrameCompressor::Request next = take_request();
@@ -247,7 +228,7 @@ bool ClientSession::take_compressed() {
         proto::encode(head, message_.start(std::exchange(compressed_, nullptr)));
         frame_bytes_ = message_.size();
     }
-    if (!taken || !credit_.limited()) {
+    if (!taken || !subscription_.credit().limited()) {
         ask_for_compressed();
     }
     return taken;
@@ -256,12 +237,12 @@ bool ClientSession::take_compressed() {
 /// Returns whether the next frame may be compressed now. For a client that gives credit none is while a message is
 /// being written: it would grow old behind that one.
 bool ClientSession::may_compress() const {
-    return credit_.allows_one() && (!credit_.limited() || !writing_);
+    return subscription_.credit().allows_one() && (!subscription_.credit().limited() || !writing_);
 }
 
 void ClientSession::ask_for_compressed() {
-    if (wanted() != 0 && selection_.encoding == v1::ZSTD && may_compress() && !compressing_ && !compressed_ &&
-        feed_.has_next(clients_.frames())) {
+    if (wanted() != 0 && subscription_.compressed() && may_compress() && !compressing_ && !compressed_ &&
+        subscription_.feed().has_next(clients_.frames())) {
         compressing_ = true;
         clients_.compressor().ask(shared_from_this());
     }
@@ -290,7 +271,8 @@ void ClientSession::not_compressed(const std::string& why) noexcept {
 
 /// Returns the head of the frame's message and counts the frame as sent.
 v1::Envelope ClientSession::make_head(const FrameCompressor::Request& request, const EncodedPlanes& planes) {
-    return frame_head(*request.frame, request.selection, planes, feed_.count_sent(request.frame->info.publish_index));
+    return frame_head(*request.frame, request.selection, planes,
+                      subscription_.feed().count_sent(request.frame->info.publish_index));
 }
 
 void ClientSession::write() {
@@ -383,7 +365,7 @@ void ClientSession::drain() {
 
 void ClientSession::add_credit(const v1::Ready& ready) {
     limit_apart_from_requests();
-    credit_.add(ready.frames());
+    subscription_.credit().add(ready.frames());
     ask_for_compressed();
     pump();
 }
@@ -391,7 +373,7 @@ void ClientSession::add_credit(const v1::Ready& ready) {
 /// Returns whether the next frame waits: a client that gives no credit would get it behind frames of the past. The next
 /// one that is published asks again, and watch() where none comes.
 bool ClientSession::holds_back() {
-    return !credit_.limited() && frame_bytes_ != 0 &&
+    return !subscription_.credit().limited() && frame_bytes_ != 0 &&
            held_by_system(stream_.native_handle(), peer_.local) > frames_in_buffers * frame_bytes_;
 }
 

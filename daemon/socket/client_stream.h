@@ -12,7 +12,7 @@
 #include <boost/asio/generic/stream_protocol.hpp>
 #include <boost/asio/post.hpp>
 
-#include "daemon/socket/outgoing_message.h"
+#include "daemon/socket/frames/outgoing_message.h"
 #include "proto/tls/tls_stream.h"
 
 namespace disparityd::daemon {

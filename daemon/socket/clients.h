@@ -18,10 +18,10 @@
 #include "daemon/socket/client_places.h"
 #include "daemon/socket/client_rules.h"
 #include "daemon/socket/client_session.h"
-#include "daemon/socket/frame_compressor.h"
-#include "daemon/socket/frame_ring.h"
+#include "daemon/socket/frames/frame_compressor.h"
+#include "daemon/socket/frames/frame_ring.h"
+#include "daemon/socket/frames/sensor_ring.h"
 #include "daemon/socket/rate_limit.h"
-#include "daemon/socket/sensor_ring.h"
 
 namespace disparityd::daemon {
 

@@ -17,9 +17,9 @@
 
 #include "daemon/requests/request.h"
 #include "daemon/socket/clients.h"
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/frame_pool.h"
+#include "daemon/socket/frames/sensor_ring.h"
 #include "daemon/socket/listener.h"
-#include "daemon/socket/sensor_ring.h"
 
 namespace disparityd::daemon {
 

@@ -7,7 +7,7 @@
 
 #include "daemon/requests/status_request.h"
 #include "daemon/socket/clients.h"
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/frame_pool.h"
 #include "tests/daemon/socket/pattern_frames.h"
 #include "tests/fuzz/outcome.h"
 

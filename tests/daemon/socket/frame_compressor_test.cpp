@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Whose turn it is with the compressor, counted in bytes and turns: nothing here depends on how fast anything is.
-#include "daemon/socket/frame_compressor.h"
+#include "daemon/socket/frames/frame_compressor.h"
 
 #include <memory>
 #include <vector>

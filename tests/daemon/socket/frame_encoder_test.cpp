@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What goes over a socket for each selection, byte by byte, and which of it is copied.
-#include "daemon/socket/frame_encoder.h"
+#include "daemon/socket/frames/frame_encoder.h"
 
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-#include "daemon/socket/frame_ring.h"
-#include "daemon/socket/outgoing_message.h"
+#include "daemon/socket/frames/frame_ring.h"
+#include "daemon/socket/frames/outgoing_message.h"
 #include "tests/daemon/socket/pattern_frames.h"
 
 namespace disparityd::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/frame_pool.h"
 
 #include <cstring>
 #include <utility>

@@ -12,9 +12,9 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/io_context.hpp>
 
-#include "daemon/socket/compressor_account.h"
-#include "daemon/socket/frame_encoder.h"
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/compressor_account.h"
+#include "daemon/socket/frames/frame_encoder.h"
+#include "daemon/socket/frames/frame_pool.h"
 
 namespace disparityd::daemon {
 

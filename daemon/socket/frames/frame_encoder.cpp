@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/frame_encoder.h"
+#include "daemon/socket/frames/frame_encoder.h"
 
 #include <new>
 #include <span>

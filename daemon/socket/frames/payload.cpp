@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/payload.h"
+#include "daemon/socket/frames/payload.h"
 
 #include <new>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/frame_compressor.h"
+#include "daemon/socket/frames/frame_compressor.h"
 
 #include <algorithm>
 #include <ctime>

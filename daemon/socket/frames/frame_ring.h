@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "daemon/socket/frame_encoder.h"
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/frame_encoder.h"
+#include "daemon/socket/frames/frame_pool.h"
 
 namespace disparityd::daemon {
 

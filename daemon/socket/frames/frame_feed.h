@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "daemon/socket/frame_ring.h"
+#include "daemon/socket/frames/frame_ring.h"
 
 namespace disparityd::daemon {
 

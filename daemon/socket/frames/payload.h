@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "daemon/socket/frame_pool.h"
+#include "daemon/socket/frames/frame_pool.h"
 
 namespace disparityd::daemon {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "daemon/socket/frame_pool.h"
-#include "daemon/socket/payload.h"
+#include "daemon/socket/frames/frame_pool.h"
+#include "daemon/socket/frames/payload.h"
 
 namespace disparityd::daemon {
 

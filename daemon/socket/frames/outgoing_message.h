@@ -9,7 +9,7 @@
 
 #include <boost/asio/buffer.hpp>
 
-#include "daemon/socket/frame_encoder.h"
+#include "daemon/socket/frames/frame_encoder.h"
 
 namespace disparityd::daemon {
 

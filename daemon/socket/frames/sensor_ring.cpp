@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/sensor_ring.h"
+#include "daemon/socket/frames/sensor_ring.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/socket/outgoing_message.h"
+#include "daemon/socket/frames/outgoing_message.h"
 
 #include <algorithm>
 #include <span>
