@@ -2,14 +2,12 @@
 #include "daemon/socket/client_session.h"
 
 #include <algorithm>
-#include <stdexcept>
-#include <string_view>
 #include <utility>
 
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/dispatch.hpp>
-#include <boost/asio/read.hpp>
 #include <fmt/format.h>
+#include <linux/sockios.h>
+#include <sys/ioctl.h>
 
 #include "base/failure_text.h"
 #include "base/message_text.h"
@@ -23,51 +21,52 @@ namespace {
 namespace asio = boost::asio;
 using boost::system::error_code;
 
-/// Answers that may wait for a client before nothing more is read from it.
-constexpr std::size_t max_answers = 8;
 constexpr std::size_t max_name = 64;  ///< bytes shown
+/// Passes before a wrong token is told: guessing is slow, and a right token waits for nobody.
+constexpr std::chrono::seconds pause_after_wrong_token{1};
+constexpr std::chrono::seconds stall_limit{2};
+
+/// So many frames may lie in the system's buffers for a client that gives no credit.
+constexpr std::size_t frames_in_buffers = 4;
+
+/// Returns the bytes that the system still holds for the client: over TCP those not sent yet, on the Unix socket those
+/// not read yet, with the system's own bytes around them. What lies unread at another machine is not known here.
+std::size_t held_by_system(int socket, bool local) {
+    int bytes = 0;
+    return ::ioctl(socket, local ? SIOCOUTQ : SIOCOUTQNSD, &bytes) == 0 && bytes > 0 ? static_cast<std::size_t>(bytes)
+                                                                                     : 0;
+}
+
 }  // namespace
 
 ClientSession::ClientSession(ClientStream stream, ClientPeer peer, std::uint64_t id, Clients& clients)
-    : stream_(std::move(stream)),
+    : ClientConnection(std::move(stream), clients),
       peer_(std::move(peer)),
       id_(id),
-      clients_(clients),
-      deadline_(stream_.get_executor()),
-      status_timer_(stream_.get_executor()),
-      turn_timer_(stream_.get_executor()),
-      pace_timer_(stream_.get_executor()),
-      requests_(ClientRules::most_at_once, clients.rules().request_interval),
-      credits_(ClientRules::most_at_once, ClientRules::credit_interval) {
-    stream_.do_not_block();
-    peer_.encrypted = stream_.encrypted();
+      status_timer_(this->stream().get_executor()) {
+    peer_.encrypted = this->stream().encrypted();
 }
 
-void ClientSession::stop() noexcept {
-    phase_ = Phase::closed;
-    error_code ignored;
-    stream_.close();
-    deadline_.cancel(ignored);
-    status_timer_.cancel(ignored);
-    turn_timer_.cancel(ignored);
-    pace_timer_.cancel(ignored);
-    // An answer that is still to come keeps this object alive. It must not keep frames.
-    message_.finish();
-    compressed_.reset();
+void ClientSession::shook_hands() {
+    peer_.certificate = stream().certificate();
+}
+
+void ClientSession::speaks_no_tls() {
+    peer_.encrypted = false;
 }
 
 /// Returns whether a client that sends nothing stays connected.
 bool ClientSession::waits_for_something() const {
     return wanted() != 0 || subscription_.keeps_one() || wants_sensors() || wants_status_ || answer_pending_ ||
-           clients_.something_goes_on_for(id_);
+           clients().something_goes_on_for(id_);
 }
 
 void ClientSession::watch() {
     if (!is_open()) {
         return;
     }
-    const ClientRules& rules = clients_.rules();
-    if (!peer_.local && has_vanished(stream_.native_handle(), rules.liveness)) {
+    const ClientRules& rules = clients().rules();
+    if (!peer_.local && has_vanished(stream().native_handle(), rules.liveness)) {
         close(fmt::format("connection lost: its machine has not answered for {} s",
                           rules.liveness.longest_silence().count()));
         return;
@@ -85,14 +84,6 @@ void ClientSession::watch() {
     }
     if (greeted_) {
         pump();  // a frame may have waited for room in the system's buffers, and none followed
-    }
-}
-
-void ClientSession::failed() noexcept {
-    try {
-        close("closed: " + base::failure_text(std::current_exception()));
-    } catch (...) {
-        close("closed: out of memory");
     }
 }
 
@@ -114,7 +105,7 @@ void ClientSession::add_to(v1::Totals& totals) const noexcept {
     totals.set_clients(totals.clients() + (greeted_ ? 1 : 0));
     totals.set_client_frames_sent(totals.client_frames_sent() + subscription_.feed().frames_sent());
     totals.set_client_frames_skipped(totals.client_frames_skipped() + subscription_.feed().frames_skipped());
-    totals.set_client_bytes_sent(totals.client_bytes_sent() + bytes_sent_);
+    totals.set_client_bytes_sent(totals.client_bytes_sent() + outbox().bytes_sent());
 }
 
 v1::ClientStatus ClientSession::status() {
@@ -123,7 +114,7 @@ v1::ClientStatus ClientSession::status() {
     status.set_address(peer_.address);
     status.set_frames_sent(subscription_.feed().frames_sent());
     status.set_frames_skipped(subscription_.feed().frames_skipped());
-    status.set_bytes_sent(bytes_sent_);
+    status.set_bytes_sent(outbox().bytes_sent());
     status.set_compressed_bytes(account().bytes());
     const auto compressing = std::chrono::duration_cast<std::chrono::microseconds>(account().time());
     status.set_compressor_us(static_cast<std::uint64_t>(compressing.count()));
@@ -137,99 +128,15 @@ std::string ClientSession::label() const {
     return fmt::format("client {} ({}{}{}{})", id_, name_, name_.empty() ? "" : ", ", peer_.address, certificate);
 }
 
-void ClientSession::read_length() {
-    if (!may_read() || reading_ || answer_pending_ || answers_.size() >= max_answers) {
-        return;
+void ClientSession::arrived(const v1::Envelope& message) {
+    if (!message.has_ready() && !message.has_ping()) {
+        last_request_ = std::chrono::steady_clock::now();
     }
-    reading_ = true;
-    const auto wait = std::max(requests_.wait(), credits_.wait());
-    requests_.take();
-    if (wait.count() == 0) {
-        await_length();
-        return;
-    }
-    pace_timer_.expires_after(wait);
-    pace_timer_.async_wait(handler([](ClientSession& self, error_code error) {
-        if (!error && self.may_read()) {
-            self.await_length();
-        }
-    }));
-}
-
-void ClientSession::await_length() {
-    asio::async_read(stream_, asio::buffer(length_),
-                     handler([](ClientSession& self, error_code error, std::size_t) { self.length_arrived(error); }));
-}
-
-void ClientSession::length_arrived(const error_code& error) {
-    reading_ = false;
-    if (!may_read()) {
-        return;
-    }
-    if (error) {
-        close(error == asio::error::eof ? "left" : "connection lost: " + stream_.reason(error));
-        return;
-    }
-    std::uint32_t length = 0;
-    try {
-        length = proto::decode_length(length_);
-    } catch (const std::invalid_argument& refused) {
-        send_error(refused.what(), true);
-        return;
-    }
-    read_message(length);
-}
-
-void ClientSession::read_message(std::uint32_t length) {
-    reading_ = true;
-    incoming_.clear();
-    // The buffer grows with the bytes that arrive: a client may announce more than it sends.
-    asio::async_read(stream_, asio::dynamic_buffer(incoming_, length), asio::transfer_exactly(length),
-                     handler([](ClientSession& self, error_code error, std::size_t) {
-                         self.reading_ = false;
-                         if (!self.may_read()) {
-                             return;
-                         }
-                         if (error) {
-                             self.close("left in the middle of a message: " + self.stream_.reason(error));
-                             return;
-                         }
-                         self.message_arrived();
-                     }));
-}
-
-void ClientSession::message_arrived() {
-    requests_.take(static_cast<std::int64_t>(incoming_.size() / ClientRules::bytes_of_one));
-    v1::Envelope message;
-    try {
-        proto::decode(incoming_, message);
-        incoming_.clear();
-        incoming_.shrink_to_fit();
-        if (message.payload_bytes() != 0) {
-            send_error(fmt::format("a message announces a payload of {} bytes, allowed: 0", message.payload_bytes()),
-                       true);
-        } else {
-            if (!message.has_ready() && !message.has_ping()) {
-                last_request_ = std::chrono::steady_clock::now();
-            }
-            handle(message);
-        }
-    } catch (const std::invalid_argument& refused) {
-        send_error(refused.what(), true);
-    }
-    read_length();
-}
-
-void ClientSession::handle(const v1::Envelope& message) {
-    if (!greeted_ && !message.has_hello()) {
-        send_error("the first message must be Hello", true);
-        return;
-    }
-    if (const Request* const request = clients_.request(message.body_case())) {
+    if (const Request* const request = clients().request(message.body_case())) {
         pass_on(*request, message);
         return;
     }
-    const auto allowed = [this] { return "hello, subscribe, " + clients_.names_of_requests() + ", ready, ping"; };
+    const auto allowed = [this] { return "hello, subscribe, " + clients().names_of_requests() + ", ready, ping"; };
     switch (message.body_case()) {
         case v1::Envelope::kHello: hello(message.hello()); break;
         case v1::Envelope::kSubscribe: subscribe(message.subscribe()); break;
@@ -265,10 +172,10 @@ void ClientSession::hello(const v1::Hello& hello) {
     }
     greeted_ = true;
     client_id_ = hello.client_id();
-    deadline_.cancel();
+    become_ready();
     v1::Envelope answer;
     v1::Welcome& welcome = *answer.mutable_welcome();
-    const StreamLayout& layout = clients_.layout();
+    const StreamLayout& layout = clients().layout();
     welcome.set_protocol_version(proto::protocol_version);
     welcome.set_server_version(DISPARITYD_VERSION);
     *welcome.mutable_geometry() = to_message(layout.geometry);
@@ -277,13 +184,72 @@ void ClientSession::hello(const v1::Hello& hello) {
     }
     welcome.set_shared_memory(layout.shared_memory);
     welcome.set_monotonic_ns(proto::monotonic_ns());
-    send(std::move(answer));
-    clients_.came_back(*this);
-    clients_.log().unsubscribed.write(LogLevel::debug, label() + ": connected");
+    send(answer);
+    clients().came_back(*this);
+    clients().log().unsubscribed.write(LogLevel::debug, label() + ": connected");
+}
+
+bool ClientSession::make_place() noexcept {
+    if (greeted_) {
+        return false;
+    }
+    close("closed: it had not said hello, and another client needs its place");
+    return true;
+}
+
+void ClientSession::access_changed() {
+    if (!greeted_ || !is_open()) {
+        return;
+    }
+    if (const std::string why = why_refused(token_); !why.empty()) {
+        send_error("since the daemon was reconfigured: " + why, true);
+    }
+}
+
+/// Returns why the client may not look; empty: it may. The rules may be newer than the handshake.
+std::string ClientSession::why_refused(const std::string& token) const {
+    const ClientRules& rules = clients().rules();
+    if (rules.access.right_of(peer_, token) == base::Right::none) {
+        return rules.access.why_not_view(peer_, token);
+    }
+    if (stream().encrypted() && rules.access.certificates && !stream().would_be_taken_by(rules.tls)) {
+        return "the certificate of this client is revoked, or of no authority in the file of [socket] client_authority";
+    }
+    return {};
+}
+
+/// Returns whether the client may look; else sends an Error, which a wrong token waits for.
+bool ClientSession::admit(const std::string& token) {
+    const std::string why = why_refused(token);
+    if (why.empty()) {
+        token_ = token;
+        return true;
+    }
+    if (peer_.local || token.empty()) {
+        send_error(why, true);
+    } else {
+        refuse_late(why);
+    }
+    return false;
+}
+
+void ClientSession::refuse_late(const std::string& why) {
+    // Nothing is read meanwhile, as before any answer.
+    set_deadline(pause_after_wrong_token, [this, why, question = ask()] { send_error(why, true); });
+}
+
+/// Returns whether the client may do that; sends an Error if not.
+bool ClientSession::may_control(std::string_view what) {
+    const ClientAccess& access = clients().rules().access;
+    if (access.right_of(peer_, token_) == base::Right::control) {
+        return true;
+    }
+    send_error(fmt::format("{}: {}", what, access.why_not_control(peer_)), false);
+    return false;
 }
 
 void ClientSession::subscribe(const v1::Subscribe& wanted) {
-    const StreamLayout& layout = clients_.layout();
+    const StreamLayout& layout = clients().layout();
     if (const std::string wrong = ClientSubscription::problem(wanted, layout); !wrong.empty()) {
         send_error("Subscribe: " + wrong, false);
         return;
@@ -294,14 +260,14 @@ void ClientSession::subscribe(const v1::Subscribe& wanted) {
         send_status_every(wanted.status_interval_s());
         return;
     }
-    subscription_.start(wanted, clients_.frames(), clients_.sensors());
+    subscription_.start(wanted, clients().frames(), clients().sensors());
     outdated_ = compressing_;
-    compressed_.reset();
-    clients_.subscription_changed();
+    outbox().drop_compressed();
+    clients().subscription_changed();
     send_status_every(wanted.status_interval_s());
     if (!has_subscribed_ && (this->wanted() != 0 || wants_sensors() || wants_status_)) {
         has_subscribed_ = true;
-        clients_.log().connections.write(LogLevel::info, label() + ": subscribed");
+        clients().log().connections.write(LogLevel::info, label() + ": subscribed");
     }
 }
 
@@ -314,16 +280,16 @@ void ClientSession::send_status_every(double seconds) {
     const auto interval = std::chrono::milliseconds(
         static_cast<std::int64_t>(std::clamp(seconds, 0.1, ClientSubscription::longest_status_interval_s) * 1000));
     status_timer_.expires_after(interval);
-    status_timer_.async_wait(handler([seconds](ClientSession& self, error_code error) {
-        if (error || !self.is_open()) {
+    status_timer_.async_wait(handler([this, seconds](ClientConnection&, error_code error) {
+        if (error || !is_open()) {
             return;
         }
-        if (self.answers_.empty()) {  // a client that does not read gets no queue of them
+        if (outbox().answers() == 0) {  // a client that does not read gets no queue of them
             v1::Envelope message;
-            *message.mutable_status() = self.clients_.status();
-            self.send(std::move(message));
+            *message.mutable_status() = clients().status();
+            send(message);
         }
-        self.send_status_every(seconds);
+        send_status_every(seconds);
     }));
 }
 
@@ -336,21 +302,21 @@ void ClientSession::pass_on(const Request& request, const v1::Envelope& message)
 
 /// Returns what takes the answer to the request that has arrived, in whatever thread it comes.
 Reply ClientSession::reply() {
-    return [self = shared_from_this(), question = ask(), thread = stream_.get_executor()](Answer answer) {
+    return [self = self(), question = ask(), thread = stream().get_executor()](Answer answer) {
         asio::dispatch(thread, [self, question, answer = std::move(answer)]() mutable {
-            self->guarded([&] { self->answer(std::move(answer)); });
-            self->clients_.answered(self->id_);
+            self->guarded([&] { self->answer(answer); });
+            self->clients().answered(self->id_);
         });
     };
 }
 
-void ClientSession::answer(Answer answer) {
+void ClientSession::answer(const Answer& answer) {
     answer_pending_ = false;
     if (!answer.refusal.empty()) {
         send_error(answer.refusal, false);
     }
-    for (v1::Envelope& message : answer.messages) {
-        send(std::move(message));
+    for (const v1::Envelope& message : answer.messages) {
+        send(message);
     }
     read_length();
 }
@@ -360,13 +326,14 @@ void ClientSession::answer_ping(const v1::Ping& ping) {
     v1::Envelope answer;
     answer.mutable_pong()->set_client_ns(ping.client_ns());
     answer.mutable_pong()->set_monotonic_ns(proto::monotonic_ns());
-    send(std::move(answer));
+    send(answer);
 }
 
-/// A client may send Ready with every frame, and still ask as much as others.
-void ClientSession::limit_apart_from_requests() {
-    requests_.give_back();
-    credits_.take();
+void ClientSession::add_credit(const v1::Ready& ready) {
+    limit_apart_from_requests();
+    subscription_.credit().add(ready.frames());
+    ask_for_compressed();
+    pump();
 }
 
 void ClientSession::make_room_for(const ClientSession& newer) noexcept {
@@ -386,26 +353,184 @@ void ClientSession::layout_changed() {
         subscribe(*kept);
         subscription_.credit() = given;
     }
-    if (subscription_.drop_products_not_in(clients_.layout().products)) {
-        clients_.subscription_changed();
+    if (subscription_.drop_products_not_in(clients().layout().products)) {
+        clients().subscription_changed();
         send_error("a subscribed product is no longer served since the daemon was reconfigured", false);
     }
 }
 
-void ClientSession::close(std::string_view why) noexcept {
-    if (phase_ == Phase::closed) {
+void ClientSession::frame_arrived() {
+    if (!may_write()) {
         return;
     }
-    stop();
+    if (outbox().is_lost()) {
+        close(lost_frame);
+        return;
+    }
+    if (wanted() != 0 && outbox().stalls(stall_limit)) {
+        clients().log().slow_clients.write(
+            LogLevel::warning, fmt::format("{}: a message to it takes longer than {} s: it reads too slowly; "
+                                           "it stays connected, frames are skipped for it",
+                                           label(), stall_limit.count()));
+    }
+    ask_for_compressed();
+    pump();
+}
+
+void ClientSession::sensors_arrived() {
+    pump();
+}
+
+bool ClientSession::start_next() {
+    return take_sensors() || take_frame();
+}
+
+void ClientSession::wants_nothing_more() {
+    clients().subscription_changed();
+}
+
+/// Starts a message with all new samples. They go before the next frame: a client that skips frames gets all samples.
+bool ClientSession::take_sensors() {
+    v1::Envelope message;
+    if (!wants_sensors() || !subscription_.has_samples(clients().sensors()) ||
+        !subscription_.take_samples(clients().sensors(), *message.mutable_sensors())) {
+        return false;
+    }
+    outbox().start(message);
+    return true;
+}
+
+/// Takes the next frame, with the selection for it. The frame is null if there is none, or the client is told that its
+/// region lies outside of it.
+FrameCompressor::Request ClientSession::take_request() {
+    ClientSubscription::Taken taken = subscription_.take_frame(clients().frames());
+    if (taken.region_is_outside) {
+        clients().subscription_changed();
+        send_error("the subscribed region lies outside of the image since the daemon was reconfigured: subscribe again",
+                   false);
+    }
+    return std::move(taken.request);
+}
+
+FrameCompressor::Request ClientSession::next_request() noexcept {
+    outdated_ = false;
+    FrameCompressor::Request next;
+    guarded([&] {
+        if (wanted() != 0 && subscription_.compressed() && may_compress()) {
+            next = take_request();
+        }
+    });
+    if (!next.frame) {
+        compressing_ = false;
+    }
+    return next;
+}
+
+bool ClientSession::same_request(const FrameCompressor::Request& request) const noexcept {
+    return wanted() != 0 && may_compress() && subscription_.selection() == request.selection &&
+           subscription_.feed().would_take(clients().frames(), request.frame);
+}
+
+bool ClientSession::take_frame() {
+    if (wanted() == 0) {
+        return false;
+    }
+    if (holds_back()) {
+        return false;
+    }
+    if (subscription_.compressed()) {
+        return take_compressed();
+    }
+    if (!subscription_.credit().allows_one()) {
+        return false;
+    }
+    const FrameCompressor::Request next = take_request();
+    if (!next.frame) {
+        return false;
+    }
+    std::shared_ptr<const EncodedPlanes> planes;
     try {
-        (has_subscribed_ ? clients_.log().connections : clients_.log().unsubscribed)
+        planes = clients().frames().encoded(next.frame, next.selection);
+    } catch (const std::exception& error) {
+        send_error(base::failure_text(error), true);
+        return false;
+    }
+    outbox().start_frame(make_head(next, *planes), planes);
+    return true;
+}
+
+/// Starts the message with the compressed frame, if there is one, and asks for the next one at once: a client that
+/// asked only after this one was sent would lose its turn. One that gives credit asks when this one is written.
+bool ClientSession::take_compressed() {
+    const bool taken = outbox().start_compressed();
+    if (!taken || !subscription_.credit().limited()) {
+        ask_for_compressed();
+    }
+    return taken;
+}
+
+/// Returns whether the next frame may be compressed now. For a client that gives credit none is while a message is
+/// being written: it would grow old behind that one.
+bool ClientSession::may_compress() const {
+    return subscription_.credit().allows_one() && (!subscription_.credit().limited() || !outbox().writing());
+}
+
+void ClientSession::ask_for_compressed() {
+    if (wanted() != 0 && subscription_.compressed() && may_compress() && !compressing_ && !outbox().has_compressed() &&
+        subscription_.feed().has_next(clients().frames())) {
+        compressing_ = true;
+        clients().compressor().ask(self());
+    }
+}
+
+void ClientSession::compressed(const FrameCompressor::Request& request,
+                               std::shared_ptr<const EncodedPlanes> planes) noexcept {
+    compressing_ = false;
+    if (!is_open()) {
+        return;
+    }
+    guarded([&] {
+        if (!std::exchange(outdated_, false)) {
+            v1::Envelope head = make_head(request, *planes);
+            outbox().keep_compressed(std::move(head), request.frame->captured, std::move(planes));
+        }
+        pump();
+    });
+}
+
+void ClientSession::not_compressed(const std::string& why) noexcept {
+    compressing_ = false;
+    guarded([&] { send_error(why, true); });
+}
+
+/// Returns the head of the frame's message and counts the frame as sent.
+v1::Envelope ClientSession::make_head(const FrameCompressor::Request& request, const EncodedPlanes& planes) {
+    return frame_head(*request.frame, request.selection, planes,
+                      subscription_.feed().count_sent(request.frame->info.publish_index));
+}
+
+/// Returns whether the next frame waits: a client that gives no credit would get it behind frames of the past. The next
+/// one that is published asks again, and watch() where none comes.
+bool ClientSession::holds_back() {
+    return !subscription_.credit().limited() && outbox().frame_bytes() != 0 &&
+           held_by_system(stream().native_handle(), peer_.local) > frames_in_buffers * outbox().frame_bytes();
+}
+
+void ClientSession::stopped() noexcept {
+    error_code ignored;
+    status_timer_.cancel(ignored);
+}
+
+void ClientSession::left(std::string_view why) noexcept {
+    try {
+        (has_subscribed_ ? clients().log().connections : clients().log().unsubscribed)
             .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
                    fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, subscription_.feed().frames_sent(),
                                subscription_.feed().frames_skipped()));
     } catch (...) {
         log_caught("a client is closed");
     }
-    clients_.closed(id_);
+    clients().closed(id_);
 }
 
 }  // namespace disparityd::daemon
