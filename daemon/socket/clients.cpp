@@ -25,13 +25,14 @@ std::string names_of(const Requests& requests) {
 
 }  // namespace
 
-Clients::Clients(boost::asio::io_context& io, std::size_t queue, ClientPlaces places, ClientRules rules,
-                 Requests requests, std::function<v1::Status()> status, std::chrono::milliseconds handshake_interval)
+Clients::Clients(boost::asio::io_context& io, boost::asio::any_io_executor compressing, std::size_t queue,
+                 ClientPlaces places, ClientRules rules, Requests requests, std::function<v1::Status()> status,
+                 std::chrono::milliseconds handshake_interval)
     : requests_(std::move(requests)),
       names_of_requests_(names_of(requests_)),
       status_(std::move(status)),
       ring_(queue),
-      compressor_(io, compressing_.get_executor()),
+      compressor_(io, std::move(compressing)),
       places_(std::move(places)),
       rules_(std::move(rules)),
       handshakes_(handshakes_at_once, handshake_interval) {}

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
+#include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/io_context.hpp>
 
 #include "daemon/log.h"
-#include "daemon/one_thread.h"
 #include "daemon/requests/request.h"
 #include "daemon/socket/client_places.h"
 #include "daemon/socket/client_rules.h"
@@ -30,8 +30,10 @@ namespace disparityd::daemon {
 class Clients {
 public:
     /// `status` gives the daemon's, without the clients; it and the functions of `requests` are called in that thread.
-    Clients(boost::asio::io_context& io, std::size_t queue, ClientPlaces places, ClientRules rules, Requests requests,
-            std::function<v1::Status()> status, std::chrono::milliseconds handshake_interval);
+    /// Frames are compressed in another, that of `compressing`.
+    Clients(boost::asio::io_context& io, boost::asio::any_io_executor compressing, std::size_t queue,
+            ClientPlaces places, ClientRules rules, Requests requests, std::function<v1::Status()> status,
+            std::chrono::milliseconds handshake_interval);
     Clients(const Clients&) = delete;
     Clients& operator=(const Clients&) = delete;
 
@@ -91,7 +93,6 @@ private:
     const std::function<v1::Status()> status_;
     StreamLayout layout_;
     FrameRing ring_;
-    boost::asio::thread_pool compressing_ = one_thread();
     FrameCompressor compressor_;
     SensorRing sensors_;
     ClientLog log_;

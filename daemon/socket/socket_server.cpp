@@ -58,8 +58,8 @@ SocketServer::SocketServer(const SocketServerConfig& config, std::function<v1::S
       watch_timer_(io_),
       watch_interval_(watch_interval(rules_of(config))),
       clients_(
-          io_, config.client_queue, places_of(config), rules_of(config), with_status(std::move(requests)),
-          [this] { return status_and_losses(); }, config.handshake_interval) {}
+          io_, compressing_.get_executor(), config.client_queue, places_of(config), rules_of(config),
+          with_status(std::move(requests)), [this] { return status_and_losses(); }, config.handshake_interval) {}
 
 /// Adds the request that the server answers itself: it knows the clients.
 Requests SocketServer::with_status(Requests requests) {

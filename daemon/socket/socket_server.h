@@ -15,6 +15,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "daemon/one_thread.h"
 #include "daemon/requests/request.h"
 #include "daemon/socket/clients.h"
 #include "daemon/socket/frames/frame_pool.h"
@@ -131,6 +132,7 @@ private:
     boost::asio::steady_timer watch_timer_;
     std::chrono::steady_clock::time_point watch_due_;
     std::chrono::milliseconds watch_interval_;
+    boost::asio::thread_pool compressing_ = one_thread();
     Clients clients_;
 };
 
