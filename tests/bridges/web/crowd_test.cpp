@@ -84,6 +84,7 @@ TEST_F(CrowdTest, ViewersLeavePlacesForControllers) {
     const auto web = start_web({"--max-connections", "16", "--token-file", tokens});
     const std::string viewer = "Authorization: Bearer 0123456789abcdef\r\n";
     const std::string controller = "Authorization: Bearer fedcba9876543210\r\n";
+    wait_for_daemon("there", viewer);
     std::vector<std::unique_ptr<HttpClient>> pages;
     const auto open = [&](const std::string& who) {
         pages.push_back(std::make_unique<HttpClient>(port()));

@@ -38,11 +38,11 @@ protected:
     static bool is_running(const nlohmann::json& status) { return !status.is_null() && status["state"] == "running"; }
 
     /// Asks for the status until the daemon is there and runs, or is gone.
-    nlohmann::json wait_for_daemon(const std::string& wanted) const {
+    nlohmann::json wait_for_daemon(const std::string& wanted, const std::string& more = "") const {
         const auto deadline = std::chrono::steady_clock::now() + DaemonProcess::patience;
         nlohmann::json status;
         while (std::chrono::steady_clock::now() < deadline) {
-            const auto answer = http(port_, "GET", "/api/status");
+            const auto answer = http(port_, "GET", "/api/status", more);
             status = answer ? nlohmann::json::parse(answer->body) : nlohmann::json();
             if (answer && status["daemon"] == wanted && (wanted == "gone" || is_running(status["status"]))) {
                 return status;
