@@ -142,7 +142,8 @@ TEST_F(ClientSilenceTest, OneThatGoesBeforeItsRecordingBeginsIsReportedAgain) {
     }
     EXPECT_TRUE(wait_until_gone(recorder_));
     gone_ = 0;
-    answer(daemon::answer_of([](v1::Envelope& told) { told.mutable_record_status(); }));  // it runs now, and its client was gone before
+    answer(daemon::answer_of(
+        [](v1::Envelope& told) { told.mutable_record_status(); }));  // it runs now, and its client was gone before
     EXPECT_TRUE(wait_until_gone(recorder_));
 }
 
