@@ -10,8 +10,7 @@ namespace disparityd {
 /// Memory for a volume or the planes of a frame: zeroed, aligned to a page. From 2 MB on it begins and ends at a
 /// multiple of 2 MB and asks for pages of that size, the large ones of x86 and of arm64 with 4 kB pages: a volume is
 /// read along lines of every direction, which costs a translation per pixel with small ones. Whether it gets them is up
-/// to the system's setting
-/// (/sys/kernel/mm/transparent_hugepage/enabled); without them all works the same.
+/// to the system's setting (/sys/kernel/mm/transparent_hugepage/enabled); without them all works the same.
 class LargeBuffer {
 public:
     LargeBuffer() = default;

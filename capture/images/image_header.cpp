@@ -10,6 +10,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/little_endian.h"
+
 namespace disparityd::capture {
 
 namespace {
@@ -287,11 +289,7 @@ std::optional<std::uint64_t> least_size_of_bmp(std::span<const std::uint8_t> fil
         return header_size;
     }
     const auto number = [&](std::size_t at, std::size_t bytes) {
-        std::uint64_t value = 0;
-        for (std::size_t i = bytes; i-- > 0;) {
-            value = value << 8U | file[at + i];
-        }
-        return value;
+        return base::get_little_endian(file.data() + at, bytes);
     };
     const bool old = number(14, 4) == 12;
     const std::uint64_t compression = old ? plain : number(30, 4);

@@ -230,7 +230,7 @@ void ClientConnection::send_error(const std::string& why, bool closing) {
                                 fmt::format("{}: {}: {}", label(), closing ? "closed" : "refused", why));
     if (closing) {
         phase_ = Phase::leaving;
-        wants_nothing_more();
+        clients_.subscription_changed();
         close_later();
     }
     pump();
@@ -293,7 +293,7 @@ void ClientConnection::output_failed(const std::string& why) {
     }
     phase_ = Phase::deaf;
     outbox_.clear();
-    wants_nothing_more();
+    clients_.subscription_changed();
     // Reading finds the end of what the client has sent. One that keeps its connection half open, or asked for what
     // takes long, gets no more than this time.
     set_deadline(close_timeout, [this] {

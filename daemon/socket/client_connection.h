@@ -115,8 +115,6 @@ private:
     virtual bool awaits_answer() const = 0;
     /// Starts a message of samples or of a frame in the outbox. Returns false where there is none.
     virtual bool start_next() = 0;
-    /// The client gets nothing any more.
-    virtual void wants_nothing_more() = 0;
     /// Nothing is called any more: timers end.
     virtual void stopped() noexcept = 0;
     /// The connection is closed and stopped.

@@ -254,8 +254,7 @@ void ClientSession::subscribe(const v1::Subscribe& wanted) {
         send_error("Subscribe: " + wrong, false);
         return;
     }
-    static_cast<void>(subscription_.take_kept());  // this one replaces it
-    if (layout.products.empty()) {                 // the first source is being prepared: its products are not known
+    if (layout.products.empty()) {  // the first source is being prepared: its products are not known
         subscription_.keep(wanted);
         send_status_every(wanted.status_interval_s());
         return;
@@ -303,7 +302,7 @@ void ClientSession::pass_on(const Request& request, const v1::Envelope& message)
 /// Returns what takes the answer to the request that has arrived, in whatever thread it comes.
 Reply ClientSession::reply() {
     return [self = self(), question = ask(), thread = stream().get_executor()](Answer answer) {
-        asio::dispatch(thread, [self, question, answer = std::move(answer)]() mutable {
+        asio::dispatch(thread, [self, question, answer = std::move(answer)] {
             self->guarded([&] { self->answer(answer); });
             self->clients().answered(self->id_);
         });
@@ -385,17 +384,13 @@ bool ClientSession::start_next() {
     return take_sensors() || take_frame();
 }
 
-void ClientSession::wants_nothing_more() {
-    clients().subscription_changed();
-}
-
 /// Starts a message with all new samples. They go before the next frame: a client that skips frames gets all samples.
 bool ClientSession::take_sensors() {
-    v1::Envelope message;
-    if (!wants_sensors() || !subscription_.has_samples(clients().sensors()) ||
-        !subscription_.take_samples(clients().sensors(), *message.mutable_sensors())) {
+    if (!wants_sensors() || !subscription_.has_samples(clients().sensors())) {
         return false;
     }
+    v1::Envelope message;
+    subscription_.take_samples(clients().sensors(), *message.mutable_sensors());
     outbox().start(message);
     return true;
 }

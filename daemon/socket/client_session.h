@@ -70,7 +70,6 @@ private:
     void arrived(const v1::Envelope& message) override;
     bool awaits_answer() const override { return answer_pending_; }
     bool start_next() override;
-    void wants_nothing_more() override;
     void stopped() noexcept override;
     void left(std::string_view why) noexcept override;
     std::string label() const override;

@@ -79,6 +79,7 @@ std::string ClientSubscription::problem(const v1::Subscribe& wanted, const Strea
 }
 
 void ClientSubscription::start(const v1::Subscribe& wanted, const FrameRing& frames, const SensorRing& samples) {
+    kept_.reset();  // this one replaces it
     Selection selection;
     for (const int number : wanted.products()) {
         if (const auto product = static_cast<v1::Product>(number); !has(selection.products, product)) {
@@ -120,12 +121,8 @@ ClientSubscription::Taken ClientSubscription::take_frame(const FrameRing& frames
     return taken;
 }
 
-bool ClientSubscription::take_samples(const SensorRing& samples, v1::Sensors& message) {
-    if (!has_samples(samples)) {
-        return false;
-    }
+void ClientSubscription::take_samples(const SensorRing& samples, v1::Sensors& message) {
     next_sample_ = samples.fill(next_sample_, message);
-    return true;
 }
 
 }  // namespace disparityd::daemon

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "daemon/published_frame.h"
@@ -51,8 +52,8 @@ public:
     /// Takes the next frame of the feed, with the selection for it: the region is cut to the image.
     Taken take_frame(const FrameRing& frames);
 
-    /// Fills the message with all new samples. Returns false, and fills nothing in, where there are none.
-    bool take_samples(const SensorRing& samples, v1::Sensors& message);
+    /// Fills the message with all new samples.
+    void take_samples(const SensorRing& samples, v1::Sensors& message);
     bool has_samples(const SensorRing& samples) const { return sensors_ && next_sample_ != samples.end(); }
 
 private:
