@@ -13,6 +13,7 @@
 #include "base/error_text.h"
 #include "base/file_kind.h"
 #include "base/number_text.h"
+#include "base/text_file.h"
 #include "base/words.h"
 #include "capture/images/folder_pair.h"
 #include "capture/images/image_files.h"
