@@ -180,7 +180,7 @@ class Fish(unittest.TestCase):
             names = set(self.completed(path[0], " ".join(path) + " --")) | set(self.completed(path[0], " ".join(path) + " -"))
             self.assertLessEqual(set(options_of(path)), names, path)
         self.assertEqual(sorted(self.completed("disparityctl", "disparityctl ")), sorted(commands_of("disparityctl")))
-        self.assertEqual(self.completed("disparityctl", "disparityctl process --pre"), ["--preset"])
+        self.assertEqual(self.completed("disparityctl", "disparityctl process --prese"), ["--preset"])
         self.assertEqual(self.completed("disparityd", "disparityd --set match.dis"), ["match.disparities="])
 
 
