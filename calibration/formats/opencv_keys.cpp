@@ -71,7 +71,7 @@ constexpr std::array<Name, 7> translations_names{"t",     "translation", "transl
                                                  "trans", "tmat"};
 constexpr std::array<Name, 7> single_camera_names{"cameramatrix",    "k",          "m",        "mtx",
                                                   "intrinsicmatrix", "intrinsics", "intrinsic"};
-constexpr std::array<Name, 7> units_names{"unit",  "units_names",  "lengthunit", "translationunit",
+constexpr std::array<Name, 7> units_names{"unit",  "units",  "lengthunit", "translationunit",
                                           "tunit", "baselineunit", "unitoft"};
 constexpr std::array<Name, 10> models_names{"cameramodel", "distortionmodel", "lensmodel", "model",    "distortiontype",
                                             "cameratype",  "projectionmodel", "modeltype", "lenstype", "lens"};
