@@ -220,10 +220,12 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
 
 StereoCalibration read_calibration(const std::string& path, int width, int height, std::optional<KittiPair> pair) {
     const CalibrationName name = parse_calibration_name(path);
-    FileCalibration read = name.second.empty() ? read_one(name, pair, width, height) : read_pair(name, width, height);
-    StereoCalibration calibration = settle_unit(std::move(read), name.unit_mm, path);
+    const FileCalibration read =
+        name.second.empty() ? read_one(name, pair, width, height) : read_pair(name, width, height);
+    StereoCalibration calibration = settle_unit(read, name.unit_mm, path);
     calibration.origin = path;
     check_plausible(calibration, path);
+    check_given_results(read.given, calibration, name.unit_mm.value_or(read.unit_mm));
     return calibration;
 }
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "calibration/calibration.h"
+#include "calibration/formats/given_rectification.h"
 
 /// The file formats behind read_calibration(), one file of code each. All throw std::invalid_argument with one line:
 /// file, key, what was found, what is allowed. Keys that a reader neither uses nor knows as harmless are refused;
@@ -20,10 +22,11 @@ struct CalibrationText {
 
 /// What a file says, and what it leaves open.
 struct FileCalibration {
-    StereoCalibration calibration;  ///< translation in mm if the file's unit is `unit_mm`
-    double unit_mm = 1;             ///< what one of the file's lengths is, by the rules of the format or by a key
-    bool unit_stated = false;       ///< by a key of the file
-    double least_baseline_mm = 20;  ///< below this the unit must be stated
+    StereoCalibration calibration;   ///< translation in mm if the file's unit is `unit_mm`
+    double unit_mm = 1;              ///< what one of the file's lengths is, by the rules of the format or by a key
+    bool unit_stated = false;        ///< by a key of the file
+    double least_baseline_mm = 20;   ///< below this the unit must be stated
+    std::vector<GivenResult> given;  ///< what the file says beside that must agree with it
 };
 
 /// Reads a factory file SN<serial>.conf.

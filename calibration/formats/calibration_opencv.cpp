@@ -67,7 +67,8 @@ public:
             const bool used = is_among(name, left_eye_keys.matrix) || is_among(name, left_eye_keys.distortion) ||
                               is_among(name, right_eye_keys.matrix) || is_among(name, right_eye_keys.distortion) ||
                               is_among(name, rotation_keys) || is_among(name, translation_keys) ||
-                              is_among(name, unit_keys) || is_size_key(name) || plain_name(name) == "baseline";
+                              is_among(name, unit_keys) || is_size_key(name) || plain_name(name) == "baseline" ||
+                              rectification_result(name);
             if (is_among(name, model_keys)) {
                 check_lens_model(path_, base::printable(name), storage_.word(name));
             } else if (plain_name(name).find("fisheye") != std::string::npos || plain_name(name).ends_with("fe")) {
@@ -109,6 +110,17 @@ public:
             if (stated && (stated->size() != 1 || !(std::abs(std::abs(stated->front()) - length) <= 0.01 * length))) {
                 storage_.fail(base::printable(name) + ": found " + storage_.shown(name) + ", and T is " +
                               base::number_text(length) + " long: they contradict each other; take the wrong one out");
+            }
+        }
+    }
+
+    /// Adds what the file says about rectification beside cameras and pose.
+    void add_results(std::vector<GivenResult>& given) const {
+        for (const std::string& name : storage_.names()) {
+            if (const auto what = rectification_result(name)) {
+                Matrix matrix = *storage_.matrix(name);
+                given.push_back(
+                    {*what, path_, base::printable(name), matrix.rows, matrix.columns, std::move(matrix.numbers)});
             }
         }
     }
@@ -210,6 +222,10 @@ FileCalibration read_opencv_calibration(const CalibrationText& cameras, const Ca
     pose_file.check_baseline(calibration.translation);
     if (!sized) {
         check_size_by_centre(calibration, cameras.path);
+    }
+    camera_file.add_results(result.given);
+    if (cameras.path != pose.path) {
+        pose_file.add_results(result.given);
     }
     const auto unit = pose_file.unit_mm();
     result.unit_mm = unit.value_or(1);

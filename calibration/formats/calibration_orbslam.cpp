@@ -11,6 +11,7 @@
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/lens_model.h"
 #include "calibration/formats/opencv_storage.h"
+#include "calibration/formats/pose_agreement.h"
 #include "calibration/formats/rectified_eyes.h"
 
 namespace disparityd::calibration {
@@ -82,6 +83,32 @@ private:
     OpencvStorage storage_;
 };
 
+/// Compares the camera of the rectified images, which ORB-SLAM 2 tracks with, with where rectification takes the left
+/// eye to.
+void check_tracked_camera(const Settings& file) {
+    const auto projection = file.matrix("LEFT.P", 12);
+    for (const auto& [key, expected] : {std::pair("Camera.fx", projection[0]),
+                                        {"Camera.cx", projection[2]},
+                                        {"Camera.fy", projection[5]},
+                                        {"Camera.cy", projection[6]}}) {
+        constexpr double rounding_px = 1;
+        const double found = file.number_or(key, expected);
+        if (!(std::abs(found - expected) <= rounding_px)) {
+            file.fail(
+                std::string(key) + ": found " + base::number_text(found) + ", expected " + base::number_text(expected) +
+                " as LEFT.P has it, as it is the camera of the rectified images: they contradict each other; take "
+                "the wrong one out");
+        }
+    }
+    for (const char* key : {"Camera.k1", "Camera.k2", "Camera.k3", "Camera.p1", "Camera.p2"}) {
+        if (file.number_or(key, 0) != 0) {
+            file.fail(std::string(key) + ": found " + base::number_text(file.number(key)) +
+                      ", expected 0, as rectified images have no distortion; that of the raw ones is LEFT.D and "
+                      "RIGHT.D: take it out");
+        }
+    }
+}
+
 /// ORB-SLAM 2: both raw cameras, and where rectification takes them to, as ROS has it.
 FileCalibration read_two(const Settings& file, int width, int height) {
     FileCalibration result;
@@ -107,10 +134,11 @@ FileCalibration read_two(const Settings& file, int width, int height) {
     const double shift = metre_mm * rectified_eyes({file.path(), "LEFT.P", file.matrix("LEFT.P", 12)},
                                                    {file.path(), "RIGHT.P", file.matrix("RIGHT.P", 12)}, width, height)
                                         .shift;
+    check_tracked_camera(file);
     if (file.has("Camera.bf")) {
         const double f = file.has("Camera.fx") ? file.number("Camera.fx") : file.matrix("RIGHT.P", 12)[0];
         const double baseline = metre_mm * file.number("Camera.bf") / f;
-        if (!(std::abs(baseline + shift) <= 0.01 * std::abs(shift))) {
+        if (!(std::abs(baseline + shift) <= largest_baseline_share * std::abs(shift))) {
             file.fail("Camera.bf: found " + base::number_text(file.number("Camera.bf")) + ", a baseline of " +
                       base::number_text(baseline) + " mm, and LEFT.P and RIGHT.P give " + base::number_text(-shift) +
                       " mm: they contradict each other; take the wrong one out");
@@ -144,7 +172,15 @@ FileCalibration read_three(const Settings& file) {
     }
     const cv::Matx44d pose(file.matrix("Stereo.T_c1_c2", 16).data());
     const cv::Matx33d rotation = pose.get_minor<3, 3>(0, 0).t();
-    const cv::Vec3d translation = -metre_mm * (rotation * cv::Vec3d(pose(0, 3), pose(1, 3), pose(2, 3)));
+    const cv::Vec3d centre(pose(0, 3), pose(1, 3), pose(2, 3));
+    const cv::Vec3d translation = -metre_mm * (rotation * centre);
+    const double baseline = cv::norm(centre);
+    if (!(std::abs(file.number_or("Stereo.b", baseline) - baseline) <= largest_baseline_share * baseline)) {
+        file.fail("Stereo.b: found " + base::number_text(file.number("Stereo.b")) + ", expected " +
+                  base::number_text(baseline) +
+                  ", the length of the translation of Stereo.T_c1_c2: they contradict each other; take the wrong one "
+                  "out");
+    }
     std::copy(rotation.val, rotation.val + 9, calibration.rotation.begin());
     std::copy(translation.val, translation.val + 3, calibration.translation.begin());
     return result;

@@ -71,24 +71,13 @@ constexpr std::array<Name, 7> translations_names{"t",     "translation", "transl
                                                  "trans", "tmat"};
 constexpr std::array<Name, 7> single_camera_names{"cameramatrix",    "k",          "m",        "mtx",
                                                   "intrinsicmatrix", "intrinsics", "intrinsic"};
-constexpr std::array<Name, 7> units_names{"unit",  "units",  "lengthunit", "translationunit",
+constexpr std::array<Name, 7> units_names{"unit",  "units",        "lengthunit", "translationunit",
                                           "tunit", "baselineunit", "unitoft"};
 constexpr std::array<Name, 10> models_names{"cameramodel", "distortionmodel", "lensmodel", "model",    "distortiontype",
                                             "cameratype",  "projectionmodel", "modeltype", "lenstype", "lens"};
 
-/// Results of rectification, which are computed again from the rest; how good the calibration was; how it was made.
-constexpr std::array<Name, 69> harmless_names{"r1",
-                                              "r2",
-                                              "p1",
-                                              "p2",
-                                              "q",
-                                              "e",
-                                              "f",
-                                              "essential",
-                                              "fundamental",
-                                              "essentialmatrix",
-                                              "fundamentalmatrix",
-                                              "h1",
+/// Results that no reader applies; how good the calibration was; how it was made.
+constexpr std::array<Name, 58> harmless_names{"h1",
                                               "h2",
                                               "map11",
                                               "map12",

@@ -26,8 +26,8 @@ extern const std::span<const std::string_view> model_keys;  ///< the lens model 
 /// Returns whether this is one of the names; `name` as the file spells it.
 bool is_among(std::string_view name, std::span<const std::string_view> names);
 
-/// Returns whether the entry says nothing that rectification depends on: how the calibration came about, or what is
-/// computed again from the rest.
+/// Returns whether the entry says nothing that rectification depends on, such as how the calibration came about.
+/// rectification_result() knows those that must agree with the rest.
 bool is_harmless_key(std::string_view name);
 
 /// Compares the sizes under all usual keys (image_width, imageSize, Size, resolution ...) with that of the frames, and

@@ -33,17 +33,17 @@ void check_equal(double a, double b, double weight, const std::string& what, con
 
 }  // namespace
 
-RectifiedEyes rectified_eyes(const EyeProjection& left, const EyeProjection& right, int width, int height) {
+RectifiedEyes rectified_eyes(const EyeProjection& left, const EyeProjection& right, int width, int height,
+                             const std::string& advice) {
     RectifiedEyes eyes{camera_of_projection(left), camera_of_projection(right), 0};
     const double f = eyes.left.fx;
     const double side = 0.5 * width / f;  // what a difference of one pixel in f moves at the side of the image
     const double top = 0.5 * height / f;
-    const std::string raw = "give the calibration of the raw images, or that of images rectified together";
-    check_equal(eyes.left.fx, eyes.right.fx, side, "focal lengths of the two eyes", right, raw);
-    check_equal(eyes.left.fy, eyes.right.fy, top, "focal lengths in y of the two eyes", right, raw);
+    check_equal(eyes.left.fx, eyes.right.fx, side, "focal lengths of the two eyes", right, advice);
+    check_equal(eyes.left.fy, eyes.right.fy, top, "focal lengths in y of the two eyes", right, advice);
     check_equal(eyes.left.fx, eyes.left.fy, top, "focal lengths in x and y", left,
                 "scale the images by the same factor both ways");
-    check_equal(eyes.left.cy, eyes.right.cy, 1, "cy of the two eyes", right, raw);
+    check_equal(eyes.left.cy, eyes.right.cy, 1, "cy of the two eyes", right, advice);
     const auto at = [&](std::size_t i) { return right.matrix[i] / eyes.right.fx - left.matrix[i] / f; };
     eyes.shift = at(3);
     // Small rests of the other directions stay in KITTI's matrices, half a percent of the baseline.

@@ -25,7 +25,10 @@ struct RectifiedEyes {
 
 /// Reads the projections of two eyes whose images of width x height are rectified. Throws std::invalid_argument with
 /// one line for what cannot be rectified images: focal lengths or centres in y that differ, skew, eyes that do not
-/// stand side by side.
-RectifiedEyes rectified_eyes(const EyeProjection& left, const EyeProjection& right, int width, int height);
+/// stand side by side. `advice` ends the line for numbers that differ between the eyes.
+RectifiedEyes rectified_eyes(const EyeProjection& left, const EyeProjection& right, int width, int height,
+                             const std::string& advice =
+                                 "give the calibration of the raw images, or that of images "
+                                 "rectified together");
 
 }  // namespace disparityd::calibration
