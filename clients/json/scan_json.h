@@ -2,7 +2,7 @@
 #pragma once
 
 #include "clients/cpp/disparity_client.hpp"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 
 namespace disparityd::json {
 

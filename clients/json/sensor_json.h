@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "clients/cpp/disparity_client.hpp"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 
 namespace disparityd::json {
 

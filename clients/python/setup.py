@@ -43,7 +43,7 @@ def generated():
     """Returns what protoc makes of the messages, {name of the file: text}."""
     protoc = os.environ.get("PROTOC") or shutil.which("protoc")
     if not protoc:
-        refuse(f"protoc: not found in PATH, but it makes disparity_pb2.py of {PROTO}: install Debian's protobuf-compiler, "
+        refuse(f"protoc: not found in PATH, but it makes disparity_pb2.py of {PROTO}: install Debian's protobuf-compiler and libprotobuf-dev, "
                "or set PROTOC to its path")
     try:
         knows = subprocess.run([protoc, "--help"], stdout=subprocess.PIPE, text=True, check=True).stdout

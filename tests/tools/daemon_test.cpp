@@ -242,7 +242,7 @@ protected:
 };
 
 TEST_F(EndedDaemonTest, StatusTellsNoRateFromBefore) {
-    EXPECT_EQ(status()["frames_per_second"], 0);
+    EXPECT_EQ(status()["rate"], 0);
 }
 
 TEST_F(EndedDaemonTest, WatchShowsNoFrameFromBefore) {

@@ -40,7 +40,7 @@ int camera(const CameraArguments& arguments) {
     disparity::SocketClient client = connect(arguments.daemon);
     const v1::CameraControls controls = control_daemon_camera(client, settings);
     if (arguments.json) {
-        std::cout << to_text(to_json(controls), 2) << '\n';
+        std::cout << to_text(to_json(controls).at("controls"), 2) << '\n';
     } else {
         print(controls);
     }

@@ -5,7 +5,7 @@
 #include "calibration/rectification.h"
 #include "capture/camera/camera_survey.h"
 #include "capture/frame_source.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 #include "kernels/options.h"
 #include "kernels/scan/scan_options.h"
 

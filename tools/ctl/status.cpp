@@ -152,7 +152,7 @@ void add_status(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "one JSON object");
     command.footer(
         "Exit status 1 when no daemon answers.\n"
-        "Example: disparityctl status --json | jq .frames_per_second");
+        "Example: disparityctl status --json | jq .rate");
     command.callback([arguments, &action] { action = [arguments] { return show_status(*arguments); }; });
 }
 

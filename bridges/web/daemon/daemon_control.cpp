@@ -7,7 +7,8 @@
 
 #include <boost/asio/post.hpp>
 
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
+#include "proto/disparity.pb.h"
 
 namespace disparityd::web {
 namespace {
@@ -43,8 +44,7 @@ void DaemonControl::ask(Request request, Answer answer) {
 void DaemonControl::set_controls(const std::vector<std::pair<std::string, std::int64_t>>& settings, Answer answer) {
     ask(
         [settings](disparity::SocketClient& client) {
-            return "{\"controls\":" + json_of<v1::CameraControls>(client.control_camera(settings, answer_patience)) +
-                   "}";
+            return json_of<v1::CameraControls>(client.control_camera(settings, answer_patience));
         },
         std::move(answer));
 }

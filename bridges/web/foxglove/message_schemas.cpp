@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "base/words.h"
+#include "clients/json/message_json.h"
+#include "proto/disparity.pb.h"
 
 namespace disparityd::foxglove {
 namespace {
@@ -95,6 +97,12 @@ std::string ros2msg(std::string_view name) {
 std::string schema_name(std::string_view name) {
     const std::size_t slash = name.find('/');
     return std::string(name.substr(0, slash)) + "/msg" + std::string(name.substr(slash));
+}
+
+std::string status_schema() {
+    json::Json schema = json::schema_of(*v1::Status::descriptor());
+    schema["title"] = "disparityd.Status";
+    return schema.dump();
 }
 
 }  // namespace disparityd::foxglove

@@ -13,4 +13,7 @@ std::string ros2msg(std::string_view name);
 /// Returns "package/msg/Name", as ROS 2 calls the message "package/Name".
 std::string schema_name(std::string_view name);
 
+/// Returns the JSON schema of the daemon's status, as the channel /status sends it.
+std::string status_schema();
+
 }  // namespace disparityd::foxglove

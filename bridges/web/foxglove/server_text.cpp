@@ -2,8 +2,7 @@
 #include "bridges/web/foxglove/server_text.h"
 
 #include "bridges/web/foxglove/message_schemas.h"
-#include "bridges/web/foxglove/status_schema.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 
 namespace disparityd::foxglove {
 namespace {

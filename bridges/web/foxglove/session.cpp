@@ -7,7 +7,8 @@
 
 #include "base/little_endian.h"
 #include "bridges/web/foxglove/sensor_messages.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
+#include "proto/disparity.pb.h"
 
 namespace disparityd::foxglove {
 namespace {

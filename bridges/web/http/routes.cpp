@@ -10,11 +10,11 @@
 #include <boost/asio/post.hpp>
 
 #include "bridges/web/daemon/frame_request.h"
-#include "bridges/web/foxglove/status_schema.h"
+#include "bridges/web/foxglove/message_schemas.h"
 #include "bridges/web/http/page_files.h"
 #include "bridges/web/images/snapshot.h"
 #include "bridges/web/metrics/prometheus_text.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 
 namespace disparityd::web {
 
@@ -73,7 +73,7 @@ std::string session_json(const Access& access, Right right) {
         -1);
 }
 
-std::string status_json(const Hub& hub) {
+std::string message_json(const Hub& hub) {
     const DaemonState& state = hub.state();
     return to_text({{"daemon", state.there ? "there" : "gone"},
                     {"why", state.why},
@@ -202,7 +202,7 @@ void Routes::view(const Asked& asked) {
         asked.answer(make_response(asked.request, http::status::ok, "text/plain; version=0.0.4; charset=utf-8",
                                    prometheus_text(state.there ? state.status.get() : nullptr, place_.hub.counters)));
     } else if (asked.path == "/api/status" && asked.is(http::verb::get)) {
-        asked.json(status_json(place_.hub));
+        asked.json(message_json(place_.hub));
     } else if (asked.path == "/api/status/schema" && asked.is(http::verb::get)) {
         asked.json(foxglove::status_schema());
     } else if (asked.path == "/api/camera" && asked.is(http::verb::get)) {

@@ -11,7 +11,7 @@
 #include "bridges/web/frames/depth.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 #include "proto/products.h"
 
 namespace disparityd::web {

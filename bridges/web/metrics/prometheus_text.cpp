@@ -2,34 +2,78 @@
 #include "bridges/web/metrics/prometheus_text.h"
 
 #include <array>
+#include <stdexcept>
 #include <string_view>
 #include <vector>
 
+#include <google/protobuf/message.h>
+
 #include "bridges/web/metrics/exposition.h"
-#include "bridges/web/metrics/source_metrics.h"
 
 namespace disparityd::web {
 namespace {
 
 using namespace std::string_view_literals;
 
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
 constexpr std::array daemon_states{"running"sv, "waiting"sv, "ended"sv, "stopping"sv};
+constexpr std::array camera_states{"starting"sv,     "streaming"sv,      "absent"sv,       "stalled"sv,
+                                   "busy"sv,         "no-permission"sv,  "old-firmware"sv, "usb2-link"sv,
+                                   "mode-refused"sv, "no-calibration"sv, "changed"sv,      "failed"sv};
+constexpr std::array sensor_states{"starting"sv, "streaming"sv, "absent"sv, "silent"sv, "no-permission"sv, "failed"sv};
 
 /// The step of StepTotal that is not a part of a frame's way but all of it.
 constexpr std::string_view whole_way = "total";
 
+double gauge_of(const Message& message, const FieldDescriptor& field) {
+    const Reflection& reflection = *message.GetReflection();
+    if (field.is_repeated()) {
+        return reflection.FieldSize(message, &field);
+    }
+    switch (field.cpp_type()) {
+        case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field) ? 1 : 0;
+        case FieldDescriptor::CPPTYPE_UINT32: return reflection.GetUInt32(message, &field);
+        case FieldDescriptor::CPPTYPE_UINT64: return static_cast<double>(reflection.GetUInt64(message, &field));
+        case FieldDescriptor::CPPTYPE_DOUBLE: return reflection.GetDouble(message, &field);
+        default: throw std::logic_error("a field of this type is no metric: " + std::string(field.full_name()));
+    }
+}
+
+void put_field(Exposition& out, const Message& message, const FieldDescriptor& field, const v1::FieldInfo& info) {
+    if (info.metric().ends_with("_total")) {
+        out.counter(info.metric(), info.help(), message.GetReflection()->GetUInt64(message, &field));
+    } else {
+        out.gauge(info.metric(), info.help(), gauge_of(message, field) * (info.factor() > 0 ? info.factor() : 1));
+    }
+}
+
+/// Writes the metrics that disparity.proto names, of a message and of those that it contains. Counts of a camera and
+/// of its sensors are those of the source in use: they start anew with a reload, which Prometheus takes for a reset.
+void put_fields(Exposition& out, const Message& message) {
+    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+        const FieldDescriptor& field = *message.GetDescriptor()->field(i);
+        const v1::FieldInfo& info = field.options().GetExtension(v1::info);
+        if (!info.metric().empty()) {
+            put_field(out, message, field, info);
+        } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field.is_repeated()) {
+            const Reflection& reflection = *message.GetReflection();
+            if (reflection.HasField(message, &field)) {
+                put_fields(out, reflection.GetMessage(message, &field, nullptr));
+            }
+        }
+    }
+}
+
 void put_state(Exposition& out, const v1::Status& status) {
     out.info("disparityd_build_info", "Version of the daemon.", {{"version", status.server_version()}});
-    out.gauge("disparityd_uptime_seconds", "Time since the start of the daemon.", status.uptime_s());
     out.states("disparityd_state", "State of the daemon, 1 for the one it is in.", daemon_states, status.state());
     out.info("disparityd_pipeline_info", "What the daemon computes, and where.",
              {{"source", status.source()}, {"method", status.method()}, {"backend", status.backend()}});
-    out.gauge("disparityd_workers", "Threads that compute.", status.workers());
-    out.gauge("disparityd_notices", "Things that a user should know; disparityctl status lists them.",
-              status.notices_size());
-    out.gauge("disparityd_synthetic", "Whether the frames are rendered, not from a camera.",
-              status.synthetic() ? 1 : 0);
-    out.gauge("disparityd_frame_rate_hertz", "Published frames per second over the last seconds.", status.rate());
+    out.gauge("disparityd_recording_failed", "Whether the last recording ended before it was asked to.",
+              status.record().error().empty() ? 0 : 1);
 }
 
 void put_histogram(Exposition& out, Exposition::Labels labels, const v1::Totals& totals, const v1::StepTotal& step) {
@@ -62,45 +106,33 @@ void put_steps(Exposition& out, const v1::Totals& totals) {
     }
 }
 
-void put_totals(Exposition& out, const v1::Totals& totals) {
-    out.counter("disparityd_frames_captured_total", "Frames taken from the source.", totals.captured());
-    out.counter("disparityd_frames_published_total", "Frames that were finished and offered to clients.",
-                totals.published());
-    out.counter("disparityd_frames_dropped_total",
-                "Frames that were captured and dropped for newer ones, or by a reload or a failure.", totals.dropped());
-    out.counter("disparityd_frames_lost_total", "Frames that were lost before the daemon got them.",
-                totals.lost_before());
-    out.counter("disparityd_frames_corrupt_total", "Frames that came damaged and were not processed.",
-                totals.corrupt());
-    put_steps(out, totals);
+void put_camera(Exposition& out, const v1::CameraStatus& camera) {
+    out.states("disparityd_camera_state", "State of the live camera, 1 for the one it is in.", camera_states,
+               camera.state());
+    out.info("disparityd_camera_info", "The live camera, empty until one is found.",
+             {{"model", camera.model()},
+              {"serial", camera.serial()},
+              {"firmware", camera.firmware()},
+              {"port", camera.port()}});
 }
 
-void put_recording(Exposition& out, const v1::RecordStatus& record) {
-    out.gauge("disparityd_recording_active", "Whether a recording runs.", record.active() ? 1 : 0);
-    out.gauge("disparityd_recording_failed", "Whether the last recording ended before it was asked to.",
-              record.error().empty() ? 0 : 1);
-    // Gauges: they belong to one recording, and the next one starts at 0.
-    out.gauge("disparityd_recording_frames", "Frames in the recording, the last one when none runs.",
-              static_cast<double>(record.frames()));
-    out.gauge("disparityd_recording_frames_lost", "Frames that the recording lacks: they came faster than it writes.",
-              static_cast<double>(record.lost()));
-    out.gauge("disparityd_recording_frames_lost_by_source", "Frames that the source lost during the recording.",
-              static_cast<double>(record.source_lost()));
-    out.gauge("disparityd_recording_bytes", "Size of the recording.", static_cast<double>(record.bytes()));
-    out.gauge("disparityd_recording_seconds", "Length of the recording.", record.seconds());
-}
-
-void put_clients(Exposition& out, const v1::Status& status) {
-    const v1::Totals& totals = status.totals();
-    out.gauge("disparityd_clients", "Clients of the socket now.", status.clients_size());
-    out.counter("disparityd_client_connections_total", "Clients of the socket that have connected.", totals.clients());
-    out.counter("disparityd_client_frames_sent_total", "Frames sent to all clients of the socket together.",
-                totals.client_frames_sent());
-    out.counter("disparityd_client_frames_skipped_total",
-                "Frames not sent to a client of the socket: too slow, or it wanted fewer.",
-                totals.client_frames_skipped());
-    out.counter("disparityd_client_sent_bytes_total", "Bytes sent to all clients of the socket together.",
-                totals.client_bytes_sent());
+void put_self_calibration(Exposition& out, const v1::SelfCalibration& calibration) {
+    out.begin("disparityd_self_calibration_angle_degrees", "gauge",
+              "Correction of the right camera, about its own axes.");
+    out.sample({{"axis", "pitch"}}, calibration.pitch_degrees());
+    out.sample({{"axis", "yaw"}}, calibration.yaw_degrees());
+    out.sample({{"axis", "roll"}}, calibration.roll_degrees());
+    // 0 says that nothing was measured: a sample would look like a perfect camera.
+    if (calibration.error_before_px() > 0 || calibration.error_after_px() > 0) {
+        out.begin("disparityd_self_calibration_error_pixels", "gauge",
+                  "Median vertical distance of matches, by the factory's calibration and with the correction.");
+        if (calibration.error_before_px() > 0) {
+            out.sample({{"calibration", "factory"}}, calibration.error_before_px());
+        }
+        if (calibration.error_after_px() > 0) {
+            out.sample({{"calibration", "corrected"}}, calibration.error_after_px());
+        }
+    }
 }
 
 void put_web(Exposition& out, const WebCounters& web) {
@@ -123,14 +155,14 @@ std::string prometheus_text(const v1::Status* status, const WebCounters& web) {
     out.gauge("disparityd_up", "Whether the daemon answers.", status != nullptr ? 1 : 0);
     if (status != nullptr) {
         put_state(out, *status);
-        put_totals(out, status->totals());
-        put_clients(out, *status);
-        put_recording(out, status->record());
+        put_fields(out, *status);
+        put_steps(out, status->totals());
         if (status->has_camera()) {
             put_camera(out, status->camera());
         }
         if (status->has_sensors()) {
-            put_sensors(out, status->sensors());
+            out.states("disparityd_sensors_state", "State of the camera's sensors, 1 for the one they are in.",
+                       sensor_states, status->sensors().state());
         }
         if (status->has_self_calibration()) {
             put_self_calibration(out, status->self_calibration());

@@ -72,4 +72,4 @@ export class Log {
 const stateOf = status => status.state + (status.detail ? `: ${status.detail}` : '')
 const toneOf = status => status.state === 'running' ? 'good' : 'warn'
 const methodOf = status => `${status.method} on ${status.backend}`
-const sizeOf = status => `${status.geometry.width} x ${status.geometry.height} px`
+const sizeOf = status => status.geometry ? `${status.geometry.width} x ${status.geometry.height} px` : 'no image'

@@ -300,7 +300,7 @@ function statusCame(next) {
     sensors.check(next.status.sensors)
     colourCloud()
   }
-  trends.rate.add(next.status ? next.status.frames_per_second : null)
+  trends.rate.add(next.status ? next.status.rate : null)
   follow(next.status)
   showProblem()
 }

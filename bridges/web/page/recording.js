@@ -32,7 +32,7 @@ export class Recording {
 
   /** Shows how the recording stands. `why` says why the button cannot be used, '' = it can. */
   follow(status, allowed) {
-    this.#active = Boolean(status?.record.active)
+    this.#active = Boolean(status?.record?.active)
     const why = !status ? 'There is no daemon.' : allowed ? '' : ONLY_LOOKING
     this.button.disabled = why !== ''
     this.button.title = why || (this.#active ? 'Stop the recording (r)' : 'Record raw frames (r)')

@@ -34,7 +34,7 @@ export function showStatus(status) {
   write(by('source'), status.source)
   by('source').title = status.source
   by('synthetic').hidden = !status.synthetic
-  write(by('rate'), `${fixed(status.frames_per_second, 1)} /s`)
+  write(by('rate'), `${fixed(status.rate, 1)} /s`)
   showFacts(by('counts'), countsOf(status))
   showFacts(by('camera'), cameraOf(status))
   showFacts(by('self-calibration'), correctionOf(status.self_calibration))
@@ -64,7 +64,7 @@ function cameraOf(status) {
       ['Device', [camera.node, camera.port && `USB ${camera.port}`].filter(Boolean).join(', ') || NONE],
       ['Firmware', camera.firmware || NONE],
       ['Link', camera.speed_mbit > 0 ? `${fixed(camera.speed_mbit, 0)} Mbit/s` : NONE],
-      ['Agreed rate', camera.frames_per_second > 0 ? `${fixed(camera.frames_per_second, 0)} /s` : NONE],
+      ['Agreed rate', camera.rate > 0 ? `${fixed(camera.rate, 0)} /s` : NONE],
       ['Came back', `${camera.arrivals} found, ${camera.restarts} restarts, ${camera.reopens} reopened, ${camera.resets} resets`],
       ['Bad frames', `${camera.damaged} damaged, ${camera.too_short} too short`, camera.damaged + camera.too_short ? 'warn' : ''])
   } else {
@@ -75,7 +75,7 @@ function cameraOf(status) {
 }
 
 function geometryOf(geometry) {
-  if (!geometry.width) return [['Image', NONE]]
+  if (!geometry?.width) return [['Image', NONE]]
   const known = geometry.f > 0 && geometry.baseline_mm > 0
   return [
     ['Image', `${geometry.width} x ${geometry.height} px`],
@@ -98,14 +98,14 @@ function correctionOf(correction) {
       ['Focal ratio', fixed(correction.focal_ratio, 5)])
   }
   return [...rows,
-    ['Vertical error', `${pixels(correction.vertical_error_before_px)}`, '', 'Between the rows of both eyes, with the factory calibration'],
-    ['… corrected', pixels(correction.vertical_error_after_px)],
+    ['Vertical error', `${pixels(correction.error_before_px)}`, '', 'Between the rows of both eyes, with the factory calibration'],
+    ['… corrected', pixels(correction.error_after_px)],
     ['Fitted to', `${counted(correction.frames)} frames, ${counted(correction.matches)} matches`],
     ['Last estimate', correction.detail || NONE]]
 }
 
 function recordingOf(record) {
-  if (!record.path) return [['State', 'none yet']]
+  if (!record?.path) return [['State', 'none yet']]
   const rows = [['State', record.active ? 'recording' : record.removed ? 'ended without a frame, removed' : 'finished', record.active ? 'bad' : ''],
     ['File', record.path],
     ['Length', `${uptime(record.seconds)}, ${counted(record.frames)} frames, ${bytes(record.bytes)}`],

@@ -157,7 +157,7 @@ function status (message) {
   assert.strictEqual(message.state, 'running')
   assert.strictEqual(message.source, 'scene:vga@15')
   assert.strictEqual(message.synthetic, true)
-  assert.strictEqual(message.frames_per_second, 14.5)
+  assert.strictEqual(message.rate, 14.5)
   assert.strictEqual(message.published, 4321)
   assert.strictEqual(message.geometry.baseline_mm, 120)
   assert.strictEqual(message.steps[0].p90_us, 1234.5)

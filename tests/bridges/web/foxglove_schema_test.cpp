@@ -4,8 +4,7 @@
 
 #include "bridges/web/foxglove/channels.h"
 #include "bridges/web/foxglove/message_schemas.h"
-#include "bridges/web/foxglove/status_schema.h"
-#include "clients/json/status_json.h"
+#include "clients/json/message_json.h"
 #include "tests/bridges/web/foxglove_frames.h"
 
 namespace disparityd::foxglove {
