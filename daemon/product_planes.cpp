@@ -46,8 +46,8 @@ bool is_on(const Config& config, std::string_view key_name) {
 
 std::vector<v1::Product> configured_products(const Config& config) {
     std::vector<v1::Product> made;
-    for (const proto::ProductInfo& product : proto::products) {
-        if (product.config_key.empty() || is_on(config, product.config_key)) {
+    for (const proto::ProductFacts& product : proto::products) {
+        if (product.key.empty() || is_on(config, product.key)) {
             made.push_back(product.number);
         }
     }

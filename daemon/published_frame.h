@@ -40,7 +40,7 @@ struct ProductShape {
 };
 
 constexpr bool is_record(v1::Product product) {
-    return proto::product_info(product).bytes_per_pixel == 0;
+    return proto::product_facts(product).bytes_per_pixel == 0;
 }
 
 /// Returns the size of a product's plane in the frames of a layout. Throws std::out_of_range for a number that is no
@@ -49,7 +49,7 @@ inline ProductShape product_shape(const StreamLayout& layout, v1::Product produc
     if (is_record(product)) {
         return {static_cast<std::uint32_t>(proto::scan_bytes(layout.scan_sectors)), 1, 1};
     }
-    return {layout.geometry.width, layout.geometry.height, proto::product_info(product).bytes_per_pixel};
+    return {layout.geometry.width, layout.geometry.height, proto::product_facts(product).bytes_per_pixel};
 }
 
 /// One finished frame on its way to the publishers: a view, valid during the call it is passed to.

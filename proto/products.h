@@ -9,32 +9,32 @@
 
 #include "proto/disparity.pb.h"
 
-/// The products of a frame. The daemon, the tools and the C++ client read this table; a test compares Python's with it.
+/// The products of a frame, as the options of their numbers in disparity.proto say: the build makes the table of them.
 /// daemon/product_planes.h says which plane of the matcher's results each one is.
 namespace disparityd::proto {
 
-struct ProductInfo {
+/// A row: v1::ProductInfo says what the fields mean.
+struct ProductFacts {
     v1::Product number;
-    std::string_view name;  ///< as Python's Frame has it
-    /// All channels together; 0: a record that is no image. Its plane is one row of bytes, whatever the region.
-    std::uint32_t bytes_per_pixel;
-    /// The key of the daemon's configuration that switches it on, "section.name"; empty: the daemon always makes it.
-    std::string_view config_key;
+    std::string_view name;  ///< that of the number in lower case
+    std::string_view type;
+    std::uint32_t channels;
+    std::uint32_t bytes_per_pixel;  ///< all channels together; 0: a record
+    std::string_view key;
+    std::string_view title;
+    std::string_view unit;
+    v1::ProductView view;
+    double shown_max;
+    v1::Product colour_of;
 };
 
 /// In the order of their numbers, from 1 without gaps.
-inline constexpr auto products = std::to_array<ProductInfo>({
-    {v1::DISPARITY, "disparity", 2, ""},
-    {v1::CONFIDENCE, "confidence", 1, ""},
-    {v1::DEPTH, "depth", 2, "match.depth"},
-    {v1::LEFT, "left", 1, ""},
-    {v1::LEFT_COLOUR, "left_colour", 3, "rectify.colour"},
-    {v1::SCAN, "scan", 0, "scan.enabled"},
-    {v1::DEPTH_ERROR, "depth_error", 2, "match.depth_error"},
+inline constexpr auto products = std::to_array<ProductFacts>({
+#include "proto/product_rows.inc"
 });
 
 /// Throws std::out_of_range for a number that is no product's.
-constexpr const ProductInfo& product_info(v1::Product product) {
+constexpr const ProductFacts& product_facts(v1::Product product) {
     return products.at(static_cast<std::size_t>(product) - 1);
 }
 

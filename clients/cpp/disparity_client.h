@@ -12,6 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "disparity_products.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -20,17 +22,6 @@ extern "C" {
 /** Marks what the library exports. */
 #define DISPARITY_API __attribute__((visibility("default")))
 #endif
-
-/** Products, with the type of a pixel. */
-enum {
-    DISPARITY_PRODUCT_DISPARITY = 1,   /**< int16_t, 1/16 px; disparity_frame_info.invalid = rejected */
-    DISPARITY_PRODUCT_CONFIDENCE = 2,  /**< uint8_t, 1 to 255; 0 = rejected or interpolated */
-    DISPARITY_PRODUCT_DEPTH = 3,       /**< uint16_t, mm; 0 = unknown, 65535 = beyond 65.534 m */
-    DISPARITY_PRODUCT_LEFT = 4,        /**< uint8_t, rectified left image */
-    DISPARITY_PRODUCT_LEFT_COLOUR = 5, /**< 3 x uint8_t, rectified left image, BGR */
-    DISPARITY_PRODUCT_SCAN = 6,        /**< no image: disparity_frame_get_scan() reads it */
-    DISPARITY_PRODUCT_DEPTH_ERROR = 7  /**< uint16_t, one sigma of depth, mm; 0 = unknown, 65535 = 65.535 m or more */
-};
 
 /** Bits of disparity_frame_info.flags. */
 enum {

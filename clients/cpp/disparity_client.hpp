@@ -12,23 +12,14 @@
 #include <utility>
 #include <vector>
 
+#include "disparity_products.hpp"
+
 /// Marks what the library exports.
 #define DISPARITY_API __attribute__((visibility("default")))
 
 /// The client library of disparityd reads frames over shared memory or a socket. It depends on nothing of the daemon.
 /// All calls on one object come from one thread; different objects are independent.
 namespace disparity {
-
-/// What a plane holds, with the type of a pixel.
-enum class Product : std::uint32_t {
-    disparity = 1,    ///< int16, 1/16 px; Frame::invalid = rejected
-    confidence = 2,   ///< uint8, 1 to 255; 0 = rejected or interpolated
-    depth = 3,        ///< uint16, mm; 0 = unknown, 65535 = beyond 65.534 m
-    left = 4,         ///< uint8, rectified left image
-    left_colour = 5,  ///< 3 x uint8, rectified left image, BGR
-    scan = 6,         ///< no image: Frame::scan() reads it
-    depth_error = 7   ///< uint16, one sigma of depth, mm; 0 = unknown, 65535 = 65.535 m or more
-};
 
 /// Bits of Frame::flags.
 enum FrameFlags : std::uint32_t {

@@ -19,12 +19,12 @@ std::string refused_product(int number, const std::vector<v1::Product>& made) {
         allowed += (allowed.empty() ? "" : ", ") + v1::Product_Name(product);
     }
     const auto wanted = std::find_if(proto::products.begin(), proto::products.end(),
-                                     [number](const proto::ProductInfo& one) { return one.number == number; });
-    if (wanted == proto::products.end() || wanted->config_key.empty()) {
+                                     [number](const proto::ProductFacts& one) { return one.number == number; });
+    if (wanted == proto::products.end() || wanted->key.empty()) {
         return fmt::format("products: found {}, allowed: {}", number, allowed);
     }
     return fmt::format("products: found {}, allowed: {}; for {} set {} = true in the daemon's configuration",
-                       v1::Product_Name(wanted->number), allowed, wanted->name, wanted->config_key);
+                       v1::Product_Name(wanted->number), allowed, wanted->name, wanted->key);
 }
 
 Selection::Region region_of(const v1::Subscribe& wanted) {

@@ -26,15 +26,14 @@ Config with(std::string_view key, bool value) {
 
 TEST(ProductPlanes, KeySwitchesItsProductOn) {
     int switched = 0;
-    for (const proto::ProductInfo& product : proto::products) {
-        if (product.config_key.empty()) {
+    for (const proto::ProductFacts& product : proto::products) {
+        if (product.key.empty()) {
             EXPECT_THAT(configured_products(Config{}), Contains(product.number)) << product.name;
             continue;
         }
         ++switched;
-        EXPECT_THAT(configured_products(with(product.config_key, true)), Contains(product.number)) << product.name;
-        EXPECT_THAT(configured_products(with(product.config_key, false)), Not(Contains(product.number)))
-            << product.name;
+        EXPECT_THAT(configured_products(with(product.key, true)), Contains(product.number)) << product.name;
+        EXPECT_THAT(configured_products(with(product.key, false)), Not(Contains(product.number))) << product.name;
     }
     EXPECT_EQ(switched, 4);
 }
@@ -58,7 +57,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     const std::vector<const void*> starts{disparity.data(), confidence.data(), depth.data(),      left.data(),
                                           colour.data(),    nullptr,           depth_error.data()};
     for (std::size_t i = 0; i < proto::products.size(); ++i) {
-        const proto::ProductInfo& product = proto::products[i];
+        const proto::ProductFacts& product = proto::products[i];
         const Plane<const std::uint8_t> plane = product_plane(view, product.number);
         if (is_record(product.number)) {
             EXPECT_FALSE(plane) << product.name;
@@ -74,7 +73,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
 
 TEST(ProductPlanes, AnotherNumberIsRefused) {
     EXPECT_THROW(product_plane({}, v1::PRODUCT_NONE), std::out_of_range);
-    EXPECT_THROW(proto::product_info(v1::PRODUCT_NONE), std::out_of_range);
+    EXPECT_THROW(proto::product_facts(v1::PRODUCT_NONE), std::out_of_range);
     EXPECT_EQ(proto::product_name(3), "depth");
     EXPECT_EQ(proto::product_name(0), "product 0");
     EXPECT_EQ(proto::product_name(99), "product 99");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The clients and docs/protocol.md name each product again: they say the same as proto/products.h.
+// What the build made of the table of products, and docs/protocol.md, which names each again: they say what
+// disparity.proto says.
 #include "proto/products.h"
 
 #include <algorithm>
@@ -28,15 +29,10 @@ std::string upper_case(std::string_view text) {
     return upper;
 }
 
-/// Returns what a file of the project has between two texts.
-std::string part_of(const std::string& file, const std::string& begin, const std::string& end) {
-    std::ifstream stream(std::string(SOURCES) + '/' + file);
-    const std::string text(std::istreambuf_iterator<char>(stream), {});
-    const std::size_t from = text.find(begin);
-    const std::size_t to = text.find(end, from);
-    EXPECT_NE(from, std::string::npos) << file << " has no " << begin;
-    EXPECT_NE(to, std::string::npos) << file << " has no " << end;
-    return from == std::string::npos || to == std::string::npos ? "" : text.substr(from, to - from);
+std::string text_of(const std::string& file) {
+    std::ifstream stream(file);
+    EXPECT_TRUE(stream) << file;
+    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 /// Returns the names and numbers that a pattern finds; `name` and `number` are its groups.
@@ -51,34 +47,37 @@ Numbers numbers_in(const std::string& text, const std::string& pattern, std::siz
 
 Numbers wanted() {
     Numbers numbers;
-    for (const proto::ProductInfo& product : proto::products) {
+    for (const proto::ProductFacts& product : proto::products) {
         numbers[upper_case(product.name)] = product.number;
     }
     return numbers;
 }
 
-TEST(Products, ProtobufHasTheSameNames) {
-    for (const proto::ProductInfo& product : proto::products) {
-        EXPECT_EQ(disparityd::v1::Product_Name(product.number), upper_case(product.name));
+TEST(Products, TableSaysWhatProtobufReads) {
+    for (const proto::ProductFacts& product : proto::products) {
+        const auto* const value = disparityd::v1::Product_descriptor()->FindValueByNumber(product.number);
+        const disparityd::v1::ProductInfo& info = value->options().GetExtension(disparityd::v1::product);
+        EXPECT_EQ(value->name(), upper_case(product.name));
+        EXPECT_EQ(info.type(), product.type) << product.name;
+        EXPECT_EQ(info.channels(), product.channels) << product.name;
+        EXPECT_EQ(std::stoul(info.type().substr(1)) / 8 * info.channels(), product.bytes_per_pixel) << product.name;
+        EXPECT_EQ(info.key(), product.key) << product.name;
+        EXPECT_EQ(info.title(), product.title) << product.name;
+        EXPECT_EQ(info.unit(), product.unit) << product.name;
+        EXPECT_EQ(info.view(), product.view) << product.name;
+        EXPECT_EQ(info.shown_max(), product.shown_max) << product.name;
+        EXPECT_EQ(info.colour_of(), product.colour_of) << product.name;
     }
 }
 
-TEST(Products, HeaderForCHasTheSameTable) {
-    EXPECT_EQ(numbers_in(part_of("clients/cpp/disparity_client.h", "enum {\n    DISPARITY_PRODUCT_", "};"),
-                         "DISPARITY_PRODUCT_([A-Z_]+) = ([0-9]+)", 1, 2),
+TEST(Products, HeadersOfTheClientsHaveTheSameNumbers) {
+    EXPECT_EQ(numbers_in(text_of(HEADERS "/disparity_products.h"), "DISPARITY_PRODUCT_([A-Z_]+) = ([0-9]+)", 1, 2),
               wanted());
-}
-
-TEST(Products, HeaderForCppHasTheSameTable) {
-    EXPECT_EQ(numbers_in(part_of("clients/cpp/disparity_client.hpp", "enum class Product", "};"),
-                         "\n +([a-z_]+) = ([0-9]+)", 1, 2),
-              wanted());
+    EXPECT_EQ(numbers_in(text_of(HEADERS "/disparity_products.hpp"), "\n +([a-z_]+) = ([0-9]+)", 1, 2), wanted());
 }
 
 TEST(Products, PageOfTheProtocolHasTheSameTable) {
-    EXPECT_EQ(numbers_in(part_of("docs/protocol.md", "| number | name | pixel |", "\n\n"),
-                         "\n\\| ([0-9]+) \\| ([A-Z_]+) \\|", 2, 1),
-              wanted());
+    EXPECT_EQ(numbers_in(text_of(SOURCES "/docs/protocol.md"), "\n\\| ([0-9]+) \\| ([A-Z_]+) \\|", 2, 1), wanted());
 }
 
 TEST(Products, PythonHasTheSameTable) {
@@ -87,7 +86,7 @@ TEST(Products, PythonHasTheSameTable) {
         GTEST_SKIP() << "no Python for this machine's programs";
     }
     std::string table;
-    for (const proto::ProductInfo& product : proto::products) {
+    for (const proto::ProductFacts& product : proto::products) {
         table += std::to_string(product.number) + ' ' + std::string(product.name) + ' ' +
                  std::to_string(product.bytes_per_pixel) + '\n';
     }

@@ -43,10 +43,10 @@ struct SnapshotArguments {
 const disparity::PlaneData& plane_of(const disparity::Frame& frame, Product product) {
     const disparity::PlaneData* plane = frame.plane(product);
     if (plane == nullptr) {
-        const proto::ProductInfo& wanted = proto::product_info(static_cast<v1::Product>(product));
+        const proto::ProductFacts& wanted = proto::product_facts(static_cast<v1::Product>(product));
         std::string why = "the daemon does not serve the product " + std::string(wanted.name);
-        if (!wanted.config_key.empty()) {
-            why += ": set " + std::string(wanted.config_key) + " = true in its configuration";
+        if (!wanted.key.empty()) {
+            why += ": set " + std::string(wanted.key) + " = true in its configuration";
         }
         throw std::runtime_error(why);
     }

@@ -13,9 +13,9 @@ std::string why_not_served(const DaemonState& state, disparity::Product product)
     if (!state.there || served) {
         return {};
     }
-    const proto::ProductInfo& facts = proto::product_info(static_cast<v1::Product>(product));
+    const proto::ProductFacts& facts = proto::product_facts(static_cast<v1::Product>(product));
     return "the daemon does not serve the product " + std::string(facts.name) +
-           (facts.config_key.empty() ? "" : ": set " + std::string(facts.config_key) + " = true in its configuration");
+           (facts.key.empty() ? "" : ": set " + std::string(facts.key) + " = true in its configuration");
 }
 
 template <typename Call>

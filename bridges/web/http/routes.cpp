@@ -82,6 +82,17 @@ std::string message_json(const Hub& hub) {
                    -1);
 }
 
+/// Returns the table of products as a module for the page.
+std::string products_script() {
+    Json list = Json::array();
+    for (const proto::ProductFacts& product : proto::products) {
+        const auto* const value = v1::Product_descriptor()->FindValueByNumber(product.number);
+        list.push_back(json::to_json(value->options().GetExtension(v1::product)));
+        list.back()["name"] = product.name;
+    }
+    return "export const PRODUCTS = " + to_text(list, 2) + '\n';
+}
+
 /// What a snapshot is made from.
 struct SnapshotKind {
     std::string type;
@@ -91,19 +102,17 @@ struct SnapshotKind {
 };
 
 std::optional<SnapshotKind> snapshot_kind(const std::string& path, Image image) {
-    std::set<Product> welcome;
-    if (image == Image::left || path == "/snapshot.ply") {
-        welcome.insert(Product::left_colour);
-    }
     if (path == "/snapshot.ply") {
-        return SnapshotKind{"application/octet-stream", {Product::disparity, Product::left}, welcome, ply_of};
+        return SnapshotKind{
+            "application/octet-stream", {Product::disparity, Product::left}, products_of(Image::left), ply_of};
     }
     if (path == "/snapshot.png") {
-        return SnapshotKind{
-            "image/png", {product_of(image)}, welcome, [image](const LiveFrame& live) { return png_of(live, image); }};
+        return SnapshotKind{"image/png", {product_of(image)}, products_of(image), [image](const LiveFrame& live) {
+                                return png_of(live, image);
+                            }};
     }
     if (path == "/snapshot.jpg") {
-        return SnapshotKind{"image/jpeg", {product_of(image)}, welcome, [image](const LiveFrame& live) {
+        return SnapshotKind{"image/jpeg", {product_of(image)}, products_of(image), [image](const LiveFrame& live) {
                                 constexpr int quality = 92;
                                 const auto made = encode(live, {image, Encoding::jpeg, 0, quality, std::nullopt});
                                 return made ? *made->bytes : std::string();
@@ -186,6 +195,8 @@ void Routes::respond(const Request& request, const std::string& peer, const Answ
         session(asked);
     } else if (const PageFile* const file = page_file(asked.path); file != nullptr && asked.is(http::verb::get)) {
         answer(make_response(request, http::status::ok, std::string(file->type), std::string(file->bytes)));
+    } else if (asked.path == "/products.js" && asked.is(http::verb::get)) {
+        answer(make_response(request, http::status::ok, "text/javascript; charset=utf-8", products_script()));
     } else if (asked.right < Right::view) {
         asked.error(http::status::unauthorized,
                     "a token is needed; the page asks for it, others send it as a bearer token");
@@ -270,7 +281,7 @@ void Routes::snapshot(const Asked& asked) {
     const std::string name = query_of(asked.request, "image");
     const std::optional<Image> image = image_of(name.empty() ? "disparity" : name);
     if (!image) {
-        asked.error(http::status::bad_request, "image: allowed: left, disparity, depth, confidence, depth_error");
+        asked.error(http::status::bad_request, "image: allowed: " + image_names());
         return;
     }
     std::optional<SnapshotKind> kind = snapshot_kind(asked.path, *image);

@@ -104,9 +104,8 @@ StreamChoice choose_stream(const Request& request, const Workplace& workplace, c
     const std::optional<int> width = number_of(request, "width", 16384, 0);
     const std::optional<int> rate = number_of(request, "rate", 1000, 0);
     if (!image || !width || !rate) {
-        choice.refusal = error_response(
-            request, http::status::bad_request,
-            "allowed: image=left, disparity, depth, confidence, depth_error; width=0 to 16384; rate=0 to 1000");
+        choice.refusal = error_response(request, http::status::bad_request,
+                                        "allowed: image=" + image_names() + "; width=0 to 16384; rate=0 to 1000");
         return choice;
     }
     if (const std::string why = why_not_served(workplace.hub.state(), product_of(*image)); !why.empty()) {

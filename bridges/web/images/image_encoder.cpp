@@ -22,8 +22,6 @@ namespace {
 using disparity::PlaneData;
 using disparity::Product;
 
-constexpr double sigma_shown_mm = 1000;  ///< the depth error that gets the last colour
-
 std::string deflated(const void* data, std::size_t bytes) {
     uLongf size = compressBound(bytes);
     std::string packed(size, '\0');
@@ -88,7 +86,7 @@ cv::Mat coloured(const PlaneData& plane, int max_width, const ColourOf& colour_o
 
 /// Sets which values have the first and the last colour. Returns the colours of disparities, for images that have them.
 std::optional<DisparityColours> set_range(const disparity::Frame& frame, const ImageView& view, EncodedImage& made) {
-    if (view.image == Image::disparity || view.image == Image::depth) {
+    if (facts_of(view.image).view == v1::DISTANCE) {
         DisparityColours colours(frame, view.image, view.range);
         made.low = colours.low;
         made.high = colours.high;
@@ -96,7 +94,8 @@ std::optional<DisparityColours> set_range(const disparity::Frame& frame, const I
         made.far_m = colours.far_m;
         return colours;
     }
-    made.high = view.image == Image::depth_error ? sigma_shown_mm : 255;
+    const double shown_max = facts_of(view.image).shown_max;
+    made.high = shown_max > 0 ? shown_max : 255;
     return std::nullopt;
 }
 
@@ -105,10 +104,11 @@ cv::Mat draw(const PlaneData& plane, const ImageView& view, const std::optional<
         return coloured<std::int16_t>(plane, view.max_width,
                                       [&](std::int16_t d16) -> const Colour& { return colours->of(d16); });
     }
-    if (view.image == Image::depth_error) {
+    if (facts_of(view.image).view == v1::SPREAD) {
         static constexpr Colour unknown{0, 0, 0};
-        return coloured<std::uint16_t>(plane, view.max_width, [](std::uint16_t mm) -> const Colour& {
-            return mm == 0 ? unknown : turbo()[static_cast<std::size_t>(std::min(255.0, 255.0 * mm / sigma_shown_mm))];
+        const double scale = 255.0 / facts_of(view.image).shown_max;
+        return coloured<std::uint16_t>(plane, view.max_width, [scale](std::uint16_t value) -> const Colour& {
+            return value == 0 ? unknown : turbo()[static_cast<std::size_t>(std::min(255.0, scale * value))];
         });
     }
     return scaled_picture(plane, view.max_width);
@@ -128,17 +128,8 @@ std::string values_of(const disparity::Frame& frame, const PlaneData& plane, con
     return deflated(depth.data(), 2 * depth.size());
 }
 
-const char* type_of(const PlaneData& plane, Image image) {
-    if (plane.bytes_per_pixel == 2) {
-        return image == Image::disparity ? "i16" : "u16";
-    }
-    return plane.bytes_per_pixel == 3 ? "bgr8" : "u8";
-}
-
-const PlaneData* plane_of(const disparity::Frame& frame, Image image) {
-    const PlaneData* const colour = image == Image::left ? frame.plane(Product::left_colour) : nullptr;
-    const PlaneData* const plane = colour != nullptr ? colour : frame.plane(product_of(image));
-    return plane != nullptr && plane->width > 0 && plane->height > 0 ? plane : nullptr;
+std::string type_of(const PlaneData& plane, Image image) {
+    return plane.bytes_per_pixel == 3 ? "bgr8" : std::string(facts_of(image).type);
 }
 
 /// Returns the view that is made instead of the one that is asked for, so that many connections share few views: the
@@ -200,7 +191,7 @@ std::shared_ptr<const DepthGrid> make_grid(const disparity::Frame& frame, const 
 }  // namespace
 
 std::shared_ptr<const EncodedImage> encode(const LiveFrame& live, const ImageView& asked) {
-    const PlaneData* const plane = plane_of(live.frame, asked.image);
+    const PlaneData* const plane = shown_plane(live.frame, asked.image);
     if (plane == nullptr) {
         return nullptr;
     }

@@ -2,32 +2,35 @@
 #include "bridges/web/images/image_view.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
-#include <utility>
 
 namespace disparityd::web {
 namespace {
 
-constexpr std::array<std::pair<Image, std::string_view>, 5> names{{{Image::left, "left"},
-                                                                   {Image::disparity, "disparity"},
-                                                                   {Image::depth, "depth"},
-                                                                   {Image::confidence, "confidence"},
-                                                                   {Image::depth_error, "depth_error"}}};
+bool is_image(const proto::ProductFacts& product) {
+    return product.view != v1::NO_VIEW && product.colour_of == v1::PRODUCT_NONE;
+}
 
 }  // namespace
 
-std::string_view to_string(Image image) {
-    return names[static_cast<std::size_t>(image)].second;
+const proto::ProductFacts& facts_of(Image image) {
+    return proto::product_facts(static_cast<v1::Product>(image));
 }
 
 std::optional<Image> image_of(std::string_view name) {
-    for (const auto& [image, word] : names) {
-        if (word == name) {
-            return image;
+    const auto found = std::find_if(proto::products.begin(), proto::products.end(),
+                                    [name](const auto& product) { return product.name == name && is_image(product); });
+    return found != proto::products.end() ? std::optional(static_cast<Image>(found->number)) : std::nullopt;
+}
+
+std::string image_names() {
+    std::string names;
+    for (const proto::ProductFacts& product : proto::products) {
+        if (is_image(product)) {
+            names += (names.empty() ? "" : ", ") + std::string(product.name);
         }
     }
-    return std::nullopt;
+    return names;
 }
 
 int shared_width(int most) {
@@ -36,14 +39,26 @@ int shared_width(int most) {
 }
 
 disparity::Product product_of(Image image) {
-    switch (image) {
-        case Image::left: return disparity::Product::left;
-        case Image::confidence: return disparity::Product::confidence;
-        case Image::depth_error: return disparity::Product::depth_error;
-        case Image::disparity:
-        case Image::depth: break;
+    return image == Image::depth ? Image::disparity : image;
+}
+
+std::set<disparity::Product> products_of(Image image) {
+    std::set<disparity::Product> products{product_of(image)};
+    for (const proto::ProductFacts& product : proto::products) {
+        if (product.colour_of == static_cast<v1::Product>(image)) {
+            products.insert(static_cast<Image>(product.number));
+        }
     }
-    return disparity::Product::disparity;
+    return products;
+}
+
+const disparity::PlaneData* shown_plane(const disparity::Frame& frame, Image image) {
+    const disparity::PlaneData* shown = frame.plane(product_of(image));
+    for (const disparity::Product product : products_of(image)) {
+        const disparity::PlaneData* const plane = frame.plane(product);
+        shown = plane != nullptr && product != product_of(image) ? plane : shown;
+    }
+    return shown != nullptr && shown->width > 0 && shown->height > 0 ? shown : nullptr;
 }
 
 }  // namespace disparityd::web

@@ -6,25 +6,37 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 
 #include "clients/cpp/disparity_client.hpp"
+#include "proto/products.h"
 
 namespace disparityd::web {
 
-/// The images of a frame that a page can ask for.
-enum class Image { left, disparity, depth, confidence, depth_error };
+/// An image of a frame that a page can ask for: a product that is seen and is not the same in colour as another one.
+using Image = disparity::Product;
 
-/// Returns "left", "depth-error" as the page writes it: "depth_error".
-std::string_view to_string(Image image);
+/// Returns the row of the table of products.
+const proto::ProductFacts& facts_of(Image image);
 
 /// Returns the image of this name, or nothing.
 std::optional<Image> image_of(std::string_view name);
 
+/// Returns the names of all images, for messages: "disparity, confidence, ...".
+std::string image_names();
+
 /// Returns the product that the image is made from. Depth is computed from the disparity: it needs no product of its
 /// own.
 disparity::Product product_of(Image image);
+
+/// Returns the products of which the image is made where the daemon makes them: that of product_of(), and the one that
+/// is the same in colour.
+std::set<disparity::Product> products_of(Image image);
+
+/// Returns the plane that shows the image, in colour where the frame carries that; nullptr where it carries none.
+const disparity::PlaneData* shown_plane(const disparity::Frame& frame, Image image);
 
 /// How the pixels travel.
 enum class Encoding {
@@ -60,7 +72,7 @@ struct ImageView {
 struct EncodedImage {
     Image image = Image::left;
     Encoding encoding = Encoding::jpeg;
-    std::string type;              ///< of a value: "u8", "bgr8", "i16", "u16"; of a JPEG "u8" or "bgr8"
+    std::string type;              ///< of a value: ProductFacts::type, or "bgr8"; of a JPEG "u8" or "bgr8"
     int width = 0;                 ///< px
     int height = 0;                ///< px
     double low = 0;                ///< the value with the first colour, in the unit of the image

@@ -47,26 +47,25 @@ cv::Mat disparity_picture(const Frame& frame) {
     });
 }
 
-cv::Mat left_picture(const Frame& frame) {
-    const PlaneData* const colour = frame.plane(Product::left_colour);
-    const PlaneData& plane = colour != nullptr ? *colour : plane_of(frame, Product::left);
-    return {static_cast<int>(plane.height), static_cast<int>(plane.width), colour != nullptr ? CV_8UC3 : CV_8UC1,
-            const_cast<std::uint8_t*>(plane.bytes.data())};
+/// Returns the values as they are, without a copy.
+cv::Mat plane_picture(const Frame& frame, Image image) {
+    const PlaneData* const plane = shown_plane(frame, image);
+    if (plane == nullptr) {
+        throw std::runtime_error("the frame does not carry this image");
+    }
+    const int type = plane->bytes_per_pixel == 3 ? CV_8UC3 : plane->bytes_per_pixel == 2 ? CV_16UC1 : CV_8UC1;
+    return {static_cast<int>(plane->height), static_cast<int>(plane->width), type,
+            const_cast<std::uint8_t*>(plane->bytes.data())};
 }
 
 cv::Mat picture_of(const Frame& frame, Image image) {
-    switch (image) {
-        case Image::left: return left_picture(frame);
-        case Image::disparity: return disparity_picture(frame);
-        case Image::depth:
-            return converted(plane_of(frame, Product::disparity),
-                             [&](std::int16_t d16) { return depth_mm(frame, d16); });
-        case Image::confidence:
-        case Image::depth_error: break;
+    if (image == Image::disparity) {
+        return disparity_picture(frame);
     }
-    const PlaneData& plane = plane_of(frame, product_of(image));
-    return {static_cast<int>(plane.height), static_cast<int>(plane.width),
-            image == Image::confidence ? CV_8UC1 : CV_16UC1, const_cast<std::uint8_t*>(plane.bytes.data())};
+    if (image == Image::depth) {
+        return converted(plane_of(frame, Product::disparity), [&](std::int16_t d16) { return depth_mm(frame, d16); });
+    }
+    return plane_picture(frame, image);
 }
 
 template <typename T>
@@ -114,7 +113,7 @@ std::string ply_of(const LiveFrame& live) {
     if (!has_metres(frame)) {
         throw std::runtime_error("the frame has no calibration: points have no place; see docs/calibration.md");
     }
-    const cv::Mat left = left_picture(frame);
+    const cv::Mat left = plane_picture(frame, Image::left);
     const PlaneData& plane = plane_of(frame, Product::disparity);
     if (left.cols != static_cast<int>(plane.width) || left.rows != static_cast<int>(plane.height)) {
         throw std::runtime_error("the left image and the disparity have different sizes");

@@ -9,9 +9,9 @@
 
 #include "base/version.h"
 #include "bridges/web/frames/depth.h"
+#include "clients/json/message_json.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
-#include "clients/json/message_json.h"
 #include "proto/products.h"
 
 namespace disparityd::web {
@@ -54,7 +54,7 @@ std::vector<Image> images_of(const Json& object) {
     if (found == object.end()) {
         return images;
     }
-    constexpr const char* allowed = "images: allowed: each of left, disparity, depth, confidence, depth_error once";
+    const std::string allowed = "images: allowed: each of " + image_names() + " once";
     if (!found->is_array()) {
         throw std::invalid_argument(allowed);
     }
@@ -157,7 +157,7 @@ Json or_null(const std::optional<double>& value) {
 }
 
 Json image_json(const EncodedImage& image, std::size_t offset) {
-    Json json{{"name", to_string(image.image)},
+    Json json{{"name", facts_of(image.image).name},
               {"encoding", image.encoding == Encoding::jpeg ? "jpeg" : "deflate"},
               {"type", image.type},
               {"width", image.width},

@@ -72,10 +72,7 @@ Wants LiveSession::wants() const {
         return wants;
     }
     for (const Image image : subscription_.images) {
-        wants.products.insert(product_of(image));
-        if (image == Image::left) {
-            wants.products.insert(disparity::Product::left_colour);
-        }
+        wants.products.merge(products_of(image));
     }
     if (subscription_.cloud_step > 0) {
         wants.products.insert(disparity::Product::disparity);
@@ -127,7 +124,7 @@ std::vector<ImageView> LiveSession::views() const {
     std::vector<ImageView> views;
     for (const Image image : subscription_.images) {
         ImageView view{image, subscription_.encoding, subscription_.max_width, 80, std::nullopt};
-        if (image == Image::disparity || image == Image::depth) {
+        if (facts_of(image).view == v1::DISTANCE) {
             view.range = subscription_.range;
         }
         if (scale() > 1) {

@@ -35,10 +35,7 @@ void MjpegSession::on_closed() {
 Wants MjpegSession::wants() const {
     Wants wants;
     if (link_ != nullptr) {
-        wants.products.insert(product_of(view_.image));
-        if (view_.image == Image::left) {
-            wants.products.insert(disparity::Product::left_colour);
-        }
+        wants.products.merge(products_of(view_.image));
     }
     return wants;
 }

@@ -3,6 +3,8 @@
 // Colours of distances: the same as those of the server, so that JPEG and lossless pictures look alike. The map is "turbo", near = warm,
 // far = cold, black = rejected. "disparity" is linear in the disparity between d(far) and d(near), "depth" is linear in metres.
 
+import { imageOf } from './images.js'
+
 const ANCHORS = `30123b 392a73 4040a2 4456c7 466be3 4680f6 4294ff 37a8fa 28bceb 1ccdd8 18ddc2 1fe9af 32f298 4ef97d 6dfe62 8bff4b a4fc3c
   b7f735 cbed34 dde037 ecd13a f7c13a fdae35 fe992c fb8122 f56918 ec530f e14109 d23105 c12302 ac1701 950d01 7a0403`
   .trim().split(/\s+/).map(hex => [0, 2, 4].map(i => parseInt(hex.slice(i, i + 2), 16)))
@@ -75,12 +77,10 @@ function tableOf(image, header) {
   const share = value => (value - low) / (high - low)
   for (let bits = 0; bits < 65536; ++bits) {
     const signed = image.type === 'i16' && bits > 32767 ? bits - 65536 : bits
-    switch (image.name) {
-      case 'disparity': table[bits] = signed === header.invalid ? BLACK : turboPixel(share(signed)); break
-      case 'depth': table[bits] = bits === 0 ? BLACK : turboPixel(1 - share(bits)); break
-      case 'depth_error': table[bits] = bits === 0 ? BLACK : turboPixel(share(bits)); break
-      default: table[bits] = greyPixel(bits / 255)
-    }
+    if (image.name === 'disparity') table[bits] = signed === header.invalid ? BLACK : turboPixel(share(signed))
+    else if (image.name === 'depth') table[bits] = bits === 0 ? BLACK : turboPixel(1 - share(bits))
+    else if (imageOf(image.name).view === 'spread') table[bits] = bits === 0 ? BLACK : turboPixel(share(bits))
+    else table[bits] = greyPixel(share(bits))
   }
   return table
 }

@@ -4,6 +4,7 @@
 // handles, the ends of the range of colours. It is logarithmic in metres. Without a calibration it is in pixels of disparity; confidence
 // and depth error have scales of their own, without handles.
 
+import { imageOf } from './images.js'
 import { measurable, placeOf, rangeOf, turbo } from './colours.js'
 import { metres, write } from './text.js'
 import { shade } from './charts.js'
@@ -38,7 +39,7 @@ export class Legend {
 
   /** Shows the scale of an image of a frame (its entry in the header's images). `chosen` is the user's range or null. */
   show(image, header, chosen) {
-    const distances = image.name === 'disparity' || image.name === 'depth'
+    const distances = imageOf(image.name).view === 'distance'
     const all = measurable(header)
     const range = rangeOf(image) ?? chosen ?? all
     const key = JSON.stringify([image.name, image.range_m, image.range, all, chosen])
@@ -160,15 +161,17 @@ function ofDisparities(image) {
 }
 
 function ofValues(image) {
-  const error = image.name === 'depth_error'
-  const [low, high] = (image.range ?? [0, 255]).map(value => error ? value / 1000 : value)
+  const { view, unit } = imageOf(image.name)
+  const spread = view === 'spread'
+  const scale = unit === 'mm' ? 1000 : 1
+  const [low, high] = (image.range ?? [0, 255]).map(value => value / scale)
   return {
     ends: [low, high],
     log: false,
     ticks: evenTicks(low, high),
-    colourAt: value => error ? turbo((value - low) / (high - low)) : `rgb(${value} ${value} ${value})`,
-    text: value => error ? `${value} m` : String(value),
-    summary: error ? 'one sigma' : '0 = rejected',
+    colourAt: value => spread ? turbo((value - low) / (high - low)) : `rgb(${value} ${value} ${value})`,
+    text: value => unit === 'mm' ? `${value} m` : String(value),
+    summary: spread ? 'one sigma' : view === 'grey' ? '0 = rejected' : '',
   }
 }
 

@@ -3,6 +3,7 @@
 // Frames as they come: each is decoded, drawn and acknowledged, in order. The server has at most two on the way, so a slow page gets
 // fewer frames, not older ones.
 
+import { imageOf, wordsOf } from './images.js'
 import { AgeMeter } from './age.js'
 import { metresTimesPixels, rangeOf } from './colours.js'
 import { decode, headerOf } from './frame.js'
@@ -10,8 +11,6 @@ import { showReadout } from './readout.js'
 import { settings } from './settings.js'
 
 const RATE_OVER_MS = 2000
-
-export const IMAGE_NAMES = { left: 'left', disparity: 'disparity', depth: 'depth', confidence: 'confidence', depth_error: 'depth error' }
 
 export class Live {
   /** The frame drawn last, with its raw images; null before the first. */
@@ -99,7 +98,7 @@ export class Live {
 }
 
 function captionOf(image, header) {
-  const unrectified = image.name === 'left' && header.flags?.includes('unrectified')
+  const unrectified = imageOf(image.name).view === 'picture' && header.flags?.includes('unrectified')
   const size = header.scale > 1 ? ', smaller for a slow link' : ''
-  return `${IMAGE_NAMES[image.name] ?? image.name}${unrectified ? ', not rectified' : ''}${size}`
+  return `${wordsOf(image.name)}${unrectified ? ', not rectified' : ''}${size}`
 }

@@ -10,7 +10,8 @@ import { Connection } from './connection.js'
 import { Controls } from './controls.js'
 import { listenToKeys } from './keys.js'
 import { Legend } from './legend.js'
-import { IMAGE_NAMES, Live } from './live.js'
+import { IMAGES, madeOf, wordsOf } from './images.js'
+import { Live } from './live.js'
 import { Log } from './log.js'
 import { Picture, Pointer } from './pictures.js'
 import { Radar } from './radar.js'
@@ -29,7 +30,7 @@ const TICK_MS = 500
 const NO_FRAME_MS = 2000
 const POINT_MS = 40 // at most this often a new pixel is asked for
 const NO_SCAN = 'This daemon makes no obstacle scans: set [scan] enabled = true.'
-const SECOND_IMAGES = ['disparity', 'depth', 'confidence', 'depth_error']
+const SECOND_IMAGES = IMAGES.map(image => image.name).filter(name => name !== 'left')
 
 const by = id => document.getElementById(id)
 const refused = text => toast(by('toasts'), text)
@@ -81,9 +82,7 @@ const watcher = new IntersectionObserver(entries => {
   subscribe()
 }, { rootMargin: '100px' })
 
-// Depth is computed from the disparity by disparity-web; left may be in colour.
-const MADE_OF = { depth: 'disparity', left: 'left_colour' }
-const served = name => products === null || products.includes(name) || products.includes(MADE_OF[name])
+const served = name => products === null || products.includes(name) || products.includes(madeOf(name))
 
 function images() {
   const wanted = []
@@ -121,7 +120,7 @@ function subscribe() {
 }
 
 function showProducts() {
-  for (const name of SECOND_IMAGES) imageChoice.allow(name, served(name), `This daemon makes no ${IMAGE_NAMES[name]}.`)
+  for (const name of SECOND_IMAGES) imageChoice.allow(name, served(name), `This daemon makes no ${wordsOf(name)}.`)
   if (!served('scan')) radar.show(null, NO_SCAN)
   showSnapshots(by('snapshot-links'), served)
   subscribe()
@@ -129,8 +128,8 @@ function showProducts() {
 
 // --- what the user does ---
 
-const imageChoice = radioRow(by('image-choice'), 'image', [['disparity', 'Disparity', '1'], ['depth', 'Depth', '2'],
-  ['confidence', 'Confidence', '3'], ['depth_error', 'Depth error', '4']], changed)
+const imageChoice = radioRow(by('image-choice'), 'image',
+  IMAGES.filter(image => image.name !== 'left').map((image, i) => [image.name, image.title, String(i + 1)]), changed)
 const viewChoice = radioRow(by('view-choice'), 'view', [['both', 'Both'], ['left', 'Left'], ['right', 'Right']], changed)
 const encodingChoice = radioRow(by('encoding-choice'), 'encoding', [['jpeg', 'JPEG', 'Small'], ['lossless', 'Lossless', 'Raw values']], changed)
 const cloudChoice = radioRow(by('cloud-colour'), 'cloudColour', [['left', 'Image'], ['depth', 'Depth']], changed)
@@ -226,7 +225,7 @@ document.addEventListener('click', event => {
 
 listenToKeys([
   [' ', 'hold the picture, go on', pause],
-  ...SECOND_IMAGES.map((name, i) => [String(i + 1), `show ${IMAGE_NAMES[name]}`, () => imageChoice.select(name)]),
+  ...SECOND_IMAGES.map((name, i) => [String(i + 1), `show ${wordsOf(name)}`, () => imageChoice.select(name)]),
   ['v', 'both pictures, left, right', () => nextOf(viewChoice, 'view', ['both', 'left', 'right'])],
   ['f', 'full screen', fill],
   ['a', 'automatic range of colours', () => chooseRange(null)],

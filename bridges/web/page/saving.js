@@ -2,19 +2,22 @@
 //
 // Links that save the newest frame: the server answers each with a file.
 
+import { IMAGES, imageOf } from './images.js'
 import { make } from './text.js'
 
-const FILES = [
-  ['left', '/snapshot.jpg?image=left', 'Left image, JPEG', 'left.jpg'],
-  ['left', '/snapshot.png?image=left', 'Left image, PNG', 'left.png'],
-  ['disparity', '/snapshot.jpg?image=disparity', 'Disparity in colours, JPEG', 'disparity.jpg'],
-  ['disparity', '/snapshot.png?image=disparity', 'Disparity, 16-bit PNG (1/256 px)', 'disparity.png'],
-  ['depth', '/snapshot.jpg?image=depth', 'Depth in colours, JPEG', 'depth.jpg'],
-  ['depth', '/snapshot.png?image=depth', 'Depth, 16-bit PNG (mm)', 'depth.png'],
-  ['depth_error', '/snapshot.png?image=depth_error', 'Depth error, 16-bit PNG (mm)', 'depth-error.png'],
-  ['confidence', '/snapshot.png?image=confidence', 'Confidence, PNG', 'confidence.png'],
-  ['depth', '/snapshot.ply', 'Point cloud, PLY', 'cloud.ply'],
-]
+const CLOUD = ['depth', '/snapshot.ply', 'Point cloud, PLY', 'cloud.ply']
+
+/** The files of an image. Only pictures and distances are worth a look as JPEG; a PNG has the values. */
+function filesOf({ name, title, type, view, unit }) {
+  const file = name.replaceAll('_', '-')
+  const png = type === 'u8' ? 'PNG' : `16-bit PNG (${name === 'disparity' ? '1/256 px' : unit})`
+  const files = [[name, `/snapshot.png?image=${name}`, `${title}, ${png}`, `${file}.png`]]
+  if (view === 'picture') files.unshift([name, `/snapshot.jpg?image=${name}`, `${title}, JPEG`, `${file}.jpg`])
+  if (view === 'distance') files.unshift([name, `/snapshot.jpg?image=${name}`, `${title} in colours, JPEG`, `${file}.jpg`])
+  return files
+}
+
+const FILES = [imageOf('left'), ...IMAGES.filter(image => image.name !== 'left')].flatMap(filesOf).concat([CLOUD])
 
 /** Fills the list with what the daemon serves. */
 export function showSnapshots(root, served) {

@@ -12,22 +12,9 @@
         frame = reader.read(timeout=1.0)
 """
 from .connection import ConnectOptions
+from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
-from .frame import (
-    CONFIDENCE,
-    DEPTH,
-    DEPTH_ERROR,
-    DISCONTINUITY,
-    DISPARITY,
-    DROPPED_BEFORE,
-    INTERPOLATED,
-    LEFT,
-    LEFT_COLOUR,
-    SCAN,
-    SYNTHETIC,
-    UNRECTIFIED,
-    Frame,
-)
+from .frame import DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, SYNTHETIC, UNRECTIFIED, Frame
 from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient

@@ -9,23 +9,12 @@ import typing
 import numpy as np
 import numpy.typing as npt
 
+from . import disparity_pb2 as pb
 from .scan import Scan, read_scan
-
-if typing.TYPE_CHECKING:
-    from . import disparity_pb2 as pb
 
 # What a plane or its bytes are before the product says more.
 Plane = npt.NDArray[typing.Any]
 Bytes = typing.Union[bytes, bytearray, memoryview, Plane]
-
-# Products.
-DISPARITY = 1
-CONFIDENCE = 2
-DEPTH = 3
-LEFT = 4
-LEFT_COLOUR = 5
-SCAN = 6
-DEPTH_ERROR = 7
 
 # Bits of Frame.flags.
 UNRECTIFIED = 1
@@ -48,16 +37,16 @@ class Product(typing.NamedTuple):
     channels: int
 
 
-# The products that this program knows. A test compares them with proto/products.h.
-PRODUCTS = {
-    DISPARITY: Product("disparity", "<i2", 1),
-    CONFIDENCE: Product("confidence", "u1", 1),
-    DEPTH: Product("depth", "<u2", 1),
-    LEFT: Product("left", "u1", 1),
-    LEFT_COLOUR: Product("left_colour", "u1", 3),
-    SCAN: Product("scan", "u1", 0),
-    DEPTH_ERROR: Product("depth_error", "<u2", 1),
-}
+_KINDS = {"u8": "u1", "i16": "<i2", "u16": "<u2"}
+
+
+def _described(value: typing.Any) -> Product:
+    info = value.GetOptions().Extensions[pb.product]
+    return Product(value.name.lower(), _KINDS[info.type], info.channels)
+
+
+# The products that this program knows, by number, as the options in disparity.proto describe them.
+PRODUCTS = {value.number: _described(value) for value in pb.Product.DESCRIPTOR.values if value.number}
 # Planes of products that this program does not know are bytes.
 _UNKNOWN = Product("", "u1", 1)
 
@@ -141,7 +130,7 @@ class Frame:
     @property
     def disparity(self) -> npt.NDArray[np.int16]:
         """int16, 1/16 px; self.invalid where rejected."""
-        return self._plane(DISPARITY)
+        return self._plane(pb.DISPARITY)
 
     @property
     def disparity_px(self) -> npt.NDArray[np.float32]:
@@ -152,12 +141,12 @@ class Frame:
     @property
     def confidence(self) -> npt.NDArray[np.uint8]:
         """uint8, 0 = rejected or interpolated."""
-        return self._plane(CONFIDENCE)
+        return self._plane(pb.CONFIDENCE)
 
     @property
     def depth(self) -> npt.NDArray[np.uint16]:
         """uint16, mm; 0 = unknown, 65535 = valid but beyond 65.534 m."""
-        return self._plane(DEPTH)
+        return self._plane(pb.DEPTH)
 
     @property
     def depth_m(self) -> npt.NDArray[np.float32]:
@@ -167,7 +156,7 @@ class Frame:
     @property
     def depth_error(self) -> npt.NDArray[np.uint16]:
         """uint16, one sigma of depth, mm; 0 = unknown (also where interpolated), 65535 = 65.535 m or more."""
-        return self._plane(DEPTH_ERROR)
+        return self._plane(pb.DEPTH_ERROR)
 
     @property
     def depth_error_m(self) -> npt.NDArray[np.float32]:
@@ -177,17 +166,17 @@ class Frame:
     @property
     def left(self) -> npt.NDArray[np.uint8]:
         """uint8, rectified left image."""
-        return self._plane(LEFT)
+        return self._plane(pb.LEFT)
 
     @property
     def left_colour(self) -> npt.NDArray[np.uint8]:
         """uint8, height x width x 3, BGR."""
-        return self._plane(LEFT_COLOUR)
+        return self._plane(pb.LEFT_COLOUR)
 
     @property
     def scan(self) -> Scan:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
-        return read_scan(self._plane(SCAN).tobytes())
+        return read_scan(self._plane(pb.SCAN).tobytes())
 
     def points(self) -> npt.NDArray[np.float32]:
         """Returns a float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no

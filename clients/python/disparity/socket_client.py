@@ -10,7 +10,7 @@ import typing
 from . import disparity_pb2 as pb
 from .connection import ConnectOptions
 from .errors import DisparityError, Gone, Refused
-from .frame import DISPARITY, Frame
+from .frame import Frame
 from .frame_decoder import FrameDecoder
 from .frame_flow import Arrival, DaemonClock, FrameFlow
 from .frame_source import FrameSource
@@ -105,7 +105,7 @@ class SocketClient(FrameSource):
 
     def subscribe(
         self,
-        products: typing.Sequence[int] = (DISPARITY,),
+        products: typing.Sequence[int] = (pb.DISPARITY,),
         max_rate: float = 0.0,
         region: tuple[int, int, int, int] | None = None,
         compressed: bool = False,

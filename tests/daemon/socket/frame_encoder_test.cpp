@@ -97,7 +97,7 @@ TEST_F(FrameEncoderTest, WholeRowsOfARawFrameAreNotCopied) {
             const auto& plane = held->planes.at(static_cast<std::size_t>(all[i]));
             const std::size_t skipped = daemon::is_record(all[i]) ? 0 : region.y;
             EXPECT_EQ(encoded.bytes.parts()[i].data(),
-                      plane.data() + skipped * width * proto::product_info(all[i]).bytes_per_pixel);
+                      plane.data() + skipped * width * proto::product_facts(all[i]).bytes_per_pixel);
         }
     }
     const auto narrow = encoder_.encode(held, {{v1::LEFT}, {1, 0, width - 1, height}, v1::RAW});

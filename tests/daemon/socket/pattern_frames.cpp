@@ -18,7 +18,7 @@ std::uint8_t pattern(std::uint64_t n, v1::Product product, std::uint64_t x, std:
 
 std::vector<v1::Product> all_products() {
     std::vector<v1::Product> all;
-    for (const proto::ProductInfo& product : proto::products) {
+    for (const proto::ProductFacts& product : proto::products) {
         all.push_back(product.number);
     }
     return all;
@@ -81,7 +81,7 @@ std::vector<std::uint8_t> PatternFrames::expected(std::uint64_t n, v1::Product p
         }
         return bytes;
     }
-    const std::uint32_t pixel = proto::product_info(product).bytes_per_pixel;
+    const std::uint32_t pixel = proto::product_facts(product).bytes_per_pixel;
     for (std::uint32_t row = y; row < y + height; ++row) {
         for (std::uint32_t column = x * pixel; column < (x + width) * pixel; ++column) {
             bytes.push_back(pattern(n, product, column, row));
