@@ -158,6 +158,20 @@ TEST_F(DaemonTest, SnapshotWritesPictures) {
                 HasSubstr("found DEPTH_ERROR, allowed: DISPARITY, CONFIDENCE"));
 }
 
+TEST_F(DaemonTest, SnapshotWritesTheValuesOfAnyImage) {
+    const Outcome outcome = ctl("snapshot", {"--values", "confidence=" + path("c.png"), "--values",
+                                             "left=" + path("l.png"), "--values", "disparity=" + path("d.pfm")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(images::read_image(path("c.png")).type(), CV_8UC1);
+    EXPECT_EQ(images::read_image(path("l.png")).cols, 128);
+    EXPECT_EQ(images::read_disparity_pfm(path("d.pfm")).height, 96);
+    EXPECT_THAT(ctl("snapshot", {"--values", "scan=" + path("s.png")}).err,
+                HasSubstr("found 'scan', allowed: NAME=FILE with one of disparity, confidence"));
+    EXPECT_THAT(ctl("snapshot", {"--values", "left"}).err, HasSubstr("found 'left', allowed: NAME=FILE"));
+    EXPECT_THAT(ctl("snapshot", {"--values", "depth=" + path("a.png"), "--depth", path("b.png")}).err,
+                HasSubstr("a second file for the same image"));
+}
+
 TEST_F(DaemonTest, SnapshotOfADaemonThatHangsIsRefused) {
     daemon_->send(SIGSTOP);
     Outcome outcome;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstring>
 #include <iostream>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -33,6 +34,7 @@ constexpr std::chrono::seconds old_frame{1};
 struct SnapshotArguments {
     DaemonAddress daemon;
     std::string picture;
+    std::vector<std::string> values;  ///< "NAME=FILE"
     std::string disparity;
     std::string depth;
     std::string depth_error;
@@ -67,14 +69,16 @@ Plane<const T> view(const std::vector<T>& values, const disparity::PlaneData& pl
     return {values.data(), width, static_cast<int>(plane.height), width};
 }
 
+/// Returns bytes as a picture, grey or in colour, without a copy.
+cv::Mat picture_of(const disparity::PlaneData& plane) {
+    const int row = static_cast<int>(plane.width * plane.bytes_per_pixel);
+    const Plane<const std::uint8_t> bytes{plane.bytes.data(), row, static_cast<int>(plane.height), row};
+    return plane.bytes_per_pixel == 3 ? images::colour_view(bytes) : images::grey_view(bytes);
+}
+
 cv::Mat left_picture(const disparity::Frame& frame) {
-    if (const disparity::PlaneData* colour = frame.plane(Product::left_colour)) {
-        const int row = static_cast<int>(colour->width) * 3;
-        return images::colour_view({colour->bytes.data(), row, static_cast<int>(colour->height), row});
-    }
-    const disparity::PlaneData& left = plane_of(frame, Product::left);
-    const int row = static_cast<int>(left.width);
-    return images::grey_view({left.bytes.data(), row, static_cast<int>(left.height), row});
+    const disparity::PlaneData* const colour = frame.plane(Product::left_colour);
+    return picture_of(colour != nullptr ? *colour : plane_of(frame, Product::left));
 }
 
 void write_disparity(const std::string& path, const images::DisparityMap& map) {
@@ -91,23 +95,63 @@ void write_disparity(const std::string& path, const images::DisparityMap& map) {
     images::write_disparity_png(path, map);
 }
 
-/// Writes depth or its errors, where there is a name for them.
-void write_millimetres(const std::string& path, const disparity::Frame& frame, Product product) {
-    if (!path.empty()) {
-        const disparity::PlaneData& plane = plane_of(frame, product);
+/// Writes the values of a product as they are.
+void write_values(const std::string& path, const disparity::Frame& frame, Product product) {
+    const disparity::PlaneData& plane = plane_of(frame, product);
+    if (product == Product::disparity) {
+        const auto d16 = numbers<std::int16_t>(plane);
+        write_disparity(path, {view(d16, plane), {frame.d_min, static_cast<int>(frame.disparities)}});
+    } else if (plane.bytes_per_pixel == 2) {
         const auto mm = numbers<std::uint16_t>(plane);
         images::write_depth_png(path, view(mm, plane));
-        std::cout << path << '\n';
+    } else {
+        images::write_picture(path, picture_of(plane));
     }
 }
 
-disparity::Frame next_frame(const SnapshotArguments& arguments) {
-    std::vector<Product> products{Product::disparity, Product::left};
-    if (!arguments.depth.empty()) {
-        products.push_back(Product::depth);
+/// Returns the product of this name. Throws std::invalid_argument with one line for a name that is no image's.
+Product image_named(std::string_view name) {
+    std::string names;
+    for (const proto::ProductFacts& product : proto::products) {
+        if (product.channels == 0) {
+            continue;
+        }
+        if (product.name == name) {
+            return static_cast<Product>(product.number);
+        }
+        names += (names.empty() ? "" : ", ") + std::string(product.name);
     }
-    if (!arguments.depth_error.empty()) {
-        products.push_back(Product::depth_error);
+    throw std::invalid_argument("--values: found '" + std::string(name) + "', allowed: NAME=FILE with one of " + names);
+}
+
+/// Returns the files of values, each with its product.
+std::map<Product, std::string> files_of(const SnapshotArguments& arguments) {
+    std::map<Product, std::string> files;
+    const auto add = [&files](Product product, const std::string& path) {
+        if (!path.empty() && !files.emplace(product, path).second) {
+            throw std::invalid_argument(path + ": a second file for the same image, allowed: one for each");
+        }
+    };
+    add(Product::disparity, arguments.disparity);
+    add(Product::depth, arguments.depth);
+    add(Product::depth_error, arguments.depth_error);
+    for (const std::string& value : arguments.values) {
+        const std::size_t equals = value.find('=');
+        const Product product = image_named(std::string_view(value).substr(0, equals));
+        if (equals == std::string::npos || equals + 1 == value.size()) {
+            throw std::invalid_argument("--values: found '" + value + "', allowed: NAME=FILE");
+        }
+        add(product, value.substr(equals + 1));
+    }
+    return files;
+}
+
+disparity::Frame next_frame(const SnapshotArguments& arguments, const std::map<Product, std::string>& files) {
+    std::vector<Product> products{Product::disparity, Product::left};
+    for (const auto& [product, path] : files) {
+        if (std::find(products.begin(), products.end(), product) == products.end()) {
+            products.push_back(product);
+        }
     }
     const int timeout_s = arguments.timeout_s.value_or(10);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(timeout_s);
@@ -145,57 +189,57 @@ disparity::Frame next_frame(const SnapshotArguments& arguments) {
 }
 
 /// Refuses what could not be written before a frame is waited for.
-void check_names(const SnapshotArguments& arguments) {
-    if (arguments.picture.empty() && arguments.disparity.empty() && arguments.depth.empty() &&
-        arguments.depth_error.empty()) {
+void check_names(const std::string& picture, const std::map<Product, std::string>& files) {
+    if (picture.empty() && files.empty()) {
         throw std::invalid_argument(
-            "snapshot: nothing to write; give at least one of -o, --disparity, --depth, --depth-error");
-    }
-    if (!arguments.picture.empty()) {
-        images::check_picture_name(arguments.picture);
-    }
-    if (!arguments.disparity.empty()) {
-        images::check_ending(arguments.disparity, {".png", ".pfm"});
-    }
-    for (const std::string& path : {arguments.depth, arguments.depth_error}) {
-        if (!path.empty()) {
-            images::check_ending(path, {".png"});
-        }
+            "snapshot: nothing to write; give at least one of -o, --disparity, --depth, --depth-error, --values");
     }
     std::set<std::string> names;
-    for (const std::string& path : {arguments.picture, arguments.disparity, arguments.depth, arguments.depth_error}) {
-        if (path.empty()) {
-            continue;
-        }
+    const auto check = [&names](const std::string& path) {
         check_writable(path);
         if (!names.insert(path).second) {
             throw std::invalid_argument(path + ": named for two images, allowed: a file for each");
         }
+    };
+    if (!picture.empty()) {
+        images::check_picture_name(picture);
+        check(picture);
+    }
+    for (const auto& [product, path] : files) {
+        if (product == Product::disparity) {
+            images::check_ending(path, {".png", ".pfm"});
+        } else {
+            images::check_ending(path, {".png"});
+        }
+        check(path);
     }
 }
 
-int snapshot(const SnapshotArguments& arguments) {
-    check_names(arguments);
-    const disparity::Frame frame = next_frame(arguments);
+void write_overview(const SnapshotArguments& arguments, const disparity::Frame& frame) {
     const disparity::PlaneData& plane = plane_of(frame, Product::disparity);
     const auto d16 = numbers<std::int16_t>(plane);
     const images::DisparityMap map{view(d16, plane), {frame.d_min, static_cast<int>(frame.disparities)}};
+    const images::Metric metric{frame.f, frame.baseline_mm, frame.disparity_offset};
+    const images::ColourScale scale = images::colour_scale(map, colour_range(arguments.colours));
+    cv::Mat picture = images::picture(left_picture(frame), map, scale, metric);
+    if ((frame.flags & disparity::synthetic) != 0) {
+        images::mark_synthetic(picture);
+    }
+    images::write_picture(arguments.picture, picture);
+}
+
+int snapshot(const SnapshotArguments& arguments) {
+    const std::map<Product, std::string> files = files_of(arguments);
+    check_names(arguments.picture, files);
+    const disparity::Frame frame = next_frame(arguments, files);
     if (!arguments.picture.empty()) {
-        const images::Metric metric{frame.f, frame.baseline_mm, frame.disparity_offset};
-        const images::ColourScale scale = images::colour_scale(map, colour_range(arguments.colours));
-        cv::Mat picture = images::picture(left_picture(frame), map, scale, metric);
-        if ((frame.flags & disparity::synthetic) != 0) {
-            images::mark_synthetic(picture);
-        }
-        images::write_picture(arguments.picture, picture);
+        write_overview(arguments, frame);
         std::cout << arguments.picture << '\n';
     }
-    if (!arguments.disparity.empty()) {
-        write_disparity(arguments.disparity, map);
-        std::cout << arguments.disparity << '\n';
+    for (const auto& [product, path] : files) {
+        write_values(path, frame, product);
+        std::cout << path << '\n';
     }
-    write_millimetres(arguments.depth, frame, Product::depth);
-    write_millimetres(arguments.depth_error, frame, Product::depth_error);
     return exit_done;
 }
 
@@ -218,6 +262,12 @@ void add_snapshot(CLI::App& program, Action& action) {
         .add_option("--depth-error", arguments->depth_error,
                     "one sigma of depth in mm as a 16-bit PNG (0 = unknown, 65535 = more)")
         ->type_name("FILE");
+    command
+        .add_option("--values", arguments->values,
+                    "the values of an image as they are, once for each: its name as a product, and a PNG, such as "
+                    "left=left.png")
+        ->type_name("NAME=FILE")
+        ->allow_extra_args(false);
     add_integer(command, "--timeout", arguments->timeout_s, 1, 3600, "seconds to wait for a frame; default 10");
     add_colour_range(command, arguments->colours)->needs(picture);
     arguments->daemon.add_to(command);
