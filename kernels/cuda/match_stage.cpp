@@ -56,7 +56,8 @@ MatchStage::MatchStage(const MatcherConfig& config)
         }
         if (options.method != Method::sad) {
             const std::size_t words = margin_words + pixels_ + 2 * margin_words;
-            const std::size_t bytes = words * word_size(cost_of(options)) * sizeof(std::uint64_t);
+            const std::size_t bytes =
+                words * static_cast<std::size_t>(word_size(cost_of(options))) * sizeof(std::uint64_t);
             words_[eye] = DeviceMemory(bytes, "the census words");
             // What stands in the margins is read and does not matter; that nobody wrote it would be found by checkers.
             check(cudaMemsetAsync(words_[eye].as<void>(), 0, bytes, stream_.get()), "clearing the census words");
