@@ -29,7 +29,7 @@ Plane<const std::uint8_t> no_plane(const FrameView& /*view*/) {
 constexpr std::array planes{&bytes_of<&FrameView::disparity>,   &bytes_of<&FrameView::confidence>,
                             &bytes_of<&FrameView::depth>,       &bytes_of<&FrameView::left>,
                             &bytes_of<&FrameView::left_colour>, &no_plane,
-                            &bytes_of<&FrameView::depth_error>};
+                            &bytes_of<&FrameView::depth_error>, &bytes_of<&FrameView::right>};
 static_assert(planes.size() == proto::products.size(), "a product has no plane");
 
 bool is_on(const Config& config, std::string_view key_name) {

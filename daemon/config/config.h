@@ -37,6 +37,7 @@ struct Config {
     struct Rectify {
         calibration::RectifiedGeometry geometry;
         bool colour = false;
+        bool right = false;
     } rectify;
 
     struct Match {

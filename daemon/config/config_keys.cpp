@@ -273,6 +273,7 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
                     "[] or [x, y, width, height] in pixels, each 0 .. 8192, width and height at least 1",
                     std::vector<std::int64_t>{}, set_region, get_region});
     keys.push_back(bool_key("rectify", "colour", FIELD(rectify.colour)));
+    keys.push_back(bool_key("rectify", "right", FIELD(rectify.right)));
 }
 
 void add_match_keys(std::vector<ConfigKey>& keys) {

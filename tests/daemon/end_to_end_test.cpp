@@ -64,13 +64,34 @@ void expect_depth_errors(const disparity::Frame& frame) {
     EXPECT_GT(compared, 1000);
 }
 
+/// The right image has at x - d what the left one has at x, unlike what it has at x.
+void expect_shifted_right_image(const disparity::Frame& frame) {
+    const auto& left = frame.plane(disparity::Product::left)->bytes;
+    const auto& right = frame.plane(disparity::Product::right)->bytes;
+    std::vector<std::int16_t> d16(left.size());
+    std::memcpy(d16.data(), frame.plane(disparity::Product::disparity)->bytes.data(), 2 * d16.size());
+    double shifted = 0;
+    double unshifted = 0;
+    for (std::size_t i = 0; i < d16.size(); ++i) {
+        const int d = (d16[i] + 8) / 16;
+        if (d16[i] != frame.invalid && d > 0 && d <= static_cast<int>(i % frame.width)) {
+            shifted += std::abs(left[i] - right[i - static_cast<std::size_t>(d)]);
+            unshifted += std::abs(left[i] - right[i]);
+        }
+    }
+    EXPECT_GT(unshifted, 0);
+    EXPECT_LT(shifted, unshifted / 2);
+}
+
 TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
-    const auto daemon = start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"),
-                                    {"--set", "rectify.colour=true", "--set", "match.depth_error=true"});
+    const auto daemon =
+        start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"),
+                    {"--set", "rectify.colour=true", "--set", "match.depth_error=true", "--set", "rectify.right=true"});
     disparity::SharedMemoryReader memory(shared_memory_name());
     disparity::Subscription all;
     all.products = {disparity::Product::disparity, disparity::Product::confidence,  disparity::Product::depth,
-                    disparity::Product::left,      disparity::Product::left_colour, disparity::Product::depth_error};
+                    disparity::Product::left,      disparity::Product::left_colour, disparity::Product::depth_error,
+                    disparity::Product::right};
     disparity::SocketClient tcp(daemon->address("tcp:"));
     tcp.subscribe(all);
     all.compressed = true;
@@ -133,6 +154,7 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
         EXPECT_GT(first.baseline_mm, 0);
         EXPECT_EQ(first.invalid, -16);
         expect_depth_errors(first);
+        expect_shifted_right_image(first);
     }
     EXPECT_GE(compared, 5);
 }

@@ -35,7 +35,7 @@ TEST(ProductPlanes, KeySwitchesItsProductOn) {
         EXPECT_THAT(configured_products(with(product.key, true)), Contains(product.number)) << product.name;
         EXPECT_THAT(configured_products(with(product.key, false)), Not(Contains(product.number))) << product.name;
     }
-    EXPECT_EQ(switched, 4);
+    EXPECT_EQ(switched, 5);
 }
 
 TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
@@ -46,6 +46,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     std::vector<std::uint16_t> depth(8 * height);
     std::vector<std::uint16_t> depth_error(8 * height);
     std::vector<std::uint8_t> left(8 * height);
+    std::vector<std::uint8_t> right(8 * height);
     std::vector<std::uint8_t> colour(24 * height);
     FrameView view;
     view.disparity = {disparity.data(), width, height, 8};
@@ -53,9 +54,10 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     view.depth = {depth.data(), width, height, 8};
     view.depth_error = {depth_error.data(), width, height, 8};
     view.left = {left.data(), width, height, 8};
+    view.right = {right.data(), width, height, 8};
     view.left_colour = {colour.data(), 3 * width, height, 24};
-    const std::vector<const void*> starts{disparity.data(), confidence.data(), depth.data(),      left.data(),
-                                          colour.data(),    nullptr,           depth_error.data()};
+    const std::vector<const void*> starts{disparity.data(), confidence.data(), depth.data(),       left.data(),
+                                          colour.data(),    nullptr,           depth_error.data(), right.data()};
     for (std::size_t i = 0; i < proto::products.size(); ++i) {
         const proto::ProductFacts& product = proto::products[i];
         const Plane<const std::uint8_t> plane = product_plane(view, product.number);

@@ -12,7 +12,7 @@
         frame = reader.read(timeout=1.0)
 """
 from .connection import ConnectOptions
-from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, SCAN
+from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, SCAN
 from .errors import DisparityError, Gone, Refused
 from .frame import DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, SYNTHETIC, UNRECTIFIED, Frame
 from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
@@ -39,6 +39,7 @@ __all__ = [
     "LEFT",
     "LEFT_COLOUR",
     "OCCUPIED",
+    "RIGHT",
     "Refused",
     "SCAN",
     "Scan",

@@ -174,6 +174,11 @@ class Frame:
         return self._plane(pb.LEFT_COLOUR)
 
     @property
+    def right(self) -> npt.NDArray[np.uint8]:
+        """uint8, rectified right image."""
+        return self._plane(pb.RIGHT)
+
+    @property
     def scan(self) -> Scan:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
         return read_scan(self._plane(pb.SCAN).tobytes())
