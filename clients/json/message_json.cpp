@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -89,7 +90,36 @@ Json schema_of_value(const FieldDescriptor& field) {
     }
 }
 
+/// Returns a number for people: lengths in metres, shares in percent.
+std::string number_text(double value, const std::string& unit) {
+    if (!(value > 0) || !std::isfinite(value)) {
+        return "unknown";
+    }
+    if (unit == "mm") {
+        return fmt::format("{:.{}f} m", value / 1000, value < 1000 ? 3 : 2);
+    }
+    return unit == "ratio" ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{} {}", value, unit);
+}
+
+std::string text_of(const Message& message, const FieldDescriptor& field) {
+    const Reflection& reflection = *message.GetReflection();
+    return field.cpp_type() == FieldDescriptor::CPPTYPE_STRING
+               ? reflection.GetString(message, &field)
+               : number_text(reflection.GetDouble(message, &field), field.options().GetExtension(v1::info).unit());
+}
+
 }  // namespace
+
+std::vector<Fact> facts_of(const Message& message) {
+    std::vector<Fact> facts;
+    for_each_field(*message.GetDescriptor(), [&](const FieldDescriptor& field) {
+        const v1::FieldInfo& info = field.options().GetExtension(v1::info);
+        if (const std::string text = info.title().empty() ? "" : text_of(message, field); !text.empty()) {
+            facts.push_back({info.title(), text, info.help()});
+        }
+    });
+    return facts;
+}
 
 Json to_json(const Message& message) {
     Json json = Json::object();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <google/protobuf/message.h>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,16 @@ Json to_json(const google::protobuf::Message& message);
 
 /// Returns the JSON schema of what to_json() makes of such a message.
 Json schema_of(const google::protobuf::Descriptor& message);
+
+/// What people are told of a field that has a FieldInfo.title.
+struct Fact {
+    std::string title;
+    std::string text;  ///< the value with its unit, or "unknown"
+    std::string help;
+};
+
+/// Returns those of a message's own fields, in their order; empty texts are left out.
+std::vector<Fact> facts_of(const google::protobuf::Message& message);
 
 /// Returns 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.
 std::string hexadecimal(std::uint64_t id);

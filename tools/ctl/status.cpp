@@ -20,10 +20,11 @@ struct StatusArguments {
     bool json = false;
 };
 
-void print_row(const char* what, const std::string& value) {
+void print_row(const std::string& what, const std::string& value) {
+    constexpr std::size_t column = 12;
     if (!value.empty()) {
-        std::cout << what << std::string(12 - std::string(what).size(), ' ') << base::printable(value, value.size())
-                  << '\n';
+        std::cout << what << std::string(column - std::min(what.size(), column - 1), ' ')
+                  << base::printable(value, value.size()) << '\n';
     }
 }
 
@@ -100,6 +101,9 @@ void print(const v1::Status& status) {
                                 " published, " + std::to_string(status.dropped()) + " dropped, " +
                                 std::to_string(status.lost_before()) + " lost by the source, " +
                                 std::to_string(status.corrupt()) + " damaged");
+    }
+    for (const json::Fact& fact : json::facts_of(status)) {
+        print_row(fact.title, fact.text);
     }
     print_row("recording", record_text(status.record()));
     if (status.has_self_calibration()) {

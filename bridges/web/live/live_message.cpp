@@ -237,6 +237,17 @@ Json status_or_null(const DaemonState& state) {
     return state.status ? json::to_json(*state.status) : Json();
 }
 
+/// Returns what the page tells of the status without words of its own: [title, text, help] each.
+Json facts_of(const DaemonState& state) {
+    Json list = Json::array();
+    if (state.status) {
+        for (const json::Fact& fact : json::facts_of(*state.status)) {
+            list.push_back({fact.title, fact.text, fact.help});
+        }
+    }
+    return list;
+}
+
 }  // namespace
 
 LiveRequest parse_live_request(std::string_view text) {
@@ -292,6 +303,7 @@ std::string status_message(const DaemonState& state, const LinkFacts& link) {
                     {"daemon", state.there ? "there" : "gone"},
                     {"why", state.why},
                     {"status", status_or_null(state)},
+                    {"facts", facts_of(state)},
                     {"link",
                      {{"sent_bytes", link.sent_bytes},
                       {"frames", link.frames},

@@ -293,7 +293,7 @@ function linkChanged(next) {
 function statusCame(next) {
   message = next
   log.take(next)
-  showStatus(next.status)
+  showStatus(next.status, next.facts)
   if (next.status) {
     stages.show(next.status.steps)
     sensors.check(next.status.sensors)

@@ -27,8 +27,8 @@ export function problemOf(status) {
   return { tone: 'warn', title: camera ?? titles[status.state] ?? status.state, text: status.detail || 'No frames come.' }
 }
 
-/** Shows a status of the daemon; null = there is none. */
-export function showStatus(status) {
+/** Shows a status of the daemon; null = there is none. `facts`: what the server has put into words, [title, text, help] each. */
+export function showStatus(status, facts) {
   if (!status) return
   write(by('version'), status.server_version)
   write(by('source'), status.source)
@@ -36,7 +36,7 @@ export function showStatus(status) {
   by('synthetic').hidden = !status.synthetic
   write(by('rate'), `${fixed(status.rate, 1)} /s`)
   showFacts(by('counts'), countsOf(status))
-  showFacts(by('camera'), cameraOf(status))
+  showFacts(by('camera'), [...cameraOf(status), ...facts.map(([title, text, help]) => [title[0].toUpperCase() + title.slice(1), text, '', help])])
   showFacts(by('self-calibration'), correctionOf(status.self_calibration))
   showFacts(by('recording'), recordingOf(status.record))
   showNotices(status.notices)
