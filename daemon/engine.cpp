@@ -117,6 +117,10 @@ std::optional<ScanOptions> scan_options(const Config& config) {
     return options;
 }
 
+std::optional<calibration::DepthRange> depth_range_of(const proto::FrameInfo& geometry, const MatchOptions& options) {
+    return calibration::DepthRange::of(geometry.f, geometry.baseline_mm, geometry.disparity_offset, options);
+}
+
 /// Returns one sigma of a disparity in 1/256 px where the depth error is served.
 std::optional<int> subpixel_error(const Config& config) {
     constexpr int steps_of_px = 256;
@@ -315,6 +319,13 @@ void Engine::fill(v1::Status& status) const {
         const std::lock_guard lock(mutex_);
         *status.mutable_geometry() = to_message(geometry_);
     }
+    constexpr double far_m = 10;
+    if (const auto range = depth_range_of(layout_.geometry, config_.match.options);
+        range && std::isfinite(range->nearest_m())) {
+        status.set_near_limit_mm(1000 * range->nearest_m());
+        const double step_m = range->error_m(far_m, range->step_px());
+        status.set_far_step_mm(std::isfinite(step_m) ? 1000 * step_m : 0);
+    }
     fill_self_calibration(status);
     if (!started_) {
         return;
@@ -423,10 +434,7 @@ std::string Engine::workers() const {
 }
 
 std::string Engine::distances() const {
-    const proto::FrameInfo& geometry = layout_.geometry;
-    const auto range =
-        calibration::DepthRange::of(geometry.f, geometry.baseline_mm, geometry.disparity_offset, config_.match.options);
-    if (range) {
+    if (const auto range = depth_range_of(layout_.geometry, config_.match.options)) {
         return range->text();
     }
     return source_->condition().delivering ? calibration::unknown_depth_range : "";
