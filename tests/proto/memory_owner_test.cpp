@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -96,7 +97,7 @@ TEST_F(MemoryOwner, WhatIsTrustedIsAPlainFileOfATrustedUserThatNobodyElseCanWrit
     EXPECT_THAT(proto::distrust(object, only_7), HasSubstr("mode 0660"));
     object.st_mode = S_IFREG | 0602;
     EXPECT_THAT(proto::distrust(object, only_7), HasSubstr("mode 0602"));
-    for (const mode_t kind : {S_IFIFO, S_IFSOCK, S_IFDIR, S_IFCHR, S_IFLNK}) {
+    for (const mode_t kind : std::initializer_list<mode_t>{S_IFIFO, S_IFSOCK, S_IFDIR, S_IFCHR, S_IFLNK}) {
         object.st_mode = kind | 0640;
         EXPECT_THAT(proto::distrust(object, only_7), HasSubstr("is no plain file")) << kind;
     }
