@@ -165,12 +165,6 @@ void RecordingControl::start_now(const WantedRecording& wanted) {
     if (const auto free = free_bytes(fs::path(target).parent_path()); free && *free < rules.keep_free_bytes) {
         throw std::runtime_error(fmt::format("record: {}: {}", target, too_full(*free, rules.keep_free_bytes)));
     }
-    if (const std::chrono::duration<double> wait = starts_.wait(); wait.count() > 0) {
-        throw std::runtime_error(fmt::format(
-            "record: too many recordings were started one after the other: the next one may start in {:.1f} s",
-            wait.count()));
-    }
-    starts_.take();
     const auto recorder = std::make_shared<capture::Recorder>(target, source);
     bool same_source = false;
     {

@@ -13,7 +13,6 @@
 #include "capture/recording/recorder.h"
 #include "daemon/log.h"
 #include "daemon/one_thread.h"
-#include "daemon/socket/rate_limit.h"
 #include "proto/disparity.pb.h"
 
 namespace disparityd::daemon {
@@ -112,7 +111,6 @@ private:
     v1::RecordStatus last_;           ///< of the recording that is being finished, or of the one before
 
     // The worker's.
-    RateLimit starts_{5, std::chrono::seconds(1)};
     LogLimiter began_;
     LogLimiter finished_;
     LogLimiter broke_off_;

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "daemon/socket/rate_limit.h"
 #include "proto/disparity.pb.h"
 
 namespace disparityd::daemon {
@@ -48,6 +50,9 @@ struct Request {
     std::string_view word;  ///< that a refusal begins with, for people: "record"
     /// Returns whether it changes something, which only clients with the right to control may; empty: it does not.
     std::function<bool(const v1::Envelope& message)> changes_something = {};
+    /// How many all clients together may make; null: the limit of each client's messages suffices. What is refused
+    /// afterwards counts, too.
+    std::shared_ptr<RateLimit> rate = {};
     std::function<void(const v1::Envelope& message, const Requester& requester, Reply reply)> handle;
     /// Returns whether something goes on for this client, which therefore need not ask for anything; may be empty.
     std::function<bool(std::uint64_t client)> goes_on_for = {};

@@ -296,6 +296,14 @@ void ClientSession::pass_on(const Request& request, const v1::Envelope& message)
     if (request.changes_something && request.changes_something(message) && !may_control(request.word)) {
         return;
     }
+    if (request.rate) {
+        if (const std::chrono::duration<double> wait = request.rate->wait(); wait.count() > 0) {
+            send_error(fmt::format("{}: asked for too often: ask again in {:.1f} s", request.word, wait.count()),
+                       false);
+            return;
+        }
+        request.rate->take();
+    }
     request.handle(message, {id_, peer_.owns_daemon()}, reply());
 }
 

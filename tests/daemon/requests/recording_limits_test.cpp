@@ -6,12 +6,14 @@
 
 #include <gmock/gmock.h>
 
+#include "daemon/requests/record_request.h"
 #include "tests/daemon/requests/recording_fixture.h"
 
 namespace disparityd::test {
 namespace {
 
 using std::chrono::steady_clock;
+using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
@@ -30,26 +32,15 @@ protected:
     }
 };
 
-TEST_F(RecordingLimitsTest, StartsInALoopAreRefusedForAWhile) {
-    constexpr int burst = 5;
-    const auto begin = steady_clock::now();
-    int granted = 0;
-    std::string refusal;
-    for (int i = 0; i < 100; ++i) {
-        const std::string answer = start("a" + std::to_string(i) + ".mkv").refusal;
-        if (answer.empty()) {
-            ++granted;
-            EXPECT_EQ(stop().refusal, "");
-        } else {
-            refusal = answer;
-        }
+TEST_F(RecordingLimitsTest, FiveMayStartAtOnceThenOneASecond) {
+    const daemon::Request request = daemon::record_start_request(control_);
+    const steady_clock::time_point now = steady_clock::now();
+    for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(request.rate->wait(now).count(), 0) << i;
+        request.rate->take(1, now);
     }
-    const double seconds = std::chrono::duration<double>(steady_clock::now() - begin).count();
-    EXPECT_LE(granted, burst + 1 + seconds);
-    if (granted < 100) {
-        EXPECT_THAT(refusal, HasSubstr("the next one may start in "));
-    }
-    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+    EXPECT_EQ(request.rate->wait(now), 1s);
+    EXPECT_EQ(request.rate->wait(now + 1s).count(), 0);
 }
 
 TEST_F(RecordingLimitsTest, OneWithoutAFrameLeavesNoFile) {

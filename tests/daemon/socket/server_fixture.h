@@ -111,6 +111,7 @@ protected:
                 .name = "record_stop",
                 .word = "record",
                 .changes_something = [](const v1::Envelope&) { return true; },
+                .rate = std::make_shared<daemon::RateLimit>(3, std::chrono::hours(1)),
                 .handle =
                     [this](const v1::Envelope&, const daemon::Requester&, const daemon::Reply& reply) {
                         ++stops_;

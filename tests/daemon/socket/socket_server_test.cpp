@@ -440,6 +440,26 @@ TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
     EXPECT_FALSE(answer->envelope.error().closing());
 }
 
+TEST_F(SocketServerTest, ARequestThatIsMadeTooOftenIsRefusedWhoeverMakesIt) {
+    start();
+    v1::Envelope request;
+    request.mutable_record_stop();
+    for (int i = 0; i < 3; ++i) {
+        WireClient client = connect(unix_);
+        ASSERT_TRUE(client.send(request));
+        const auto answer = client.receive();
+        ASSERT_TRUE(answer && answer->envelope.has_record_status()) << i;
+    }
+    WireClient client = connect(unix_);
+    ASSERT_TRUE(client.send(request));
+    const auto answer = client.receive();
+    ASSERT_TRUE(answer && answer->envelope.has_error());
+    EXPECT_THAT(answer->envelope.error().message(), HasSubstr("record: asked for too often: ask again in 3"));
+    EXPECT_FALSE(answer->envelope.error().closing());
+    EXPECT_EQ(stops_, 3);
+    status(client);  // other requests are answered
+}
+
 TEST_F(SocketServerTest, ATraceComesInPartsOrIsRefused) {
     start();
     WireClient client = connect(tcp_);
