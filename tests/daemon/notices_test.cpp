@@ -73,7 +73,7 @@ TEST_F(NoticesTest, AGroundThatNeedsNoSensor) {
 
 // A rendered scene must not be taken for what a camera sees: not live, not as a recording of it.
 TEST_F(NoticesTest, ASceneIsToldAsSynthetic) {
-    const auto expect_synthetic = [this](const DaemonProcess& daemon) {
+    const auto expect_synthetic = [](const DaemonProcess& daemon) {
         WireClient client = subscriber(daemon.address("tcp:"), {v1::DISPARITY});
         const auto frame = client.receive_frame();
         ASSERT_TRUE(frame);
