@@ -76,18 +76,6 @@ DistanceLimits limits_of(const Options& options) {
     return limits;
 }
 
-void add_daemon(CLI::App& app, Options& options) {
-    const std::string group = "Which daemon";
-    app.add_option("--name", options.name, "Name of its shared memory, on this machine")
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group(group);
-    app.add_option("--socket", options.socket, "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH instead of shared memory")
-        ->type_name("ADDRESS")
-        ->group(group);
-    options.reach.add_to(app);
-}
-
 void add_autopilot(CLI::App& app, Options& options) {
     const std::string group = "Which autopilot";
     CLI::Option* const udp = app.add_option("--udp", options.udp, "Send datagrams to HOST:PORT");
@@ -154,7 +142,7 @@ bool is_baud_rate(unsigned baud) {
 }
 
 void Options::add_to(CLI::App& app) {
-    add_daemon(app, *this);
+    daemon.add_to(app);
     add_autopilot(app, *this);
     add_contents(app, *this);
 }
@@ -178,8 +166,7 @@ std::unique_ptr<Link> Options::make_link() const {
 
 std::unique_ptr<ScanSource> Options::make_source() const {
     // A little more than is sent, so that none of the right moment is missing.
-    reach.check(socket);
-    return socket.empty() ? shared_memory_source(name) : socket_source(socket, reach.options, 2 * rate);
+    return std::make_unique<ScanSource>(daemon.where(), daemon.reach.for_client("disparity-mavlink"), 2 * rate);
 }
 
 }  // namespace disparityd::mavlink

@@ -20,15 +20,13 @@ namespace disparityd::mavlink {
 
 /// What the command line says.
 struct Options {
-    std::string name = "default";     ///< of the daemon's shared memory
-    std::string socket;               ///< the daemon's address; empty = shared memory
-    clients::ConnectArguments reach;  ///< how the daemon is reached over TLS
-    std::string udp;                  ///< HOST:PORT, or empty
-    std::string serial;               ///< DEVICE:BAUD, or empty; one of the two is given
-    unsigned system_id = 1;           ///< 1 .. 255
-    unsigned component_id = 196;      ///< 1 .. 255; MAV_COMP_ID_OBSTACLE_AVOIDANCE
-    double rate = 15;                 ///< scans per second that are sent at most
-    std::int64_t max_age_ms = 300;    ///< an older scan is not sent
+    clients::DaemonArguments daemon;
+    std::string udp;                ///< HOST:PORT, or empty
+    std::string serial;             ///< DEVICE:BAUD, or empty; one of the two is given
+    unsigned system_id = 1;         ///< 1 .. 255
+    unsigned component_id = 196;    ///< 1 .. 255; MAV_COMP_ID_OBSTACLE_AVOIDANCE
+    double rate = 15;               ///< scans per second that are sent at most
+    std::int64_t max_age_ms = 300;  ///< an older scan is not sent
     double min_distance_m = 0.2;
     double max_distance_m = 8;
     bool hidden_as_obstacle = false;        ///< see DistanceLimits

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <string>
 
@@ -21,6 +20,9 @@ struct TimedScan {
 /// Reads scans of a daemon that may be away, come and go. One thread uses it.
 class ScanSource {
 public:
+    /// Reads the daemon `where`, as disparity::connect() takes it, and asks for at most so many frames per second.
+    /// Throws std::invalid_argument for a name or an address of another form; a daemon that is away is waited for.
+    ScanSource(const std::string& where, disparity::ClientOptions options, double max_rate);
     virtual ~ScanSource() = default;
     ScanSource(const ScanSource&) = delete;
     ScanSource& operator=(const ScanSource&) = delete;
@@ -35,26 +37,19 @@ public:
 protected:
     ScanSource() = default;
 
-    /// As SharedMemoryReader::read() and SocketClient::read(); makes the reader first where there is none.
-    virtual disparity::ReadResult read(disparity::Frame& frame, std::chrono::milliseconds timeout) = 0;
-    virtual std::string why_gone() const = 0;
-    virtual void disconnect() = 0;  ///< after an error: the next read() begins anew
+    /// As Client::read().
+    virtual disparity::ReadResult read(disparity::Frame& frame, std::chrono::milliseconds timeout);
+    virtual std::string why_gone() const;
 
 private:
     std::optional<TimedScan> scan_of(std::chrono::steady_clock::time_point captured);
     void fail(const std::string& reason);
 
+    std::optional<disparity::Client> client_;
+    bool served_ = false;  ///< a frame has come of this daemon
     disparity::Frame frame_;
     std::string problem_;
     std::chrono::steady_clock::time_point next_try_{};
 };
-
-/// Returns a source that reads shared memory of this name. Throws std::invalid_argument for a name that is not allowed.
-std::unique_ptr<ScanSource> shared_memory_source(const std::string& name);
-
-/// Returns a source that reads a socket, at an address as SocketClient takes it, and asks for at most so many frames
-/// per second. Throws std::invalid_argument for an address of another form.
-std::unique_ptr<ScanSource> socket_source(const std::string& address, const disparity::ConnectOptions& options,
-                                          double max_rate);
 
 }  // namespace disparityd::mavlink

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -23,8 +24,20 @@ struct disparity_socket {
     std::size_t sensors_read = 0;
 };
 
+struct disparity_client {
+    disparity::Client client;
+    std::string status;
+    disparity::SensorBatch sensors;
+    std::size_t sensors_read = 0;
+    std::string where;
+};
+
 struct disparity_frame {
     std::variant<disparity::Frame, disparity::BorrowedFrame> frame;
+    disparity::FloatImage disparity_px;  // what was computed last, for the caller
+    disparity::FloatImage depth_m;
+    disparity::FloatImage depth_error_m;
+    disparity::Points points;
 };
 
 namespace {
@@ -32,8 +45,13 @@ namespace {
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
                   sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
                   sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 40 &&
-                  sizeof(disparity_scan_sector) == 40,
+                  sizeof(disparity_scan_sector) == 40 && sizeof(disparity_point) == 16 &&
+                  sizeof(disparity_client_options) == 24 + sizeof(disparity_connect_options),
               "part of the binary interface");
+static_assert(sizeof(disparity::Point) == sizeof(disparity_point) && offsetof(disparity::Point, z) == 8 &&
+                  offsetof(disparity::Point, red) == offsetof(disparity_point, red) &&
+                  offsetof(disparity::Point, blue) == offsetof(disparity_point, blue),
+              "points are given as they are");
 
 std::string& error_text() {
     thread_local std::string text;
@@ -145,6 +163,101 @@ disparity_sensor_sample in_c(const disparity::SensorSample& from) {
         to.right_celsius = from.eye_temperatures->right_celsius;
     }
     return to;
+}
+
+std::string text(const char* given_text) {
+    return given_text == nullptr ? "" : given_text;
+}
+
+disparity::ConnectOptions in_cpp(const disparity_connect_options& from) {
+    return {text(from.authority),   text(from.certificate), text(from.key),
+            text(from.server_name), text(from.token_file),  text(from.token)};
+}
+
+disparity::Subscription in_cpp(const disparity_subscription& from) {
+    disparity::Subscription wanted;
+    wanted.products.clear();
+    if (from.product_count != 0) {
+        given(from.products, "products");
+    }
+    for (uint64_t i = 0; i < from.product_count; ++i) {
+        wanted.products.push_back(static_cast<disparity::Product>(from.products[i]));
+    }
+    wanted.max_rate = from.max_rate;
+    wanted.status_interval_s = from.status_interval_s;
+    wanted.compressed = from.compressed != 0;
+    wanted.sensors = from.sensors != 0;
+    wanted.region_x = from.region_x;
+    wanted.region_y = from.region_y;
+    wanted.region_width = from.region_width;
+    wanted.region_height = from.region_height;
+    return wanted;
+}
+
+/// Of a disparity_socket or a disparity_client.
+template <class AnyClient>
+int read_sensors(AnyClient* client, disparity_sensor_sample* samples, size_t sample_bytes, size_t capacity,
+                 size_t* count, int timeout_ms) {
+    return guarded<int>(DISPARITY_ERROR, [&]() -> int {
+        AnyClient& from = given(client, "client");
+        auto* to = reinterpret_cast<unsigned char*>(&given(samples, "samples"));
+        given(count, "count") = 0;
+        if (sample_bytes == 0 || capacity == 0) {
+            throw std::invalid_argument("samples have no room");
+        }
+        while (from.sensors_read == from.sensors.samples.size()) {
+            from.sensors_read = 0;
+            from.sensors.samples.clear();
+            const int result = code(from.client.read_sensors(from.sensors, std::chrono::milliseconds(timeout_ms)),
+                                    from.client.why_gone());
+            if (result != DISPARITY_FRAME) {
+                return result;
+            }
+        }
+        for (; *count < capacity && from.sensors_read < from.sensors.samples.size(); ++*count, to += sample_bytes) {
+            disparity_sensor_sample sample = in_c(from.sensors.samples[from.sensors_read]);
+            sample.skipped = from.sensors_read == 0 ? static_cast<std::uint32_t>(from.sensors.skipped) : 0;
+            ++from.sensors_read;
+            std::memcpy(to, &sample, std::min(sample_bytes, sizeof sample));
+        }
+        return DISPARITY_FRAME;
+    });
+}
+
+/// Of a disparity_socket or a disparity_client.
+template <class AnyClient>
+const void* read_status(AnyClient* client, int timeout_ms, size_t* bytes) {
+    return guarded<const void*>(nullptr, [&] {
+        AnyClient& from = given(client, "client");
+        from.status = from.client.status(std::chrono::milliseconds(timeout_ms));
+        given(bytes, "bytes") = from.status.size();
+        return static_cast<const void*>(from.status.data());
+    });
+}
+
+/// Keeps what `compute` makes of a frame in a member of it, and says its size. Returns nullptr when there is nothing.
+template <class Result, class Compute>
+const Result* computed(disparity_frame* frame, Result disparity_frame::*member, uint32_t* width, uint32_t* height,
+                       Compute compute) {
+    return guarded<const Result*>(nullptr, [&]() -> const Result* {
+        auto result = std::visit(compute, given(frame, "frame").frame);
+        if (!result) {
+            error_text() =
+                "the frame does not carry what this is computed from: subscribe to it, or calibrate the camera";
+            return nullptr;
+        }
+        given(width, "width") = result->width;
+        given(height, "height") = result->height;
+        frame->*member = *std::move(result);
+        return &(frame->*member);
+    });
+}
+
+template <class Compute>
+const float* image(disparity_frame* frame, disparity::FloatImage disparity_frame::*member, uint32_t* width,
+                   uint32_t* height, Compute compute) {
+    const disparity::FloatImage* found = computed(frame, member, width, height, compute);
+    return found == nullptr ? nullptr : found->values.data();
 }
 
 disparity_scan_info in_c(const disparity::Scan& from) {
@@ -310,9 +423,7 @@ disparity_socket* disparity_socket_open_with(const char* address, const char* cl
         given(address, "address");
         disparity_connect_options from{};
         std::memcpy(&from, &given(options, "options"), std::min(options_bytes, sizeof from));
-        const auto text = [](const char* given_text) { return std::string(given_text == nullptr ? "" : given_text); };
-        const disparity::ConnectOptions to{text(from.authority),   text(from.certificate), text(from.key),
-                                           text(from.server_name), text(from.token_file),  text(from.token)};
+        const disparity::ConnectOptions to = in_cpp(from);
         return new disparity_socket{
             disparity::SocketClient(address, to, client_name == nullptr ? "disparity-client" : client_name,
                                     std::chrono::milliseconds(timeout_ms)),
@@ -327,24 +438,7 @@ void disparity_socket_close(disparity_socket* client) {
 
 int disparity_socket_subscribe(disparity_socket* client, const disparity_subscription* subscription) {
     return guarded<int>(DISPARITY_ERROR, [&] {
-        const disparity_subscription& from = given(subscription, "subscription");
-        disparity::Subscription wanted;
-        wanted.products.clear();
-        if (from.product_count != 0) {
-            given(from.products, "products");
-        }
-        for (uint64_t i = 0; i < from.product_count; ++i) {
-            wanted.products.push_back(static_cast<disparity::Product>(from.products[i]));
-        }
-        wanted.max_rate = from.max_rate;
-        wanted.status_interval_s = from.status_interval_s;
-        wanted.compressed = from.compressed != 0;
-        wanted.sensors = from.sensors != 0;
-        wanted.region_x = from.region_x;
-        wanted.region_y = from.region_y;
-        wanted.region_width = from.region_width;
-        wanted.region_height = from.region_height;
-        given(client, "client").client.subscribe(wanted);
+        given(client, "client").client.subscribe(in_cpp(given(subscription, "subscription")));
         return 0;
     });
 }
@@ -358,37 +452,94 @@ int disparity_socket_read(disparity_socket* client, disparity_frame* frame, int 
 
 int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sample* samples, size_t sample_bytes,
                                   size_t capacity, size_t* count, int timeout_ms) {
-    return guarded<int>(DISPARITY_ERROR, [&]() -> int {
-        disparity_socket& from = given(client, "client");
-        auto* to = reinterpret_cast<unsigned char*>(&given(samples, "samples"));
-        given(count, "count") = 0;
-        if (sample_bytes == 0 || capacity == 0) {
-            throw std::invalid_argument("samples have no room");
-        }
-        while (from.sensors_read == from.sensors.samples.size()) {
-            from.sensors_read = 0;
-            from.sensors.samples.clear();
-            const int result = code(from.client.read_sensors(from.sensors, std::chrono::milliseconds(timeout_ms)),
-                                    from.client.why_gone());
-            if (result != DISPARITY_FRAME) {
-                return result;
-            }
-        }
-        for (; *count < capacity && from.sensors_read < from.sensors.samples.size(); ++*count, to += sample_bytes) {
-            disparity_sensor_sample sample = in_c(from.sensors.samples[from.sensors_read]);
-            sample.skipped = from.sensors_read == 0 ? static_cast<std::uint32_t>(from.sensors.skipped) : 0;
-            ++from.sensors_read;
-            std::memcpy(to, &sample, std::min(sample_bytes, sizeof sample));
-        }
-        return DISPARITY_FRAME;
-    });
+    return read_sensors(client, samples, sample_bytes, capacity, count, timeout_ms);
 }
 
 const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes) {
-    return guarded<const void*>(nullptr, [&]() -> const void* {
-        disparity_socket& from = given(client, "client");
-        from.status = from.client.status(std::chrono::milliseconds(timeout_ms));
-        given(bytes, "bytes") = from.status.size();
-        return from.status.data();
+    return read_status(client, timeout_ms, bytes);
+}
+
+disparity_client* disparity_connect(const char* where, const uint32_t* products, size_t count) {
+    disparity_subscription wanted{};
+    wanted.products = products;
+    wanted.product_count = count;
+    const disparity_client_options none{};
+    return disparity_connect_with(where, &wanted, &none, sizeof none);
+}
+
+disparity_client* disparity_connect_with(const char* where, const disparity_subscription* wanted,
+                                         const disparity_client_options* options, size_t options_bytes) {
+    return guarded<disparity_client*>(nullptr, [&] {
+        disparity_client_options from{};
+        std::memcpy(&from, &given(options, "options"), std::min(options_bytes, sizeof from));
+        disparity::ClientOptions to;
+        to.may_be_absent = from.may_be_absent != 0;
+        if (from.timeout_ms != 0) {
+            to.timeout = std::chrono::milliseconds(from.timeout_ms);
+        }
+        if (from.client_name != nullptr) {
+            to.client_name = from.client_name;
+        }
+        to.owner = text(from.owner);
+        to.reach = in_cpp(from.reach);
+        return new disparity_client{
+            disparity::connect(text(where), in_cpp(given(wanted, "wanted")), to), {}, {}, 0, {}};
     });
+}
+
+void disparity_client_close(disparity_client* client) {
+    delete client;
+}
+
+int disparity_client_subscribe(disparity_client* client, const disparity_subscription* wanted) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        given(client, "client").client.subscribe(in_cpp(given(wanted, "wanted")));
+        return 0;
+    });
+}
+
+int disparity_client_read(disparity_client* client, disparity_frame* frame, int timeout_ms) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        disparity::Client& from = given(client, "client").client;
+        return code(from.read(as<disparity::Frame>(frame), std::chrono::milliseconds(timeout_ms)), from.why_gone());
+    });
+}
+
+int disparity_client_read_sensors(disparity_client* client, disparity_sensor_sample* samples, size_t sample_bytes,
+                                  size_t capacity, size_t* count, int timeout_ms) {
+    return read_sensors(client, samples, sample_bytes, capacity, count, timeout_ms);
+}
+
+const void* disparity_client_status(disparity_client* client, int timeout_ms, size_t* bytes) {
+    return read_status(client, timeout_ms, bytes);
+}
+
+const char* disparity_client_where(disparity_client* client) {
+    return guarded<const char*>("", [&] {
+        disparity_client& of = given(client, "client");
+        of.where = of.client.where();
+        return of.where.c_str();
+    });
+}
+
+const float* disparity_frame_disparity_px(disparity_frame* frame, uint32_t* width, uint32_t* height) {
+    return image(frame, &disparity_frame::disparity_px, width, height,
+                 [](const auto& of) { return of.disparity_px(); });
+}
+
+const float* disparity_frame_depth_m(disparity_frame* frame, uint32_t* width, uint32_t* height) {
+    return image(frame, &disparity_frame::depth_m, width, height, [](const auto& of) { return of.depth_m(); });
+}
+
+const float* disparity_frame_depth_error_m(disparity_frame* frame, uint32_t* width, uint32_t* height) {
+    return image(frame, &disparity_frame::depth_error_m, width, height,
+                 [](const auto& of) { return of.depth_error_m(); });
+}
+
+const disparity_point* disparity_frame_points(disparity_frame* frame, uint32_t step, uint32_t* width,
+                                              uint32_t* height) {
+    const auto* points =
+        computed(frame, &disparity_frame::points, width, height, [step](const auto& of) { return of.points(step); });
+    // The same layout: static_assert above.
+    return points == nullptr ? nullptr : reinterpret_cast<const disparity_point*>(points->points.data());
 }

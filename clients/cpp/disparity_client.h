@@ -44,6 +44,8 @@ enum {
 typedef struct disparity_shared_memory disparity_shared_memory;
 /** A connection to the daemon; disparity_socket_open() makes it. */
 typedef struct disparity_socket disparity_socket;
+/** A daemon, however its frames come; disparity_connect() makes it. */
+typedef struct disparity_client disparity_client;
 /** A frame and its planes; disparity_frame_new() makes it. */
 typedef struct disparity_frame disparity_frame;
 
@@ -106,6 +108,34 @@ DISPARITY_API int disparity_frame_plane_at(const disparity_frame* frame, uint32_
 /** Returns 1 when all that was read from the planes until now belongs to this frame: always for a copied frame, and for
  * a borrowed one until the daemon writes over it; 0 after that. NULL gives 0. */
 DISPARITY_API int disparity_frame_is_whole(const disparity_frame* frame);
+
+/** Return a number for each pixel, row by row, width * height of them: disparities in px, depths and one sigma of depth
+ * in m. NaN is unknown, +infinity beyond what can be measured. Depths come from DISPARITY_PRODUCT_DEPTH, else from the
+ * disparities. NULL when the frame does not carry what they are computed from, or has no calibration. They belong to
+ * the frame and are valid until the same function is called again or the frame is freed. */
+DISPARITY_API const float* disparity_frame_disparity_px(disparity_frame* frame, uint32_t* width, uint32_t* height);
+DISPARITY_API const float* disparity_frame_depth_m(disparity_frame* frame, uint32_t* width,
+                                                   uint32_t* height); /**< see above */
+DISPARITY_API const float* disparity_frame_depth_error_m(disparity_frame* frame, uint32_t* width,
+                                                         uint32_t* height); /**< see above */
+
+/** A point in the axes of the rectified left camera: x right, y down, z ahead; all NaN where the depth is unknown or
+ * beyond what can be measured. The layout does not change. */
+typedef struct disparity_point {
+    float x;        /**< m */
+    float y;        /**< m */
+    float z;        /**< m */
+    uint8_t red;    /**< of the left image, as green and blue; all 0 where the frame carries none */
+    uint8_t green;  /**< see red */
+    uint8_t blue;   /**< see red */
+    uint8_t unused; /**< 0 */
+} disparity_point;
+
+/** Returns the points of each `step`-th column and row (0 counts as 1), row by row, width * height of them. They come
+ * from the disparities, else from DISPARITY_PRODUCT_DEPTH, their colours from DISPARITY_PRODUCT_LEFT_COLOUR or
+ * DISPARITY_PRODUCT_LEFT. NULL and valid as above. */
+DISPARITY_API const disparity_point* disparity_frame_points(disparity_frame* frame, uint32_t step, uint32_t* width,
+                                                            uint32_t* height);
 
 /** What a sector of an obstacle scan shows. A program takes every other value for unknown. */
 enum {
@@ -282,6 +312,49 @@ DISPARITY_API int disparity_socket_read_sensors(disparity_socket* client, dispar
 /** Asks for the status. Returns a serialized disparityd.v1.Status, owned by the client and valid until its next call of
  * this function; NULL on failure. */
 DISPARITY_API const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes);
+
+/** How disparity_connect_with() connects; memset to 0 first. The strings are copied. Fields are only added at the end.
+ */
+typedef struct disparity_client_options {
+    int32_t may_be_absent;           /**< not 0: succeeds without a daemon, too; reading waits for one */
+    int32_t timeout_ms;              /**< for a socket to answer; 0 = 5000 */
+    const char* client_name;         /**< of this program, in the daemon's status; NULL = "disparity-client" */
+    const char* owner;               /**< as for disparity_shared_memory_open_with() */
+    disparity_connect_options reach; /**< certificates and the token */
+} disparity_client_options;
+
+/** Connects to a daemon and asks for frames with these products. `where` is "default" or another name: the daemon of
+ * this machine that has it, over its shared memory, else its socket; "" or NULL: the daemon of this machine, that of
+ * the name "default", else the only one that runs; "unix:PATH", "/PATH", "tcp:HOST:PORT" or "tls:HOST:PORT": a socket.
+ * Returns NULL where no daemon answers, or several run and none was named: disparity_last_error() names them. */
+DISPARITY_API disparity_client* disparity_connect(const char* where, const uint32_t* products, size_t count);
+
+/** Does the same with options; pass sizeof(disparity_client_options). A region comes over the socket; status_interval_s
+ * is 0. */
+DISPARITY_API disparity_client* disparity_connect_with(const char* where, const disparity_subscription* wanted,
+                                                       const disparity_client_options* options, size_t options_bytes);
+/** Ends the client; its frames stay. NULL is allowed. */
+DISPARITY_API void disparity_client_close(disparity_client* client);
+
+/** Replaces what is wanted. Returns 0, or DISPARITY_ERROR. */
+DISPARITY_API int disparity_client_subscribe(disparity_client* client, const disparity_subscription* wanted);
+
+/** Gives the newest frame that was not given before, or waits for one; up to a second longer where a daemon is being
+ * connected to. The first one out of shared memory may be an old one: see its age. A restart of the daemon is survived:
+ * the call that finds it gone returns DISPARITY_GONE, those after it look for it, by its name and in both ways. Returns
+ * DISPARITY_ERROR when the daemon refuses; the call may be repeated. */
+DISPARITY_API int disparity_client_read(disparity_client* client, disparity_frame* frame, int timeout_ms);
+
+/** As disparity_socket_read_sensors(), also when frames come over shared memory. */
+DISPARITY_API int disparity_client_read_sensors(disparity_client* client, disparity_sensor_sample* samples,
+                                                size_t sample_bytes, size_t capacity, size_t* count, int timeout_ms);
+
+/** As disparity_socket_status(), also when frames come over shared memory. */
+DISPARITY_API const void* disparity_client_status(disparity_client* client, int timeout_ms, size_t* bytes);
+
+/** Returns where frames come from now, for people: "shared memory default", "tcp:HOST:PORT"; "" without a daemon. Valid
+ * until the next call of this function. */
+DISPARITY_API const char* disparity_client_where(disparity_client* client);
 
 #ifdef __cplusplus
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,6 +68,37 @@ struct FrameInfo {
     std::int64_t sent_age_ns = 0;      ///< part of age_ns: from capture until the daemon published or sent the frame
 };
 
+/// Returns the distance along the optical axis of a disparity in px, Z = f B / (d + disparity_offset), in m; nothing
+/// where it has none: without a calibration, and where d + disparity_offset is not above 0.
+DISPARITY_API std::optional<double> distance_m(const FrameInfo& frame, double disparity_px);
+
+/// A number for each pixel, row by row.
+struct FloatImage {
+    std::uint32_t width = 0;    ///< px
+    std::uint32_t height = 0;   ///< px
+    std::vector<float> values;  ///< width * height
+};
+
+/// A point in the axes of the rectified left camera: x right, y down, z ahead; all NaN where the depth is unknown or
+/// beyond what can be measured.
+struct Point {
+    float x = 0;              ///< m
+    float y = 0;              ///< m
+    float z = 0;              ///< m
+    std::uint8_t red = 0;     ///< of the left image, as green and blue; 0 where Points::coloured is false
+    std::uint8_t green = 0;   ///< see red
+    std::uint8_t blue = 0;    ///< see red
+    std::uint8_t unused = 0;  ///< 0
+};
+
+/// A point for each pixel, row by row, so that neighbours are neighbours in the image.
+struct Points {
+    std::uint32_t width = 0;    ///< points in a row
+    std::uint32_t height = 0;   ///< rows
+    bool coloured = false;      ///< the frame carries Product::left_colour, or Product::left (then red = green = blue)
+    std::vector<Point> points;  ///< width * height
+};
+
 /// What a sector of an obstacle scan shows.
 enum class SectorState : std::uint8_t {
     unknown = 0,  ///< as good as nothing is known: it may hold an obstacle at any distance
@@ -123,6 +155,23 @@ struct DISPARITY_API Frame : FrameInfo {
     /// Returns the obstacle scan, or nothing when the frame does not carry one. Throws std::runtime_error for one of
     /// another version.
     std::optional<Scan> scan() const;
+
+    /// Returns the disparities in px, NaN where rejected; nothing when the frame does not carry them.
+    std::optional<FloatImage> disparity_px() const;
+
+    /// Returns the depths in m: NaN where unknown, +infinity where beyond what can be measured (beyond 65.534 m of
+    /// Product::depth). They come from Product::depth, else from the disparities; nothing when the frame carries
+    /// neither, or only disparities without a calibration.
+    std::optional<FloatImage> depth_m() const;
+
+    /// Returns one sigma of depth in m: NaN where unknown, +infinity from 65.535 m; nothing without
+    /// Product::depth_error.
+    std::optional<FloatImage> depth_error_m() const;
+
+    /// Returns the points of each `step`-th column and row, from the first one on (0 counts as 1). They come from the
+    /// disparities, which are finer than a millimetre near the camera, else from Product::depth; nothing when the frame
+    /// carries neither or has no calibration.
+    std::optional<Points> points(std::uint32_t step = 1) const;
 };
 
 /// Bytes in memory that belongs to somebody else.
@@ -175,8 +224,12 @@ public:
     /// Returns the plane of a product, or nullptr when the frame does not carry it.
     const BorrowedPlane* plane(Product product) const;
 
-    /// As Frame::scan(). Ask whole() afterwards.
+    /// As those of Frame. Ask whole() afterwards.
     std::optional<Scan> scan() const;
+    std::optional<FloatImage> disparity_px() const;              ///< see scan()
+    std::optional<FloatImage> depth_m() const;                   ///< see scan()
+    std::optional<FloatImage> depth_error_m() const;             ///< see scan()
+    std::optional<Points> points(std::uint32_t step = 1) const;  ///< see scan()
 
     std::vector<BorrowedPlane> planes;  ///< all that the daemon serves
 
@@ -412,5 +465,82 @@ private:
     class Impl;
     std::unique_ptr<Impl> impl_;
 };
+
+/// What connect() is told beside the daemon and what is wanted of it.
+struct ClientOptions {
+    /// Without a daemon connect() does not throw; read() waits for one.
+    bool may_be_absent = false;
+    std::string client_name = "disparity-client";                 ///< of this program, in the daemon's status
+    std::chrono::milliseconds timeout = std::chrono::seconds(5);  ///< for a socket to answer connect()
+    ConnectOptions reach{};                                       ///< certificates and the token
+    std::string owner{};                                          ///< as SharedMemoryOptions::owner
+    std::function<void(const std::string&)> note{};  ///< gets one line for each socket of another user left alone
+};
+
+/// A daemon as a program sees it: frames over shared memory where there is one, else over a socket, and beside them the
+/// sensors and the status, always over a socket. connect() makes it.
+///
+/// The newest frame counts, and a restart of the daemon is survived: the read that finds it gone says so, and those
+/// after it look for it again, by its name and in both ways. Frames that came over the socket of a daemon go on over
+/// its shared memory as soon as that can be read.
+///
+/// One thread uses an object at a time, and the process that made it: else std::invalid_argument is thrown.
+class DISPARITY_API Client {
+public:
+    /// As connect().
+    explicit Client(const std::string& where, const Subscription& wanted = {}, const ClientOptions& options = {});
+    ~Client();
+    /// A client that was moved from may only be assigned to or destroyed.
+    Client(Client&&) noexcept;
+    /// As the constructor that moves.
+    Client& operator=(Client&&) noexcept;
+
+    /// Replaces what is wanted. A region is cut by the daemon, so such frames come over the socket. Throws
+    /// std::invalid_argument for a status_interval_s, which status() makes needless.
+    void subscribe(const Subscription& wanted);
+
+    /// Gives the newest frame that was not given before, or waits for one until the timeout; a little longer where a
+    /// daemon is being connected to, up to a second more. The first one out of shared memory may be an old one: see its
+    /// age. `gone`: there is no daemon; the calls after the first `gone` look for it until their timeout. Throws
+    /// std::runtime_error with the daemon's message when it refuses, as it does over the socket with a product that it
+    /// does not make; a frame out of shared memory lacks that plane. read() may be called again, and then begins anew.
+    ReadResult read(Frame& frame, std::chrono::milliseconds timeout);
+
+    /// As SocketClient::read_sensors(), where Subscription::sensors was wanted.
+    ReadResult read_sensors(SensorBatch& batch, std::chrono::milliseconds timeout);
+
+    /// As SocketClient::status().
+    std::string status(std::chrono::milliseconds timeout = std::chrono::seconds(5));
+
+    /// Returns the connection for all other requests; makes it where there is none. It stays this object's: another
+    /// call of it may end it, and subscribe() replaces what it has subscribed to. Throws std::runtime_error when no
+    /// daemon answers.
+    SocketClient& socket();
+
+    /// Returns where frames come from now, for people: "shared memory default", "tcp:HOST:PORT", "unix:PATH"; empty
+    /// while there is no daemon.
+    std::string where() const;
+    /// Returns one line: why the last read() or read_sensors() was `gone`.
+    const std::string& why_gone() const;
+    /// As SocketClient::unanswered().
+    bool unanswered() const;
+
+private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Connects to a daemon and says what is wanted of it. Every form of `where` leads to the same object:
+///   "default", or another name     the daemon of this machine that has it (disparityd --name): its shared memory, else
+///                                  the sockets where it listens by default
+///   ""                             the daemon of this machine: that of the name "default", else the only one that runs
+///   "unix:PATH", "/PATH", "tcp:HOST:PORT", "tls:HOST:PORT"     a socket, as SocketClient
+/// Over shared memory it reads an object of a trusted owner alone; in a folder that other users may write to it
+/// connects to sockets of this user and root alone.
+///
+/// Throws std::invalid_argument for another form, std::runtime_error with one line where none answers (unless it may be
+/// absent), or where several run and none was named: the line names them.
+DISPARITY_API Client connect(const std::string& where = "", const Subscription& wanted = {},
+                             const ClientOptions& options = {});
 
 }  // namespace disparity

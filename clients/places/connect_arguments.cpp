@@ -38,4 +38,39 @@ void ConnectArguments::check(const std::string& address) const {
     }
 }
 
+disparity::ClientOptions ConnectArguments::for_client(const std::string& client_name) const {
+    disparity::ClientOptions to;
+    to.client_name = client_name;
+    to.reach = options;
+    return to;
+}
+
+void DaemonArguments::add_to(CLI::App& app, const std::string& prefix) {
+    const std::string group = "Which daemon";
+    app.add_option("--socket", socket,
+                   "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH; default: the daemon of this machine that has the name")
+        ->type_name("ADDRESS")
+        ->group(group);
+    app.add_option("--name", name, "name of the daemon, as disparityd --name; default: default")
+        ->type_name("NAME")
+        ->group(group);
+    reach.add_to(app, prefix);
+}
+
+std::string DaemonArguments::where() const {
+    reach.check(socket);
+    constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
+    if (name.empty() || name.size() > 64 || name.find_first_not_of(letters) != std::string::npos) {
+        throw std::invalid_argument("--name: found '" + name + "', allowed: 1 to 64 characters of A-Z a-z 0-9 . _ -");
+    }
+    const std::string kind = socket.substr(0, socket.find(':') + 1);
+    if (!socket.empty() && socket.find('/') == std::string::npos && kind != "unix:" && kind != "tcp:" &&
+        kind != "tls:") {
+        throw std::invalid_argument(
+            "--socket: found '" + socket +
+            "', allowed: tcp:HOST:PORT such as tcp:127.0.0.1:9876, tls:HOST:PORT, or unix:PATH");
+    }
+    return socket.empty() ? name : socket;
+}
+
 }  // namespace disparityd::clients

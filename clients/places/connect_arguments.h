@@ -23,8 +23,25 @@ struct ConnectArguments {
     /// places.
     void check(const std::string& address) const;
 
+    /// Returns the options of a Client of this name.
+    disparity::ClientOptions for_client(const std::string& client_name) const;
+
 private:
     std::string prefix_;
+};
+
+/// The options of a command line that say which daemon is meant.
+struct DaemonArguments {
+    std::string name = "default";  ///< of a daemon of this machine
+    std::string socket;            ///< as the user typed it; empty = that daemon
+    ConnectArguments reach;
+
+    /// Adds --name, --socket and those of ConnectArguments, with their prefix.
+    void add_to(CLI::App& app, const std::string& prefix = "");
+
+    /// Returns the daemon as disparity::connect() takes it. Throws std::invalid_argument with one line for a name that
+    /// no daemon can have, an address of another form, and what ConnectArguments::check() refuses.
+    std::string where() const;
 };
 
 }  // namespace disparityd::clients

@@ -47,7 +47,6 @@ private:
         return disparity::ReadResult::frame;
     }
     std::string why_gone() const override { return "it has gone"; }
-    void disconnect() override {}
 };
 
 /// Keeps messages apart, as datagrams.
