@@ -8,9 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static uint64_t fnv1a(const void* data, uint64_t bytes) {
+static uint64_t fnv1a_on(uint64_t hash, const void* data, uint64_t bytes) {
     const uint8_t* at = data;
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
     uint64_t i;
     for (i = 0; i < bytes; ++i) {
         hash = (hash ^ at[i]) * UINT64_C(0x100000001b3);
@@ -18,7 +17,37 @@ static uint64_t fnv1a(const void* data, uint64_t bytes) {
     return hash;
 }
 
-static void print_frame(const char* way, const disparity_frame* frame) {
+static uint64_t fnv1a(const void* data, uint64_t bytes) {
+    return fnv1a_on(UINT64_C(0xcbf29ce484222325), data, bytes);
+}
+
+static uint64_t digest(const float* values, uint32_t width, uint32_t height) {
+    return values == NULL ? 0 : fnv1a(values, (uint64_t)4 * width * height);
+}
+
+/* What is computed from the planes, to the last bit. */
+static void print_metres(const char* way, disparity_frame* frame) {
+    uint64_t places = UINT64_C(0xcbf29ce484222325), colours = places;
+    uint64_t sums[3];
+    uint32_t width = 0, height = 0, step, i;
+    const float* values = disparity_frame_disparity_px(frame, &width, &height);
+    sums[0] = digest(values, width, height);
+    values = disparity_frame_depth_m(frame, &width, &height);
+    sums[1] = digest(values, width, height);
+    values = disparity_frame_depth_error_m(frame, &width, &height);
+    sums[2] = digest(values, width, height);
+    for (step = 1; step <= 3; step += 2) {
+        const disparity_point* points = disparity_frame_points(frame, step, &width, &height);
+        for (i = 0; points != NULL && i < width * height; ++i) {
+            places = fnv1a_on(places, &points[i].x, 12);
+            colours = fnv1a_on(colours, &points[i].red, 3);
+        }
+    }
+    printf("%s metres %016" PRIx64 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 " %016" PRIx64 "\n", way, sums[0],
+           sums[1], sums[2], places, colours);
+}
+
+static void print_frame(const char* way, disparity_frame* frame) {
     disparity_frame_info f;
     disparity_plane plane;
     uint32_t i;
@@ -32,6 +61,7 @@ static void print_frame(const char* way, const disparity_frame* frame) {
         printf("%s plane %u %u %u %u %016" PRIx64 "\n", way, plane.product, plane.width, plane.height,
                plane.bytes_per_pixel, fnv1a(plane.data, plane.bytes));
     }
+    print_metres(way, frame);
 }
 
 static int fail(const char* what) {
@@ -115,9 +145,44 @@ static int check_absence(const char* name) {
     return 0;
 }
 
+/* A daemon that may be absent, and mistakes. */
+static int check_door(void) {
+    disparity_client_options options;
+    disparity_subscription wanted;
+    disparity_frame* frame = disparity_frame_new();
+    disparity_sensor_sample sample;
+    disparity_client* client;
+    uint32_t width, height;
+    size_t count = 0;
+    memset(&options, 0, sizeof options);
+    memset(&wanted, 0, sizeof wanted);
+    options.may_be_absent = 1;
+    client = disparity_connect_with("unix:/nonexistent/socket", &wanted, &options, sizeof options);
+    if (client == NULL || disparity_client_read(client, frame, 0) != DISPARITY_GONE ||
+        strstr(disparity_last_error(), "/nonexistent/socket") == NULL || disparity_client_where(client)[0] != '\0' ||
+        disparity_client_read_sensors(client, &sample, sizeof sample, 1, &count, 0) != DISPARITY_GONE ||
+        disparity_client_status(client, 0, &count) != NULL) {
+        return fail("a daemon that may be absent");
+    }
+    wanted.status_interval_s = 1;
+    if (disparity_client_subscribe(client, &wanted) != DISPARITY_ERROR ||
+        disparity_connect("not a name", NULL, 0) != NULL || disparity_connect("x", NULL, 1) != NULL ||
+        disparity_client_read(NULL, frame, 0) != DISPARITY_ERROR ||
+        disparity_frame_depth_m(frame, &width, &height) != NULL ||
+        disparity_frame_points(NULL, 1, &width, &height) != NULL) {
+        return fail("mistakes at the front door");
+    }
+    disparity_client_close(client);
+    disparity_client_close(NULL);
+    disparity_frame_free(frame);
+    return 0;
+}
+
 int main(int argc, char** argv) {
     const uint32_t products[] = {DISPARITY_PRODUCT_DISPARITY, DISPARITY_PRODUCT_CONFIDENCE,
-                                 DISPARITY_PRODUCT_LEFT_COLOUR};
+                                 DISPARITY_PRODUCT_LEFT_COLOUR, DISPARITY_PRODUCT_DEPTH, DISPARITY_PRODUCT_DEPTH_ERROR};
+    const uint32_t two[] = {DISPARITY_PRODUCT_DISPARITY, DISPARITY_PRODUCT_LEFT_COLOUR};
+    disparity_client* door;
     disparity_subscription subscription;
     disparity_plane plane;
     disparity_frame* frame = disparity_frame_new();
@@ -129,7 +194,7 @@ int main(int argc, char** argv) {
     client = disparity_socket_open(argv[1], "c-check", 20000);
     memset(&subscription, 0, sizeof subscription);
     subscription.products = products;
-    subscription.product_count = 3;
+    subscription.product_count = 5;
     subscription.sensors = 1;
     if (client == NULL || disparity_socket_subscribe(client, &subscription) != 0 ||
         disparity_socket_read(client, frame, 20000) != DISPARITY_FRAME) {
@@ -165,6 +230,17 @@ int main(int argc, char** argv) {
     if (disparity_frame_is_whole(frame) != 1 || disparity_frame_is_whole(NULL) != 0 ||
         disparity_shared_memory_borrow(NULL, frame, 0) != DISPARITY_ERROR) {
         return fail("whole frame");
+    }
+
+    door = disparity_connect(argv[2], two, 2);
+    if (door == NULL || disparity_client_read(door, frame, 20000) != DISPARITY_FRAME ||
+        strncmp(disparity_client_where(door), "shared memory ", 14) != 0) {
+        return fail("front door");
+    }
+    print_frame("door", frame);
+    disparity_client_close(door);
+    if (check_door() != 0) {
+        return 1;
     }
 
     /* Only what is asked for. */

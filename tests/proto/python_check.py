@@ -40,6 +40,12 @@ def print_frame(way, f):
     for product, plane in f.planes.items():
         pixel = plane.itemsize * (plane.shape[2] if plane.ndim == 3 else 1)
         print(way, "plane", product, plane.shape[1], plane.shape[0], pixel, f"{fnv1a(plane.tobytes()):016x}")
+    # What is computed from the planes, to the last bit.
+    errors = fnv1a(f.depth_error_m.tobytes()) if disparity.DEPTH_ERROR in f.planes else 0
+    places = fnv1a(f.points().tobytes() + f.points(3).tobytes())
+    colours = fnv1a(f.colours().tobytes() + f.colours(3).tobytes())
+    sums = (fnv1a(f.disparity_px.tobytes()), fnv1a(f.depth_m.tobytes()), errors, places, colours)
+    print(way, "metres", *(f"{value:016x}" for value in sums))
 
 
 def check_arrays(frame):
@@ -174,6 +180,88 @@ def check_trace():
     assert [track.name for track in trace.tracks] == ["first", "second"]
 
 
+def check_door():
+    """A daemon that is found by its name, that goes, and that comes back; one of several; none."""
+    from disparity import disparity_pb2 as pb
+
+    def send(end, envelope):
+        data = envelope.SerializeToString()
+        end.sendall(struct.pack("<I", len(data)) + data)
+
+    def receive(end):
+        head = end.recv(4, socket.MSG_WAITALL)
+        return pb.Envelope.FromString(end.recv(*struct.unpack("<I", head), socket.MSG_WAITALL)) if head else None
+
+    def talk(end):
+        receive(end)  # Hello, of a client that does not only look whether somebody listens
+        send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=1)))
+        while (asked := receive(end)) is not None:
+            if asked.HasField("status_request"):
+                send(end, pb.Envelope(status=pb.Status(state="running")))
+            elif asked.subscribe.products:
+                send(end, pb.Envelope(frame=pb.Frame(sequence=7)))
+                if asked.subscribe.max_rate == 1:  # the daemon ends
+                    return
+
+    def serve(listener):
+        while True:
+            try:
+                end, _ = listener.accept()
+            except OSError:
+                return
+            with end:
+                try:
+                    talk(end)
+                except OSError:  # it only looked
+                    pass
+
+    before = os.environ.get("XDG_RUNTIME_DIR")
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_RUNTIME_DIR"] = folder
+        listeners = []
+        name = f"door-{os.getpid()}"
+        for part in ("front", "back"):
+            listener = socket.socket(socket.AF_UNIX)
+            listener.bind(f"{folder}/disparityd-{name}.{part}.sock")
+            listener.listen()
+            threading.Thread(target=serve, args=(listener,), daemon=True).start()
+            listeners.append(listener)
+        with disparity.connect(name + ".front", max_rate=1) as door:
+            assert door.where == f"socket of {name}.front" and door.read(timeout=60).sequence == 7
+            try:
+                door.read(timeout=60)
+            except disparity.Gone:
+                pass
+            else:
+                raise AssertionError("not gone")
+            door.subscribe()
+            frame = None
+            while frame is None:  # on another connection
+                frame = door.read(timeout=60)
+            assert frame.sequence == 7 and door.status(60).state == "running"
+        for where, kind, told in (("", disparity.DisparityError, f"{name}.back, {name}.front"),
+                                  (name, disparity.DisparityError, "daemons of other names run: "),
+                                  ("a b", ValueError, "allowed: 1 to 64"), ("tcp:x", ValueError, "expected tcp")):
+            try:
+                with disparity.connect(where, []) as door:
+                    assert where == "" and door.where == "socket of default", "another daemon runs here"
+            except kind as error:
+                assert told in str(error), error
+        with disparity.connect(name, may_be_absent=True) as door:
+            try:
+                door.read(timeout=0)
+            except disparity.Gone as error:
+                assert "no daemon answers" in str(error), error
+            else:
+                raise AssertionError("not gone")
+        for listener in listeners:
+            listener.shutdown(socket.SHUT_RDWR)
+            listener.close()
+    del os.environ["XDG_RUNTIME_DIR"]
+    if before is not None:
+        os.environ["XDG_RUNTIME_DIR"] = before
+
+
 def check_absent_memory(name):
     """A reader that waits for its daemon, and one that does not."""
     try:
@@ -263,7 +351,8 @@ def main():
     check_words()
     check_limits()
     check_trace()
-    products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR]
+    check_door()
+    products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR, disparity.DEPTH, disparity.DEPTH_ERROR]
     with disparity.SocketClient(address) as client:
         client.subscribe(products, sensors=True)
         frame = client.read(timeout=float("inf"))
@@ -300,6 +389,9 @@ def main():
             check_ownership(reader, frame)
             assert reader.read(timeout=0) is None
         print_borrowed(name)
+        with disparity.connect(name, [disparity.DISPARITY, disparity.LEFT_COLOUR]) as door:
+            print_frame("door", door.read(timeout=20))
+            assert door.where == "shared memory " + name
         check_absent_memory(name + "-absent")
 
 

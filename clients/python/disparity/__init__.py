@@ -3,14 +3,11 @@
 
     import disparity
 
-    with disparity.SocketClient("tcp:127.0.0.1:9876") as client:
-        client.subscribe([disparity.DISPARITY, disparity.DEPTH])
-        for frame in client:  # goes on when the daemon has been started again
-            print(frame.sequence, frame.age_ns / 1e6, "ms", frame.depth.shape)
-
-    with disparity.SharedMemoryReader("default") as reader:
-        frame = reader.read(timeout=1.0)
+    with disparity.connect("default", [disparity.LEFT, disparity.DISPARITY]) as daemon:
+        for frame in daemon:  # goes on when the daemon has been started again
+            print(frame.sequence, frame.age_ns / 1e6, "ms", frame.left.shape, frame.points()[0, 0])
 """
+from .client import Client, connect
 from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, SCAN
 from .errors import DisparityError, Gone, Refused
@@ -21,6 +18,7 @@ from .socket_client import SocketClient
 
 __all__ = [
     "CONFIDENCE",
+    "Client",
     "ConnectOptions",
     "DEPTH",
     "DEPTH_ERROR",
@@ -48,4 +46,5 @@ __all__ = [
     "SYNTHETIC",
     "UNKNOWN",
     "UNRECTIFIED",
+    "connect",
 ]

@@ -150,8 +150,11 @@ class Frame:
 
     @property
     def depth_m(self) -> npt.NDArray[np.float32]:
-        """float32, metres, NaN where unknown, infinity where beyond 65.534 m."""
-        return _metres(self.depth)
+        """float32, metres: NaN where unknown, infinity where beyond what can be measured (beyond 65.534 m of DEPTH). It
+        comes from DEPTH, else from the disparities: ValueError for those without a calibration."""
+        if pb.DEPTH in self.planes or pb.DISPARITY not in self.planes:
+            return _metres(self.depth)
+        return self._metres_of_disparities()
 
     @property
     def depth_error(self) -> npt.NDArray[np.uint16]:
@@ -183,21 +186,42 @@ class Frame:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
         return read_scan(self._plane(pb.SCAN).tobytes())
 
-    def points(self) -> npt.NDArray[np.float32]:
-        """Returns a float32 array of height x width x 3: X right, Y down, Z forward in metres; NaN where there is no
-        depth.
+    def points(self, step: int = 1) -> npt.NDArray[np.float32]:
+        """Returns a float32 array of height x width x 3, x right, y down, z ahead of the rectified left camera in metres,
+        of each step-th column and row; NaN where the depth is unknown or beyond what can be measured. colours() has
+        their colours.
 
-        It is computed from disparity and needs a calibration: ValueError when f or baseline is unknown.
+        The depths come from the disparities, which are finer than a millimetre near the camera, else from DEPTH.
+        ValueError without a calibration.
         """
+        if self.f <= 0:
+            raise ValueError("no points without a calibration: f is unknown")
+        if pb.DISPARITY in self.planes and (self.baseline_mm > 0 or pb.DEPTH not in self.planes):
+            z = self._metres_of_disparities()
+        else:
+            z = _metres(self.depth)
+        # In the steps of clients/cpp/metres.h: both have the same bits.
+        rows, columns = (np.arange(0, size, step, dtype=np.float64) for size in z.shape)
+        z = np.where(np.isfinite(z), z, np.float32(np.nan))[::step, ::step]
+        x = (columns + self.region_x - self.cx) * z / self.f
+        y = (rows[:, None] + self.region_y - self.cy) * z / self.f
+        return np.stack([x.astype(np.float32), y.astype(np.float32), z], axis=-1)
+
+    def colours(self, step: int = 1) -> npt.NDArray[np.uint8] | None:
+        """Returns the colours of points(step), a uint8 array of height x width x 3, red, green, blue; grey ones where the
+        frame has LEFT only. None where it has neither."""
+        if pb.LEFT_COLOUR in self.planes:
+            return self.left_colour[::step, ::step, ::-1]
+        return np.repeat(self.left[::step, ::step, None], 3, axis=-1) if pb.LEFT in self.planes else None
+
+    def _metres_of_disparities(self) -> npt.NDArray[np.float32]:
         if self.f <= 0 or self.baseline_mm <= 0:
-            raise ValueError("no points without a calibration: f or baseline are unknown")
-        disparity = self.disparity_px + np.float32(self.disparity_offset)
+            raise ValueError("no distances without a calibration: f or baseline are unknown")
+        raw = self.disparity
+        shift = raw / 16.0 + self.disparity_offset
         with np.errstate(divide="ignore", invalid="ignore"):
-            z = np.where(disparity > 0, np.float32(self.f * self.baseline_mm / 1000) / disparity, np.float32(np.nan))
-        height, width = z.shape
-        x = np.arange(width, dtype=np.float32) + np.float32(self.region_x - self.cx)
-        y = np.arange(height, dtype=np.float32)[:, None] + np.float32(self.region_y - self.cy)
-        return np.stack([x * z / np.float32(self.f), y * z / np.float32(self.f), z], axis=-1)
+            z = np.where(shift > 0, self.f * self.baseline_mm / 1000 / shift, np.inf)
+        return np.where(raw == self.invalid, np.nan, z).astype(np.float32)
 
 
 def _metres(raw: npt.NDArray[np.uint16]) -> npt.NDArray[np.float32]:

@@ -103,6 +103,10 @@ class SocketClient(FrameSource):
         self._closed = True
         self._drop()
 
+    def server_user(self) -> int | None:
+        """Returns the user id of the process that listens at a Unix socket, as the system knows it; None over TCP."""
+        return None if self._stream is None else self._stream.server_user()
+
     def subscribe(
         self,
         products: typing.Sequence[int] = (pb.DISPARITY,),

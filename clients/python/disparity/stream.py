@@ -94,6 +94,13 @@ class MessageStream:
     def close(self) -> None:
         self._socket.close()
 
+    def server_user(self) -> int | None:
+        """Returns the user id of the process behind a Unix socket; None over TCP."""
+        if self._socket.family != socket.AF_UNIX:
+            return None
+        _, user, _ = struct.unpack("3i", self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, 12))
+        return user
+
     def send(self, envelope: pb.Envelope, timeout: float) -> None:
         try:
             self._send_all(envelope, timeout)
