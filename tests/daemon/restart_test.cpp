@@ -79,14 +79,14 @@ TEST_F(RestartTest, PythonExampleOverSharedMemory) {
     if (!DISPARITYD_PYTHON_LIBRARY) {
         GTEST_SKIP() << "an instrumented library cannot be loaded into a program that is not";
     }
-    expect_nearest_survives(DISPARITYD_PYTHON, {"-B", DISPARITYD_NEAREST_PY, "shm:" + shared_memory_name()});
+    expect_nearest_survives(DISPARITYD_PYTHON, {"-B", DISPARITYD_NEAREST_PY, shared_memory_name()});
 }
 
 TEST_F(RestartTest, ReadmesCppLoop) {
     expect_survival(
         DISPARITYD_README_LOOP, {shared_memory_name()},
-        [](const std::string& line) { return line == "depth 160 x 88"; },
-        [](const std::string& line) { return line == "depth 96 x 64"; });
+        [](const std::string& line) { return line == "left 160 x 88, points 160 x 88"; },
+        [](const std::string& line) { return line == "left 96 x 64, points 96 x 64"; });
 }
 
 TEST_F(RestartTest, ReadmesPythonLoop) {
@@ -99,7 +99,7 @@ TEST_F(RestartTest, ReadmesPythonLoop) {
     ASSERT_NE(code.find(begin), std::string::npos);
     code = code.substr(code.find(begin) + std::string("```python\n").size());
     code = code.substr(0, code.find("```"));
-    const std::string address = "tcp:127.0.0.1:9876";
+    const std::string address = "default";
     ASSERT_NE(code.find(address), std::string::npos);
     code.replace(code.find(address), address.size(), unix_address());
     expect_survival(

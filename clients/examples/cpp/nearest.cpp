@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Prints the nearest measured depth of each frame, over shared memory. Waits for the daemon when it is not there.
-//   nearest-cpp [NAME]
-#include <cstdint>
+// Prints the nearest measured point of each frame. Waits for the daemon when it is not there.
+//   nearest-cpp [NAME | unix:PATH | tcp:HOST:PORT | tls:HOST:PORT]
+#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 
 #include <disparity_client.hpp>
 
 namespace {
 
-/// In mm; 0 when nothing was measured. Confidence 0 marks pixels that were rejected or filled in.
-unsigned nearest(const disparity::PlaneData& depth, const disparity::PlaneData& confidence) {
-    unsigned best = 0;
-    for (std::size_t i = 0; i < confidence.bytes.size(); ++i) {
-        std::uint16_t mm = 0;
-        std::memcpy(&mm, depth.bytes.data() + 2 * i, sizeof mm);
-        if (confidence.bytes[i] != 0 && mm != 0 && (best == 0 || mm < best)) {
-            best = mm;
+/// Returns the nearest point; z is NaN when nothing was measured. Confidence 0 marks pixels that were rejected or
+/// filled.
+disparity::Point nearest(const disparity::Points& points, const disparity::PlaneData& confidence) {
+    disparity::Point best;
+    best.z = NAN;
+    for (std::size_t i = 0; i < points.points.size(); ++i) {
+        const disparity::Point& point = points.points[i];
+        if (confidence.bytes[i] != 0 && (point.z < best.z || std::isnan(best.z))) {
+            best = point;
         }
     }
     return best;
@@ -28,31 +28,29 @@ unsigned nearest(const disparity::PlaneData& depth, const disparity::PlaneData& 
 
 int main(int argc, char** argv) {
     using disparity::Product;
-    using disparity::ReadResult;
     try {
-        disparity::SharedMemoryReader reader(argc > 1 ? argv[1] : "default", {.may_be_absent = true});
+        disparity::Client daemon = disparity::connect(
+            argc > 1 ? argv[1] : "", {.products = {Product::disparity, Product::confidence}}, {.may_be_absent = true});
         disparity::Frame frame;  // used again for every frame: its buffers stay
         while (true) {
-            const ReadResult result =
-                reader.read(frame, std::chrono::seconds(1), {Product::depth, Product::confidence});
-            if (result == ReadResult::gone) {
-                std::printf("waiting for the daemon: %s\n", reader.why_gone().c_str());
-                std::fflush(stdout);
-                continue;  // the next read looks for it again
+            switch (daemon.read(frame, std::chrono::seconds(1))) {
+                case disparity::ReadResult::gone:  // the next read looks for it again
+                    std::printf("waiting for the daemon: %s\n", daemon.why_gone().c_str());
+                    break;
+                case disparity::ReadResult::timeout: std::puts("no frame for a second"); break;
+                case disparity::ReadResult::frame:
+                    const auto points = frame.points();
+                    const disparity::PlaneData* confidence = frame.plane(Product::confidence);
+                    if (!points || confidence == nullptr) {
+                        std::fputs("nearest-cpp: error: the frame has no points: the camera is not calibrated\n",
+                                   stderr);
+                        return 1;
+                    }
+                    const disparity::Point point = nearest(*points, *confidence);
+                    std::printf("frame %llu  %.1f ms old  nearest %.3f m, %.3f m to the right\n",
+                                static_cast<unsigned long long>(frame.sequence),
+                                static_cast<double>(frame.age_ns) / 1e6, point.z, point.x);
             }
-            if (result == ReadResult::timeout) {
-                std::puts("no frame for a second");
-                continue;
-            }
-            const disparity::PlaneData* depth = frame.plane(Product::depth);
-            const disparity::PlaneData* confidence = frame.plane(Product::confidence);
-            if (depth == nullptr || confidence == nullptr) {
-                std::fputs("nearest-cpp: error: the daemon does not publish depth and confidence\n", stderr);
-                return 1;
-            }
-            std::printf("frame %llu  %.1f ms old  nearest %u mm  missed %llu\n",
-                        static_cast<unsigned long long>(frame.sequence), static_cast<double>(frame.age_ns) / 1e6,
-                        nearest(*depth, *confidence), static_cast<unsigned long long>(frame.missed));
             std::fflush(stdout);
         }
     } catch (const std::exception& error) {

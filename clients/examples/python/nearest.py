@@ -1,29 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the nearest measured depth of each frame. Goes on when the daemon has been started again.
+"""Prints the nearest measured point of each frame. Waits for the daemon when it is not there.
 
-    nearest.py [tcp:HOST:PORT | tls:HOST:PORT | unix:PATH | shm:NAME]
+    nearest.py [NAME | unix:PATH | tcp:HOST:PORT | tls:HOST:PORT]
 """
 import sys
 
 import disparity
 
 
-def open_source(address):
-    if address.startswith("shm:"):
-        return disparity.SharedMemoryReader(address[4:], may_be_absent=True)
-    client = disparity.SocketClient(address, client_name="nearest.py")
-    client.subscribe([disparity.DEPTH, disparity.CONFIDENCE])
-    return client
-
-
 def main():
-    with open_source(sys.argv[1] if len(sys.argv) > 1 else "tcp:127.0.0.1:9876") as source:
-        for frame in source:  # waits while there is no daemon
-            # Confidence 0 marks pixels that were rejected or filled in, depth 0 those without a depth.
-            measured = frame.depth[(frame.confidence > 0) & (frame.depth > 0)]
-            nearest = f"{measured.min()} mm" if measured.size else "unknown"
-            print(f"frame {frame.sequence}  {frame.age_ns / 1e6:.1f} ms old  nearest {nearest}", flush=True)
+    where = sys.argv[1] if len(sys.argv) > 1 else ""
+    with disparity.connect(where, [disparity.DISPARITY, disparity.CONFIDENCE], may_be_absent=True) as daemon:
+        for frame in daemon:  # waits while there is no daemon
+            # Confidence 0 marks pixels that were rejected or filled in.
+            points = frame.points()[frame.confidence > 0]
+            points = points[points[:, 2] > 0]
+            x, _, z = points[points[:, 2].argmin()] if len(points) else [float("nan")] * 3
+            print(f"frame {frame.sequence}  {frame.age_ns / 1e6:.1f} ms old  nearest {z:.3f} m, {x:.3f} m to the right",
+                  flush=True)
 
 
 if __name__ == "__main__":

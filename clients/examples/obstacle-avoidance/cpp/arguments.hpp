@@ -20,7 +20,7 @@ inline constexpr const char* help =
 
 obstacle-avoidance-cpp [OPTION...] [NAME | tcp:HOST:PORT | tls:HOST:PORT | unix:PATH]
 
-Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket.
+Reads obstacle scans of disparityd: of the daemon NAME ("default") of this machine, or from a socket.
 Prints a line for each change of state.
 
   --width-m M             width of the corridor (0.5)

@@ -8,10 +8,8 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
-#include <optional>
 #include <stdexcept>
 #include <string>
-#include <thread>
 
 #include <disparity_client.hpp>
 
@@ -27,8 +25,6 @@ using std::chrono::milliseconds;
 constexpr double longest_read_s = 0.2;
 // The robot brakes while the program connects: to wait for it does no harm.
 constexpr milliseconds connect_timeout{1000};
-// Passes before the next attempt to reach a daemon that refused or does not answer.
-constexpr milliseconds retry_interval{500};
 
 volatile std::sig_atomic_t stopped = 0;
 
@@ -40,55 +36,13 @@ double now_s() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// Reads scans from shared memory or a socket.
-class Source {
-public:
-    explicit Source(const std::string& address) : address_(address) {}
-
-    /// Throws std::invalid_argument for an address that cannot be right, another exception when the daemon refuses
-    /// or sends nonsense. The next call connects again.
-    ReadResult read(disparity::Frame& frame, milliseconds timeout) {
-        if (!is_open() && !open()) {
-            return ReadResult::gone;
-        }
-        try {
-            return client_ ? client_->read(frame, timeout) : memory_->read(frame, timeout, {disparity::Product::scan});
-        } catch (...) {
-            client_.reset();
-            memory_.reset();
-            throw;
-        }
-    }
-
-    std::string why_gone() const { return client_ ? client_->why_gone() : memory_ ? memory_->why_gone() : why_closed_; }
-    bool is_open() const { return client_ || memory_; }
-    bool over_socket() const {
-        return address_.starts_with("tcp:") || address_.starts_with("tls:") || address_.starts_with("unix:");
-    }
-
-private:
-    /// Returns false when there is no daemon that answers.
-    bool open() {
-        try {
-            if (over_socket()) {
-                client_.emplace(address_, "obstacle-avoidance-cpp", connect_timeout);
-                client_->subscribe({.products = {disparity::Product::scan}});
-            } else {
-                memory_.emplace(address_, disparity::SharedMemoryOptions{.may_be_absent = true});
-            }
-            return true;
-        } catch (const std::runtime_error& error) {
-            why_closed_ = error.what();
-            client_.reset();
-            return false;
-        }
-    }
-
-    std::string address_;
-    std::string why_closed_;
-    std::optional<disparity::SocketClient> client_;
-    std::optional<disparity::SharedMemoryReader> memory_;
-};
+disparity::Client connect(const std::string& where) {
+    disparity::ClientOptions options;
+    options.may_be_absent = true;  // the robot brakes until there is a daemon
+    options.client_name = "obstacle-avoidance-cpp";
+    options.timeout = connect_timeout;
+    return disparity::connect(where, {.products = {disparity::Product::scan}}, options);
+}
 
 /// Returns a text between quotes, as JSON has it.
 std::string quoted(const std::string& plain) {
@@ -145,18 +99,15 @@ void judge(avoid::Decider& decider, const disparity::Frame& frame) {
     }
 }
 
-/// Waits for what comes next. Returns the sequence of the frame that came, or -1 where none did. Throws
-/// std::invalid_argument for an address that cannot be right.
-long long step(Source& source, avoid::Decider& decider, disparity::Frame& frame) {
+/// Waits for what comes next. Returns the sequence of the frame that came, or -1 where none did.
+long long step(disparity::Client& client, avoid::Decider& decider, disparity::Frame& frame) {
     const double patience = std::min(decider.patience_s(now_s()), longest_read_s);
     try {
-        switch (source.read(frame, milliseconds(std::lround(std::ceil(patience * 1000))))) {
+        switch (client.read(frame, milliseconds(std::lround(std::ceil(patience * 1000))))) {
             case ReadResult::frame: judge(decider, frame); return static_cast<long long>(frame.sequence);
             case ReadResult::timeout: decider.wait(now_s()); break;
-            case ReadResult::gone: decider.gone(source.why_gone()); break;
+            case ReadResult::gone: decider.gone(client.why_gone()); break;
         }
-    } catch (const std::invalid_argument&) {
-        throw;
     } catch (const std::exception& error) {
         decider.fail(error.what());
     }
@@ -164,17 +115,14 @@ long long step(Source& source, avoid::Decider& decider, disparity::Frame& frame)
 }
 
 void run(const avoid::Arguments& arguments) {
-    Source source(arguments.source);
+    disparity::Client client = connect(arguments.source);
     avoid::Decider decider(arguments.options);
     Output output(arguments.json);
     disparity::Frame frame;
     output.show(decider.decision());  // brakes until frames say something else
     while (stopped == 0) {
-        const long long sequence = step(source, decider, frame);
+        const long long sequence = step(client, decider, frame);
         output.show(decider.decision(), sequence);
-        if (sequence < 0 && !source.is_open()) {
-            std::this_thread::sleep_for(retry_interval);
-        }
     }
     output.show(decider.stop());
 }

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Says how fast a robot may drive straight ahead, and brakes when it does not know. See docs/howto/avoid-obstacles.md.
 
-Reads obstacle scans of disparityd: from the shared memory NAME ("default"), or from a socket, tcp:HOST:PORT,
+Reads obstacle scans of disparityd: of the daemon NAME ("default") of this machine, or from a socket, tcp:HOST:PORT,
 tls:HOST:PORT or unix:PATH. Prints a line for each change of state.
 """
 import argparse
@@ -22,8 +22,6 @@ PROGRAM = "avoid.py"
 LONGEST_READ_S = 0.2
 # The robot brakes while the program connects: to wait for it does no harm.
 CONNECT_TIMEOUT_S = 1.0
-# Passes before the next attempt to reach a daemon that refused or does not answer.
-RETRY_INTERVAL_S = 0.5
 
 
 class Stopped(BaseException):
@@ -95,46 +93,6 @@ def parse_arguments():
     return parser.parse_args()
 
 
-class Source:
-    """Reads scans from shared memory or a socket."""
-
-    def __init__(self, address):
-        self._address = address
-        self._reader = None
-        self._over_socket = address.startswith(("tcp:", "tls:", "unix:"))
-
-    def read(self, timeout):
-        """Returns a frame, or None when none came in time. Raises Gone without a daemon, DisparityError or ValueError
-        when it refuses or sends nonsense. The next call connects again."""
-        if self._reader is None:
-            self._open()
-        try:
-            if self._over_socket:
-                return self._reader.read(timeout)
-            return self._reader.read(timeout, products=[disparity.SCAN])
-        except disparity.Gone:
-            raise  # the reader looks for the daemon by itself
-        except (disparity.DisparityError, ValueError):
-            self._reader.close()
-            self._reader = None
-            raise
-
-    def is_open(self):
-        return self._reader is not None
-
-    def _open(self):
-        """Raises Gone when there is no daemon that answers."""
-        try:
-            if not self._over_socket:
-                self._reader = disparity.SharedMemoryReader(self._address, may_be_absent=True)
-                return
-            reader = disparity.SocketClient(self._address, client_name=PROGRAM, timeout=CONNECT_TIMEOUT_S)
-        except disparity.DisparityError as error:
-            raise disparity.Gone(str(error)) from None
-        reader.subscribe([disparity.SCAN])
-        self._reader = reader
-
-
 class Output:
     """Prints decisions. This is the place where a robot's program commands its motors."""
 
@@ -168,10 +126,10 @@ def judge(decider, frame):
         decider.see(frame.age_ns / 1e9, frame.flags, scan, read_s)
 
 
-def step(source, decider):
+def step(daemon, decider):
     """Waits for what comes next. Returns the sequence of the frame that came, or None where none did."""
     try:
-        frame = source.read(min(decider.patience_s(time.monotonic()), LONGEST_READ_S))
+        frame = daemon.read(min(decider.patience_s(time.monotonic()), LONGEST_READ_S))
     except disparity.Gone as error:
         decider.gone(error)
     except (disparity.DisparityError, ValueError) as error:
@@ -184,12 +142,10 @@ def step(source, decider):
     return None
 
 
-def run(source, decider, output):
+def run(daemon, decider, output):
     while True:
-        sequence = step(source, decider)
+        sequence = step(daemon, decider)
         output.show(decider.decision, sequence)
-        if sequence is None and not source.is_open():
-            time.sleep(RETRY_INTERVAL_S)
 
 
 def main():
@@ -203,7 +159,9 @@ def main():
         signal.signal(signal.SIGINT, stop)
         signal.signal(signal.SIGTERM, stop)
         output.show(decider.decision)  # brakes until frames say something else
-        run(Source(arguments.source), decider, output)
+        with disparity.connect(arguments.source, [disparity.SCAN], may_be_absent=True, client_name=PROGRAM,
+                               timeout=CONNECT_TIMEOUT_S) as daemon:
+            run(daemon, decider, output)
     except Stopped:
         output.show(decider.stop())
 
