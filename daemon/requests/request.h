@@ -51,7 +51,7 @@ struct Request {
     /// Returns whether it changes something, which only clients with the right to control may; empty: it does not.
     std::function<bool(const v1::Envelope& message)> changes_something = {};
     /// How many all clients together may make; null: the limit of each client's messages suffices. What is refused
-    /// afterwards counts, too.
+    /// does not count.
     std::shared_ptr<RateLimit> rate = {};
     std::function<void(const v1::Envelope& message, const Requester& requester, Reply reply)> handle;
     /// Returns whether something goes on for this client, which therefore need not ask for anything; may be empty.

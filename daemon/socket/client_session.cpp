@@ -304,13 +304,16 @@ void ClientSession::pass_on(const Request& request, const v1::Envelope& message)
         }
         request.rate->take();
     }
-    request.handle(message, {id_, peer_.owns_daemon()}, reply());
+    request.handle(message, {id_, peer_.owns_daemon()}, reply(request.rate));
 }
 
 /// Returns what takes the answer to the request that has arrived, in whatever thread it comes.
-Reply ClientSession::reply() {
-    return [self = self(), question = ask(), thread = stream().get_executor()](Answer answer) {
-        asio::dispatch(thread, [self, question, answer = std::move(answer)] {
+Reply ClientSession::reply(std::shared_ptr<RateLimit> rate) {
+    return [self = self(), question = ask(), thread = stream().get_executor(), rate](Answer answer) {
+        asio::dispatch(thread, [self, question, rate, answer = std::move(answer)] {
+            if (rate && !answer.refusal.empty()) {
+                rate->give_back();
+            }
             self->guarded([&] { self->answer(answer); });
             self->clients().answered(self->id_);
         });

@@ -93,7 +93,7 @@ private:
     void add_credit(const v1::Ready& ready);
     void answer_ping(const v1::Ping& ping);
     void pass_on(const Request& request, const v1::Envelope& message);
-    Reply reply();
+    Reply reply(std::shared_ptr<RateLimit> rate);
     void answer(const Answer& answer);
     bool take_sensors();
     bool take_frame();

@@ -155,7 +155,7 @@ class PythonPackage(unittest.TestCase):
 
     def test_what_is_missing_is_said_in_one_line(self):
         self.assertRegex(self.refusal(self.package, PATH="/nonexistent", PROTOC=""),
-                         r"\Aerror: protoc: not found in PATH, .*install Debian's protobuf-compiler, or set PROTOC to its path\n\Z")
+                         r"\Aerror: protoc: not found in PATH, .*install Debian's protobuf-compiler and libprotobuf-dev, or set PROTOC to its path\n\Z")
         alone = self.folder / "alone" / "deep" / "down"
         shutil.copytree(self.package, alone)
         shutil.copytree(self.checkout / "proto", self.folder / "alone" / "proto")

@@ -66,6 +66,11 @@ def is_read(field, paths):
     return any(path in whole or path.startswith(field + ".") for path in paths)
 
 
+def keys_of_products(proto):
+    """Keys that switch a product on: product_planes.cpp reads those that disparity.proto names."""
+    return set(re.findall(r'\bkey: "([\w.]+)"', proto))
+
+
 def sources_of(daemon):
     """{file: text} of the C++ in a folder."""
     return {path: path.read_text(encoding="utf-8") for path in sorted(daemon.rglob("*")) if path.suffix in {".h", ".cpp"}}
@@ -90,7 +95,8 @@ def unread_keys(sources):
 
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
-    unread = unread_keys(sources_of(root / "daemon"))
+    products = keys_of_products((root / "proto/disparity.proto").read_text(encoding="utf-8"))
+    unread = [key for key in unread_keys(sources_of(root / "daemon")) if key not in products]
     for key in unread:
         print(f"the key {key} is never read: use its field, or remove it from config_keys.cpp, config.h and "
               "disparityd.example.toml")
