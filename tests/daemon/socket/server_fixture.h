@@ -111,7 +111,7 @@ protected:
                 .name = "record_stop",
                 .word = "record",
                 .changes_something = [](const v1::Envelope&) { return true; },
-                .rate = std::make_shared<daemon::RateLimit>(3, std::chrono::hours(1)),
+                .rate = rate_of_stops_,
                 .handle =
                     [this](const v1::Envelope&, const daemon::Requester&, const daemon::Reply& reply) {
                         ++stops_;
@@ -159,13 +159,14 @@ protected:
                 }};
     }
 
-    std::atomic<bool> asked_by_owner_{false};  ///< the last recording; read it after the answer
-    std::atomic<std::uint64_t> recorder_{0};   ///< who has asked for it
-    std::promise<daemon::Reply> held_answer_;  ///< to a recording of "held.mkv"
-    std::atomic<std::uint64_t> gone_{0};       ///< the client that has gone last
-    std::atomic<bool> recording_{false};       ///< what the server is told of it
-    std::atomic<int> stops_{0};                ///< recordings that clients have ended
-    std::function<void()> before_status_;      ///< in the server's thread; set before start()
+    std::atomic<bool> asked_by_owner_{false};           ///< the last recording; read it after the answer
+    std::atomic<std::uint64_t> recorder_{0};            ///< who has asked for it
+    std::promise<daemon::Reply> held_answer_;           ///< to a recording of "held.mkv"
+    std::atomic<std::uint64_t> gone_{0};                ///< the client that has gone last
+    std::atomic<bool> recording_{false};                ///< what the server is told of it
+    std::atomic<int> stops_{0};                         ///< recordings that clients have ended
+    std::shared_ptr<daemon::RateLimit> rate_of_stops_;  ///< set before start(); null: none
+    std::function<void()> before_status_;               ///< in the server's thread; set before start()
     daemon::SocketServerConfig config_;
     PatternFrames feed_{64, 48, all_products()};
     std::unique_ptr<daemon::SocketServer> server_;

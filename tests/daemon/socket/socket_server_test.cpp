@@ -441,6 +441,7 @@ TEST_F(SocketServerTest, CameraRequestsAreAnsweredOrRefused) {
 }
 
 TEST_F(SocketServerTest, ARequestThatIsMadeTooOftenIsRefusedWhoeverMakesIt) {
+    rate_of_stops_ = std::make_shared<daemon::RateLimit>(3, std::chrono::hours(1));
     start();
     v1::Envelope request;
     request.mutable_record_stop();
