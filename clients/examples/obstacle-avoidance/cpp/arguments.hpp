@@ -99,6 +99,9 @@ inline std::optional<Arguments> parse(int argc, char** argv) {
             throw std::invalid_argument(word + ": there is no such option; --help names all");
         } else if (named) {
             throw std::invalid_argument(word + ": one source is allowed, " + arguments.source + " is named already");
+        } else if (word.empty() || (word.find('/') != std::string::npos && word.find(':') == std::string::npos)) {
+            throw std::invalid_argument("source: found \"" + word +
+                                        "\", allowed: the name of a daemon, unix:PATH, tcp:HOST:PORT, tls:HOST:PORT");
         } else {
             arguments.source = word;
             named = true;
