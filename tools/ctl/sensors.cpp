@@ -8,8 +8,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "clients/json/sensor_json.h"
 #include "clients/json/message_json.h"
+#include "clients/json/sensor_json.h"
 #include "proto/disparity.pb.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
