@@ -44,6 +44,13 @@ inline std::string product_name(std::uint32_t number) {
                                                     : "product " + std::to_string(number);
 }
 
+/// Returns one line for people: the daemon does not serve the product, and what makes it do so.
+inline std::string not_served_text(v1::Product product) {
+    const ProductFacts& facts = product_facts(product);
+    return "the daemon does not serve the product " + std::string(facts.name) +
+           (facts.key.empty() ? "" : ": set " + std::string(facts.key) + " = true in its configuration");
+}
+
 constexpr bool products_are_numbered() {
     for (std::size_t i = 0; i < products.size(); ++i) {
         if (static_cast<std::size_t>(products[i].number) != i + 1) {

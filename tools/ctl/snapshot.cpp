@@ -45,12 +45,7 @@ struct SnapshotArguments {
 const disparity::PlaneData& plane_of(const disparity::Frame& frame, Product product) {
     const disparity::PlaneData* plane = frame.plane(product);
     if (plane == nullptr) {
-        const proto::ProductFacts& wanted = proto::product_facts(static_cast<v1::Product>(product));
-        std::string why = "the daemon does not serve the product " + std::string(wanted.name);
-        if (!wanted.key.empty()) {
-            why += ": set " + std::string(wanted.key) + " = true in its configuration";
-        }
-        throw std::runtime_error(why);
+        throw std::runtime_error(proto::not_served_text(static_cast<v1::Product>(product)));
     }
     return *plane;
 }

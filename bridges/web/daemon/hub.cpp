@@ -13,9 +13,7 @@ std::string why_not_served(const DaemonState& state, disparity::Product product)
     if (!state.there || served) {
         return {};
     }
-    const proto::ProductFacts& facts = proto::product_facts(static_cast<v1::Product>(product));
-    return "the daemon does not serve the product " + std::string(facts.name) +
-           (facts.key.empty() ? "" : ": set " + std::string(facts.key) + " = true in its configuration");
+    return proto::not_served_text(static_cast<v1::Product>(product));
 }
 
 template <typename Call>

@@ -11,6 +11,15 @@ bool is_image(const proto::ProductFacts& product) {
     return product.view != v1::NO_VIEW && product.colour_of == v1::PRODUCT_NONE;
 }
 
+/// Returns the product that is the same in colour, where there is one.
+std::optional<disparity::Product> in_colour(Image image) {
+    const auto found = std::find_if(proto::products.begin(), proto::products.end(), [image](const auto& product) {
+        return product.colour_of == static_cast<v1::Product>(image);
+    });
+    return found != proto::products.end() ? std::optional(static_cast<disparity::Product>(found->number))
+                                          : std::nullopt;
+}
+
 }  // namespace
 
 const proto::ProductFacts& facts_of(Image image) {
@@ -44,20 +53,16 @@ disparity::Product product_of(Image image) {
 
 std::set<disparity::Product> products_of(Image image) {
     std::set<disparity::Product> products{product_of(image)};
-    for (const proto::ProductFacts& product : proto::products) {
-        if (product.colour_of == static_cast<v1::Product>(image)) {
-            products.insert(static_cast<Image>(product.number));
-        }
+    if (const auto colour = in_colour(image)) {
+        products.insert(*colour);
     }
     return products;
 }
 
 const disparity::PlaneData* shown_plane(const disparity::Frame& frame, Image image) {
-    const disparity::PlaneData* shown = frame.plane(product_of(image));
-    for (const disparity::Product product : products_of(image)) {
-        const disparity::PlaneData* const plane = frame.plane(product);
-        shown = plane != nullptr && product != product_of(image) ? plane : shown;
-    }
+    const auto colour = in_colour(image);
+    const disparity::PlaneData* const coloured = colour ? frame.plane(*colour) : nullptr;
+    const disparity::PlaneData* const shown = coloured != nullptr ? coloured : frame.plane(product_of(image));
     return shown != nullptr && shown->width > 0 && shown->height > 0 ? shown : nullptr;
 }
 

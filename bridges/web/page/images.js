@@ -10,6 +10,9 @@ const ORDER = ['distance', 'grey', 'spread', 'picture'] // the disparity first, 
 export const IMAGES = PRODUCTS.filter(product => product.view !== 'no_view' && product.colour_of === 'product_none')
   .sort((a, b) => ORDER.indexOf(a.view) - ORDER.indexOf(b.view))
 
+/** Those that can stand beside the left image. */
+export const SECOND_IMAGES = IMAGES.filter(image => image.name !== 'left')
+
 export const imageOf = name => IMAGES.find(image => image.name === name)
 
 /** What is made of another product, or shown by it in colour. Depth is computed from the disparity by disparity-web. */

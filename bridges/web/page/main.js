@@ -10,7 +10,7 @@ import { Connection } from './connection.js'
 import { Controls } from './controls.js'
 import { listenToKeys } from './keys.js'
 import { Legend } from './legend.js'
-import { IMAGES, madeOf, wordsOf } from './images.js'
+import { SECOND_IMAGES as SECOND, madeOf, wordsOf } from './images.js'
 import { Live } from './live.js'
 import { Log } from './log.js'
 import { Picture, Pointer } from './pictures.js'
@@ -30,7 +30,7 @@ const TICK_MS = 500
 const NO_FRAME_MS = 2000
 const POINT_MS = 40 // at most this often a new pixel is asked for
 const NO_SCAN = 'This daemon makes no obstacle scans: set [scan] enabled = true.'
-const SECOND_IMAGES = IMAGES.map(image => image.name).filter(name => name !== 'left')
+const SECOND_IMAGES = SECOND.map(image => image.name)
 
 const by = id => document.getElementById(id)
 const refused = text => toast(by('toasts'), text)
@@ -129,7 +129,7 @@ function showProducts() {
 // --- what the user does ---
 
 const imageChoice = radioRow(by('image-choice'), 'image',
-  IMAGES.filter(image => image.name !== 'left').map((image, i) => [image.name, image.title, String(i + 1)]), changed)
+  SECOND.map((image, i) => [image.name, image.title, String(i + 1)]), changed)
 const viewChoice = radioRow(by('view-choice'), 'view', [['both', 'Both'], ['left', 'Left'], ['right', 'Right']], changed)
 const encodingChoice = radioRow(by('encoding-choice'), 'encoding', [['jpeg', 'JPEG', 'Small'], ['lossless', 'Lossless', 'Raw values']], changed)
 const cloudChoice = radioRow(by('cloud-colour'), 'cloudColour', [['left', 'Image'], ['depth', 'Depth']], changed)

@@ -2,7 +2,7 @@
 //
 // Links that save the newest frame: the server answers each with a file.
 
-import { IMAGES, imageOf } from './images.js'
+import { SECOND_IMAGES, imageOf } from './images.js'
 import { make } from './text.js'
 
 const CLOUD = ['depth', '/snapshot.ply', 'Point cloud, PLY', 'cloud.ply']
@@ -17,7 +17,7 @@ function filesOf({ name, title, type, view, unit }) {
   return files
 }
 
-const FILES = [imageOf('left'), ...IMAGES.filter(image => image.name !== 'left')].flatMap(filesOf).concat([CLOUD])
+const FILES = [imageOf('left'), ...SECOND_IMAGES].flatMap(filesOf).concat([CLOUD])
 
 /** Fills the list with what the daemon serves. */
 export function showSnapshots(root, served) {
