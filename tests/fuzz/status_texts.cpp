@@ -45,7 +45,24 @@ void expect_size(const Parsed& json, int size) {
     fuzz::expect(json.is_array() && json.size() == static_cast<std::size_t>(size), "JSON has another number of items");
 }
 
+void expect_same_geometry(const Parsed& json, const v1::Geometry& geometry) {
+    expect_number(json["baseline_mm"], geometry.baseline_mm());
+    fuzz::expect(json["d_min"] == geometry.d_min(), "JSON has another first disparity");
+    fuzz::expect(std::stoull(json["calibration_id"].get<std::string>(), nullptr, 16) == geometry.calibration_id(),
+                 "JSON has another calibration");
+}
+
+/// What a status may lack is null.
 void expect_same_source(const Parsed& json, const v1::Status& status) {
+    fuzz::expect(json["geometry"].is_null() != status.has_geometry(), "JSON and status differ about the geometry");
+    if (status.has_geometry()) {
+        expect_same_geometry(json["geometry"], status.geometry());
+    }
+    fuzz::expect(json["record"].is_null() != status.has_record(), "JSON and status differ about the recording");
+    if (status.has_record()) {
+        expect_count(json["record"]["bytes"], status.record().bytes());
+        expect_text(json["record"]["path"], status.record().path());
+    }
     fuzz::expect(json["camera"].is_null() != status.has_camera(), "JSON and status differ about the camera");
     if (status.has_camera()) {
         expect_text(json["camera"]["serial"], status.camera().serial());
@@ -72,13 +89,6 @@ void expect_same(const Parsed& json, const v1::Status& status) {
     expect_number(json["uptime_s"], status.uptime_s());
     expect_count(json["captured"], status.captured());
     expect_count(json["lost_before"], status.lost_before());
-    expect_number(json["geometry"]["baseline_mm"], status.geometry().baseline_mm());
-    fuzz::expect(json["geometry"]["d_min"] == status.geometry().d_min(), "JSON has another first disparity");
-    fuzz::expect(std::stoull(json["geometry"]["calibration_id"].get<std::string>(), nullptr, 16) ==
-                     status.geometry().calibration_id(),
-                 "JSON has another calibration");
-    expect_count(json["record"]["bytes"], status.record().bytes());
-    expect_text(json["record"]["path"], status.record().path());
     expect_size(json["steps"], status.steps_size());
     for (int i = 0; i < status.steps_size(); ++i) {
         const Parsed& step = json["steps"][static_cast<std::size_t>(i)];
