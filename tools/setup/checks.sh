@@ -10,11 +10,10 @@ took() { printf '%s\t%s\n' "$((SECONDS - $2))" "$1" >>"${results:?}/times.tsv"; 
 # show_times: the longest first. Steps in the background wait for those in front: theirs add up to more than the whole.
 show_times() {
     local seconds what
-    [[ -e ${results:?}/times.tsv ]] || return 0
     step "times"
     while IFS=$'\t' read -r seconds what; do
         printf '%5d:%02d  %s\n' $((seconds / 60)) $((seconds % 60)) "$what"
-    done < <(sort -rn "$results/times.tsv")
+    done < <(printf '%s\tthe whole\n' "$SECONDS"; sort -rn "${results:?}/times.tsv")
 }
 
 step() { printf '\n== %s (%d:%02d)\n' "$1" $((SECONDS / 60)) $((SECONDS % 60)); }
@@ -33,10 +32,11 @@ skip() {
 
 # check WHAT COMMAND...: a step that passes when the command does.
 check() {
-    local what=$1
+    local what=$1 start=$SECONDS
     shift
     step "$what"
     if "$@"; then note passed "$what"; else note failed "$what"; fi
+    took "$what" "$start"
 }
 
 # project_sources PATTERN...: files of the project that match and are there, without build outputs.
@@ -118,10 +118,11 @@ build_arm64() {
 
 # compile_for_debian_13: whether the compiler of Debian 13, with its headers, takes the sources.
 compile_for_debian_13() {
-    local outcome said=$results/debian-13-said.txt
+    local outcome said=$results/debian-13-said.txt start=$SECONDS
     step "debian 13"
     tools/setup/debian-13 -j "$jobs" 2>&1 | tee "$said"
     outcome=${PIPESTATUS[0]}
+    took "debian 13" "$start"
     case $outcome in
         0) note passed "debian 13" ;;
         77) note skipped "$(grep '^debian 13: skipped' "$said")" ;;
@@ -165,7 +166,7 @@ wait_for() {
 
 # check_format: names each file that is not formatted, and the command that mends it.
 check_format() {
-    local what="formatting (clang-format)" said files
+    local what="formatting (clang-format)" said files start=$SECONDS
     step "$what"
     if ! command -v clang-format >/dev/null; then
         skip "formatting: clang-format 14 is not installed (sudo apt-get install clang-format)"
@@ -183,6 +184,7 @@ check_format() {
             note failed "$what"
         fi
     fi
+    took "$what" "$start"
 }
 
 check_scripts() {
