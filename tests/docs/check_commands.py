@@ -14,8 +14,8 @@ import check_house  # noqa: E402
 
 SPAN = re.compile(r"`([^`]+)`")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
-SCRIPTS = ("tools/demo", "tools/test", "tools/benchmarks", "tools/measure-ages", "tools/measure-daemon", "tools/instruction-counts",
-           "tools/loop-cycles", "tools/measure-page", "tools/release")
+SCRIPTS = ("tools/demo", "tools/test", "tools/benchmarks", "tools/release", "lab/measure-ages", "lab/measure-daemon",
+           "lab/measure-page", "lab/loop-cycles", "tests/kernels/instructions/instruction-counts")
 WITH_SUB_COMMANDS = {"disparityctl"}
 # What a shell would not hand to the program.
 END_OF_COMMAND = re.compile(r"\s(?:#|&&|\||;|&\s*$|>|2>).*$")

@@ -27,6 +27,7 @@ ARROWS = {
     "bridges": {"base", "clients", "proto"},
     "daemon": {"base", "kernels", "capture", "calibration", "pipeline", "proto"},
     "tools": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients"},
+    "lab": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients", "bridges", "tools"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only header of capture that the pipeline may know.

@@ -7,119 +7,37 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "kernels/cpu/backend.h"
 #include "tests/kernels/support.h"
 #include "tools/bench/alternation.h"
 #include "tools/bench/naive.h"
 #include "tools/bench/report.h"
 #include "tools/bench/step_work.h"
-#include "tools/bench/vector_paths.h"
 
 namespace disparityd::bench {
-
-// What ctest lists; found by GoogleTest in the namespace of the type.
-static void PrintTo(Build build, std::ostream* out) {
-    *out << (build == Build::as_compiled ? "as_compiled" : "not_vectorised");
-}
 
 namespace {
 
 using test::Image;
 using test::noise;
-using test::pick;
 using test::Random;
 
-template <typename T>
-struct OwnedVolume {
-    OwnedVolume(int width, int height, int disparities)
-        : values(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-                 static_cast<std::size_t>(disparities)),
-          view{values.data(), width, height, disparities} {}
-    std::vector<T> values;
-    Volume<T> view;
-};
-
-class PlainVariantsTest : public testing::TestWithParam<Build> {};
-
-TEST_P(PlainVariantsTest, CostsEqualTheReference) {
-    Random random(1);
-    const PlainVariants& plain = plain_variants(GetParam());
-    for (int round = 0; round < 20; ++round) {
-        const int width = pick(random, 1, 40), height = pick(random, 1, 12);
-        const DisparityRange range{pick(random, -20, 20), 16 * pick(random, 1, 4)};
-        auto left = noise(random, width, height), right = noise(random, width, height);
-        OwnedVolume<std::uint16_t> sad(width, height, range.count), expected_sad(width, height, range.count);
-        plain.sad_in_one_pass(left.plane(), right.plane(), range, sad.view, left.rows());
-        reference::sad(left.plane(), right.plane(), range, expected_sad.view, left.rows());
-        ASSERT_EQ(sad.values, expected_sad.values) << width << "x" << height;
-
-        Image<std::uint64_t> left_words(width, height), right_words(width, height);
-        OwnedVolume<std::uint8_t> costs(width, height, range.count), expected(width, height, range.count);
-        plain.pixels_as_words(left.plane(), left_words.plane(), left.rows());
-        plain.pixels_as_words(right.plane(), right_words.plane(), left.rows());
-        plain.matching_cost_in_one_pass(left_words.plane(), right_words.plane(), range, costs.view, left.rows());
-        reference::census(left.plane(), left_words.plane(), left.rows());
-        reference::census(right.plane(), right_words.plane(), left.rows());
-        reference::matching_cost(left_words.plane(), right_words.plane(), range, expected.view, left.rows());
-        ASSERT_EQ(costs.values, expected.values) << width << "x" << height;
-    }
-}
-
-/// Two sweeps with one way to continue a path, against eight paths of the reference.
-void expect_equal_sums(const PlainVariants& plain, ContinuePath continue_path, unsigned seed) {
-    Random random(seed);
-    Serial serial;
-    for (int round = 0; round < 20; ++round) {
-        const int width = pick(random, 1, 30), height = pick(random, 1, 10), disparities = 16 * pick(random, 1, 16);
-        OwnedVolume<std::uint8_t> costs(width, height, disparities);
-        for (std::uint8_t& cost : costs.values) {
-            cost = static_cast<std::uint8_t>(pick(random, 0, 62));
-        }
-        SgmOptions options;
-        options.p2 = pick(random, 2, 193);
-        options.p1 = pick(random, 1, options.p2 - 1);
-        OwnedVolume<std::uint16_t> sums(width, height, disparities), expected(width, height, disparities);
-        std::vector<std::uint8_t> scratch(plain.two_sweeps_scratch(width, disparities));
-        plain.aggregate_in_two_sweeps(costs.view, options.p1, options.p2, sums.view, scratch, continue_path);
-        std::vector<std::byte> reference_scratch(reference::aggregate_scratch(width, height, disparities));
-        Image<std::uint8_t> left(width, height);
-        reference::aggregate(costs.view, left.plane(), options, expected.view, reference_scratch, serial);
-        ASSERT_EQ(sums.values, expected.values) << width << "x" << height << ", D " << disparities;
-    }
-}
-
-TEST_P(PlainVariantsTest, SumsEqualTheReference) {
-    const PlainVariants& plain = plain_variants(GetParam());
-    expect_equal_sums(plain, plain.min_once, 2);
-    expect_equal_sums(plain, plain.min_per_candidate, 3);
-}
-
-TEST_P(PlainVariantsTest, NaiveStepsGiveTheSameBytes) {
+TEST(NaiveTest, BothBuildsGiveTheSameBytes) {
     Random random(4);
-    const CensusSteps& steps = naive_steps(GetParam()).matching.of(CensusCost::census_9x7);
     auto image = noise(random, 50, 20);
-    Image<std::uint64_t> words(50, 20), expected(50, 20);
-    steps.census(image.plane(), words.plane(), image.rows());
+    Image<std::uint64_t> expected(50, 20);
     reference::census(image.plane(), expected.plane(), image.rows());
-    EXPECT_EQ(words.pixels(), expected.pixels());
+    for (const Build build : {Build::as_compiled, Build::not_vectorised}) {
+        Image<std::uint64_t> words(50, 20);
+        naive_steps(build).matching.of(CensusCost::census_9x7).census(image.plane(), words.plane(), image.rows());
+        EXPECT_EQ(words.pixels(), expected.pixels());
+    }
 }
-
-INSTANTIATE_TEST_SUITE_P(Bench, PlainVariantsTest, testing::Values(Build::as_compiled, Build::not_vectorised));
 
 TEST(NaiveTest, TheTwoBuildsAreDifferentCode) {
     EXPECT_NE(naive_steps(Build::as_compiled).matching.of(CensusCost::census_9x7).census,
               naive_steps(Build::not_vectorised).matching.of(CensusCost::census_9x7).census);
     EXPECT_NE(naive_steps(Build::as_compiled).matching.aggregate,
               naive_steps(Build::not_vectorised).matching.aggregate);
-}
-
-TEST(VectorPathsTest, SumsEqualTheReference) {
-    for (const cpu::InstructionSet& set : cpu::instruction_sets()) {
-        const VectorPaths paths = vector_paths(set.target);
-        ASSERT_NE(paths.tree, nullptr) << set.name;
-        expect_equal_sums(plain_variants(Build::as_compiled), paths.tree, 5);
-        expect_equal_sums(plain_variants(Build::as_compiled), paths.lane_by_lane, 6);
-    }
 }
 
 /// Counts its runs, measured or not.

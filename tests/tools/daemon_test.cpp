@@ -183,33 +183,6 @@ TEST_F(DaemonTest, SnapshotOfADaemonThatHangsIsRefused) {
     EXPECT_THAT(outcome.err, HasSubstr("the daemon has stopped"));
 }
 
-#ifdef DISPARITY_HANDOVER
-TEST_F(DaemonTest, HandoverMeasuresEveryWay) {
-    const Outcome outcome =
-        run(DISPARITY_HANDOVER, {"--name", name_, "--socket", "unix:" + socket_, "--seconds", "2", "--readers", "1,2"});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    for (const std::string line :
-         {"shared memory, copied +1 ", "shared memory, copied +2 ", "shared memory, borrowed +1 ",
-          "shared memory, borrowed +2 ", "socket +1 ", "socket +2 "}) {
-        EXPECT_THAT(outcome.out, testing::ContainsRegex(line + " *[1-9]"));
-    }
-    EXPECT_EQ(run(DISPARITY_HANDOVER, {"--name", name_ + "-absent", "--seconds", "1"}).exit_code, 1);
-}
-
-TEST_F(DaemonTest, HandoverMeasuresTheAgesOfReadersThatWork) {
-    const Outcome outcome = run(DISPARITY_HANDOVER, {"--socket", "unix:" + socket_, "--seconds", "1", "--work", "0,0.2",
-                                                     "--products", "disparity,left"});
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n0.00 +[1-9]"));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n0.20 +[1-9]"));
-    EXPECT_EQ(run(DISPARITY_HANDOVER, {"--work", "0"}).exit_code, 2);
-    const Outcome unknown =
-        run(DISPARITY_HANDOVER, {"--socket", "unix:" + socket_, "--work", "0", "--products", "scam"});
-    EXPECT_EQ(unknown.exit_code, 2);
-    EXPECT_THAT(unknown.err, HasSubstr("found scam, allowed: scan, disparity, depth, left"));
-}
-#endif
-
 TEST_F(DaemonTest, TheNameSaysTheFormat) {
     ASSERT_EQ(ctl("snapshot", {"-o", path("now.jpg"), "--colour-range", "frame"}).exit_code, 0);
     EXPECT_EQ(read_file(path("now.jpg")).substr(0, 3), "\xff\xd8\xff");

@@ -85,14 +85,6 @@ public:
         }
     }
 
-    /// Takes seconds per frame: only for who asks for it.
-    void as_described(Method method) {
-        const std::string who = "paper/" + std::string(to_string(method));
-        if (wanted(selection_, who) && !selection_.contestants.empty()) {
-            add(who, [&] { return make_as_described(pair_, options(method), pools_); });
-        }
-    }
-
     Contestants all() { return std::move(all_); }
 
 private:
@@ -127,15 +119,14 @@ void check_contestants(const std::vector<std::string>& words) {
         known.push_back("cpu/" + std::string(to_string(method)));
         known.push_back("cuda/" + std::string(to_string(method)));
         known.push_back("naive/" + std::string(to_string(method)));
-        known.push_back("paper/" + std::string(to_string(method)));
     }
     for (const eval::OpencvMethod method : eval::opencv_methods()) {
         known.push_back(contestant_name(method));
     }
     for (const std::string& word : words) {
         if (std::none_of(known.begin(), known.end(), [&](const std::string& who) { return names(word, who); })) {
-            throw std::invalid_argument("--contestant: found '" + word +
-                                        "', allowed: cpu, cuda, naive, opencv, paper, " + list_of(known));
+            throw std::invalid_argument("--contestant: found '" + word + "', allowed: cpu, cuda, naive, opencv, " +
+                                        list_of(known));
         }
     }
 }
@@ -144,7 +135,7 @@ std::vector<Method> methods_of(const std::vector<std::string>& words) {
     const Selection selection{words, {}, {}};
     std::vector<Method> chosen;
     for (const Method method : methods) {
-        for (const char* const kind : {"cpu/", "cuda/", "naive/", "paper/"}) {
+        for (const char* const kind : {"cpu/", "cuda/", "naive/"}) {
             if (wanted(selection, kind + std::string(to_string(method)))) {
                 chosen.push_back(method);
                 break;
@@ -186,7 +177,6 @@ Contestants line_up(const StereoPair& pair, const Selection& selection,
     }
     for (const Method method : methods) {
         contestants.naive(method);
-        contestants.as_described(method);
     }
     return contestants.all();
 }

@@ -12,8 +12,8 @@ namespace disparityd::bench {
 
 /// Who is asked to match a pair, as the command line has it.
 struct Selection {
-    /// Names or their first parts ("cpu", "opencv/hh"); empty = all but "paper", naive only on pairs that it is
-    /// done with soon.
+    /// Names or their first parts ("cpu", "opencv/hh"); empty = all, naive only on pairs that it is done
+    /// with soon.
     std::vector<std::string> contestants;
     std::vector<cpu::InstructionSet> instruction_sets;
     std::vector<int> threads;

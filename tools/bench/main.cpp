@@ -7,10 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "tools/bench/ideas.h"
 #include "tools/bench/line_up.h"
 #include "tools/bench/machine.h"
-#include "tools/bench/paper_tables.h"
 #include "tools/bench/report.h"
 #include "tools/bench/roofline.h"
 #include "tools/bench/step_work.h"
@@ -18,8 +16,6 @@
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
-#include "tools/eval/paper.h"
-#include "tools/eval/scene.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::bench {
@@ -38,8 +34,6 @@ struct BenchArguments {
     std::optional<int> rounds;
     std::optional<double> seconds;
     std::optional<bool> roofline;
-    bool paper_tables = false;
-    bool ideas = false;
     bool markdown = false;
 };
 
@@ -69,12 +63,8 @@ std::vector<int> threads_of(const BenchArguments& arguments) {
 }
 
 std::vector<PairRequest> pairs_of(const BenchArguments& arguments) {
-    std::vector<std::string> words = arguments.pairs;
-    if (words.empty() && !arguments.ideas) {
-        words =
-            arguments.paper_tables ? std::vector<std::string>{"paper"} : std::vector<std::string>{"paper", "rendered"};
-    }
-    std::vector<PairRequest> pairs = parse_pairs(words);
+    std::vector<PairRequest> pairs =
+        parse_pairs(arguments.pairs.empty() ? std::vector<std::string>{"paper", "rendered"} : arguments.pairs);
     for (PairRequest& pair : pairs) {
         pair.disparities = arguments.match.disparities().value_or(pair.disparities);
     }
@@ -90,29 +80,24 @@ public:
           roofline_(pools_, selection_.instruction_sets) {
         check_contestants(selection_.contestants);
         arguments.match.check_used(methods_of(selection_.contestants));
-        if (selection_.contestants.empty() && arguments.paper_tables) {
-            selection_.contestants = {"cpu", "naive", "paper"};
-        }
         patience_.rounds = arguments.rounds.value_or(patience_.rounds);
         patience_.seconds = arguments.seconds.value_or(patience_.seconds);
         options_for(default_options(Method::sgm).range.count);  // refuses options that do not fit together
-        find_data();
+        // Only when it is needed: who wants rendered pairs need not care what DISPARITYD_DATA names.
+        if (!arguments.data.empty() ||
+            !std::all_of(pairs_.begin(), pairs_.end(), [](const PairRequest& pair) { return pair.rendered(); })) {
+            found_ = find_scenes(arguments.data);
+        }
     }
 
     int run() {
         tools::catch_interrupts();
         write_json_file();  // where that cannot be, it is said now and not at the end
-        head();
+        print_head(arguments_.markdown, text());
         for (const PairRequest& request : pairs_) {
-            if (!tools::interrupted() && available(request)) {
+            if (!tools::interrupted() && available(request, found_)) {
                 measure(load(request, found_));
             }
-        }
-        if (arguments_.paper_tables) {
-            print_paper_tables(all_, text());
-        }
-        if (arguments_.ideas && !tools::interrupted()) {
-            ideas();
         }
         if (arguments_.json == "-") {
             print_json(all_, std::cout);
@@ -128,32 +113,6 @@ private:
     /// Where text for people goes: nowhere when standard output is for JSON.
     std::ostream& text() { return arguments_.json == "-" ? nowhere_ : std::cout; }
 
-    /// Only when it is needed: who wants rendered pairs need not care what DISPARITYD_DATA names.
-    void find_data() {
-        const bool scenes =
-            std::any_of(pairs_.begin(), pairs_.end(), [](const PairRequest& pair) { return !pair.rendered(); });
-        if (!scenes && !(arguments_.ideas && pairs_.empty()) && arguments_.data.empty()) {
-            return;
-        }
-        std::string folder = arguments_.data;
-        if (const char* given = std::getenv("DISPARITYD_DATA"); folder.empty() && given != nullptr) {
-            folder = given;
-        }
-        if (!folder.empty()) {
-            found_ = eval::find_scenes({folder});
-        }
-    }
-
-    bool available(const PairRequest& request) {
-        if (request.rendered() || eval::files_of(*eval::paper_scene(request.scene), found_) != nullptr) {
-            return true;
-        }
-        tools::print_note(request.scene + " is skipped: " +
-                          (found_.empty() ? "no evaluation data, name its folder by --data or DISPARITYD_DATA"
-                                          : "there is no folder of that name in the evaluation data"));
-        return false;
-    }
-
     std::map<std::string, MatchOptions> options_for(int disparities) const {
         std::map<std::string, MatchOptions> options;
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
@@ -162,44 +121,17 @@ private:
         return options;
     }
 
-    void head() {
-        std::vector<std::string> lines = describe_machine();
-        const std::vector<std::string> opencv = describe_opencv();
-        lines.insert(lines.end(), opencv.begin(), opencv.end());
-        lines.push_back(
-            "MB: held at once (malloc and mmap counted) from the making of a matcher to the end of its first frame; "
-            "OpenCV's is freed after each frame");
-        for (const std::string& line : lines) {
-            text() << (arguments_.markdown ? "- " : "") << line << '\n';
-        }
-        text() << std::flush;
-    }
-
     void measure(const StereoPair& pair) {
         const auto options = options_for(pair.disparities);
         const Contestants contestants = line_up(pair, selection_, options, pools_);
         const std::vector<Measurement> measurements = alternate(pair, contestants, patience_);
-        if (!arguments_.paper_tables) {
-            print_measurements(measurements, arguments_.markdown, text());
-            if (arguments_.roofline.value_or(true) && !tools::interrupted()) {
-                roofline_.print(measurements, options, arguments_.markdown, text());
-            }
+        print_measurements(measurements, arguments_.markdown, text());
+        if (arguments_.roofline.value_or(true) && !tools::interrupted()) {
+            roofline_.print(measurements, options, arguments_.markdown, text());
         }
         text() << std::flush;
         all_.insert(all_.end(), measurements.begin(), measurements.end());
         write_json_file();
-    }
-
-    void ideas() {
-        const PairRequest cones{"cones", 0, 0, 128};
-        const bool there = eval::files_of(*eval::paper_scene(cones.scene), found_) != nullptr;
-        const StereoPair pair = !pairs_.empty() ? load(pairs_.front(), found_)
-                                : there         ? load(cones, found_)
-                                                : render(450, 375, 128);
-        text() << "\nIdeas, each switched off in turn (" << pair.scene << ' ' << pair.left.cols << 'x' << pair.left.rows
-               << ", D " << pair.disparities << ", medians in ms):\n\n";
-        const int threads = *std::max_element(selection_.threads.begin(), selection_.threads.end());
-        print(idea_table(measure_ideas(pair, patience_, threads, pools_)), arguments_.markdown, text());
     }
 
     void write_json_file() const {
@@ -231,9 +163,8 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
             "sizes), or WIDTHxHEIGHTxDISPARITIES; may be repeated; default paper and rendered")
         ->type_name("PAIR");
     several("--contestant", arguments.contestants,
-            "matchers to time: cpu, cuda, naive, opencv, paper (naive code as the paper describes it, seconds per "
-            "frame), or one method of them such as cpu/sgm or opencv/3way; may be repeated; default: all that run here "
-            "except paper, and naive only up to 25 million candidates per frame")
+            "matchers to time: cpu, cuda, naive, opencv, or one method of them such as cpu/sgm or opencv/3way; may be "
+            "repeated; default: all that run here, naive only up to 25 million candidates per frame")
         ->type_name("NAME");
     program.add_option("--isa", arguments.isa, "vector instructions of cpu: best, all, or a name; default best")
         ->type_name("NAME");
@@ -247,10 +178,6 @@ void add_arguments(CLI::App& program, BenchArguments& arguments) {
         ->type_name("DIR");
     tools::add_switch(program, "roofline", arguments.roofline,
                       "time of each of our steps beside the least time that its bytes and operations need; default on");
-    program.add_flag(
-        "--ideas", arguments.ideas,
-        "speed-up by each idea of the paper: each is switched off in turn, on the first pair (default Cones, D 128)");
-    program.add_flag("--paper-tables", arguments.paper_tables, "tables 1 and 2 of the paper beside ours, in Markdown");
     program.add_option("--json", arguments.json, "a list of objects to a file; -: to standard output, without tables")
         ->type_name("FILE");
     program.add_flag("--markdown", arguments.markdown, "tables in Markdown");

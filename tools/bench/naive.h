@@ -2,7 +2,6 @@
 #pragma once
 
 #include "kernels/steps.h"
-#include "tools/bench/plain_variants.h"
 
 namespace disparityd::bench {
 
@@ -14,11 +13,5 @@ enum class Build : std::uint8_t {
 
 /// The reference.
 const KernelSteps& naive_steps(Build build);
-
-/// Naive code as the paper describes it (section 3.1), not vectorised: the reference, but windows are summed and census
-/// words made anew for every candidate.
-const KernelSteps& one_pass_steps();
-
-const PlainVariants& plain_variants(Build build);
 
 }  // namespace disparityd::bench

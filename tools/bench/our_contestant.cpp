@@ -82,13 +82,6 @@ Contestants make(const StereoPair& pair, const std::function<std::unique_ptr<Mat
     return all;
 }
 
-Contestants make_plain(const StereoPair& pair, const MatchOptions& options, const KernelSteps& steps, const Who& who,
-                       WorkerPools& pools) {
-    const MatcherConfig config{pair.left.cols, pair.left.rows, options};
-    return make(
-        pair, [&] { return std::make_unique<StepMatcher>(config, steps); }, who, pools);
-}
-
 }  // namespace
 
 Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const cpu::InstructionSet& instruction_set,
@@ -100,15 +93,11 @@ Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const
 }
 
 Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Build build, WorkerPools& pools) {
-    return make_plain(
-        pair, options, naive_steps(build),
+    const MatcherConfig config{pair.left.cols, pair.left.rows, options};
+    return make(
+        pair, [&] { return std::make_unique<StepMatcher>(config, naive_steps(build)); },
         {"naive/" + std::string(to_string(options.method)), build == Build::as_compiled ? "compiled" : "scalar", {1}},
         pools);
-}
-
-Contestants make_as_described(const StereoPair& pair, const MatchOptions& options, WorkerPools& pools) {
-    return make_plain(pair, options, one_pass_steps(),
-                      {"paper/" + std::string(to_string(options.method)), "scalar", {1}}, pools);
 }
 
 Contestants make_with(const std::function<std::unique_ptr<Matcher>()>& create, const StereoPair& pair,

@@ -24,9 +24,6 @@ Contestants make_ours(const StereoPair& pair, const MatchOptions& options, const
 /// The reference, on one thread. The rest as make_ours().
 Contestants make_naive(const StereoPair& pair, const MatchOptions& options, Build build, WorkerPools& pools);
 
-/// Naive code as the paper describes it, see one_pass_steps(): "paper/sgm" .. The rest as make_naive().
-Contestants make_as_described(const StereoPair& pair, const MatchOptions& options, WorkerPools& pools);
-
 /// Any matcher, on one thread. The rest as make_ours().
 Contestants make_with(const std::function<std::unique_ptr<Matcher>()>& create, const StereoPair& pair,
                       const std::string& name, const std::string& isa, WorkerPools& pools);

@@ -7,6 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/bench/machine.h"
+#include "tools/bench/opencv_contestant.h"
+
 namespace disparityd::bench {
 namespace {
 
@@ -38,6 +41,19 @@ nlohmann::ordered_json number(double value) {
 }
 
 }  // namespace
+
+void print_head(bool markdown, std::ostream& to) {
+    std::vector<std::string> lines = describe_machine();
+    const std::vector<std::string> opencv = describe_opencv();
+    lines.insert(lines.end(), opencv.begin(), opencv.end());
+    lines.push_back(
+        "MB: held at once (malloc and mmap counted) from the making of a matcher to the end of its first frame; "
+        "OpenCV's is freed after each frame");
+    for (const std::string& line : lines) {
+        to << (markdown ? "- " : "") << line << '\n';
+    }
+    to << std::flush;
+}
 
 void print(const tools::Table& table, bool markdown, std::ostream& to) {
     markdown ? table.print_markdown(to) : table.print(to);

@@ -9,6 +9,9 @@
 
 namespace disparityd::bench {
 
+/// Where the numbers come from: lines about the machine, OpenCV and what is counted.
+void print_head(bool markdown, std::ostream& to);
+
 /// Prints a table for people, or as Markdown.
 void print(const tools::Table& table, bool markdown, std::ostream& to);
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <charconv>
+#include <cstdlib>
 #include <optional>
 #include <stdexcept>
 
@@ -11,6 +12,7 @@
 #include "capture/scene/scene_camera.h"
 #include "capture/scene/scene_render.h"
 #include "kernels/reference/steps.h"
+#include "tools/command_line/program.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/scene.h"
@@ -114,6 +116,23 @@ StereoPair render(int width, int height, int disparities) {
     const Rectifier rectifier = maps.rectifier();
     return {"rendered", rectified(raw, Eye::left, rectifier).colRange(0, width).clone(),
             rectified(raw, Eye::right, rectifier).colRange(0, width).clone(), disparities};
+}
+
+std::vector<datasets::DatasetScene> find_scenes(std::string folder) {
+    if (const char* given = std::getenv("DISPARITYD_DATA"); folder.empty() && given != nullptr) {
+        folder = given;
+    }
+    return folder.empty() ? std::vector<datasets::DatasetScene>{} : eval::find_scenes({folder});
+}
+
+bool available(const PairRequest& request, const std::vector<datasets::DatasetScene>& found) {
+    if (request.rendered() || eval::files_of(*eval::paper_scene(request.scene), found) != nullptr) {
+        return true;
+    }
+    tools::print_note(request.scene + " is skipped: " +
+                      (found.empty() ? "no evaluation data, name its folder by --data or DISPARITYD_DATA"
+                                     : "there is no folder of that name in the evaluation data"));
+    return false;
 }
 
 StereoPair load(const PairRequest& request, const std::vector<datasets::DatasetScene>& found) {

@@ -34,6 +34,13 @@ struct StereoPair {
     double candidates() const { return static_cast<double>(left.total()) * disparities; }
 };
 
+/// The scenes of evaluation data in `folder`, or in what DISPARITYD_DATA names where it is empty; none without either.
+/// Throws std::invalid_argument where that is no folder.
+std::vector<datasets::DatasetScene> find_scenes(std::string folder);
+
+/// Whether load() has what it needs; else a note on stderr says that the pair is skipped, and why.
+bool available(const PairRequest& request, const std::vector<datasets::DatasetScene>& found);
+
 /// Renders the scene, or reads the files of the paper's scene among `found`. Throws std::invalid_argument with one line
 /// when that does not work; `found` has the scene.
 StereoPair load(const PairRequest& request, const std::vector<datasets::DatasetScene>& found);

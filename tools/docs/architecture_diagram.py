@@ -18,6 +18,7 @@ import check_house  # noqa: E402
 # What stands below a folder's name, and the colour of its kind.
 PROGRAM, SERVICE, CORE, GROUND = "#dbe9f6", "#d9efd9", "#fbeecb", "#ececec"
 FOLDERS = {
+    "lab": ("programs that measure,<br/>built on request", PROGRAM),
     "bridges": ("clients that speak<br/>another protocol", PROGRAM),
     "tools": ("disparityctl, disparity-eval,<br/>disparity-bench, scripts", PROGRAM),
     "clients": ("C++, C and Python<br/>libraries", PROGRAM),

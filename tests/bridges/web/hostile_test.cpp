@@ -19,7 +19,7 @@ protected:
     }
 
     /// The program still serves frames, and ends in order. Whether the daemon drops frames depends on how busy the
-    /// machine is: tools/measure-page tells.
+    /// machine is: lab/measure-page tells.
     void expect_service() {
         WebSocketClient page(port(), "disparityd.live.v1");
         page.send(R"({"type":"subscribe","images":["disparity"]})");

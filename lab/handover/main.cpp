@@ -10,10 +10,10 @@
 #include <CLI/CLI.hpp>
 
 #include "clients/places/connect_arguments.h"
+#include "lab/handover/reader_process.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/table.h"
-#include "tools/handover/reader_process.h"
 
 namespace disparityd::handover {
 namespace {

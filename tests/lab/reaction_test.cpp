@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What tools/reaction makes of the frames that a client saw. Nothing is timed here.
+// What lab/reaction makes of the frames that a client saw. Nothing is timed here.
 #include <gmock/gmock.h>
 
 #include "capture/frame_source.h"
+#include "lab/reaction/pole_recording.h"
+#include "lab/reaction/reaction_times.h"
 #include "tests/temporary_folder.h"
-#include "tools/reaction/pole_recording.h"
-#include "tools/reaction/reaction_times.h"
 
 namespace disparityd::reaction {
 namespace {

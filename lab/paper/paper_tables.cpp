@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/bench/paper_tables.h"
+#include "lab/paper/paper_tables.h"
 
 #include <algorithm>
 #include <array>
@@ -9,9 +9,10 @@
 #include "tools/bench/report.h"
 #include "tools/eval/paper.h"
 
-namespace disparityd::bench {
+namespace disparityd::lab {
 namespace {
 
+using bench::Measurement;
 using tools::fixed;
 
 /// Milliseconds of the paper's tables 1 and 2: naive code, and a 20-core Xeon with AVX.
@@ -105,7 +106,7 @@ void print_method(const std::vector<Measurement>& measurements, Method method, s
 
 }  // namespace
 
-void print_paper_tables(const std::vector<Measurement>& measurements, std::ostream& to) {
+void print_paper_tables(const std::vector<bench::Measurement>& measurements, std::ostream& to) {
     if (std::none_of(paper_times.begin(), paper_times.end(),
                      [&](const PaperTimes& paper) { return !of_scene(measurements, paper.scene).empty(); })) {
         return;
@@ -118,4 +119,4 @@ void print_paper_tables(const std::vector<Measurement>& measurements, std::ostre
     print_method(measurements, Method::sgm, to);
 }
 
-}  // namespace disparityd::bench
+}  // namespace disparityd::lab

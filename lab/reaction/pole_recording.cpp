@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/reaction/pole_recording.h"
+#include "lab/reaction/pole_recording.h"
 
 #include <cmath>
 #include <cstring>

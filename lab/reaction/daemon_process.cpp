@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/reaction/daemon_process.h"
+#include "lab/reaction/daemon_process.h"
 
 #include <cerrno>
 #include <fstream>

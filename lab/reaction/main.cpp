@@ -18,16 +18,16 @@
 #include <unistd.h>
 
 #include "clients/cpp/disparity_client.hpp"
+#include "lab/handover/reader_process.h"
+#include "lab/reaction/daemon_process.h"
+#include "lab/reaction/pole_recording.h"
+#include "lab/reaction/reaction_times.h"
 #include "proto/monotonic_clock.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
-#include "tools/handover/reader_process.h"
-#include "tools/reaction/daemon_process.h"
-#include "tools/reaction/pole_recording.h"
-#include "tools/reaction/reaction_times.h"
 
 namespace disparityd::reaction {
 namespace {

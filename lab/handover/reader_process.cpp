@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/handover/reader_process.h"
+#include "lab/handover/reader_process.h"
 
 #include <cerrno>
 #include <chrono>

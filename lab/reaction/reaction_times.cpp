@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/reaction/reaction_times.h"
+#include "lab/reaction/reaction_times.h"
 
 #include <algorithm>
 
