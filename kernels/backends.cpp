@@ -11,8 +11,8 @@
 #include "kernels/fallback_matcher.h"
 #include "kernels/matcher.h"
 #include "kernels/reference/steps.h"
-#include "kernels/scan/obstacle_scanner.h"
 #include "kernels/step_matcher.h"
+#include "kernels/steps.h"
 
 namespace disparityd {
 

@@ -12,7 +12,7 @@
 #include "kernels/options.h"
 #include "kernels/parallel.h"
 #include "kernels/raw_image.h"
-#include "kernels/scan/scan_counts.h"
+#include "kernels/scan_counts.h"
 
 namespace disparityd {
 
@@ -126,5 +126,8 @@ struct KernelSteps {
     FrameSteps frame;
     MatchingSteps matching;
 };
+
+/// Returns the steps of the fastest back end of the processor.
+const FrameSteps& fastest_frame_steps();
 
 }  // namespace disparityd

@@ -11,7 +11,7 @@
 #include "capture/frame_source.h"
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
-#include "kernels/scan/scan.h"
+#include "obstacles/scan.h"
 
 namespace disparityd::pipeline {
 

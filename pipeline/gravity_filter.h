@@ -6,8 +6,8 @@
 #include <span>
 
 #include "capture/frame_source.h"
-#include "kernels/scan/gravity_ground.h"
-#include "kernels/scan/scan.h"
+#include "obstacles/gravity_ground.h"
+#include "obstacles/scan.h"
 
 namespace disparityd::pipeline {
 

@@ -19,7 +19,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/matcher.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "pipeline/frame_slot.h"
 #include "pipeline/heartbeat.h"
 #include "pipeline/histogram.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// The words for what a scan holds, in lines, JSON and CSV. `Enum`: that of kernels/scan or that of the client library,
+/// The words for what a scan holds, in lines, JSON and CSV. `Enum`: that of proto/scan.h or that of the client library,
 /// which have the same numbers.
 namespace disparityd::json {
 

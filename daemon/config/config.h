@@ -9,7 +9,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/options.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 
 namespace disparityd::daemon {
 

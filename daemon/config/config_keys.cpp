@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "capture/camera/camera_controls.h"
-#include "kernels/scan/gravity_ground.h"
+#include "obstacles/gravity_ground.h"
 
 namespace disparityd::daemon {
 namespace {

@@ -12,19 +12,19 @@ struct Judged {
     std::uint8_t bin = scan::no_bin;  ///< of an obstacle's pixel
 };
 
-Judged judge(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band, int x, int y) {
-    const auto& limits = geometry.limits();
-    const int offset = std::clamp(geometry.camera().scale.offset16, -32768, 32767);
+Judged judge(const scan::Pixels& pixels, const scan::CountTables& tables, int x, int y) {
+    const scan::Limits& limits = tables.limits;
+    const int offset = std::clamp(tables.offset16, -32768, 32767);
     const int n = std::clamp(pixels.disparity.at(x, y) + offset, -32768, 32767);
-    const int rounded = scan::at_horizontal_distance(n, geometry.weights(y / scan::group_rows)[x]);
+    const int rounded = scan::at_horizontal_distance(n, tables.weights.at(x, y / scan::group_rows));
     const int confidence = pixels.confidence.at(x, y);
     if (confidence == 0 || rounded < limits.seen || rounded > limits.nearest) {
         return {};
     }
-    if (rounded < limits.obstacle || !band.contains(x, y, n)) {
+    if (rounded < limits.obstacle || !tables.in_band(x, y, n)) {
         return {.seen = true};
     }
-    if (confidence < geometry.options().min_confidence) {
+    if (confidence < tables.min_confidence) {
         return {};
     }
     return {.seen = true, .bin = scan::bin_of(rounded)};
@@ -32,16 +32,16 @@ Judged judge(const scan::Pixels& pixels, const scan::Geometry& geometry, const s
 
 }  // namespace
 
-void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
-                 scan::Counts& counts) {
+void scan_counts(const scan::Pixels& pixels, const scan::CountTables& tables, scan::Counts& counts) {
+    const int height = pixels.disparity.height;
     std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
     std::fill(counts.seen.begin(), counts.seen.end(), 0);
     for (int group = 0; group < counts.groups; ++group) {
-        const std::int16_t* edges = geometry.edges(group);
+        const std::int16_t* edges = tables.edges.row(group);
         for (int s = 0; s < counts.sectors; ++s) {
-            for (int y = group * scan::group_rows; y < geometry.group_end(group); ++y) {
+            for (int y = group * scan::group_rows; y < scan::group_end(group, height); ++y) {
                 for (int x = edges[s + 1]; x < edges[s]; ++x) {
-                    const Judged pixel = judge(pixels, geometry, band, x, y);
+                    const Judged pixel = judge(pixels, tables, x, y);
                     counts.seen_of(s, group) += pixel.seen ? 1 : 0;
                     counts.obstacle_of(s)[pixel.bin] += pixel.bin != scan::no_bin ? 1 : 0;
                 }
@@ -49,7 +49,7 @@ void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, con
         }
         bool counted = false;
         for (int x = 0; x < counts.width; ++x) {
-            const std::uint8_t bin = judge(pixels, geometry, band, x, geometry.group_middle(group)).bin;
+            const std::uint8_t bin = judge(pixels, tables, x, scan::group_middle(group, height)).bin;
             counts.middle_bins_of(group)[x] = bin;
             counted = counted || bin != scan::no_bin;
         }

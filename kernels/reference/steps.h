@@ -50,8 +50,7 @@ void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale
            Rows rows);
 void depth_error(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> confidence,
                  const DepthErrorScale& scale, Plane<std::uint16_t> error, Rows rows);
-void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
-                 scan::Counts& counts);
+void scan_counts(const scan::Pixels& pixels, const scan::CountTables& tables, scan::Counts& counts);
 
 /// All of the above as a table.
 extern const KernelSteps steps;

@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 
 #include "clients/cpp/disparity_client.hpp"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 #include "tests/daemon/daemon_fixture.h"
 
 namespace disparityd::test {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/reference/steps.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tests/fuzz/outcome.h"
 #include "tests/fuzz/scan_vectors.h"
 
@@ -167,11 +167,12 @@ void expect_same_counts(const scan::Pixels& pixels, const ScanOptions& options, 
     scan::Band band(camera.width, camera.height);
     band.set(geometry, {});
     scan::Counts expected(geometry.sectors(), geometry.groups(), camera.width);
-    reference::scan_counts(pixels, geometry, band, expected);
+    const scan::CountTables tables = scan::count_tables(geometry, band);
+    reference::scan_counts(pixels, tables, expected);
     static const std::vector<scan::CountPixels*> vectorised = fuzz::vectorised_scan_counts();
     for (scan::CountPixels* const count : vectorised) {
         scan::Counts counts(geometry.sectors(), geometry.groups(), camera.width);
-        count(pixels, geometry, band, counts);
+        count(pixels, tables, counts);
         fuzz::expect(counts.seen == expected.seen, "an instruction set sees other pixels than the reference");
         fuzz::expect(counts.middle_bins == expected.middle_bins && counts.middle_counted == expected.middle_counted,
                      "an instruction set keeps other bins");

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/scan/scan_counts.h"
+#include "kernels/scan_counts.h"
 
 namespace disparityd::fuzz {
 

@@ -22,12 +22,13 @@ ARROWS = {
     "proto": set(),
     "calibration": {"base", "kernels"},
     "capture": {"base", "calibration", "kernels"},
-    "pipeline": {"base", "calibration", "capture", "kernels"},
+    "obstacles": {"base", "kernels"},
+    "pipeline": {"base", "calibration", "capture", "kernels", "obstacles"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "proto"},
-    "daemon": {"base", "kernels", "capture", "calibration", "pipeline", "proto"},
-    "tools": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients"},
-    "lab": {"base", "kernels", "capture", "calibration", "pipeline", "proto", "clients", "bridges", "tools"},
+    "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto"},
+    "tools": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients"},
+    "lab": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "bridges", "tools"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only header of capture that the pipeline may know.

@@ -11,7 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "kernels/pair_matcher.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tests/kernels/support.h"
 
 // Step 10 of docs/algorithm.md: what shows no texture is unknown, whatever the range and the disparity offset are.

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tools/eval/scan/course.h"
 
 namespace disparityd::eval {

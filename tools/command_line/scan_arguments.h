@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 
 namespace CLI {
 class App;

@@ -7,7 +7,7 @@
 #include "capture/frame_source.h"
 #include "clients/json/message_json.h"
 #include "kernels/options.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 
 /// Converts the project's types to JSON, with the keys in the order in which people read them.
 namespace disparityd::tools {

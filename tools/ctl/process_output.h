@@ -10,7 +10,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/options.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 #include "pipeline/frame_slot.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/frame_names.h"

@@ -25,6 +25,7 @@ FOLDERS = {
     "daemon": ("configuration, sockets,<br/>life of the service", SERVICE),
     "pipeline": ("stages, queues,<br/>workers, timing", CORE),
     "capture": ("sources of frames,<br/>recordings", CORE),
+    "obstacles": ("obstacle scan", CORE),
     "calibration": ("camera models, maps,<br/>self-calibration", CORE),
     "kernels": ("algorithms: reference,<br/>cpu, cuda", GROUND),
     "proto": ("wire messages,<br/>shared-memory layout", GROUND),

@@ -13,7 +13,7 @@
 
 #include "hwy/highway.h"
 #include "kernels/reference/steps.h"
-#include "kernels/scan/scan_counts.h"
+#include "kernels/scan_counts.h"
 #include "kernels/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -33,28 +33,27 @@ class ScanBins {
 public:
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
 
-    ScanBins(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band)
+    ScanBins(const scan::Pixels& pixels, const scan::CountTables& tables)
         : pixels_(pixels),
-          geometry_(geometry),
-          band_(band),
-          flip_(number(band.above() ? -1 : 0)),
-          offset_(number(std::clamp(geometry.camera().scale.offset16, -32768, 32767))),
-          too_unsure_(number(geometry.options().min_confidence - 1)),
-          too_far_(number(geometry.limits().seen - 1)),
-          no_obstacle_(number(geometry.limits().obstacle - 1)),
-          too_near_(number(geometry.limits().nearest + 1)) {}
+          tables_(tables),
+          flip_(number(tables.above ? -1 : 0)),
+          offset_(number(std::clamp(tables.offset16, -32768, 32767))),
+          too_unsure_(number(tables.min_confidence - 1)),
+          too_far_(number(tables.limits.seen - 1)),
+          no_obstacle_(number(tables.limits.obstacle - 1)),
+          too_near_(number(tables.limits.nearest + 1)) {}
 
     /// Adds 1 to `seen` in the columns whose pixel of this row is known. `places` gets where the counters of obstacle
     /// pixels are, and some that nobody reads; returns how many. `kept` gets the bins, if it is not null.
     HWY_INLINE std::size_t row(int group, int y, std::int16_t* seen, std::uint32_t* places, std::uint8_t* kept) const {
         const std::int16_t* const disparity = pixels_.disparity.row(y);
         const std::uint8_t* const sureness = pixels_.confidence.row(y);
-        const std::uint16_t* const weights = geometry_.weights(group);
-        const std::uint16_t* const sectors = geometry_.sectors_of_columns(group);
-        const std::int16_t* const low_of_columns = band_.low_of_columns();
-        const std::int16_t* const high_of_columns = band_.high_of_columns();
-        const V low_of_row = hn::Set(Numbers(), band_.low_of_row(y));
-        const V high_of_row = hn::Set(Numbers(), band_.high_of_row(y));
+        const std::uint16_t* const weights = tables_.weights.row(group);
+        const std::uint16_t* const sectors = tables_.sectors_of_columns.row(group);
+        const std::int16_t* const low_of_columns = tables_.low_of_columns;
+        const std::int16_t* const high_of_columns = tables_.high_of_columns;
+        const V low_of_row = hn::Set(Numbers(), tables_.low_of_rows[y]);
+        const V high_of_row = hn::Set(Numbers(), tables_.high_of_rows[y]);
         const int width = pixels_.disparity.width;
         std::size_t placed = 0;
         for (int begin = 0; begin < width; begin += lanes) {
@@ -124,8 +123,7 @@ private:
     }
 
     const scan::Pixels pixels_;
-    const scan::Geometry& geometry_;
-    const scan::Band& band_;
+    const scan::CountTables& tables_;
     V flip_;  ///< all bits where a pixel has to be less than the high limit, which turns the order around
     V offset_;
     V too_unsure_;
@@ -134,23 +132,23 @@ private:
     V too_near_;
 };
 
-inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geometry, const scan::Band& band,
-                        scan::Counts& counts) {
+inline void scan_counts(const scan::Pixels& pixels, const scan::CountTables& tables, scan::Counts& counts) {
     const int width = pixels.disparity.width;
+    const int height = pixels.disparity.height;
     if (width < ScanBins::lanes) {
-        reference::scan_counts(pixels, geometry, band, counts);
+        reference::scan_counts(pixels, tables, counts);
         return;
     }
     std::fill(counts.obstacle.begin(), counts.obstacle.end(), 0);
-    const ScanBins bins(pixels, geometry, band);
+    const ScanBins bins(pixels, tables);
     std::array<std::int16_t, max_side> seen;
     std::array<std::int32_t, max_side + 1> seen_before;  // in the columns before this one
     HWY_ALIGN std::array<std::uint32_t, max_side + ScanBins::lanes> places;
     std::uint32_t* const count = counts.obstacle.data();
     for (int group = 0; group < counts.groups; ++group) {
         std::fill_n(seen.data(), width, std::int16_t{0});
-        for (int y = group * scan::group_rows, end = geometry.group_end(group); y < end; ++y) {
-            std::uint8_t* const kept = y == geometry.group_middle(group) ? counts.middle_bins_of(group) : nullptr;
+        for (int y = group * scan::group_rows, end = scan::group_end(group, height); y < end; ++y) {
+            std::uint8_t* const kept = y == scan::group_middle(group, height) ? counts.middle_bins_of(group) : nullptr;
             const std::size_t placed = bins.row(group, y, seen.data(), places.data(), kept);
             for (std::size_t i = 0; i < placed; ++i) {
                 ++count[places[i]];
@@ -163,7 +161,7 @@ inline void scan_counts(const scan::Pixels& pixels, const scan::Geometry& geomet
         for (std::size_t x = 0; x < static_cast<std::size_t>(width); ++x) {
             seen_before[x + 1] = seen_before[x] + seen[x];
         }
-        const std::int16_t* edges = geometry.edges(group);
+        const std::int16_t* edges = tables.edges.row(group);
         for (int s = 0; s < counts.sectors; ++s) {
             counts.seen_of(s, group) = static_cast<std::uint32_t>(seen_before[static_cast<std::size_t>(edges[s])] -
                                                                   seen_before[static_cast<std::size_t>(edges[s + 1])]);

@@ -17,8 +17,8 @@
 #include "daemon/config/config.h"
 #include "daemon/config/config_keys.h"
 #include "kernels/pair_matcher.h"
-#include "kernels/scan/gravity_ground.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/gravity_ground.h"
+#include "obstacles/obstacle_scanner.h"
 
 namespace disparityd::daemon {
 namespace {

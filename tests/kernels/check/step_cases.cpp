@@ -4,7 +4,9 @@
 
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/parallel.h"
-#include "kernels/scan/scan_counts.h"
+#include "kernels/scan_counts.h"
+#include "obstacles/band.h"
+#include "obstacles/scan_geometry.h"
 #include "tests/kernels/check/kernel_case.h"
 
 namespace disparityd::test {
@@ -230,7 +232,8 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
     const auto middle_bins = data->buffers.memory<std::uint8_t>(counts->middle_bins.size(), true);
     const auto middle_counted = data->buffers.memory<std::uint8_t>(counts->middle_counted.size(), true);
     return {[=](const FrameSteps& steps) {
-                steps.scan_counts({disparity->plane(), confidence->plane()}, *geometry, *band, *counts);
+                const scan::CountTables tables = scan::count_tables(*geometry, *band);
+                steps.scan_counts({disparity->plane(), confidence->plane()}, tables, *counts);
                 for (int s = 0; s < counts->sectors; ++s) {
                     std::copy_n(counts->obstacle_of(s), scan::used_bins,
                                 &obstacles[static_cast<std::size_t>(s) * scan::used_bins]);

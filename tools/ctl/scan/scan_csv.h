@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "kernels/scan/scan.h"
+#include "obstacles/scan.h"
 
 namespace disparityd::tools {
 

@@ -18,7 +18,7 @@
 #include "capture/images/image_sequence.h"
 #include "capture/scene/scene_camera.h"
 #include "capture/scene/scene_source.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/frame_buffers.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "kernels/matcher.h"
-#include "kernels/scan/scan_geometry.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_geometry.h"
+#include "obstacles/scan_options.h"
 #include "tools/datasets/dataset.h"
 #include "tools/eval/scene_to_judge.h"
 

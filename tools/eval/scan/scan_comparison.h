@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "kernels/scan/scan.h"
+#include "obstacles/scan.h"
 
 namespace disparityd::eval {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "kernels/scan/scan.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_options.h"
 #include "tools/eval/scan/course.h"
 
 namespace disparityd::eval {

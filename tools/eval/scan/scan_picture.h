@@ -3,7 +3,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "kernels/scan/scan.h"
+#include "obstacles/scan.h"
 #include "tools/eval/scan/course.h"
 
 namespace disparityd::eval {

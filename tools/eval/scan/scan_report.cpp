@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/number_text.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/frame_buffers.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "kernels/matcher.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 
 namespace disparityd::eval {
 

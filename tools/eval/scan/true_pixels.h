@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels/scan/scan_counts.h"
+#include "kernels/scan_counts.h"
 #include "tools/images/disparity_map.h"
 
 namespace disparityd::eval {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/band.h"
+#include "obstacles/band.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +51,23 @@ void Band::set(const Geometry& geometry, const GroundPlane& ground) {
     above_ = to_high < 0;
     fill(low_x_, low_y_, rise, -k / above_low, margin);
     fill(high_x_, high_y_, rise, k / (above_ ? std::min(to_high, -least) : std::max(to_high, least)), 0);
+}
+
+CountTables count_tables(const Geometry& geometry, const Band& band) {
+    const int width = geometry.camera().width;
+    const int groups = geometry.groups();
+    const int edges = geometry.sectors() + 1;
+    return {.offset16 = geometry.camera().scale.offset16,
+            .min_confidence = geometry.options().min_confidence,
+            .limits = geometry.limits(),
+            .weights = {geometry.weights(0), width, groups, width},
+            .sectors_of_columns = {geometry.sectors_of_columns(0), width, groups, width},
+            .edges = {geometry.edges(0), edges, groups, edges},
+            .low_of_columns = band.low_x_.data(),
+            .high_of_columns = band.high_x_.data(),
+            .low_of_rows = band.low_y_.data(),
+            .high_of_rows = band.high_y_.data(),
+            .above = band.above_};
 }
 
 }  // namespace disparityd::scan

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/scan/band.h"
-#include "kernels/scan/scan_bins.h"
-#include "kernels/scan/scan_geometry.h"
+#include "kernels/scan_bins.h"
+#include "obstacles/band.h"
+#include "obstacles/scan_geometry.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -148,8 +148,9 @@ TEST_F(AnyMounting, BandHoldsWhatLiesBetweenItsHeights) {
             continue;
         }
         const bool expected = above >= chosen.low_m && above < chosen.high_m;
-        EXPECT_EQ(band.contains(x, y, n), expected) << above << " between " << chosen.low_m << " and " << chosen.high_m
-                                                    << ", camera at " << chosen.camera_height_m;
+        EXPECT_EQ(scan::count_tables(geometry, band).in_band(x, y, n), expected)
+            << above << " between " << chosen.low_m << " and " << chosen.high_m << ", camera at "
+            << chosen.camera_height_m;
         inside += expected ? 1 : 0;
     }
     EXPECT_GT(inside, 500);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/sector_decision.h"
+#include "obstacles/sector_decision.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,10 +19,6 @@ constexpr std::uint32_t least_part = 16;
 /// A group of rows of a sector is seen when this part of it was measured.
 constexpr std::uint32_t seen_numerator = 2;
 constexpr std::uint32_t seen_denominator = 3;
-
-std::size_t index(int value) {
-    return static_cast<std::size_t>(value);
-}
 
 /// The pixels that an obstacle needs where the smallest one has this side, in 1/16 px, seen on so many columns.
 std::uint32_t support(std::uint32_t side, std::uint32_t columns) {
@@ -94,7 +90,7 @@ void SectorDecision::set(const Geometry& geometry) {
         for (int group = 0; group < geometry.groups(); ++group) {
             const std::int16_t* edges = geometry.edges(group);
             const int columns = edges[s] - edges[s + 1];
-            const int rows = geometry.group_end(group) - group * group_rows;
+            const int rows = group_end(group, geometry.camera().height) - group * group_rows;
             area_[index(s * geometry.groups() + group)] = static_cast<std::uint32_t>(columns * rows);
             least = columns > 0 ? std::min(least, columns) : least;
         }
@@ -248,7 +244,7 @@ void SectorDecision::add_extent(const Pixels& pixels, const Geometry& geometry, 
         if (counts.middle_counted[index(group)] == 0) {
             continue;
         }
-        const int y = geometry.group_middle(group);
+        const int y = group_middle(group, geometry.camera().height);
         const std::int16_t* edges = geometry.edges(group);
         const std::uint8_t* bin = counts.middle_bins_of(group);
         const std::int16_t* disparity = pixels.disparity.row(y);

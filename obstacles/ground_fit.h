@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "kernels/scan/scan.h"
-#include "kernels/scan/scan_counts.h"
-#include "kernels/scan/scan_geometry.h"
+#include "kernels/scan_counts.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_geometry.h"
 
 namespace disparityd::scan {
 

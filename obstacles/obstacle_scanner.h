@@ -4,14 +4,15 @@
 #include <optional>
 #include <vector>
 
-#include "kernels/scan/ground_fit.h"
-#include "kernels/scan/origin_shift.h"
-#include "kernels/scan/scan.h"
-#include "kernels/scan/scan_counts.h"
-#include "kernels/scan/scan_geometry.h"
-#include "kernels/scan/scan_options.h"
-#include "kernels/scan/sector_decision.h"
+#include "kernels/scan_counts.h"
 #include "kernels/steps.h"
+#include "obstacles/band.h"
+#include "obstacles/ground_fit.h"
+#include "obstacles/origin_shift.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_geometry.h"
+#include "obstacles/scan_options.h"
+#include "obstacles/sector_decision.h"
 
 namespace disparityd {
 
@@ -50,8 +51,5 @@ private:
     std::optional<GroundPlane> ground_;       ///< the plane of the frame before, where one was fitted
     int ground_age_ = 0;                      ///< frames since it was fitted
 };
-
-/// The steps of the fastest back end of the processor.
-const FrameSteps& fastest_frame_steps();
 
 }  // namespace disparityd

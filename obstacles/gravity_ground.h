@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "kernels/scan/scan.h"
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_options.h"
 
 namespace disparityd::scan {
 

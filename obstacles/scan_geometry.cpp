@@ -1,22 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/scan_geometry.h"
+#include "obstacles/scan_geometry.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace disparityd::scan {
 namespace {
 
-constexpr double per_degree = std::numbers::pi / 180;
 /// Rays that are steeper belong to no sector: less than half of their length is horizontal.
 constexpr double least_horizontal = 0.5;
 /// An image without texture has the disparity 0: what was measured is larger by so many sigmas.
 constexpr double sigmas_above_nothing = 4;
-
-std::size_t index(int value) {
-    return static_cast<std::size_t>(value);
-}
 
 /// What a pixel's ray has of one axis of the robot.
 Linear linear(const Camera& camera, const CameraDirection& axis) {
@@ -63,14 +57,6 @@ Geometry::Geometry(int width, int height, const ScanOptions& options)
       sin_(index(options.sectors)) {
     camera_.width = width;
     camera_.height = height;
-}
-
-int Geometry::group_end(int group) const {
-    return std::min((group + 1) * group_rows, camera_.height);
-}
-
-int Geometry::group_middle(int group) const {
-    return std::min(group * group_rows + group_rows / 2, camera_.height - 1);
 }
 
 double Geometry::edge_deg(int edge) const {
@@ -120,7 +106,7 @@ void Geometry::set_limits() {
 }
 
 void Geometry::set_group(int group) {
-    const double y = group_middle(group);
+    const double y = group_middle(group, camera_.height);
     std::uint16_t* weight = &weights_[index(group) * index(camera_.width)];
     for (int x = 0; x < camera_.width; ++x) {
         const double ahead = rays_.ahead(x, y);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Scans around the robot's origin, which the camera is not above, against points that are measured from there.
-#include "kernels/scan/origin_shift.h"
+#include "obstacles/origin_shift.h"
 
 #include <cmath>
 #include <numbers>
@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "kernels/reference/steps.h"
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test::origin_shift {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Whole scans of disparity images that are computed from planes and boxes, without any matching.
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 
 #include <algorithm>
 #include <array>

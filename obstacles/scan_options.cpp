@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/scan_options.h"
+#include "obstacles/scan_options.h"
 
 #include <array>
 #include <cmath>
 #include <sstream>
 
-#include "kernels/scan/gravity_ground.h"
+#include "obstacles/gravity_ground.h"
 
 namespace disparityd {
 namespace {

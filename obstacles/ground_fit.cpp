@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/ground_fit.h"
+#include "obstacles/ground_fit.h"
 
 #include <algorithm>
 #include <array>

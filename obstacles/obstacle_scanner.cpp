@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/obstacle_scanner.h"
+#include "obstacles/obstacle_scanner.h"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
-#include "kernels/scan/gravity_ground.h"
+#include "obstacles/gravity_ground.h"
 
 namespace disparityd {
 namespace {
@@ -67,7 +67,7 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
     }
-    steps_.scan_counts(pixels, geometry_, band_, counts_);
+    steps_.scan_counts(pixels, scan::count_tables(geometry_, band_), counts_);
     if (!shift_) {
         decision_.decide(pixels, geometry_, scan.ground, counts_, scan.sectors);
         return;

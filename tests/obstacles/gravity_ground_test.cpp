@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The level ground that follows from where up is.
-#include "kernels/scan/gravity_ground.h"
+#include "obstacles/gravity_ground.h"
 
 #include <array>
 #include <cmath>
@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "kernels/reference/steps.h"
-#include "kernels/scan/obstacle_scanner.h"
-#include "kernels/scan/scan_geometry.h"
+#include "obstacles/obstacle_scanner.h"
+#include "obstacles/scan_geometry.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {

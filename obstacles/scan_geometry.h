@@ -1,20 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "kernels/matcher.h"
-#include "kernels/scan/scan.h"
-#include "kernels/scan/scan_options.h"
+#include "kernels/scan_counts.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_options.h"
 
 namespace disparityd::scan {
 
-/// Rows that share their sectors' edges and weights.
-inline constexpr int group_rows = 8;
-/// A weight of 1.
-inline constexpr int weight_one = 1 << 14;
+inline constexpr double per_degree = std::numbers::pi / 180;
+
+constexpr std::size_t index(int value) {
+    return static_cast<std::size_t>(value);
+}
 
 /// The rectified left camera.
 struct Camera {
@@ -62,12 +65,6 @@ Rays make_rays(const Camera& camera, const ScanOptions& options);
 /// What the rays rise above a plane of the ground.
 Linear rise_above(const Rays& rays, const GroundPlane& ground);
 
-/// A disparity in sixteenths, brought to the horizontal distance by its pixel's weight.
-inline int at_horizontal_distance(int sixteenths, std::uint16_t weight) {
-    constexpr int most = 16383;
-    return (2 * std::clamp(sixteenths, 0, most) * weight + weight_one) >> 15;
-}
-
 /// Everything about sectors that follows from camera and options alone. Memory is allocated by the constructor only.
 class Geometry {
 public:
@@ -81,10 +78,6 @@ public:
     const Rays& rays() const { return rays_; }
     int sectors() const { return options_.sectors; }
     int groups() const { return groups_; }
-    /// The last row of a group, plus one.
-    int group_end(int group) const;
-    /// The row in the middle of a group, of the last group perhaps its last one.
-    int group_middle(int group) const;
 
     /// The bearing of an edge in degrees, 0 .. sectors().
     double edge_deg(int edge) const;
@@ -109,15 +102,6 @@ public:
     double bearing_cos(int sector) const { return cos_[static_cast<std::size_t>(sector)]; }
     double bearing_sin(int sector) const { return sin_[static_cast<std::size_t>(sector)]; }
 
-    /// Disparities in sixteenths at the horizontal distance: those from `seen` to `nearest` count as measured, those
-    /// from `obstacle` on as obstacles. The distance is sure enough from `sure` on; what is less is farther away, but
-    /// nobody knows how far.
-    struct Limits {
-        int seen = 0;
-        int sure = 0;
-        int obstacle = 0;
-        int nearest = 0;
-    };
     const Limits& limits() const { return limits_; }
 
 private:

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/gravity_ground.h"
+#include "obstacles/gravity_ground.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/scan/scan_geometry.h"
+#include "obstacles/scan_geometry.h"
 
 namespace disparityd::scan {
 namespace {

@@ -49,7 +49,7 @@ struct ScanOptions {
     double camera_left_m = 0;
 
     GroundMode ground = GroundMode::fitted;
-    /// Where the x, y and z axes of the inertial sensor point (kernels/scan/gravity_ground.h); GroundMode::gravity
+    /// Where the x, y and z axes of the inertial sensor point (obstacles/gravity_ground.h); GroundMode::gravity
     /// needs it. Empty: not known.
     std::string imu_axes;
     double low_m = 0.08;  ///< what is lower above the ground's plane is ground

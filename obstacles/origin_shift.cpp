@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "kernels/scan/origin_shift.h"
+#include "obstacles/origin_shift.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "obstacles/scan_geometry.h"
 
 namespace disparityd::scan {
 namespace {
 
-constexpr double per_degree = std::numbers::pi / 180;
 constexpr double widest_cone_deg = 90;
 /// A point on the ground can lie so far aside of its direction from the origin, seen from the camera.
 constexpr double most_aside_deg = 90;
@@ -73,7 +73,7 @@ double bearing_of(const Point& point) {
     return std::atan2(point.left, point.ahead) / per_degree;
 }
 
-std::uint16_t rounded(double value) {
+std::uint16_t whole_mm(double value) {
     return static_cast<std::uint16_t>(std::floor(std::clamp(value, 0.0, 65535.0) + 0.5));
 }
 
@@ -267,7 +267,7 @@ void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<Scan
         ScanSector& out = sectors[s];
         const bool any = found.obstacle >= 0;
         const double free = any ? std::min(found.free_mm, found.obstacle_mm) : found.free_mm;
-        out.free_mm = free > least_mm_ ? rounded(free) : 0;
+        out.free_mm = free > least_mm_ ? whole_mm(free) : 0;
         if (any && found.obstacle_mm >= least_mm_ && found.obstacle_mm <= most_mm_) {
             const ScanSector& seen = camera_sectors[static_cast<std::size_t>(found.obstacle)];
             const auto from = out.from_cdeg;
@@ -276,7 +276,7 @@ void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<Scan
             out = seen;
             out.from_cdeg = from;
             out.to_cdeg = to;
-            out.distance_mm = rounded(found.obstacle_mm);
+            out.distance_mm = whole_mm(found.obstacle_mm);
             out.free_mm = std::min(free_mm, out.distance_mm);
         } else {
             out.state = out.free_mm > 0 ? SectorState::free : SectorState::unknown;
