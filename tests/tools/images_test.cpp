@@ -187,28 +187,13 @@ TEST_F(ImagesTest, DepthRoundTrip) {
     EXPECT_EQ(std::vector<std::uint16_t>(stored.begin<std::uint16_t>(), stored.end<std::uint16_t>()), depth);
 }
 
-TEST(ColourMapTest, LightnessRisesEvenlyAndNothingIsBlack) {
-    cv::Mat bgr(1, 256, CV_8UC3), lab;
-    std::copy(colour_map().begin(), colour_map().end(), bgr.ptr<cv::Vec3b>(0));
-    bgr.convertTo(bgr, CV_32FC3, 1 / 255.0);
-    cv::cvtColor(bgr, lab, cv::COLOR_BGR2Lab);
-    for (int i = 1; i < 256; ++i) {
-        EXPECT_GT(lab.at<cv::Vec3f>(0, i)[0], lab.at<cv::Vec3f>(0, i - 1)[0] - 0.35F) << i;
-        EXPECT_LT(lab.at<cv::Vec3f>(0, i)[0], lab.at<cv::Vec3f>(0, i - 1)[0] + 1.0F) << i;
-    }
-    EXPECT_GT(lab.at<cv::Vec3f>(0, 0)[0], 15);
-    EXPECT_GT(lab.at<cv::Vec3f>(0, 255)[0], 85);
-}
-
 TEST(ColourMapTest, RejectedPixelsAreOfNoColourOfTheMap) {
-    EXPECT_EQ(rejected_colour[0], rejected_colour[1]) << "grey";
-    EXPECT_EQ(rejected_colour[1], rejected_colour[2]) << "grey";
     for (const cv::Vec3b& colour : colour_map()) {
-        EXPECT_GT(cv::norm(colour, rejected_colour), 50) << colour;
+        EXPECT_GT(cv::norm(colour, rejected_colour), 70) << colour;
     }
 }
 
-TEST(PictureTest, NearIsLightRejectedIsGrey) {
+TEST(PictureTest, FarAndNearHaveTheEndsOfTheMap) {
     const Sample sample{{0, 64}, 3, 1, {-16, 0, 63 * 16}};
     const cv::Mat coloured = colour_disparity(sample.map(), whole_range(sample.range));
     EXPECT_EQ(coloured.at<cv::Vec3b>(0, 0), rejected_colour);
@@ -297,9 +282,9 @@ TEST(PictureTest, ASmallPictureIsEnlargedForItsScale) {
 
 TEST(PictureTest, AScaleShowsTheColourOfRejectedPixels) {
     const cv::Mat bar = scale_bar(100, {0, 63}, {});
-    cv::Mat grey;
-    cv::inRange(bar.colRange(0, bar.cols / 2), cv::Scalar(rejected_colour), cv::Scalar(rejected_colour), grey);
-    EXPECT_GT(cv::countNonZero(grey), 50);
+    cv::Mat swatch;
+    cv::inRange(bar.colRange(0, bar.cols / 2), cv::Scalar(rejected_colour), cv::Scalar(rejected_colour), swatch);
+    EXPECT_GT(cv::countNonZero(swatch), 50);
 }
 
 TEST(PictureTest, OneRuleForTheColours) {

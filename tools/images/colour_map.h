@@ -7,13 +7,11 @@
 
 namespace disparityd::images {
 
-/// 256 colours (BGR) from far, dark violet, over blue and green to near, light yellow. Lightness rises evenly as the
-/// eye sees it, so that the order also shows in grey and to the colour-blind; no entry is grey, which marks rejected
-/// pixels.
+/// 256 colours (BGR) from far, blue, over green to near, red: the map "turbo", as on the page of disparity-web and in
+/// Foxglove. It has no black, which marks rejected pixels.
 const std::array<cv::Vec3b, 256>& colour_map();
 
-/// What rejected pixels look like: a grey that no disparity has.
-inline const cv::Vec3b rejected_colour(128, 128, 128);
+inline const cv::Vec3b rejected_colour(0, 0, 0);
 
 /// Disparities (px) that get the first and the last colour of colour_map(); beyond them colours are clamped.
 struct ColourScale {
