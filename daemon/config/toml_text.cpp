@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include <openssl/asn1.h>
+
 #include "daemon/config/toml_depth.h"
 #include "daemon/config/toml_library.h"
 
@@ -118,39 +120,18 @@ TomlSetting to_setting(std::string_view key, const Value& value, std::string whe
     return setting;
 }
 
-/// Returns the length of the character of UTF-8 that begins here; 0 where there is none (The Unicode Standard 15,
-/// table 3-7).
-std::size_t character_length(std::string_view text) {
-    const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-    const auto follows = [&](std::size_t i, unsigned least = 0x80, unsigned most = 0xbf) {
-        return byte(i) >= least && byte(i) <= most;
-    };
-    const unsigned first = byte(0);
-    if (first < 0x80) {
-        return 1;
-    }
-    if (first >= 0xc2 && first <= 0xdf) {
-        return follows(1) ? 2 : 0;
-    }
-    if (first >= 0xe0 && first <= 0xef) {
-        return follows(1, first == 0xe0 ? 0xa0 : 0x80, first == 0xed ? 0x9f : 0xbf) && follows(2) ? 3 : 0;
-    }
-    if (first >= 0xf0 && first <= 0xf4) {
-        return follows(1, first == 0xf0 ? 0x90 : 0x80, first == 0xf4 ? 0x8f : 0xbf) && follows(2) && follows(3) ? 4 : 0;
-    }
-    return 0;
-}
-
 /// toml11 3.7 reads beyond its text where a string is not UTF-8, so such a text is refused before.
 void check_utf8(std::string_view text, const std::string& name) {
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(text.data());
     for (std::size_t i = 0; i < text.size();) {
-        const std::size_t length = character_length(text.substr(i));
-        if (length == 0) {
+        unsigned long character = 0;
+        const int length = UTF8_getc(bytes + i, static_cast<int>(text.size() - i), &character);
+        if (length <= 0) {
             const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(i), '\n');
             throw std::invalid_argument(name + ':' + std::to_string(line) +
                                         ": found a byte that is not UTF-8, allowed: UTF-8; save the text as that");
         }
-        i += length;
+        i += static_cast<std::size_t>(length);
     }
 }
 
