@@ -10,7 +10,7 @@
 #include "bridges/mavlink/bridge.h"
 #include "bridges/mavlink/link.h"
 #include "bridges/mavlink/scan_source.h"
-#include "clients/places/connect_arguments.h"
+#include "clients/command_line/daemon_arguments.h"
 
 namespace CLI {
 class App;

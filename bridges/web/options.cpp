@@ -7,8 +7,6 @@
 #include <boost/asio/ip/address.hpp>
 
 #include "bridges/program/host_and_port.h"
-#include "clients/places/daemon_sockets.h"
-#include "clients/places/running_daemons.h"
 
 namespace disparityd::web {
 namespace {
@@ -25,21 +23,6 @@ void set_listen(const std::string& text, ServerSettings& settings) {
     }
     settings.host = at->name;
     settings.port = static_cast<std::uint16_t>(at->number);
-}
-
-void add_daemon(CLI::App& app, Options& options) {
-    const std::string group = "Which daemon";
-    app.add_option("--name", options.name, "Name of its shared memory and Unix socket, as disparityd --name")
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group(group);
-    app.add_option(
-           "--socket", options.socket,
-           "tcp:HOST:PORT, tls:HOST:PORT or unix:PATH; default: the Unix socket of NAME, then, for the name default, "
-           "tcp:127.0.0.1:9876")
-        ->type_name("ADDRESS")
-        ->group(group);
-    options.reach.add_to(app, "daemon-");
 }
 
 void add_visitors(CLI::App& app, Options& options) {
@@ -114,7 +97,7 @@ void check_reach(const Options& options, const ServerSettings& settings) {
 }  // namespace
 
 void Options::add_to(CLI::App& app) {
-    add_daemon(app, *this);
+    daemon.add_to(app, "daemon-");
     const std::string group = "Where it serves";
     app.add_option("--listen", listen, "Address and port; [::1]:8765 for IPv6, port 0 for any free one")
         ->type_name("ADDRESS:PORT")
@@ -130,11 +113,7 @@ void Options::add_to(CLI::App& app) {
 
 ServerSettings Options::settings() const {
     ServerSettings settings;
-    clients::check_daemon_name(name);
-    settings.daemon.name = name;
-    settings.daemon.socket = socket.empty() ? "" : clients::socket_address(socket);
-    reach.check(socket);
-    settings.daemon.options = reach.options;
+    settings.daemon = {daemon.where(), daemon.reach.options};
     set_listen(listen, settings);
     check_files(*this);
     settings.tls = {certificate, key, client_authority};

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bridges/web/server.h"
-#include "clients/places/connect_arguments.h"
+#include "clients/command_line/daemon_arguments.h"
 
 namespace CLI {
 class App;
@@ -15,9 +15,7 @@ namespace disparityd::web {
 
 /// The command line.
 struct Options {
-    std::string name = "default";
-    std::string socket;
-    clients::ConnectArguments reach;  ///< how the daemon is reached over TLS
+    clients::DaemonArguments daemon;
     std::string listen = "127.0.0.1:8765";
     std::string token_file;
     bool allow_control = false;

@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "clients/places/connect_arguments.h"
+#include "clients/command_line/daemon_arguments.h"
 #include "lab/handover/reader_process.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"

@@ -116,7 +116,7 @@ private:
     web::Connections connections_{8};
     web::TokenGuesses guesses_;
     web::Workplace place_{network_, encoding_, hub_, outgoing_};
-    std::optional<web::DaemonControl> control_{web::DaemonAddress{"fuzz", "unix:/nonexistent/socket"}};
+    std::optional<web::DaemonControl> control_{web::DaemonAddress{"unix:/nonexistent/socket"}};
     web::Routes routes_{place_, access_, *control_};
     int visitor_ = -1;
     std::string answers_;

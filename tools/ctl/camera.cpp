@@ -6,7 +6,7 @@
 #include "capture/camera/camera_controls.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/status_message.h"
 
@@ -14,7 +14,7 @@ namespace disparityd::tools {
 namespace {
 
 struct CameraArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::vector<std::string> settings;
     bool json = false;
 };
@@ -37,8 +37,8 @@ int camera(const CameraArguments& arguments) {
     for (const capture::CameraSetting& setting : capture::parse_camera_settings(text, "camera")) {
         settings.emplace_back(setting.name, setting.value);
     }
-    disparity::SocketClient client = connect(arguments.daemon);
-    const v1::CameraControls controls = control_daemon_camera(client, settings);
+    disparity::Client client = connect(arguments.daemon);
+    const v1::CameraControls controls = control_daemon_camera(client.socket(), settings);
     if (arguments.json) {
         std::cout << to_text(to_json(controls).at("controls"), 2) << '\n';
     } else {

@@ -15,10 +15,10 @@ constexpr std::chrono::seconds patience_for_status{1};
 
 }  // namespace
 
-std::string why_no_frame(const DaemonAddress& daemon) {
+std::string why_no_frame(const DaemonArguments& daemon) {
     try {
-        disparity::SocketClient client = connect(daemon, patience_for_status);
-        const v1::Status status = daemon_status(client, patience_for_status);
+        disparity::Client client = connect(daemon, {}, patience_for_status);
+        const v1::Status status = daemon_status(client.socket(), patience_for_status);
         if (!status.detail().empty()) {
             return status.detail();
         }
@@ -31,13 +31,13 @@ std::string why_no_frame(const DaemonAddress& daemon) {
         }
         // Frames may come over shared memory where no socket is known.
     }
-    return daemon.command("status") + " says more";
+    return command_of(daemon, "status") + " says more";
 }
 
-bool source_has_ended(const DaemonAddress& daemon) {
+bool source_has_ended(const DaemonArguments& daemon) {
     try {
-        disparity::SocketClient client = connect(daemon, patience_for_status);
-        return daemon_status(client, patience_for_status).state() == "ended";
+        disparity::Client client = connect(daemon, {}, patience_for_status);
+        return daemon_status(client.socket(), patience_for_status).state() == "ended";
     } catch (const std::runtime_error&) {
         return false;  // frames may come over shared memory where no socket is known
     }

@@ -14,7 +14,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
@@ -24,7 +24,7 @@ using json::to_text;
 using std::chrono::steady_clock;
 
 struct SensorArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::optional<int> lines;
     bool json = false;
 };
@@ -205,9 +205,9 @@ void show_seconds(SampleReader& samples, std::optional<int> most) {
 }
 
 int sensors(const SensorArguments& arguments) {
-    disparity::SocketClient client = connect(arguments.daemon);
+    disparity::Client client = connect(arguments.daemon);
     catch_interrupts();
-    SampleReader samples(client);
+    SampleReader samples(client.socket());
     if (arguments.json) {
         show_samples(samples, arguments.lines);
     } else {

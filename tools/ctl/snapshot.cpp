@@ -14,7 +14,7 @@
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/frame_reader.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
 #include "tools/images/disparity_file.h"
@@ -32,7 +32,7 @@ static_assert(std::endian::native == std::endian::little, "planes arrive in litt
 constexpr std::chrono::seconds old_frame{1};
 
 struct SnapshotArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::string picture;
     std::vector<std::string> values;  ///< "NAME=FILE"
     std::string disparity;
@@ -150,14 +150,14 @@ disparity::Frame next_frame(const SnapshotArguments& arguments, const std::map<P
     }
     const int timeout_s = arguments.timeout_s.value_or(10);
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(timeout_s);
-    const auto frames =
-        open_frames(arguments.daemon, products,
-                    std::min<std::chrono::milliseconds>(std::chrono::seconds(timeout_s), patience_to_connect));
+    disparity::Client client =
+        connect(arguments.daemon, products,
+                std::min<std::chrono::milliseconds>(std::chrono::seconds(timeout_s), patience_to_connect));
     disparity::Frame frame;
     std::string last;
     while (true) {
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-        switch (frames->read(frame, std::max(left, std::chrono::milliseconds(0)))) {
+        switch (client.read(frame, std::max(left, std::chrono::milliseconds(0)))) {
             case disparity::ReadResult::frame: break;
             case disparity::ReadResult::timeout:
                 throw std::runtime_error("no frame came within " + std::to_string(timeout_s) +
@@ -177,7 +177,7 @@ disparity::Frame next_frame(const SnapshotArguments& arguments, const std::map<P
         }
     }
     disparity::Frame newer;
-    if (frames->read(newer, std::chrono::milliseconds(0)) == disparity::ReadResult::gone) {
+    if (client.read(newer, std::chrono::milliseconds(0)) == disparity::ReadResult::gone) {
         throw std::runtime_error("the daemon has stopped" + last);
     }
     return frame;

@@ -8,7 +8,7 @@
 #include "base/words.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/status_message.h"
 
@@ -16,7 +16,7 @@ namespace disparityd::tools {
 namespace {
 
 struct StatusArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     bool json = false;
 };
 
@@ -136,8 +136,8 @@ void print(const v1::Status& status) {
 }
 
 int show_status(const StatusArguments& arguments) {
-    disparity::SocketClient client = connect(arguments.daemon);
-    const v1::Status status = daemon_status(client);
+    disparity::Client client = connect(arguments.daemon);
+    const v1::Status status = daemon_status(client.socket());
     if (arguments.json) {
         std::cout << to_text(to_json(status), 2) << '\n';
     } else {

@@ -11,7 +11,7 @@
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/status_message.h"
 #include "tools/ctl/trace_json.h"
@@ -20,7 +20,7 @@ namespace disparityd::tools {
 namespace {
 
 struct TraceArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::string file;
     std::optional<double> seconds;
     bool force = false;
@@ -30,8 +30,8 @@ constexpr double usual_seconds = 3;
 
 int trace(const TraceArguments& arguments) {
     check_output(arguments.file, arguments.force);
-    disparity::SocketClient client = connect(arguments.daemon);
-    const v1::Trace trace = trace_daemon(client, arguments.seconds.value_or(usual_seconds));
+    disparity::Client client = connect(arguments.daemon);
+    const v1::Trace trace = trace_daemon(client.socket(), arguments.seconds.value_or(usual_seconds));
     std::ofstream file(arguments.file, std::ios::binary | std::ios::trunc);
     const std::uint64_t events = file ? write_trace_json(file, trace) : 0;
     file.close();

@@ -10,7 +10,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/frame_reader.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/latency_window.h"
 #include "tools/ctl/no_frame.h"
 
@@ -20,7 +20,7 @@ namespace {
 using std::chrono::steady_clock;
 
 struct WatchArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::optional<int> lines;
     bool json = false;
 };
@@ -65,16 +65,16 @@ std::string age_of(const std::optional<steady_clock::time_point>& newest) {
 }
 
 int watch(const WatchArguments& arguments) {
-    const auto frames = open_frames(arguments.daemon, {disparity::Product::disparity});
+    disparity::Client client = connect(arguments.daemon, {disparity::Product::disparity});
     catch_interrupts();
     if (!arguments.json) {
-        std::cout << "    time  frames/s  latency: p50    p99 ms   dropped   missed   (" << frames->where() << ")"
+        std::cout << "    time  frames/s  latency: p50    p99 ms   dropped   missed   (" << client.where() << ")"
                   << std::endl;
     }
     disparity::Frame frame;
     // Shared memory still holds the last frame from before; it may be hours old.
     std::optional<steady_clock::time_point> newest;
-    if (frames->read(frame, std::chrono::milliseconds(0)) == disparity::ReadResult::frame) {
+    if (client.read(frame, std::chrono::milliseconds(0)) == disparity::ReadResult::frame) {
         newest = born(frame);
     }
     LatencyWindow window;
@@ -85,14 +85,14 @@ int watch(const WatchArguments& arguments) {
         constexpr std::chrono::milliseconds patience{100};
         const auto next = last + std::chrono::seconds(1);
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(next - steady_clock::now());
-        switch (frames->read(frame, std::clamp(left, std::chrono::milliseconds(0), patience))) {
+        switch (client.read(frame, std::clamp(left, std::chrono::milliseconds(0), patience))) {
             case disparity::ReadResult::frame:
                 window.add(frame);
                 newest = born(frame);
                 break;
             case disparity::ReadResult::timeout: break;
             case disparity::ReadResult::gone:
-                if (!frames->unanswered()) {
+                if (!client.unanswered()) {
                     throw std::runtime_error("the daemon has stopped");
                 }
                 break;  // it may answer again

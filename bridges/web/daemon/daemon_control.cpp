@@ -32,8 +32,8 @@ void DaemonControl::ask(Request request, Answer answer) {
     boost::asio::post(threads_, [this, request = std::move(request), answer = std::move(answer)] {
         ControlAnswer result;
         try {
-            disparity::SocketClient client = daemon_.connect("control");
-            result = {true, request(client)};
+            disparity::Client client = daemon_.connect("control", no_frames());
+            result = {true, request(client.socket())};
         } catch (const std::exception& error) {
             result.text = error.what();
         }

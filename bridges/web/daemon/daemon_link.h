@@ -9,23 +9,14 @@ namespace disparityd::web {
 
 /// Says which daemon is meant.
 struct DaemonAddress {
-    std::string name = "default";
-    std::string socket;  ///< "tcp:HOST:PORT", "tls:HOST:PORT", "unix:PATH"; empty = where a daemon of this name listens
-                         ///< by default
-
+    std::string where = "default";  ///< as disparity::connect() takes it
     disparity::ConnectOptions options{};
 
-    /// Connects. `role` tells this program's connections apart in the daemon's status. Throws std::runtime_error with
-    /// one line.
-    disparity::SocketClient connect(const std::string& role) const;
+    /// Connects as disparity::connect() does. `role` tells this program's connections apart in the daemon's status.
+    disparity::Client connect(const std::string& role, const disparity::Subscription& wanted) const;
 };
 
-/// Returns what the daemon said of itself when the client connected.
-struct Welcome {
-    std::string
-        shared_memory;  ///< the name of its object, "default"; empty = there is none, or it is another machine's
-    std::vector<disparity::Product> products;
-};
-Welcome welcome_of(const disparity::SocketClient& client);
+/// Returns a subscription to no frames.
+disparity::Subscription no_frames();
 
 }  // namespace disparityd::web

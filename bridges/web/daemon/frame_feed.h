@@ -14,8 +14,8 @@
 
 namespace disparityd::web {
 
-/// Reads frames in a thread of its own: from shared memory where the daemon is on this machine, else from its socket.
-/// It reads nothing while nobody wants anything, and never makes the daemon wait. A daemon may come and go.
+/// Reads frames in a thread of its own: by the client library, from shared memory where it can. It reads nothing while
+/// nobody wants anything, and never makes the daemon wait. A daemon may come and go.
 class FrameFeed {
 public:
     /// `on_frame` is called in the feed's thread, at most once until taken() is called: a frame that comes meanwhile
@@ -35,14 +35,9 @@ public:
     std::shared_ptr<const LiveFrame> take();
 
 private:
-    class Reader;
-    class SharedMemoryFrames;
-    class SocketFrames;
-
     void run();
-    bool serve(Reader& reader);
+    bool serve(std::set<disparity::Product> wanted);
     std::set<disparity::Product> wants();
-    std::unique_ptr<Reader> open() const;
     std::set<disparity::Product> wait_for_wants();
     bool pause();
     void hand_over(disparity::Frame&& frame);

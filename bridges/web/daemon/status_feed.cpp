@@ -18,7 +18,7 @@ constexpr milliseconds interval{500};
 constexpr milliseconds pause_between_sensors{50};
 constexpr milliseconds status_patience{2000};  ///< a daemon that does not answer so long is told to hang
 
-std::shared_ptr<const v1::Status> ask(disparity::SocketClient& client) {
+std::shared_ptr<const v1::Status> ask(disparity::Client& client) {
     auto status = std::make_shared<v1::Status>();
     if (!status->ParseFromString(client.status(status_patience))) {
         throw std::runtime_error("the daemon's status is damaged or of another version");
@@ -74,7 +74,7 @@ void StatusFeed::run() {
 
 /// Returns when the feed ends; throws when the daemon is gone.
 void StatusFeed::serve() {
-    disparity::SocketClient client = daemon_.connect("status");
+    disparity::Client client = daemon_.connect("status", no_frames());
     DaemonState state{true, {}, nullptr, {}};
     bool sensors = false;
     auto next = steady_clock::now();
@@ -87,8 +87,7 @@ void StatusFeed::serve() {
         }
         if (sensors != wants_sensors()) {
             sensors = !sensors;
-            disparity::Subscription subscription;
-            subscription.products.clear();
+            disparity::Subscription subscription = no_frames();
             subscription.sensors = sensors;
             client.subscribe(subscription);
         }

@@ -61,9 +61,9 @@ TEST(WebOptionsTest, FilesOfTlsGoTogether) {
 
 TEST(WebOptionsTest, TheSocketHasItsForm) {
     Options options;
-    options.socket = "/run/d.sock";
-    EXPECT_EQ(options.settings().daemon.socket, "unix:/run/d.sock");
-    options.socket = "robot";
+    options.daemon.socket = "/run/d.sock";
+    EXPECT_EQ(options.settings().daemon.where, "/run/d.sock");
+    options.daemon.socket = "robot";
     EXPECT_THAT(error_of(options), HasSubstr("--socket: found 'robot', allowed: "));
 }
 
@@ -96,14 +96,14 @@ TEST(WebOptionsTest, ConnectionsFitToTheDescriptors) {
 
 TEST(WebOptionsTest, ADaemonElsewhereIsReachedOverTls) {
     Options options;
-    options.socket = "tls:robot.local:9876";
-    options.reach.options.authority = "authority.crt";
-    options.reach.options.token_file = "token";
+    options.daemon.socket = "tls:robot.local:9876";
+    options.daemon.reach.options.authority = "authority.crt";
+    options.daemon.reach.options.token_file = "token";
     const ServerSettings settings = options.settings();
-    EXPECT_EQ(settings.daemon.socket, "tls:robot.local:9876");
+    EXPECT_EQ(settings.daemon.where, "tls:robot.local:9876");
     EXPECT_EQ(settings.daemon.options.authority, "authority.crt");
     EXPECT_EQ(settings.daemon.options.token_file, "token");
-    options.socket = "tcp:127.0.0.1:9876";
+    options.daemon.socket = "tcp:127.0.0.1:9876";
     EXPECT_THAT(error_of(options), HasSubstr("authority: found without TLS"));
 }
 

@@ -21,7 +21,7 @@
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/daemon_address.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
@@ -35,7 +35,7 @@ namespace {
 using std::chrono::steady_clock;
 
 struct RecordArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::string file;
     std::string source;
     std::string calibration;
@@ -112,9 +112,10 @@ int stop_recording(const RecordArguments& arguments) {
         throw std::invalid_argument(
             "record: --stop ends what the daemon records, allowed beside it: where the daemon is");
     }
-    disparity::SocketClient client = connect(arguments.daemon);
+    disparity::Client client = connect(arguments.daemon);
     catch_interrupts(SecondSignal::is_kept);
-    return report(stop_recording_at_once(client, arguments.daemon.command("record --stop")), arguments.json);
+    return report(stop_recording_at_once(client.socket(), command_of(arguments.daemon, "record --stop")),
+                  arguments.json);
 }
 
 /// Asks the daemon to record. `stop` is the command that ends a recording.
@@ -159,16 +160,17 @@ int record_with_daemon(const RecordArguments& arguments) {
             "record: --calibration and --force go with --source; without it the daemon records with its own "
             "configuration");
     }
-    disparity::SocketClient client = connect(arguments.daemon);
-    disparity::SocketClient listener = connect(arguments.daemon);
+    disparity::Client asking = connect(arguments.daemon);
+    disparity::Client listening = connect(arguments.daemon);
+    disparity::SocketClient& client = asking.socket();
     catch_interrupts(SecondSignal::is_kept);
     const v1::Status status = daemon_status(client);
-    const std::string stop = arguments.daemon.command("record --stop");
+    const std::string stop = command_of(arguments.daemon, "record --stop");
     if (status.record().active()) {
         throw std::runtime_error("the daemon records " + status.record().path() + " already; to end that: " + stop);
     }
     v1::RecordStatus now = start_recording(client, arguments.file, stop);
-    show_until_limit(listener, arguments, status.rate(), now);
+    show_until_limit(listening.socket(), arguments, status.rate(), now);
     // Where the daemon ended the recording (disk full, source gone), the status has the reason already.
     const v1::RecordStatus done = now.active() ? stop_recording_at_once(client, stop) : now;
     return report(done, arguments.json, done.frames() == 0 ? why_no_frame(arguments.daemon) : "");

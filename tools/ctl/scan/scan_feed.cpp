@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "proto/disparity.pb.h"
@@ -11,7 +10,6 @@
 namespace disparityd::tools {
 namespace {
 
-constexpr std::chrono::milliseconds between_looks{300};
 constexpr std::chrono::seconds rate_window{2};
 
 [[noreturn]] void refuse_daemon_without_scans() {
@@ -19,11 +17,15 @@ constexpr std::chrono::seconds rate_window{2};
         "the daemon makes no obstacle scans: set [scan] enabled = true in its configuration and reload it");
 }
 
+}  // namespace
+
+ScanFeed::ScanFeed(const DaemonArguments& daemon) : client_(connect(daemon, {disparity::Product::scan})) {}
+
 /// Returns false when a daemon that answers says that it makes none.
-bool may_make_scans(const DaemonAddress& daemon) {
+bool ScanFeed::may_make_scans() {
     try {
         v1::Welcome welcome;
-        if (!welcome.ParseFromString(connect(daemon).welcome()) || welcome.products().empty()) {
+        if (!welcome.ParseFromString(client_.socket().welcome()) || welcome.products().empty()) {
             return true;  // its source is being prepared
         }
         return std::find(welcome.products().begin(), welcome.products().end(), v1::SCAN) != welcome.products().end();
@@ -32,68 +34,35 @@ bool may_make_scans(const DaemonAddress& daemon) {
     }
 }
 
-}  // namespace
-
-ScanFeed::ScanFeed(const DaemonAddress& daemon) : daemon_(daemon), frames_(open()) {}
-
-std::unique_ptr<FrameReader> ScanFeed::open() const {
-    return open_frames(daemon_, {disparity::Product::scan});
-}
-
-void ScanFeed::lose(const std::string& why) {
-    frames_.reset();
+/// Keeps why it was lost first: that says more than why it is not found again.
+ScanFeed::Got ScanFeed::lose(const std::string& why) {
+    if (std::exchange(there_, false) || why_.empty()) {
+        why_ = why;
+    }
     arrivals_.clear();
-    why_ = why;
-    look_again_ = Clock::now() + between_looks;
-}
-
-/// Looks for the daemon where it is time to. It is opened anew, so that its owner is checked again.
-bool ScanFeed::come_back(std::chrono::milliseconds timeout) {
-    const auto now = Clock::now();
-    if (now < look_again_) {
-        std::this_thread::sleep_until(std::min(look_again_, now + timeout));
-        return false;
-    }
-    try {
-        frames_ = open();
-        old_frame_ = true;
-        return true;
-    } catch (const std::runtime_error&) {
-        look_again_ = Clock::now() + between_looks;  // why it was lost says more than this
-        return false;
-    }
-}
-
-disparity::ReadResult ScanFeed::read(std::chrono::milliseconds timeout) {
-    // Shared memory still holds the last frame from before, which may be hours old; and what a killed daemon has left
-    // behind can be opened, too.
-    if (std::exchange(old_frame_, false) &&
-        frames_->read(frame_, std::chrono::milliseconds(0)) == disparity::ReadResult::gone) {
-        return disparity::ReadResult::gone;
-    }
-    return frames_->read(frame_, timeout);
+    return Got::no_daemon;
 }
 
 ScanFeed::Got ScanFeed::next(std::chrono::milliseconds timeout) {
-    if (!frames_ && !come_back(timeout)) {
-        return Got::no_daemon;
-    }
     disparity::ReadResult result{};
     try {
-        result = read(timeout);
+        result = client_.read(frame_, timeout);
     } catch (const std::runtime_error& error) {
-        if (!may_make_scans(daemon_)) {
+        if (!may_make_scans()) {
             refuse_daemon_without_scans();
         }
-        lose(error.what());
-        return Got::no_daemon;
+        return lose(error.what());
     }
     if (result == disparity::ReadResult::gone) {
-        lose(frames_->unanswered() ? "the daemon does not answer; waiting for it"
-                                   : "the daemon has stopped; waiting for it");
-        return Got::no_daemon;
+        return lose(client_.unanswered() ? "the daemon does not answer; waiting for it"
+                                         : "the daemon has stopped; waiting for it");
     }
-    return result == disparity::ReadResult::frame ? take() : Got::nothing;
+    const bool came = !std::exchange(there_, true);
+    if (result == disparity::ReadResult::timeout) {
+        return Got::nothing;
+    }
+    // Shared memory still holds the last frame from before, which may be hours old.
+    return came && client_.where().starts_with("shared memory") ? Got::nothing : take();
 }
 
 ScanFeed::Got ScanFeed::take() {

@@ -3,11 +3,9 @@
 
 #include <chrono>
 #include <deque>
-#include <memory>
 #include <string>
 
-#include "tools/ctl/daemon_address.h"
-#include "tools/ctl/frame_reader.h"
+#include "tools/ctl/daemon.h"
 #include "tools/ctl/scan/scan_text.h"
 
 namespace disparityd::tools {
@@ -21,8 +19,8 @@ public:
         no_daemon  ///< why() says why; later calls look for it again
     };
 
-    /// Throws as open_frames() does.
-    explicit ScanFeed(const DaemonAddress& daemon);
+    /// Throws as connect() does.
+    explicit ScanFeed(const DaemonArguments& daemon);
 
     /// Waits for the next scan. Throws std::runtime_error with one line when the daemon makes no scans. Takes longer
     /// than the timeout where a daemon is being looked for and does not answer: up to 5 s.
@@ -34,16 +32,12 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
-    std::unique_ptr<FrameReader> open() const;
-    void lose(const std::string& why);
-    bool come_back(std::chrono::milliseconds timeout);
-    disparity::ReadResult read(std::chrono::milliseconds timeout);
+    bool may_make_scans();
+    Got lose(const std::string& why);
     Got take();
 
-    DaemonAddress daemon_;
-    std::unique_ptr<FrameReader> frames_;  ///< null while there is no daemon
-    bool old_frame_ = true;                ///< the next one may be old
-    Clock::time_point look_again_;
+    disparity::Client client_;
+    bool there_ = false;  ///< a frame or silence of the daemon came since it was lost
     disparity::Frame frame_;
     ScanReading reading_;
     std::string why_;

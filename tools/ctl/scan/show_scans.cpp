@@ -18,7 +18,7 @@ namespace {
 using ScanClock = std::chrono::steady_clock;
 
 struct ShowScansArguments {
-    DaemonAddress daemon;
+    DaemonArguments daemon;
     std::optional<int> lines;
     std::optional<double> rate;
     RadarChoice radar;

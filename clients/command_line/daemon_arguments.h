@@ -39,6 +39,9 @@ struct DaemonArguments {
     /// Adds --name, --socket and those of ConnectArguments, with their prefix.
     void add_to(CLI::App& app, const std::string& prefix = "");
 
+    /// Returns a command line that reaches the same daemon, for messages: "disparityctl status --name front".
+    std::string command(const std::string& words) const;
+
     /// Returns the daemon as disparity::connect() takes it. Throws std::invalid_argument with one line for a name that
     /// no daemon can have, an address of another form, and what ConnectArguments::check() refuses.
     std::string where() const;

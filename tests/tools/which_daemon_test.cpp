@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which daemon disparityctl believes, and what it prints of that daemon's words.
-#include "tools/ctl/daemon_address.h"
-
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
@@ -19,14 +17,13 @@
 #include "tests/tools/run_program.h"
 #include "tools/command_line/printable_output.h"
 #include "tools/command_line/table.h"
+#include "tools/ctl/daemon.h"
 
 namespace disparityd::test {
 namespace {
 
 using testing::AllOf;
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 
 constexpr uid_t nobody = 65534;
@@ -58,41 +55,33 @@ protected:
 
     static bool is_root() { return geteuid() == 0; }
 
-    tools::DaemonAddress mine_{{}, "mine", {}};
+    tools::DaemonArguments mine_{"mine", {}, {}};
     TemporaryFolder folder_;
     std::string path_ = folder_.file("disparityd-mine.sock");
     int fd_ = -1;
 };
 
-TEST_F(SocketOfADaemon, OfThisUserIsTakenAndItsProcessLookedAt) {
-    const auto sockets = mine_.sockets();
-    ASSERT_EQ(sockets.usable.size(), 1U);
-    EXPECT_EQ(sockets.usable[0].address, "unix:" + path_);
-    EXPECT_TRUE(sockets.usable[0].check_user);
-    EXPECT_THAT(sockets.refused, IsEmpty());
-}
-
 TEST_F(SocketOfADaemon, OfAnotherUserIsLeftAlone) {
     if (!is_root() || chown(path_.c_str(), nobody, nobody) != 0) {
         GTEST_SKIP() << "only root gives files to others";
     }
-    const auto sockets = mine_.sockets();
-    EXPECT_THAT(sockets.usable, IsEmpty());
-    EXPECT_THAT(sockets.refused, ElementsAre(AllOf(HasSubstr("unix:" + path_), HasSubstr("belongs to user 65534"),
-                                                   HasSubstr("--socket unix:" + path_))));
-    EXPECT_THAT([&] { tools::connect(mine_); },
-                testing::ThrowsMessage<std::runtime_error>(
-                    AllOf(HasSubstr("no daemon answers"), HasSubstr("belongs to user 65534"))));
-    // Who names it means it.
-    tools::DaemonAddress named{"unix:" + path_, "mine", {}};
-    EXPECT_EQ(named.sockets().usable.size(), 1U);
-    EXPECT_FALSE(named.sockets().usable[0].check_user);
+    EXPECT_THAT([&] { tools::connect(mine_); }, testing::ThrowsMessage<std::runtime_error>(AllOf(
+                                                    HasSubstr("no daemon answers"), HasSubstr("belongs to user 65534"),
+                                                    HasSubstr("if that daemon is meant, say unix:" + path_))));
+    ASSERT_EQ(listen(fd_, 4), 0);
+    std::thread daemon([this] { greet_one(); });
+    { EXPECT_EQ(tools::connect({"mine", path_, {}}).where(), "unix:" + path_) << "who names it means it"; }
+    daemon.join();
 }
 
 TEST_F(SocketOfADaemon, BehindALinkIsLeftAlone) {
+    ASSERT_EQ(listen(fd_, 4), 0);
     std::filesystem::create_symlink(path_, folder_.file("disparityd-linked.sock"));
-    const tools::DaemonAddress linked{{}, "linked", {}};
-    EXPECT_THAT(linked.sockets().usable, IsEmpty());
+    EXPECT_THAT(
+        [&] {
+            tools::connect({"linked", {}, {}});
+        },
+        testing::ThrowsMessage<std::runtime_error>(HasSubstr("there is no Unix socket of a daemon named linked")));
 }
 
 TEST_F(SocketOfADaemon, WithAProcessOfAnotherUserBehindItIsLeftAlone) {
@@ -111,14 +100,14 @@ TEST_F(SocketOfADaemon, WithAProcessOfAnotherUserBehindItIsLeftAlone) {
 TEST_F(SocketOfADaemon, OfThisUserWithItsOwnProcessIsConnectedTo) {
     ASSERT_EQ(listen(fd_, 4), 0);
     std::thread daemon([this] { greet_one(); });
-    { EXPECT_EQ(tools::connect(mine_).server_user(), geteuid()); }
+    { EXPECT_EQ(tools::connect(mine_).socket().server_user(), geteuid()); }
     daemon.join();
 }
 
 TEST_F(SocketOfADaemon, OfAnotherNameIsNamedWhereNoneAnswers) {
     const auto said = [] {
         try {
-            tools::connect({{}, "absent", {}});
+            tools::connect({"absent", {}, {}});
         } catch (const std::runtime_error& error) {
             return std::string(error.what());
         }
@@ -127,14 +116,14 @@ TEST_F(SocketOfADaemon, OfAnotherNameIsNamedWhereNoneAnswers) {
     EXPECT_THAT(said(), Not(HasSubstr("mine"))) << "nobody listens there";
     ASSERT_EQ(listen(fd_, 4), 0);
     EXPECT_THAT(said(), AllOf(HasSubstr("no daemon answers"), HasSubstr("daemons of other names run: "),
-                              HasSubstr("mine"), HasSubstr("--name")));
+                              HasSubstr("mine"), HasSubstr("say which one")));
 }
 
 TEST_F(SocketOfADaemon, CannotHaveANameThatIsAPath) {
     for (const std::string name : {"../x", "", "a b"}) {
         EXPECT_THAT(
             [&] {
-                tools::connect({{}, name, {}});
+                tools::connect({name, {}, {}});
             },
             testing::ThrowsMessage<std::invalid_argument>(
                 AllOf(HasSubstr("--name: found '" + name + "'"), HasSubstr("allowed: 1 to 64"))));

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "clients/places/connect_arguments.h"
+#include "clients/command_line/daemon_arguments.h"
 
 #include <stdexcept>
 
 #include <CLI/CLI.hpp>
+
+#include "proto/shared_memory_layout.h"
 
 namespace disparityd::clients {
 
@@ -57,10 +59,23 @@ void DaemonArguments::add_to(CLI::App& app, const std::string& prefix) {
     reach.add_to(app, prefix);
 }
 
+std::string DaemonArguments::command(const std::string& words) const {
+    std::string command =
+        words + (name == "default" ? "" : " --name " + name) + (socket.empty() ? "" : " --socket " + socket);
+    for (const auto& [option, value] :
+         {std::pair("--authority", &reach.options.authority), std::pair("--certificate", &reach.options.certificate),
+          std::pair("--key", &reach.options.key), std::pair("--server-name", &reach.options.server_name),
+          std::pair("--token-file", &reach.options.token_file)}) {
+        command += value->empty() ? "" : ' ' + std::string(option) + ' ' + *value;
+    }
+    return command;
+}
+
 std::string DaemonArguments::where() const {
     reach.check(socket);
-    constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789._-";
-    if (name.empty() || name.size() > 64 || name.find_first_not_of(letters) != std::string::npos) {
+    try {
+        proto::shm_object_name(name);
+    } catch (const std::invalid_argument&) {
         throw std::invalid_argument("--name: found '" + name + "', allowed: 1 to 64 characters of A-Z a-z 0-9 . _ -");
     }
     const std::string kind = socket.substr(0, socket.find(':') + 1);
