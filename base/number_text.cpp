@@ -29,6 +29,12 @@ std::string number_text(double number) {
     return {text.data(), end};
 }
 
+std::string fixed(double number, int decimals) {
+    std::array<char, 64> text{};
+    const auto end = std::to_chars(text.begin(), text.end(), number, std::chars_format::fixed, decimals);
+    return end.ec == std::errc() ? std::string(text.data(), end.ptr) : "?";
+}
+
 std::optional<std::vector<double>> parse_numbers(std::string_view text, std::string_view separators) {
     std::vector<double> numbers;
     for (;;) {

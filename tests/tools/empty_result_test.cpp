@@ -2,7 +2,7 @@
 //
 // The limits were tuned on the seeds from 1 on; those from 1001 on judge them. A few of both are here, the rest is in
 // empty_result_of_many_test.cpp.
-#include "tools/empty_result/empty_result.h"
+#include "calibration/empty_result/empty_result.h"
 
 #include <gmock/gmock.h>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "tests/tools/made_causes.h"
-#include "tools/empty_result/empty_result.h"
+#include "calibration/empty_result/empty_result.h"
 
 namespace disparityd::empty_result {
 

@@ -2,8 +2,6 @@
 #include "tools/command_line/table.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <ostream>
 
 #include "base/message_text.h"
@@ -51,12 +49,6 @@ void Table::print_markdown(std::ostream& to) const {
             to << '\n';
         }
     }
-}
-
-std::string fixed(double value, int decimals) {
-    std::array<char, 64> text{};
-    const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, decimals);
-    return end.ec == std::errc() ? std::string(text.data(), end.ptr) : "?";
 }
 
 }  // namespace disparityd::tools

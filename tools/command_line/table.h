@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/number_text.h"
+
 namespace disparityd::tools {
 
 /// Text in columns: the first column left-aligned, the others right-aligned. A cell is one line: control characters in
@@ -22,7 +24,6 @@ private:
     std::vector<std::vector<std::string>> rows_;
 };
 
-/// A number with a fixed count of decimals, whatever the locale.
-std::string fixed(double value, int decimals);
+using base::fixed;
 
 }  // namespace disparityd::tools

@@ -34,7 +34,7 @@
 #include "tools/ctl/process_report.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
-#include "tools/empty_result/empty_result.h"
+#include "calibration/empty_result/empty_result.h"
 #include "tools/images/disparity_file.h"
 
 namespace disparityd::tools {

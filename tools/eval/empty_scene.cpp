@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "tools/empty_result/empty_result.h"
+#include "calibration/empty_result/empty_result.h"
 
 namespace disparityd::eval {
 namespace {

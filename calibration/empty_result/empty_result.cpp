@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/empty_result/empty_result.h"
+#include "calibration/empty_result/empty_result.h"
 
 #include <algorithm>
 
-#include "tools/command_line/table.h"
+#include "base/number_text.h"
 
 namespace disparityd::empty_result {
 namespace {
@@ -18,7 +18,7 @@ std::vector<std::uint8_t> copy_of(Plane<const std::uint8_t> plane) {
 }
 
 std::string percent(double share) {
-    return tools::fixed(100 * share, 1) + " %";
+    return base::fixed(100 * share, 1) + " %";
 }
 
 }  // namespace

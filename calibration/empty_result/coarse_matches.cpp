@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/empty_result/coarse_matches.h"
+#include "calibration/empty_result/coarse_matches.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/empty_result/texture_share.h"
+#include "calibration/empty_result/texture_share.h"
 
 #include <algorithm>
 #include <cstdlib>

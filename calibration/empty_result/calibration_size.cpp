@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/empty_result/calibration_size.h"
+#include "calibration/empty_result/calibration_size.h"
 
 #include <algorithm>
 #include <array>

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/empty_result/likely_cause.h"
+#include "calibration/empty_result/likely_cause.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "base/number_text.h"
+#include "calibration/empty_result/calibration_size.h"
+#include "calibration/empty_result/coarse_matches.h"
+#include "calibration/empty_result/texture_share.h"
 #include "calibration/online/epipolar_fit.h"
-#include "tools/command_line/table.h"
-#include "tools/empty_result/calibration_size.h"
-#include "tools/empty_result/coarse_matches.h"
-#include "tools/empty_result/texture_share.h"
 
 namespace disparityd::empty_result {
 namespace {
@@ -32,7 +32,7 @@ std::optional<LikelyCause> test_texture(const Suspect& suspect) {
     const bool one = left >= least_texture || right >= least_texture;
     const std::string where = !one ? "the images have" : left < right ? "the left image has" : "the right image has";
     return LikelyCause{Cause::no_texture,
-                       where + " no texture (" + tools::fixed(100 * std::min(left, right), 1) +
+                       where + " no texture (" + base::fixed(100 * std::min(left, right), 1) +
                            " % of the pixels differ from their surroundings): a covered lens, darkness, too much light "
                            "or a plain wall; there is nothing to match"};
 }
@@ -56,7 +56,7 @@ std::optional<LikelyCause> test_rows(const Suspect& suspect, const std::vector<C
                                      "self-calibration"
                                    : "the images are not rectified: give their calibration";
     return LikelyCause{Cause::rows, "the rows of the two images are not aligned: they differ by " +
-                                        tools::fixed(error, 1) + " px (median of " + std::to_string(matches.size()) +
+                                        base::fixed(error, 1) + " px (median of " + std::to_string(matches.size()) +
                                         " points); " + advice};
 }
 
@@ -82,7 +82,7 @@ std::optional<LikelyCause> test_range(const Suspect& suspect, const std::vector<
     const auto above = static_cast<std::size_t>(sorted.end() - std::upper_bound(sorted.begin(), sorted.end(), last));
     const double enough = most_of_matches * static_cast<double>(sorted.size());
     const double low = sorted[sorted.size() / 20], high = sorted[sorted.size() - 1 - sorted.size() / 20];
-    const std::string found = tools::fixed(low, 0) + " to " + tools::fixed(high, 0) + " px";
+    const std::string found = base::fixed(low, 0) + " to " + base::fixed(high, 0) + " px";
     if (static_cast<double>(above) > enough) {
         return LikelyCause{Cause::range,
                            "the range of disparities is too small: " + counted_points(above, sorted.size()) +
@@ -112,8 +112,8 @@ std::optional<LikelyCause> other_resolution(const std::optional<calibration::Ste
     }
     return LikelyCause{Cause::other_resolution,
                        "the calibration " + calibration->origin + " is of another resolution: its principal point (" +
-                           tools::fixed(calibration->left.cx, 0) + ", " + tools::fixed(calibration->left.cy, 0) +
-                           ") belongs to images about " + tools::fixed(*ratio, 2) + " times as large as these, " +
+                           base::fixed(calibration->left.cx, 0) + ", " + base::fixed(calibration->left.cy, 0) +
+                           ") belongs to images about " + base::fixed(*ratio, 2) + " times as large as these, " +
                            std::to_string(calibration->width) + "x" + std::to_string(calibration->height) +
                            "; use the calibration of this size"};
 }

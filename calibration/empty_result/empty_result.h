@@ -9,7 +9,7 @@
 #include "calibration/calibration.h"
 #include "kernels/image.h"
 #include "kernels/options.h"
-#include "tools/empty_result/likely_cause.h"
+#include "calibration/empty_result/likely_cause.h"
 
 namespace disparityd::empty_result {
 
