@@ -92,6 +92,9 @@ Json schema_of_value(const FieldDescriptor& field) {
 
 /// Returns a number for people: lengths in metres, shares in percent.
 std::string number_text(double value, const std::string& unit) {
+    if (unit == "ratio" && value == 0) {
+        return "0 %";
+    }
     if (!(value > 0) || !std::isfinite(value)) {
         return "unknown";
     }
@@ -114,6 +117,11 @@ std::vector<Fact> facts_of(const Message& message) {
     std::vector<Fact> facts;
     for_each_field(*message.GetDescriptor(), [&](const FieldDescriptor& field) {
         const v1::FieldInfo& info = field.options().GetExtension(v1::info);
+        if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && !field.is_repeated() &&
+            message.GetReflection()->HasField(message, &field)) {
+            const std::vector<Fact> inner = facts_of(message.GetReflection()->GetMessage(message, &field, nullptr));
+            facts.insert(facts.end(), inner.begin(), inner.end());
+        }
         if (const std::string text = info.title().empty() ? "" : text_of(message, field); !text.empty()) {
             facts.push_back({info.title(), text, info.help()});
         }

@@ -29,7 +29,7 @@ struct Fact {
     std::string help;
 };
 
-/// Returns those of a message's own fields, in their order; empty texts are left out.
+/// Returns those of a message and of the messages that it contains, in their order; empty texts are left out.
 std::vector<Fact> facts_of(const google::protobuf::Message& message);
 
 /// Returns 16 hexadecimal digits: JSON's numbers cannot hold 64 bits.

@@ -38,6 +38,7 @@ double gauge_of(const Message& message, const FieldDescriptor& field) {
         case FieldDescriptor::CPPTYPE_UINT32: return reflection.GetUInt32(message, &field);
         case FieldDescriptor::CPPTYPE_UINT64: return static_cast<double>(reflection.GetUInt64(message, &field));
         case FieldDescriptor::CPPTYPE_DOUBLE: return reflection.GetDouble(message, &field);
+        case FieldDescriptor::CPPTYPE_STRING: return reflection.GetString(message, &field).empty() ? 0 : 1;
         default: throw std::logic_error("a field of this type is no metric: " + std::string(field.full_name()));
     }
 }
@@ -72,8 +73,6 @@ void put_state(Exposition& out, const v1::Status& status) {
     out.states("disparityd_state", "State of the daemon, 1 for the one it is in.", daemon_states, status.state());
     out.info("disparityd_pipeline_info", "What the daemon computes, and where.",
              {{"source", status.source()}, {"method", status.method()}, {"backend", status.backend()}});
-    out.gauge("disparityd_recording_failed", "Whether the last recording ended before it was asked to.",
-              status.record().error().empty() ? 0 : 1);
 }
 
 void put_histogram(Exposition& out, Exposition::Labels labels, const v1::Totals& totals, const v1::StepTotal& step) {
