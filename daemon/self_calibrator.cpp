@@ -1,35 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/self_calibrator.h"
 
-#include <algorithm>
-#include <bit>
 #include <exception>
 #include <numbers>
 #include <utility>
 
 #include <fmt/format.h>
-#include <pthread.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "base/failure_text.h"
-#include "base/start_thread.h"
 #include "calibration/online/correction_file.h"
 #include "daemon/log.h"
 
 namespace disparityd::daemon {
 namespace {
 
-using std::chrono::steady_clock;
-
 /// Frames of one collection: an estimate is made after half of them and after all, then the collection starts again.
 constexpr int batch = 8;
-
-void copy(Plane<const std::uint8_t> plane, std::vector<std::uint8_t>& to) {
-    for (int y = 0; y < plane.height; ++y) {
-        std::copy_n(plane.row(y), plane.width, to.begin() + static_cast<std::ptrdiff_t>(y) * plane.width);
-    }
-}
 
 double degrees(std::int32_t nrad) {
     return nrad * 1e-9 * 180 / std::numbers::pi;
@@ -44,8 +30,8 @@ SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, pipeline::Corr
       range_(range),
       settings_(std::move(settings)),
       calibration_(source.calibration.value()),
-      left_(static_cast<std::size_t>(corrected.factory().width) * static_cast<std::size_t>(corrected.factory().height)),
-      right_(left_.size()) {
+      pairs_("self-calibrate", corrected.factory().width, corrected.factory().height, settings_.interval,
+             [this](auto left, auto right) { look(left, right); }) {
     if (!settings_.path.empty()) {
         try {
             if (const auto kept = calibration::read_correction(settings_.path, *source.calibration)) {
@@ -56,70 +42,32 @@ SelfCalibrator::SelfCalibrator(const capture::SourceInfo& source, pipeline::Corr
             log_warning(fmt::format("self-calibration: {}", base::failure_text(error)));
         }
     }
-    thread_ = base::start_thread([this] { run(); });
 }
 
-SelfCalibrator::~SelfCalibrator() {
-    stopping_.store(true);
-    // A change of the stage wakes the thread, whatever it waits for.
-    stage_.store(filled);
-    stage_.notify_one();
-    thread_.join();
-}
+SelfCalibrator::~SelfCalibrator() = default;
 
 void SelfCalibrator::offer(const pipeline::FrameSlot& slot) noexcept {
-    if (stage_.load(std::memory_order_acquire) != wanted || steady_clock::now() < due_) {
-        return;
-    }
-    copy(slot.view.left, left_);
-    copy(slot.view.right, right_);
-    used_ = slot.rectification;
-    already_ = slot.raw.correction;
-    int expected = wanted;
-    if (stage_.compare_exchange_strong(expected, filled, std::memory_order_acq_rel)) {
-        stage_.notify_one();
+    if (pairs_.wants()) {
+        used_ = slot.rectification;
+        already_ = slot.raw.correction;
+        pairs_.give(slot.view);
     }
 }
 
-void SelfCalibrator::run() {
-    pthread_setname_np(pthread_self(), "self-calibrate");
-    // Not SCHED_IDLE: on a busy machine the thread would never run.
-    constexpr int least_urgent = 19;
-    setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_urgent);
-    for (;;) {
-        due_ = steady_clock::now() + settings_.interval;
-        int before = busy;
-        stage_.compare_exchange_strong(before, wanted, std::memory_order_acq_rel);
-        stage_.wait(wanted, std::memory_order_acquire);
-        if (stopping_.load()) {
-            return;
+void SelfCalibrator::look(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right) {
+    try {
+        calibration_.add(left, right, *used_, already_, range_, &pairs_.stopping());
+        used_.reset();
+        const int frames = calibration_.frames();
+        if (!pairs_.stopping().load() && (frames == batch / 2 || frames >= batch)) {
+            estimate();
         }
-        stage_.store(busy, std::memory_order_relaxed);
-        try {
-            look();
-        } catch (...) {
-            // Most likely there is no memory. The correction in use stays.
-            log_caught("self-calibration");
+        if (frames >= batch) {
             calibration_.clear();
         }
-        if (stopping_.load()) {
-            return;
-        }
-    }
-}
-
-void SelfCalibrator::look() {
-    const int width = used_->width;
-    const int height = used_->height;
-    calibration_.add({left_.data(), width, height, width}, {right_.data(), width, height, width}, *used_, already_,
-                     range_, &stopping_);
-    used_.reset();
-    const int frames = calibration_.frames();
-    if (!stopping_.load() && (frames == batch / 2 || frames >= batch)) {
-        estimate();
-    }
-    if (frames >= batch) {
-        calibration_.clear();
+    } catch (...) {
+        calibration_.clear();  // the correction in use stays
+        throw;
     }
 }
 

@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <mutex>
 #include <string>
-#include <thread>
-#include <vector>
 
 #include "calibration/online/self_calibration.h"
 #include "capture/frame_source.h"
+#include "daemon/background_pairs.h"
 #include "pipeline/frame_slot.h"
 #include "pipeline/rectification_schedule.h"
 #include "proto/disparity.pb.h"
 
 namespace disparityd::daemon {
 
-/// Estimates corrections of a live camera in a thread of its own, at the lowest priority. It takes the rectified pair
-/// of a published frame from time to time, and applies an accepted correction from the next frame on. The publish
-/// thread copies a pair only while the estimator is idle; no other thread waits for it.
+/// Estimates corrections of a live camera in the background, from the rectified pair of a published frame now and then,
+/// and applies an accepted correction from the next frame on.
 class SelfCalibrator {
 public:
     struct Settings {
@@ -41,12 +38,9 @@ public:
     void fill(v1::SelfCalibration& message) const;
 
 private:
-    void run();
-    void look();
+    void look(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right);
     void estimate();
     void keep(const calibration::CalibrationCorrection& correction) const;
-
-    enum Stage : int { busy, wanted, filled };
 
     const capture::SourceInfo source_;
     pipeline::CorrectedRectification& corrected_;
@@ -54,19 +48,14 @@ private:
     const Settings settings_;
     calibration::SelfCalibration calibration_;  ///< used by the estimator's thread only
 
-    std::atomic<int> stage_{busy};
-    std::atomic<bool> stopping_{false};
-    // The publish thread owns these while the stage is `wanted`, else the estimator.
-    std::chrono::steady_clock::time_point due_;
-    std::vector<std::uint8_t> left_;
-    std::vector<std::uint8_t> right_;
+    // Belong to the pair that the estimator gets or has.
     std::shared_ptr<const calibration::Rectification> used_;
     calibration::CalibrationCorrection already_;
 
     mutable std::mutex mutex_;  ///< the two below
     calibration::SelfCalibrationResult last_;
     calibration::SelfCalibrationResult accepted_;  ///< what is in use
-    std::thread thread_;
+    BackgroundPairs pairs_;                        ///< last: its thread uses the rest
 };
 
 /// Puts a correction into the status, whether it was estimated here or recorded.
