@@ -172,6 +172,9 @@ Engine::~Engine() {
 
 void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index) {
     make_self_calibrator();
+    measured_ = std::make_unique<MeasuredWatch>(static_cast<int>(layout_.geometry.width),
+                                                static_cast<int>(layout_.geometry.height), config_.match.options.range,
+                                                source().calibration);
     sink_ = std::move(sink);
     raw_ = std::move(raw);
     next_index_ = first_index;
@@ -245,6 +248,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     if (self_calibrator_) {
         self_calibrator_->offer(slot);
     }
+    measured_->offer(slot);
 }
 
 /// Returns the bytes of a frame's scan, valid until the next call. Called by the publish thread.

@@ -12,6 +12,7 @@
 
 #include "capture/frame_source.h"
 #include "daemon/config/config.h"
+#include "daemon/measured_watch.h"
 #include "daemon/published_frame.h"
 #include "daemon/self_calibrator.h"
 #include "kernels/matcher.h"
@@ -119,6 +120,7 @@ private:
     pipeline::WorkerPool workers_;
     StreamLayout layout_;
     std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< null where there is nothing to estimate
+    std::unique_ptr<MeasuredWatch> measured_;          ///< null before start()
     Sink sink_;
     pipeline::Pipeline::RawTap raw_;
     bool started_ = false;
