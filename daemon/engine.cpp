@@ -334,6 +334,9 @@ void Engine::fill(v1::Status& status) const {
     if (!started_) {
         return;
     }
+    if (const auto found = measured_->finding()) {
+        status.mutable_measured()->set_ratio(found->share);
+    }
     const pipeline::PipelineStatus now = pipeline_->status();
     const Condition condition = condition_of(now);
     status.set_state(to_string(condition.state));
