@@ -336,6 +336,7 @@ void Engine::fill(v1::Status& status) const {
     }
     if (const auto found = measured_->finding()) {
         status.mutable_measured()->set_ratio(found->share);
+        status.mutable_measured()->set_likely_cause(found->cause);
     }
     const pipeline::PipelineStatus now = pipeline_->status();
     const Condition condition = condition_of(now);
