@@ -2,6 +2,9 @@
 //
 // What the real daemon says when the system does not give it what it asks for; it runs all the same.
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
 
 #include <gmock/gmock.h>
 #include <sys/prctl.h>
@@ -57,6 +60,35 @@ TEST_F(NoticesTest, NoHugePages) {
     prctl(PR_SET_THP_DISABLE, 0, 0, 0, 0);
     ASSERT_TRUE(daemon->wait_for_log("no huge pages")) << daemon->log();
     EXPECT_THAT(status_after(*daemon, 1).notices(), Contains(HasSubstr("no huge pages")));
+}
+
+TEST_F(NoticesTest, HowMuchIsMeasuredOfAScene) {
+    const auto daemon = start_ready(config_text());
+    const v1::Status status = status_after(*daemon, 2);  // the first is counted before the second is published
+    EXPECT_GT(status.measured().ratio(), 0.5);
+    EXPECT_LE(status.measured().ratio(), 1);
+    EXPECT_EQ(status.measured().likely_cause(), "");
+}
+
+// Eyes that are covered see noise.
+TEST_F(NoticesTest, WhyHardlyAnythingIsMeasured) {
+    const TemporaryFolder folder;
+    std::mt19937 random(1);
+    for (const char* eye : {"left", "right"}) {
+        std::filesystem::create_directory(folder.file(eye));
+        std::ofstream image(folder.file(std::string(eye) + "/1.pgm"), std::ios::binary);
+        image << "P5\n320 240\n255\n";
+        for (int i = 0; i < 320 * 240; ++i) {
+            image.put(static_cast<char>(2 + random() % 2));
+        }
+    }
+    const auto daemon = start_ready(config_text(), {"--set", "source.uri=\"" + folder.path() + "\"", "--set",
+                                                    "source.loop=true", "--set", "source.allow_unrectified=true"});
+    ASSERT_TRUE(daemon->wait_for_log("the likely cause: the images have no texture")) << daemon->log();
+    const v1::Status status = status_after(*daemon, 1);
+    ASSERT_TRUE(status.has_measured());
+    EXPECT_LT(status.measured().ratio(), 0.1);
+    EXPECT_THAT(status.measured().likely_cause(), HasSubstr("no texture"));
 }
 
 // A scene has no inertial sensor.
