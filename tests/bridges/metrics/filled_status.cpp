@@ -81,6 +81,8 @@ v1::Status filled_status() {
     status.set_backend("cpu");
     status.set_workers(4);
     status.set_rate(29.97);
+    status.mutable_measured()->set_ratio(0.25);
+    status.mutable_measured()->set_likely_cause("dark");
     status.set_uptime_s(3600.5);
     status.add_notices("no huge pages");
     // Of the engine in use; the totals count.
