@@ -24,7 +24,7 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
     proto::ScanHead head{};
     head.version = proto::scan_version;
     head.sectors = static_cast<std::uint16_t>(scan.sectors.size());
-    head.ground = static_cast<std::uint8_t>(scan.ground_source);
+    head.ground = scan.ground_source;
     head.ground_age = limited<std::uint16_t>(scan.ground_age);
     head.ground_mm = limited<std::int16_t>(1000 * scan.ground.height_m);
     head.ground_slope_ahead = limited<std::int16_t>(10000 * scan.ground.slope_ahead);
@@ -36,34 +36,13 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
     return head;
 }
 
-proto::ScanSector record_of(const ScanSector& sector) {
-    proto::ScanSector record{};
-    record.from_cdeg = sector.from_cdeg;
-    record.to_cdeg = sector.to_cdeg;
-    record.state = static_cast<std::uint8_t>(sector.state);
-    record.confidence = sector.confidence;
-    record.distance_mm = sector.distance_mm;
-    record.sigma_mm = sector.sigma_mm;
-    record.free_mm = sector.free_mm;
-    record.low_mm = sector.low_mm;
-    record.high_mm = sector.high_mm;
-    record.pixels = sector.pixels;
-    return record;
-}
-
 }  // namespace
 
 void put_scan(const Scan& scan, const ScanOptions& options, std::vector<std::uint8_t>& bytes) {
     bytes.resize(proto::scan_bytes(scan.sectors.size()));
-    std::uint8_t* to = bytes.data();
-    const auto put = [&to](const auto& record) {
-        std::memcpy(to, &record, sizeof record);
-        to += sizeof record;
-    };
-    put(head_of(scan, options));
-    for (const ScanSector& sector : scan.sectors) {
-        put(record_of(sector));
-    }
+    const proto::ScanHead head = head_of(scan, options);
+    std::memcpy(bytes.data(), &head, sizeof head);
+    std::memcpy(bytes.data() + sizeof head, scan.sectors.data(), scan.sectors.size() * sizeof(ScanSector));
 }
 
 }  // namespace disparityd::daemon

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <variant>
 
+#include "proto/scan.h"
+
 namespace disparityd {
 
 /// Where the ground's plane comes from.
@@ -65,7 +67,7 @@ struct ScanOptions {
     int min_confidence = default_min_confidence(true);
 };
 
-inline constexpr int max_scan_sectors = 360;
+inline constexpr int max_scan_sectors = static_cast<int>(proto::scan_max_sectors);
 
 /// A row of the table of options.
 struct ScanField {

@@ -6,6 +6,8 @@
 
 /// The bytes of the product SCAN: one ScanHead, then ScanHead::sectors times ScanSector, little endian, without gaps.
 /// docs/protocol.md gives the offsets to other languages; step 14 of docs/algorithm.md says how the values come about.
+/// The scanner of obstacles/ writes these structures, the client library reads them. A reader takes numbers that the
+/// enums do not have, too: a later daemon may send them.
 ///
 /// The frame of reference is the robot's: x ahead, y left, z up, the origin on the ground below the camera, or where
 /// the configuration puts it. A bearing is counted from x towards y, so that left is positive; distances are
@@ -31,7 +33,7 @@ enum class GroundSource : std::uint8_t {
 struct ScanHead {
     std::uint16_t version;  ///< scan_version
     std::uint16_t sectors;  ///< 1 .. scan_max_sectors
-    std::uint8_t ground;    ///< GroundSource
+    GroundSource ground;
     std::uint8_t reserved;  ///< 0
     std::uint16_t ground_age;
     std::int16_t ground_mm;           ///< height of the ground's plane at the origin
@@ -46,18 +48,21 @@ struct ScanHead {
 
 /// Ordered by bearing, the right-most first; sectors may leave gaps.
 struct ScanSector {
-    std::int16_t from_cdeg;     ///< the right edge, 1/100 degree
-    std::int16_t to_cdeg;       ///< the left edge
-    std::uint8_t state;         ///< SectorState
-    std::uint8_t confidence;    ///< mean of the obstacle's pixels, as the product CONFIDENCE; 0 where none is reported
-    std::uint16_t distance_mm;  ///< to the nearest obstacle; 0 where none is reported
-    std::uint16_t sigma_mm;     ///< one-sigma error of that distance
+    std::int16_t from_cdeg = 0;  ///< the right edge, 1/100 degree
+    std::int16_t to_cdeg = 0;    ///< the left edge
+    SectorState state = SectorState::unknown;
+    /// Mean of the obstacle's pixels, as the product CONFIDENCE; 0 where none is reported.
+    std::uint8_t confidence = 0;
+    std::uint16_t distance_mm = 0;  ///< to the nearest obstacle; 0 where none is reported
+    std::uint16_t sigma_mm = 0;     ///< one-sigma error of that distance
     /// There is no obstacle nearer than this: 0 .. most_mm. Of an occupied sector it is at most distance_mm, and less
     /// where something may hide in front of the obstacle.
-    std::uint16_t free_mm;
-    std::int16_t low_mm;   ///< the obstacle's lowest and highest part above the ground's plane, within the band
-    std::int16_t high_mm;  ///< the highest one
-    std::uint16_t pixels;  ///< that show the obstacle; 65535 = so many or more
+    std::uint16_t free_mm = 0;
+    std::int16_t low_mm = 0;   ///< the obstacle's lowest part above the ground's plane, within the band
+    std::int16_t high_mm = 0;  ///< its highest part
+    std::uint16_t pixels = 0;  ///< that show the obstacle; 65535 = so many or more
+
+    friend bool operator==(const ScanSector&, const ScanSector&) = default;
 };
 
 static_assert(sizeof(ScanHead) == 32 && sizeof(ScanSector) == 18, "docs/protocol.md gives the sizes");

@@ -14,7 +14,7 @@ std::vector<std::uint8_t> scan_with_obstacle(int bearing_deg, int distance_mm) {
     proto::ScanSector sector{};
     sector.from_cdeg = static_cast<std::int16_t>(100 * bearing_deg - 250);
     sector.to_cdeg = static_cast<std::int16_t>(100 * bearing_deg + 250);
-    sector.state = static_cast<std::uint8_t>(proto::SectorState::occupied);
+    sector.state = proto::SectorState::occupied;
     sector.distance_mm = static_cast<std::uint16_t>(distance_mm);
     sector.high_mm = 500;
     std::vector<std::uint8_t> bytes(proto::scan_bytes(1));

@@ -130,7 +130,7 @@ Bytes scan_bytes(const proto::ScanSector& ahead, std::uint16_t version = proto::
     std::memcpy(bytes.data(), &head, sizeof head);
     for (std::uint16_t i = 0; i < head.sectors; ++i) {
         proto::ScanSector sector{};
-        sector.state = static_cast<std::uint8_t>(proto::SectorState::free);
+        sector.state = proto::SectorState::free;
         sector.free_mm = 5000;
         if (i == 3) {
             sector = ahead;
@@ -144,7 +144,7 @@ Bytes scan_bytes(const proto::ScanSector& ahead, std::uint16_t version = proto::
 
 proto::ScanSector sector(proto::SectorState state, std::uint16_t distance_mm, std::uint16_t free_mm) {
     proto::ScanSector made{};
-    made.state = static_cast<std::uint8_t>(state);
+    made.state = state;
     made.distance_mm = distance_mm;
     made.free_mm = free_mm;
     return made;

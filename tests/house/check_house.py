@@ -22,8 +22,8 @@ ARROWS = {
     "proto": set(),
     "calibration": {"base", "kernels"},
     "capture": {"base", "calibration", "kernels"},
-    "obstacles": {"base", "kernels"},
-    "pipeline": {"base", "calibration", "capture", "kernels", "obstacles"},
+    "obstacles": {"base", "kernels", "proto"},
+    "pipeline": {"base", "calibration", "capture", "kernels", "obstacles", "proto"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "proto"},
     "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto"},
@@ -31,8 +31,8 @@ ARROWS = {
     "lab": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "bridges", "tools"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
-# The only header of capture that the pipeline may know.
-PIPELINE_SEES = {"capture/frame_source.h"}
+# The only headers of a folder that another one may know.
+SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/scan.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "usb": set()}
@@ -94,8 +94,9 @@ def check_arrows(name, lines):
         if target not in ARROWS[folder]:
             allowed = ", ".join(sorted(ARROWS[folder])) or "nothing else"
             found.append(f"{name}:{number}: {folder} includes {header}; allowed: {allowed}")
-        elif folder == "pipeline" and target == "capture" and header not in PIPELINE_SEES:
-            found.append(f"{name}:{number}: pipeline includes {header}; allowed: {', '.join(sorted(PIPELINE_SEES))}")
+        elif header not in SEES.get((folder, target), {header}):
+            allowed = ", ".join(sorted(SEES[folder, target]))
+            found.append(f"{name}:{number}: {folder} includes {header}; allowed: {allowed}")
         elif folder == "capture" and target == "kernels" and "/reference/" in header:
             found.append(f"{name}:{number}: capture includes {header}; it takes types from kernels, not algorithms")
     return found

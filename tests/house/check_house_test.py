@@ -39,7 +39,7 @@ class CheckHouse(unittest.TestCase):
                              ("pipeline/a.cpp", "daemon/config/config.h"), ("pipeline/a.cpp", "capture/recording/recorder.h"),
                              ("base/a.cpp", "kernels/image.h"), ("calibration/a.cpp", "capture/frame_source.h"),
                              ("tools/ctl/a.cpp", "daemon/config/config.h"), ("calibration/a.cpp", "pipeline/pipeline.h"),
-                             ("capture/a.cpp", "pipeline/pipeline.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
+                             ("capture/a.cpp", "pipeline/pipeline.h"), ("obstacles/a.cpp", "proto/shared_memory.h"), ("capture/a.cpp", "kernels/reference/sgm.h")]:
             with self.subTest(name=name, header=header):
                 self.assertEqual(len(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'})), 1)
 

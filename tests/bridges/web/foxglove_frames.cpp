@@ -51,7 +51,7 @@ PlaneData scan() {
         proto::ScanSector record{};
         record.from_cdeg = static_cast<std::int16_t>(100 * from_deg);
         record.to_cdeg = static_cast<std::int16_t>(100 * (from_deg + 10));
-        record.state = static_cast<std::uint8_t>(state);
+        record.state = state;
         record.distance_mm = distance_mm;
         record.free_mm = free_mm;
         record.confidence = state == SectorState::occupied ? 200 : 0;
