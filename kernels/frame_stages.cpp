@@ -44,7 +44,10 @@ void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
         steps_.rectify(frame.raw, Eye::left, *frame.rectifier, frame.left, rows);
         steps_.rectify(frame.raw, Eye::right, *frame.rectifier, frame.right, rows);
         if (frame.left_colour) {
-            steps_.rectify_colour(frame.raw, *frame.rectifier, frame.left_colour, rows);
+            steps_.rectify_colour(frame.raw, Eye::left, *frame.rectifier, frame.left_colour, rows);
+        }
+        if (frame.right_colour) {
+            steps_.rectify_colour(frame.raw, Eye::right, *frame.rectifier, frame.right_colour, rows);
         }
     });
 }

@@ -52,10 +52,11 @@ struct FrameView {
     DepthScale depth_scale;
     Plane<std::uint8_t> left;  ///< rectified pair, written by the first stage
     Plane<std::uint8_t> right;
-    Plane<std::uint8_t> left_colour;  ///< rectified left image as BGR (plane width = 3 * width); optional
-    Plane<std::int16_t> disparity;    ///< 1/16 px; rejected = invalid_disparity(range)
-    Plane<std::uint8_t> confidence;   ///< 1 .. 255; 0 = rejected or interpolated
-    Plane<std::uint16_t> depth;       ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
+    Plane<std::uint8_t> left_colour;   ///< rectified left image as BGR (plane width = 3 * width); optional
+    Plane<std::uint8_t> right_colour;  ///< the right one; optional
+    Plane<std::int16_t> disparity;     ///< 1/16 px; rejected = invalid_disparity(range)
+    Plane<std::uint8_t> confidence;    ///< 1 .. 255; 0 = rejected or interpolated
+    Plane<std::uint16_t> depth;        ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
     /// One sigma of depth in mm; 0 = unknown, or not measured; 65535 = 65.535 m or more; optional.
     Plane<std::uint16_t> depth_error;
     int subpixel_error = 0;        ///< for depth_error: one sigma of a disparity in 1/256 px, 1 .. 1024

@@ -59,8 +59,9 @@ struct RegionTest {
 struct FrameSteps {
     /// Step 1: luma of one eye, rectified.
     void (*rectify)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
-    /// Step 1: the left eye in colour, rectified; `bgr` is 3 * width wide.
-    void (*rectify_colour)(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
+    /// Step 1: one eye in colour, rectified; `bgr` is 3 * width wide.
+    void (*rectify_colour)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr,
+                           Rows rows);
 
     /// Step 8: rejects, in `disparity`, what the winners of both images do not agree on.
     void (*left_right)(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner,

@@ -30,6 +30,9 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t step
     if (products.left_colour) {
         view.left_colour = allocate<std::uint8_t>(left_colour_, 3 * width, height);
     }
+    if (products.right_colour) {
+        view.right_colour = allocate<std::uint8_t>(right_colour_, 3 * width, height);
+    }
     scratch_ = LargeBuffer(matcher.scratch_bytes());
     view.scratch = {scratch_.data(), scratch_.size()};
 }

@@ -23,6 +23,7 @@ public:
     struct Products {
         bool depth = true;
         bool left_colour = false;
+        bool right_colour = false;
         /// The depth error, and for it one sigma of a disparity in 1/256 px.
         std::optional<int> depth_error = std::nullopt;
     };
@@ -42,7 +43,7 @@ public:
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    LargeBuffer left_, right_, left_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
+    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
 };
 
 }  // namespace disparityd::pipeline

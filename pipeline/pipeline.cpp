@@ -91,7 +91,8 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
     }
     for (int i = 0; i < config.slots; ++i) {
         slots_.push_back(std::make_unique<FrameSlot>(
-            matcher, FrameSlot::Products{config.depth, config.left_colour, config.depth_error}, step_names_.size()));
+            matcher, FrameSlot::Products{config.depth, config.left_colour, config.right_colour, config.depth_error},
+            step_names_.size()));
         slots_.back()->view.rectifier = &slots_.back()->rectifier;
         if (scanner_) {
             slots_.back()->scan = scanner_->empty_scan();

@@ -42,9 +42,10 @@ enum class Policy {
 
 struct PipelineConfig {
     Policy policy = Policy::replay;
-    int slots = 4;             ///< frames in flight, 2 .. 32
-    bool depth = true;         ///< compute depth
-    bool left_colour = false;  ///< also rectify the left image in colour
+    int slots = 4;              ///< frames in flight, 2 .. 32
+    bool depth = true;          ///< compute depth
+    bool left_colour = false;   ///< also rectify the left image in colour
+    bool right_colour = false;  ///< also rectify the right image in colour
     /// Also compute the depth error, from this sigma of a disparity in 1/256 px, 1 .. 1024.
     std::optional<int> depth_error = std::nullopt;
     std::optional<ScanOptions> scan = std::nullopt;  ///< also make an obstacle scan, in the publish thread

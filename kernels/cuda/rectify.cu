@@ -93,7 +93,8 @@ __global__ void rectify_kernel(RectifyJob job) {
     for_source_pixels<format>(
         job, eye, x, y, [&](const std::uint8_t* row, int px, int weight) { sum += weight * luma<format>(row, px); });
     (eye == 0 ? job.out[0] : job.out[1])[i] = rounded(sum);
-    if (eye == 0 && job.colour != nullptr) {
+    std::uint8_t* const bgr = eye == 0 ? job.colour[0] : job.colour[1];
+    if (bgr != nullptr) {
         Bgr all{0, 0, 0};
         for_source_pixels<format>(job, eye, x, y, [&](const std::uint8_t* row, int px, int weight) {
             const Bgr pixel = colour<format>(row, px);
@@ -101,9 +102,9 @@ __global__ void rectify_kernel(RectifyJob job) {
             all.g += weight * pixel.g;
             all.r += weight * pixel.r;
         });
-        job.colour[3 * i] = rounded(all.b);
-        job.colour[3 * i + 1] = rounded(all.g);
-        job.colour[3 * i + 2] = rounded(all.r);
+        bgr[3 * i] = rounded(all.b);
+        bgr[3 * i + 1] = rounded(all.g);
+        bgr[3 * i + 2] = rounded(all.r);
     }
 }
 

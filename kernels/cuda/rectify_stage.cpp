@@ -41,8 +41,8 @@ RectifyStage::RectifyStage(int width, int height) : width_(width), height_(heigh
         xy_[eye] = DeviceMemory(2 * pixels * sizeof(std::int16_t), "the rectification maps");
         fraction_[eye] = DeviceMemory(pixels * sizeof(std::uint16_t), "the rectification maps");
         out_[eye] = PinnedBuffer(pixels, "the rectified pair");
+        colour_[eye] = PinnedBuffer(3 * pixels, "the rectified pair in colour");
     }
-    colour_ = PinnedBuffer(3 * pixels, "the left image in colour");
 }
 
 void RectifyStage::upload_raw(const RawImage& raw, Parallel& workers) {
@@ -88,18 +88,25 @@ void RectifyStage::run(const FrameView& frame, Parallel& workers) {
     job.crop_y = rectifier.crop_y;
     job.width = width_;
     job.height = height_;
-    job.colour = frame.left_colour ? colour_.device<std::uint8_t>() : nullptr;
+    const std::array<Plane<std::uint8_t>, 2> colour{frame.left_colour, frame.right_colour};
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        job.colour[eye] = colour[eye] ? colour_[eye].device<std::uint8_t>() : nullptr;
+    }
     rectify(job, stream_.get());
     out_[0].to_host(stream_);
     out_[1].to_host(stream_);
-    if (frame.left_colour) {
-        colour_.to_host(stream_);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        if (colour[eye]) {
+            colour_[eye].to_host(stream_);
+        }
     }
     stream_.wait("rectification");
     scatter(out_[0].host<const std::uint8_t>(), frame.left, workers);
     scatter(out_[1].host<const std::uint8_t>(), frame.right, workers);
-    if (frame.left_colour) {
-        scatter(colour_.host<const std::uint8_t>(), frame.left_colour, workers);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        if (colour[eye]) {
+            scatter(colour_[eye].host<const std::uint8_t>(), colour[eye], workers);
+        }
     }
 }
 

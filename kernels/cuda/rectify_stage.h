@@ -29,7 +29,7 @@ private:
     std::array<DeviceMemory, 2> fraction_;
     std::uint64_t maps_id_ = 0;  // of those on the device; 0: none that may be used again
     std::array<PinnedBuffer, 2> out_;
-    PinnedBuffer colour_;
+    std::array<PinnedBuffer, 2> colour_;
     Stream stream_;  // the last one, so that what runs on it ends before the memory goes
 };
 

@@ -29,7 +29,7 @@ struct RectifyJob {
     int width;
     int height;
     std::uint8_t* out[2];
-    std::uint8_t* colour;  ///< left as BGR; null: not wanted
+    std::uint8_t* colour[2];  ///< as BGR; null: not wanted
 };
 void rectify(const RectifyJob& job, cudaStream_t stream);
 

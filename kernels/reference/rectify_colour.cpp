@@ -35,14 +35,15 @@ Bgr colour(const std::uint8_t* row, int x) {
 }
 
 template <PixelFormat format>
-void rectify_from(Plane<const std::uint8_t> source, int source_width, const Rectifier& rectifier,
-                  Plane<std::uint8_t> bgr, Rows rows) {
+void rectify_from(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
+    const Plane<const std::uint8_t> source = raw.eye(eye);
+    const RectifyMap& map = eye == Eye::left ? rectifier.left : rectifier.right;
     for (int y = rows.first; y < rows.last; ++y) {
         for (int x = 0; x < bgr.width / 3; ++x) {
             std::uint8_t* out = &bgr.at(3 * x, y);
             if (rectifier.mapped) {
                 Bgr sum;
-                bilinear(rectifier.left, x, y, source_width, source.height, [&](int px, int py, int weight) {
+                bilinear(map, x, y, raw.eye_width, source.height, [&](int px, int py, int weight) {
                     const Bgr pixel = colour<format>(source.row(py), px);
                     sum.b += weight * pixel.b;
                     sum.g += weight * pixel.g;
@@ -63,12 +64,11 @@ void rectify_from(Plane<const std::uint8_t> source, int source_width, const Rect
 
 }  // namespace
 
-void rectify_colour(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
-    const Plane<const std::uint8_t> source = raw.eye(Eye::left);
+void rectify_colour(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
     switch (raw.format) {
-        case PixelFormat::grey8: rectify_from<PixelFormat::grey8>(source, raw.eye_width, rectifier, bgr, rows); break;
-        case PixelFormat::yuyv: rectify_from<PixelFormat::yuyv>(source, raw.eye_width, rectifier, bgr, rows); break;
-        case PixelFormat::bgr24: rectify_from<PixelFormat::bgr24>(source, raw.eye_width, rectifier, bgr, rows); break;
+        case PixelFormat::grey8: rectify_from<PixelFormat::grey8>(raw, eye, rectifier, bgr, rows); break;
+        case PixelFormat::yuyv: rectify_from<PixelFormat::yuyv>(raw, eye, rectifier, bgr, rows); break;
+        case PixelFormat::bgr24: rectify_from<PixelFormat::bgr24>(raw, eye, rectifier, bgr, rows); break;
     }
 }
 

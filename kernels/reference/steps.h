@@ -8,7 +8,7 @@
 namespace disparityd::reference {
 
 void rectify(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> out, Rows rows);
-void rectify_colour(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
+void rectify_colour(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows);
 void sad(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, DisparityRange range,
          Volume<std::uint16_t> costs, Rows rows);
 void census(Plane<const std::uint8_t> image, Plane<std::uint64_t> words, Rows rows);

@@ -21,17 +21,21 @@ constexpr int eye_width = 44;
 constexpr int raw_height = 26;
 
 struct Rectified {
-    Image<std::uint8_t> left, right, colour;
+    Image<std::uint8_t> left, right, colour, right_colour;
 };
 
 Rectified rectified(Matcher& matcher, FrameSize size, const RawImage& raw, const Rectifier& rectifier, bool colour) {
-    Rectified out{{size.width, size.height, 1}, {size.width, size.height, 2}, {3 * size.width, size.height, 3}};
+    Rectified out{{size.width, size.height, 1},
+                  {size.width, size.height, 2},
+                  {3 * size.width, size.height, 3},
+                  {3 * size.width, size.height, 4}};
     FrameView view;
     view.raw = raw;
     view.rectifier = &rectifier;
     view.left = out.left.plane();
     view.right = out.right.plane();
     view.left_colour = colour ? out.colour.plane() : Plane<std::uint8_t>{};
+    view.right_colour = colour ? out.right_colour.plane() : Plane<std::uint8_t>{};
     Serial serial;
     std::chrono::nanoseconds time{};
     matcher.run(0, view, serial, {&time, 1});
@@ -49,6 +53,7 @@ void expect_equal(const Rectified& found, const Rectified& expected) {
     EXPECT_EQ(found.left.pixels(), expected.left.pixels());
     EXPECT_EQ(found.right.pixels(), expected.right.pixels());
     EXPECT_EQ(found.colour.pixels(), expected.colour.pixels());
+    EXPECT_EQ(found.right_colour.pixels(), expected.right_colour.pixels());
 }
 
 void expect_equal_to_reference(FrameSize size, const RawImage& raw, const Rectifier& rectifier) {

@@ -166,9 +166,11 @@ TEST_P(EveryMethod, StagesStartWithRectifyAndTimeEveryStep) {
     const Rectifier rectifier{false, {}, {}, 6, 2};
     Frame frame(*matcher, Image<std::uint8_t>(24, 10), Image<std::uint8_t>(24, 10));
     Image<std::uint8_t> colour(3 * 24, 10, 1);
+    Image<std::uint8_t> right_colour(3 * 24, 10, 2);
     frame.view.raw = {bytes.plane().data, PixelFormat::yuyv, 30, 12, bytes.width()};
     frame.view.rectifier = &rectifier;
     frame.view.left_colour = colour.plane();
+    frame.view.right_colour = right_colour.plane();
     for (std::size_t i = 0; i < matcher->stages().size(); ++i) {
         std::vector<std::chrono::nanoseconds> times(matcher->stages()[i].steps.size(), std::chrono::nanoseconds(-1));
         ASSERT_FALSE(times.empty());
@@ -184,8 +186,10 @@ TEST_P(EveryMethod, StagesStartWithRectifyAndTimeEveryStep) {
         }
     }
     Image<std::uint8_t> expected(3 * 24, 10);
-    reference::rectify_colour(frame.view.raw, rectifier, expected.plane(), expected.rows());
+    reference::rectify_colour(frame.view.raw, Eye::left, rectifier, expected.plane(), expected.rows());
     EXPECT_EQ(colour.pixels(), expected.pixels());
+    reference::rectify_colour(frame.view.raw, Eye::right, rectifier, expected.plane(), expected.rows());
+    EXPECT_EQ(right_colour.pixels(), expected.pixels());
 }
 
 TEST_P(EveryMethod, ARegionOutsideTheFrameIsRefused) {

@@ -50,6 +50,7 @@ public:
                                                               .slots = slots,
                                                               .depth = true,
                                                               .left_colour = true,
+                                                              .right_colour = true,
                                                               .depth_error = 64,
                                                               .scan = ScanOptions{}},
                                                *source_, *matcher_, workers_, rectification_,

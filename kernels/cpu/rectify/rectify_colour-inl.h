@@ -23,8 +23,7 @@ class ColourSources {
 public:
     static constexpr int at_once = 64;
 
-    explicit ColourSources(const RawImage& raw)
-        : source_(raw.eye(Eye::left)), width_(raw.eye_width), height_(raw.height) {}
+    ColourSources(const RawImage& raw, Eye eye) : source_(raw.eye(eye)), width_(raw.eye_width), height_(raw.height) {}
 
     /// As find_mapped(), for a row that is a part of the source.
     void find_region(int x, int y, int count) {
@@ -157,15 +156,16 @@ private:
     alignas(64) std::uint8_t r_[ColourSources::at_once];
 };
 
-inline void rectify_yuyv_colour(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
-    ColourSources sources(raw);
+inline void rectify_yuyv_colour(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr,
+                                Rows rows) {
+    ColourSources sources(raw, eye);
+    const RectifyMap& map = eye == Eye::left ? rectifier.left : rectifier.right;
     ColourPixels pixels;
     const int width = bgr.width / 3;
     for (int y = rows.first; y < rows.last; ++y) {
         for (int x = 0; x < width; x += ColourSources::at_once) {
             const int count = std::min(ColourSources::at_once, width - x);
             if (rectifier.mapped) {
-                const RectifyMap& map = rectifier.left;
                 sources.find_mapped(map.xy.row(y) + 2 * x, map.fraction.row(y) + x, count);
             } else {
                 sources.find_region(rectifier.crop_x + x, rectifier.crop_y + y, count);

@@ -23,11 +23,11 @@ void rectify(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std
     }
 }
 
-void rectify_colour(const RawImage& raw, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
+void rectify_colour(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr, Rows rows) {
     if (raw.format == PixelFormat::yuyv) {
-        rectify_yuyv_colour(raw, rectifier, bgr, rows);
+        rectify_yuyv_colour(raw, eye, rectifier, bgr, rows);
     } else {
-        reference::rectify_colour(raw, rectifier, bgr, rows);
+        reference::rectify_colour(raw, eye, rectifier, bgr, rows);
     }
 }
 

@@ -56,7 +56,7 @@ KernelCase rectify_case(const std::string& name, PixelFormat format, bool mapped
         const auto out = data->buffers.result<std::uint8_t>((colour ? 3 : 1) * input.width, input.height);
         const auto run = [=, &steps] {
             over_parts(data->input, [&](Rows rows) {
-                colour ? steps.rectify_colour(data->raw, data->rectifier, out, rows)
+                colour ? steps.rectify_colour(data->raw, Eye::right, data->rectifier, out, rows)
                        : steps.rectify(data->raw, Eye::right, data->rectifier, out, rows);
             });
         };

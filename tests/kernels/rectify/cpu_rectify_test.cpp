@@ -18,9 +18,11 @@ protected:
         };
         compare(width, height, rectify(Eye::left));
         compare(width, height, rectify(Eye::right));
-        compare(3 * width, height, [&](const FrameSteps& of, Plane<std::uint8_t> out, Rows rows) {
-            of.rectify_colour(source.raw, rectifier, out, rows);
-        });
+        for (const Eye eye : {Eye::left, Eye::right}) {
+            compare(3 * width, height, [&](const FrameSteps& of, Plane<std::uint8_t> out, Rows rows) {
+                of.rectify_colour(source.raw, eye, rectifier, out, rows);
+            });
+        }
         ASSERT_FALSE(HasFailure()) << "from " << source.raw.eye_width << "x" << source.raw.height << ", format "
                                    << static_cast<int>(source.raw.format);
     }
@@ -87,8 +89,8 @@ TEST_P(CpuRectify, EqualsTheReferenceOnEveryColour) {
         const RawImage raw{bytes.data(), PixelFormat::yuyv, 512, 256, 2048};
         Image<std::uint8_t> expected(3 * 512, 256);
         Image<std::uint8_t> found(3 * 512, 256);
-        reference::rectify_colour(raw, {}, expected.plane(), expected.rows());
-        steps().rectify_colour(raw, {}, found.plane(), found.rows());
+        reference::rectify_colour(raw, Eye::left, {}, expected.plane(), expected.rows());
+        steps().rectify_colour(raw, Eye::left, {}, found.plane(), found.rows());
         ASSERT_TRUE(found.pixels() == expected.pixels()) << "luma " << luma;
     }
 }

@@ -93,12 +93,15 @@ TEST_P(Rectify, EqualsOpenCvRemapBitForBit) {
             reference::rectify(source.raw, eye, rectifier, found.plane(), found.rows());
             expect_equal(expected, found);
         }
-        cv::Mat expected;
-        cv::remap(colour(source.eye(Eye::left), GetParam()), expected, left.xy, left.fraction, cv::INTER_LINEAR,
-                  cv::BORDER_CONSTANT, 0);
-        Image<std::uint8_t> found(3 * width, height, 99);
-        reference::rectify_colour(source.raw, rectifier, found.plane(), found.rows());
-        expect_equal(expected, found);
+        for (const Eye eye : {Eye::left, Eye::right}) {
+            const Maps& maps = eye == Eye::left ? left : right;
+            cv::Mat expected;
+            cv::remap(colour(source.eye(eye), GetParam()), expected, maps.xy, maps.fraction, cv::INTER_LINEAR,
+                      cv::BORDER_CONSTANT, 0);
+            Image<std::uint8_t> found(3 * width, height, 99);
+            reference::rectify_colour(source.raw, eye, rectifier, found.plane(), found.rows());
+            expect_equal(expected, found);
+        }
     }
 }
 
@@ -112,9 +115,11 @@ TEST_P(Rectify, CropsWithoutMaps) {
         reference::rectify(source.raw, eye, rectifier, found.plane(), found.rows());
         expect_equal(luma(source.eye(eye), GetParam())(region), found);
     }
-    Image<std::uint8_t> found(3 * region.width, region.height, 99);
-    reference::rectify_colour(source.raw, rectifier, found.plane(), found.rows());
-    expect_equal(colour(source.eye(Eye::left), GetParam())(region), found);
+    for (const Eye eye : {Eye::left, Eye::right}) {
+        Image<std::uint8_t> found(3 * region.width, region.height, 99);
+        reference::rectify_colour(source.raw, eye, rectifier, found.plane(), found.rows());
+        expect_equal(colour(source.eye(eye), GetParam())(region), found);
+    }
 }
 
 TEST_P(Rectify, WritesOnlyItsRows) {
@@ -167,7 +172,7 @@ TEST(RectifyColour, EveryYuvValueEqualsOpenCv) {
         }
         const RawImage raw{bytes.plane().data, PixelFormat::yuyv, 512, 256, 2048};
         Image<std::uint8_t> found(3 * 512, 256);
-        reference::rectify_colour(raw, {}, found.plane(), found.rows());
+        reference::rectify_colour(raw, Eye::left, {}, found.plane(), found.rows());
         cv::Mat expected;
         cv::cvtColor(cv::Mat(256, 512, CV_8UC2, bytes.plane().data, 2048), expected, cv::COLOR_YUV2BGR_YUYV);
         expect_equal(expected, found);
