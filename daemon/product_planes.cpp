@@ -26,13 +26,16 @@ Plane<const std::uint8_t> no_plane(const FrameView& /*view*/) {
 }
 
 /// In the order of proto::products.
-constexpr std::array planes{&bytes_of<&FrameView::disparity>,   &bytes_of<&FrameView::confidence>,
-                            &bytes_of<&FrameView::depth>,       &bytes_of<&FrameView::left>,
-                            &bytes_of<&FrameView::left_colour>, &no_plane,
-                            &bytes_of<&FrameView::depth_error>, &bytes_of<&FrameView::right>};
+constexpr std::array planes{
+    &bytes_of<&FrameView::disparity>,   &bytes_of<&FrameView::confidence>,  &bytes_of<&FrameView::depth>,
+    &bytes_of<&FrameView::left>,        &bytes_of<&FrameView::left_colour>, &no_plane,
+    &bytes_of<&FrameView::depth_error>, &bytes_of<&FrameView::right>,       &bytes_of<&FrameView::right_colour>};
 static_assert(planes.size() == proto::products.size(), "a product has no plane");
 
 bool is_on(const Config& config, std::string_view key_name) {
+    if (key_name.empty()) {
+        return true;
+    }
     const auto& keys = config_keys();
     const auto key =
         std::find_if(keys.begin(), keys.end(), [key_name](const ConfigKey& one) { return full_name(one) == key_name; });
@@ -47,7 +50,9 @@ bool is_on(const Config& config, std::string_view key_name) {
 std::vector<v1::Product> configured_products(const Config& config) {
     std::vector<v1::Product> made;
     for (const proto::ProductFacts& product : proto::products) {
-        if (product.key.empty() || is_on(config, product.key)) {
+        const bool wanted =
+            product.colour_of == v1::PRODUCT_NONE || is_on(config, proto::product_facts(product.colour_of).key);
+        if (wanted && is_on(config, product.key)) {
             made.push_back(product.number);
         }
     }

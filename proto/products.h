@@ -47,8 +47,11 @@ inline std::string product_name(std::uint32_t number) {
 /// Returns one line for people: the daemon does not serve the product, and what makes it do so.
 inline std::string not_served_text(v1::Product product) {
     const ProductFacts& facts = product_facts(product);
+    const std::string_view of_grey =
+        facts.colour_of == v1::PRODUCT_NONE ? std::string_view() : product_facts(facts.colour_of).key;
     return "the daemon does not serve the product " + std::string(facts.name) +
-           (facts.key.empty() ? "" : ": set " + std::string(facts.key) + " = true in its configuration");
+           (facts.key.empty() ? "" : ": set " + std::string(facts.key) + " = true in its configuration") +
+           (of_grey.empty() ? "" : ", and " + std::string(of_grey) + " = true");
 }
 
 constexpr bool products_are_numbered() {

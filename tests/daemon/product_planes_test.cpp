@@ -17,11 +17,19 @@ namespace {
 using testing::Contains;
 using testing::Not;
 
-Config with(std::string_view key, bool value) {
-    const std::size_t dot = key.find('.');
-    const Override set{std::string(key.substr(0, dot)), std::string(key.substr(dot + 1)), value ? "true" : "false",
-                       "--set"};
-    return parse_config("", "test.toml", {set});
+/// A configuration in which the product's key has this value, and that of the picture that it colours is on.
+Config with(const proto::ProductFacts& product, bool value) {
+    std::vector<Override> sets;
+    const auto set = [&sets](std::string_view key, bool on) {
+        const std::size_t dot = key.find('.');
+        sets.push_back(
+            {std::string(key.substr(0, dot)), std::string(key.substr(dot + 1)), on ? "true" : "false", "--set"});
+    };
+    set(product.key, value);
+    if (product.colour_of != v1::PRODUCT_NONE && !proto::product_facts(product.colour_of).key.empty()) {
+        set(proto::product_facts(product.colour_of).key, true);
+    }
+    return parse_config("", "test.toml", sets);
 }
 
 TEST(ProductPlanes, KeySwitchesItsProductOn) {
@@ -32,8 +40,8 @@ TEST(ProductPlanes, KeySwitchesItsProductOn) {
             continue;
         }
         ++switched;
-        EXPECT_THAT(configured_products(with(product.key, true)), Contains(product.number)) << product.name;
-        EXPECT_THAT(configured_products(with(product.key, false)), Not(Contains(product.number))) << product.name;
+        EXPECT_THAT(configured_products(with(product, true)), Contains(product.number)) << product.name;
+        EXPECT_THAT(configured_products(with(product, false)), Not(Contains(product.number))) << product.name;
     }
     EXPECT_EQ(switched, 5);
 }
