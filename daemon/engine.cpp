@@ -136,6 +136,7 @@ pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
             .slots = config.pipeline.slots,
             .depth = config.match.depth,
             .left_colour = config.rectify.colour,
+            .right_colour = config.rectify.colour && config.rectify.right,
             .depth_error = subpixel_error(config),
             .scan = scan_options(config)};
 }

@@ -91,7 +91,7 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
     disparity::Subscription all;
     all.products = {disparity::Product::disparity, disparity::Product::confidence,  disparity::Product::depth,
                     disparity::Product::left,      disparity::Product::left_colour, disparity::Product::depth_error,
-                    disparity::Product::right};
+                    disparity::Product::right,     disparity::Product::right_colour};
     disparity::SocketClient tcp(daemon->address("tcp:"));
     tcp.subscribe(all);
     all.compressed = true;

@@ -43,7 +43,7 @@ TEST(ProductPlanes, KeySwitchesItsProductOn) {
         EXPECT_THAT(configured_products(with(product, true)), Contains(product.number)) << product.name;
         EXPECT_THAT(configured_products(with(product, false)), Not(Contains(product.number))) << product.name;
     }
-    EXPECT_EQ(switched, 5);
+    EXPECT_EQ(switched, 6);
 }
 
 TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
@@ -56,6 +56,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     std::vector<std::uint8_t> left(8 * height);
     std::vector<std::uint8_t> right(8 * height);
     std::vector<std::uint8_t> colour(24 * height);
+    std::vector<std::uint8_t> right_colour(24 * height);
     FrameView view;
     view.disparity = {disparity.data(), width, height, 8};
     view.confidence = {confidence.data(), width, height, 8};
@@ -64,8 +65,10 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     view.left = {left.data(), width, height, 8};
     view.right = {right.data(), width, height, 8};
     view.left_colour = {colour.data(), 3 * width, height, 24};
-    const std::vector<const void*> starts{disparity.data(), confidence.data(), depth.data(),       left.data(),
-                                          colour.data(),    nullptr,           depth_error.data(), right.data()};
+    view.right_colour = {right_colour.data(), 3 * width, height, 24};
+    const std::vector<const void*> starts{disparity.data(),   confidence.data(), depth.data(),
+                                          left.data(),        colour.data(),     nullptr,
+                                          depth_error.data(), right.data(),      right_colour.data()};
     for (std::size_t i = 0; i < proto::products.size(); ++i) {
         const proto::ProductFacts& product = proto::products[i];
         const Plane<const std::uint8_t> plane = product_plane(view, product.number);

@@ -9,7 +9,7 @@
 """
 from .client import Client, connect
 from .connection import ConnectOptions
-from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, SCAN
+from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
 from .frame import DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, SYNTHETIC, UNRECTIFIED, Frame
 from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
@@ -38,6 +38,7 @@ __all__ = [
     "LEFT_COLOUR",
     "OCCUPIED",
     "RIGHT",
+    "RIGHT_COLOUR",
     "Refused",
     "SCAN",
     "Scan",

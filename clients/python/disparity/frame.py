@@ -182,6 +182,11 @@ class Frame:
         return self._plane(pb.RIGHT)
 
     @property
+    def right_colour(self) -> npt.NDArray[np.uint8]:
+        """uint8, height x width x 3, BGR."""
+        return self._plane(pb.RIGHT_COLOUR)
+
+    @property
     def scan(self) -> Scan:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
         return read_scan(self._plane(pb.SCAN).tobytes())
