@@ -19,7 +19,6 @@
 #include "daemon/log.h"
 #include "daemon/product_planes.h"
 #include "daemon/requests/camera_message.h"
-#include "daemon/scan_record.h"
 #include "daemon/sensor_message.h"
 #include "daemon/system/huge_pages.h"
 #include "daemon/totals.h"
@@ -94,7 +93,8 @@ void put_geometry(proto::FrameInfo& geometry, const calibration::Rectification& 
     geometry.disparity_offset = rectification.disparity_offset;
 }
 
-StreamLayout make_layout(const Config& config, const calibration::Rectification& rectification) {
+StreamLayout make_layout(const Config& config, const calibration::Rectification& rectification,
+                         const std::vector<ConfiguredStage>& stages) {
     StreamLayout layout;
     proto::FrameInfo& geometry = layout.geometry;
     put_geometry(geometry, rectification);
@@ -104,17 +104,11 @@ StreamLayout make_layout(const Config& config, const calibration::Rectification&
     geometry.width = to_u32(rectification.width);
     geometry.height = to_u32(rectification.height);
     layout.products = configured_products(config);
-    layout.scan_sectors = to_u32(config.scan.options.sectors);
-    return layout;
-}
-
-std::optional<ScanOptions> scan_options(const Config& config) {
-    if (!config.scan.enabled) {
-        return std::nullopt;
+    for (const ConfiguredStage& added : stages) {
+        layout.record_bytes[static_cast<std::size_t>(added.product)] =
+            static_cast<std::uint32_t>(added.stage->bytes_per_frame());
     }
-    ScanOptions options = config.scan.options;
-    options.subpixel_error_px = config.match.subpixel_error_px;
-    return options;
+    return layout;
 }
 
 std::optional<calibration::DepthRange> depth_range_of(const proto::FrameInfo& geometry, const MatchOptions& options) {
@@ -129,16 +123,19 @@ std::optional<int> subpixel_error(const Config& config) {
                : std::nullopt;
 }
 
-pipeline::PipelineConfig pipeline_config(const Config& config, bool live) {
+pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const std::vector<ConfiguredStage>& stages) {
     const bool newest_wins =
         config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
-    return {.policy = newest_wins ? pipeline::Policy::live : pipeline::Policy::replay,
-            .slots = config.pipeline.slots,
-            .depth = config.match.depth,
-            .left_colour = config.rectify.colour,
-            .right_colour = config.rectify.colour && config.rectify.right,
-            .depth_error = subpixel_error(config),
-            .scan = scan_options(config)};
+    pipeline::PipelineConfig made{.policy = newest_wins ? pipeline::Policy::live : pipeline::Policy::replay,
+                                  .slots = config.pipeline.slots,
+                                  .depth = config.match.depth,
+                                  .left_colour = config.rectify.colour,
+                                  .right_colour = config.rectify.colour && config.rectify.right,
+                                  .depth_error = subpixel_error(config)};
+    for (const ConfiguredStage& added : stages) {
+        made.stages.push_back(added.stage.get());
+    }
+    return made;
 }
 
 }  // namespace
@@ -152,12 +149,13 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
-      layout_(make_layout(config, rectifications_->factory())),
+      stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height)),
+      layout_(make_layout(config, rectifications_->factory(), stages_)),
       geometry_(layout_.geometry) {
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline_config(config_, source().live), *source_, *matcher_, workers_, *rectifications_,
+        pipeline_config(config_, source().live, stages_), *source_, *matcher_, workers_, *rectifications_,
         [this](const pipeline::FrameSlot& slot) { publish(slot); },
         [this](const capture::RawFrame& frame) {
             note_activity();
@@ -243,7 +241,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
-        frame.planes[i] = product == v1::SCAN ? scan_plane(slot) : product_plane(slot.view, product);
+        frame.planes[i] = is_record(product) ? record_plane(slot, product) : product_plane(slot.view, product);
     }
     sink_(frame);
     if (self_calibrator_) {
@@ -252,14 +250,16 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     measured_->offer(slot);
 }
 
-/// Returns the bytes of a frame's scan, valid until the next call. Called by the publish thread.
-Plane<const std::uint8_t> Engine::scan_plane(const pipeline::FrameSlot& slot) {
-    gravity_unknown_.store(
-        config_.scan.options.ground == GroundMode::gravity && slot.scan.ground_source != GroundSource::gravity,
-        std::memory_order_relaxed);
-    put_scan(slot.scan, config_.scan.options, scan_bytes_);
-    const int size = static_cast<int>(scan_bytes_.size());
-    return {scan_bytes_.data(), size, 1, size};
+/// Returns what the stage of that product has left of a frame; an empty plane where none makes it.
+Plane<const std::uint8_t> Engine::record_plane(const pipeline::FrameSlot& slot, v1::Product product) const {
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        if (stages_[i].product == product) {
+            const std::span<const std::byte> record = slot.stage_memory[i];
+            const int size = static_cast<int>(record.size());
+            return {reinterpret_cast<const std::uint8_t*>(record.data()), size, 1, size};
+        }
+    }
+    return {};
 }
 
 /// Called by the publish thread. Only it writes geometry_, so it reads it without the lock.
@@ -402,10 +402,10 @@ std::vector<std::string> Engine::notices() const {
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
     }
-    if (gravity_unknown_.load(std::memory_order_relaxed)) {
-        notices.emplace_back(
-            "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last second, or "
-            "one more than 30 degrees off; check [source] sensors and [scan] imu_axes");
+    for (const ConfiguredStage& added : stages_) {
+        if (std::string notice = added.stage->notice(); !notice.empty()) {
+            notices.push_back(std::move(notice));
+        }
     }
     const std::lock_guard lock(mutex_);
     if (!memory_notice_.empty()) {

@@ -15,6 +15,7 @@
 #include "daemon/measured_watch.h"
 #include "daemon/published_frame.h"
 #include "daemon/self_calibrator.h"
+#include "daemon/stage_table.h"
 #include "kernels/matcher.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
@@ -104,7 +105,7 @@ public:
 private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
-    Plane<const std::uint8_t> scan_plane(const pipeline::FrameSlot& slot);
+    Plane<const std::uint8_t> record_plane(const pipeline::FrameSlot& slot, v1::Product product) const;
     void make_self_calibrator();
     void note_rectification(const calibration::Rectification& used);
     void fill_self_calibration(v1::Status& status) const;
@@ -118,6 +119,7 @@ private:
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     pipeline::WorkerPool workers_;
+    std::vector<ConfiguredStage> stages_;
     StreamLayout layout_;
     std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< null where there is nothing to estimate
     std::unique_ptr<MeasuredWatch> measured_;          ///< null before start()
@@ -127,11 +129,9 @@ private:
     bool stopped_ = false;          ///< of the thread that calls stop()
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
     bool first_frame_ = true;
-    std::vector<std::uint8_t> scan_bytes_;  ///< of the frame that is being published
     std::atomic<std::int64_t> last_activity_ns_{0};
-    std::atomic<bool> gravity_unknown_{false};  ///< the newest scan wanted gravity and had to do without
-    bool memory_checked_ = false;               ///< of the thread that calls check_memory()
-    mutable std::mutex mutex_;                  ///< the two below
+    bool memory_checked_ = false;  ///< of the thread that calls check_memory()
+    mutable std::mutex mutex_;     ///< the two below
     std::string memory_notice_;
     proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest

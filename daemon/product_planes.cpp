@@ -20,7 +20,7 @@ Plane<const std::uint8_t> bytes_of(const FrameView& view) {
     return {reinterpret_cast<const std::uint8_t*>(plane.data), plane.width * size, plane.height, plane.stride * size};
 }
 
-/// A record is made of a frame by the engine.
+/// A record is made by an added stage.
 Plane<const std::uint8_t> no_plane(const FrameView& /*view*/) {
     return {};
 }

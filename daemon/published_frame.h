@@ -11,7 +11,6 @@
 #include "kernels/image.h"
 #include "proto/frame_message.h"
 #include "proto/products.h"
-#include "proto/scan.h"
 
 namespace disparityd::daemon {
 
@@ -27,7 +26,7 @@ struct StreamLayout {
     proto::FrameInfo geometry{};        ///< its geometry fields; those of a single frame are 0
     std::vector<v1::Product> products;  ///< in the order of their numbers
     std::string shared_memory;          ///< name of the object, empty when off
-    std::uint32_t scan_sectors = 0;     ///< of the product SCAN
+    std::array<std::uint32_t, product_count + 1> record_bytes{};  ///< by number of the product; 0 for images
 };
 
 /// The size of a product's plane. A record is a row of bytes.
@@ -47,7 +46,7 @@ constexpr bool is_record(v1::Product product) {
 /// product's.
 inline ProductShape product_shape(const StreamLayout& layout, v1::Product product) {
     if (is_record(product)) {
-        return {static_cast<std::uint32_t>(proto::scan_bytes(layout.scan_sectors)), 1, 1};
+        return {layout.record_bytes[static_cast<std::size_t>(product)], 1, 1};
     }
     return {layout.geometry.width, layout.geometry.height, proto::product_facts(product).bytes_per_pixel};
 }

@@ -70,7 +70,7 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
 
 void SharedMemoryPublisher::relayout(const StreamLayout& layout, std::uint32_t slots) {
     const bool same = slots == slots_ && layout.products == layout_.products &&
-                      layout.scan_sectors == layout_.scan_sectors && layout.geometry.width == layout_.geometry.width &&
+                      layout.record_bytes == layout_.record_bytes && layout.geometry.width == layout_.geometry.width &&
                       layout.geometry.height == layout_.geometry.height;
     if (!same) {
         writer_.relayout(to_shm(layout), slots);

@@ -38,6 +38,17 @@ const MatcherConfig& checked(const MatcherConfig& config) {
     return config;
 }
 
+void write_depth(const FrameSteps& steps, DisparityRange range, const FrameView& frame, Rows rows) {
+    if (frame.depth) {
+        steps.depth(frame.disparity, invalid_disparity(range), frame.depth_scale, frame.depth, rows);
+    }
+    if (frame.depth_error) {
+        const DepthErrorScale scale =
+            depth_error_scale(frame.depth_scale.k, frame.depth_scale.offset16, frame.subpixel_error);
+        steps.depth_error(frame.disparity, frame.confidence, scale, frame.depth_error, rows);
+    }
+}
+
 void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
     check_fits(frame);
     parallel_rows(config_.height, workers, [&](Rows rows) {
@@ -75,7 +86,7 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
     const auto finish = [&](Rows rows) {
         steps_.finish_confidence(filtered, invalid, calibrates_confidence(config_.options), frame.confidence, rows);
         if (complete) {
-            write_depth(frame, rows);
+            write_depth(steps_, config_.options.range, frame, rows);
         }
     };
     if (post.median > 0) {
@@ -127,21 +138,11 @@ void FrameStages::fill(const FrameView& frame, const FrameScratch& scratch, Para
         parallel_rows(config_.height, workers, [&](Rows rows) {
             steps_.guided_median(scratch.filtered(frame), frame.left, invalid_disparity(config_.options.range),
                                  post.guided_median, frame.disparity, rows);
-            write_depth(frame, rows);
+            write_depth(steps_, config_.options.range, frame, rows);
         });
     } else if (post.interpolate) {
-        parallel_rows(config_.height, workers, [&](Rows rows) { write_depth(frame, rows); });
-    }
-}
-
-void FrameStages::write_depth(const FrameView& frame, Rows rows) const {
-    if (frame.depth) {
-        steps_.depth(frame.disparity, invalid_disparity(config_.options.range), frame.depth_scale, frame.depth, rows);
-    }
-    if (frame.depth_error) {
-        const DepthErrorScale scale =
-            depth_error_scale(frame.depth_scale.k, frame.depth_scale.offset16, frame.subpixel_error);
-        steps_.depth_error(frame.disparity, frame.confidence, scale, frame.depth_error, rows);
+        parallel_rows(config_.height, workers,
+                      [&](Rows rows) { write_depth(steps_, config_.options.range, frame, rows); });
     }
 }
 

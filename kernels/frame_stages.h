@@ -13,6 +13,9 @@ const MatcherConfig& checked(const MatcherConfig& config);
 /// Throws std::invalid_argument when the region that the frame's rectifier takes does not lie inside the raw frame.
 void check_fits(const FrameView& frame);
 
+/// Step 13: computes the planes of depth and depth error that the frame has, from its disparity and confidence.
+void write_depth(const FrameSteps& steps, DisparityRange range, const FrameView& frame, Rows rows);
+
 /// The first and the last stage, which are the same however a pair is matched.
 class FrameStages {
 public:
@@ -25,7 +28,6 @@ public:
 private:
     void filter(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
     void fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
-    void write_depth(const FrameView& frame, Rows rows) const;
 
     const FrameSteps& steps_;
     MatcherConfig config_;

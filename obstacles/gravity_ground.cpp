@@ -31,9 +31,13 @@ CameraDirection cross(const CameraDirection& a, const CameraDirection& b) {
 
 }  // namespace
 
-CameraDirection SensorAxes::turned(double x, double y, double z) const {
-    return {x * of[0].right + y * of[1].right + z * of[2].right, x * of[0].down + y * of[1].down + z * of[2].down,
-            x * of[0].ahead + y * of[1].ahead + z * of[2].ahead};
+CameraDirection SensorAxes::turned(const SensorDirection& direction) const {
+    const auto [x, y, z] = direction;
+    const double right = x * of[0].right + y * of[1].right + z * of[2].right;
+    const double down = x * of[0].down + y * of[1].down + z * of[2].down;
+    const double ahead = x * of[0].ahead + y * of[1].ahead + z * of[2].ahead;
+    const double length = std::sqrt(right * right + down * down + ahead * ahead);
+    return {right / length, down / length, ahead / length};
 }
 
 std::optional<SensorAxes> parse_sensor_axes(std::string_view text) {

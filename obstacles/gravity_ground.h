@@ -5,6 +5,7 @@
 #include <optional>
 #include <string_view>
 
+#include "kernels/added_stage.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_options.h"
 
@@ -15,8 +16,8 @@ namespace disparityd::scan {
 struct SensorAxes {
     std::array<CameraDirection, 3> of;
 
-    /// Turns a vector along the sensor's axes into one along the camera's; its length stays.
-    CameraDirection turned(double x, double y, double z) const;
+    /// Returns a direction along the sensor's axes as one along the camera's, with length 1.
+    CameraDirection turned(const SensorDirection& direction) const;
 };
 
 /// What parse_sensor_axes() takes, for a message.

@@ -10,15 +10,14 @@ namespace disparityd::pipeline {
 using std::chrono::steady_clock;
 
 CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap,
-                           std::optional<GravityFilter> gravity, TraceTrack& trace, std::uint16_t trace_name)
+                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, TraceTrack& trace,
+                           std::uint16_t trace_name)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
       first_stage_(first_stage),
       rectifications_(rectifications),
       raw_tap_(std::move(raw_tap)),
-      gravity_(std::move(gravity)),
       trace_(trace),
       trace_name_(trace_name) {}
 
@@ -67,10 +66,8 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     if (raw_tap_) {
         raw_tap_(frame);
     }
-    if (gravity_) {
-        gravity_->add(frame.sensors);
-        pending.up = gravity_->up_at(frame.monotonic_ns);
-    }
+    gravity_.add(frame.sensors);
+    pending.up = gravity_.up_at(frame.monotonic_ns);
     frame.sensors = {};  // their memory ends before the frame does
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
         counters_.corrupt.fetch_add(1, std::memory_order_release);

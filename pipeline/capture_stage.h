@@ -26,10 +26,9 @@ public:
         std::atomic<std::uint64_t> corrupt{0};
     };
 
-    /// `gravity`: gets the samples of all captured frames; nothing where nobody asks where up is.
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::optional<GravityFilter> gravity,
-                 TraceTrack& trace, std::uint16_t trace_name);
+                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, TraceTrack& trace,
+                 std::uint16_t trace_name);
 
     /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
@@ -43,7 +42,7 @@ private:
     struct PendingFrame {
         capture::RawFrame frame;
         std::shared_ptr<const calibration::Rectification> rectification;
-        std::optional<CameraDirection> up;
+        std::optional<SensorDirection> up;
     };
 
     CaptureResult next_frame(PendingFrame& pending, std::chrono::steady_clock::time_point deadline);
@@ -60,7 +59,7 @@ private:
     StageQueue& first_stage_;
     RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
-    std::optional<GravityFilter> gravity_;
+    GravityFilter gravity_;  ///< gets the samples of all captured frames
     TraceTrack& trace_;
     const std::uint16_t trace_name_;
     Counters counters_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/frame_slot.h"
 
+#include "kernels/round_up_to_cache_line.h"
+
 namespace disparityd::pipeline {
 
 namespace {
@@ -13,7 +15,8 @@ Plane<T> allocate(LargeBuffer& buffer, int width, int height) {
 
 }  // namespace
 
-FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t steps) : step_times(steps) {
+FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::span<AddedStage* const> stages, std::size_t steps)
+    : step_times(steps) {
     const int width = matcher.config().width;
     const int height = matcher.config().height;
     view.left = allocate<std::uint8_t>(left_, width, height);
@@ -35,6 +38,16 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::size_t step
     }
     scratch_ = LargeBuffer(matcher.scratch_bytes());
     view.scratch = {scratch_.data(), scratch_.size()};
+    std::size_t bytes = 0;
+    for (const AddedStage* stage : stages) {
+        bytes += round_up_to_cache_line(stage->bytes_per_frame());
+    }
+    stage_memory_ = LargeBuffer(bytes);
+    std::byte* next = stage_memory_.data();
+    for (const AddedStage* stage : stages) {
+        stage_memory.emplace_back(next, stage->bytes_per_frame());
+        next += round_up_to_cache_line(stage->bytes_per_frame());
+    }
 }
 
 }  // namespace disparityd::pipeline

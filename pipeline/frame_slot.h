@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
+#include "kernels/added_stage.h"
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
-#include "obstacles/scan.h"
 
 namespace disparityd::pipeline {
 
@@ -28,22 +29,23 @@ public:
         std::optional<int> depth_error = std::nullopt;
     };
 
-    FrameSlot(const Matcher& matcher, Products products, std::size_t steps);
+    FrameSlot(const Matcher& matcher, Products products, std::span<AddedStage* const> stages, std::size_t steps);
 
     capture::RawFrame raw;  ///< its pixels are lent by the source until rectification has read them
     std::shared_ptr<const calibration::Rectification> rectification;  ///< the maps of this frame
     Rectifier rectifier;                                              ///< views of `rectification`
-    FrameView view;                     ///< the planes of this slot, for the matcher and the sink
-    std::optional<CameraDirection> up;  ///< where the inertial sensor says that up is; for GroundMode::gravity only
-    Scan scan;                          ///< for the sink; no sectors where none is made
-    std::uint64_t dropped_before = 0;   ///< frames that source or pipeline lost since the previous published frame
+    FrameView view;                                  ///< the planes of this slot, for the matcher and the sink
+    std::optional<SensorDirection> up;               ///< as the camera's inertial sensor tells it
+    std::vector<std::span<std::byte>> stage_memory;  ///< one per stage of PipelineConfig::stages, in its order
+    std::uint64_t dropped_before = 0;  ///< frames that source or pipeline lost since the previous published frame
 
     std::int64_t queued_ns = 0;  ///< when it was put into a queue, of the steady clock; 0 where nobody traces
     std::chrono::steady_clock::time_point captured;    ///< when the capture stage got it
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, scratch_;
+    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, scratch_,
+        stage_memory_;
 };
 
 }  // namespace disparityd::pipeline

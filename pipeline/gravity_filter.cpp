@@ -50,20 +50,15 @@ void GravityFilter::add(const capture::SensorSample& sample) {
     const double keep = time_constant_s / (time_constant_s + passed_s);
     const double calm = std::max(1 - std::abs(length - gravity) / shaken, 0.0);
     const double weight = calm * std::min(passed_s, longest_s);
-    const CameraDirection acceleration = axes_.turned(x, y, z);
-    sum_ = {keep * sum_.right + weight * acceleration.right, keep * sum_.down + weight * acceleration.down,
-            keep * sum_.ahead + weight * acceleration.ahead};
+    sum_ = {keep * sum_.x + weight * x, keep * sum_.y + weight * y, keep * sum_.z + weight * z};
     weight_ = keep * weight_ + weight;
     newest_calm_ns_ = calm > 0 ? sample.monotonic_ns : newest_calm_ns_;
 }
 
-std::optional<CameraDirection> GravityFilter::up_at(std::int64_t monotonic_ns) const {
+std::optional<SensorDirection> GravityFilter::up_at(std::int64_t monotonic_ns) const {
     const double apart = std::abs(static_cast<double>(monotonic_ns) - static_cast<double>(newest_calm_ns_));
-    const double length = std::sqrt(sum_.right * sum_.right + sum_.down * sum_.down + sum_.ahead * sum_.ahead);
-    if (!(weight_ >= least_weight_s) || apart > static_cast<double>(stale_ns) || !(length > 0)) {
-        return std::nullopt;
-    }
-    return CameraDirection{sum_.right / length, sum_.down / length, sum_.ahead / length};
+    const bool known = weight_ >= least_weight_s && apart <= static_cast<double>(stale_ns);
+    return known && sum_ != SensorDirection{} ? std::optional(sum_) : std::nullopt;
 }
 
 }  // namespace disparityd::pipeline

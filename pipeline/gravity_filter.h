@@ -6,8 +6,7 @@
 #include <span>
 
 #include "capture/frame_source.h"
-#include "obstacles/gravity_ground.h"
-#include "obstacles/scan.h"
+#include "kernels/added_stage.h"
 
 namespace disparityd::pipeline {
 
@@ -16,23 +15,20 @@ namespace disparityd::pipeline {
 /// thread; allocates nothing.
 class GravityFilter {
 public:
-    explicit GravityFilter(const scan::SensorAxes& axes) : axes_(axes) {}
-
     /// Takes the samples that came with a frame, in order. Any values may come, as those of a damaged recording.
     void add(std::span<const capture::SensorSample> samples);
 
     /// Returns where up is for a frame of this time, CLOCK_MONOTONIC as the samples' times. Returns nothing when the
     /// sensor has been silent or shaken for a second, or has not measured long enough yet.
-    std::optional<CameraDirection> up_at(std::int64_t monotonic_ns) const;
+    std::optional<SensorDirection> up_at(std::int64_t monotonic_ns) const;
 
 private:
     void add(const capture::SensorSample& sample);
 
-    scan::SensorAxes axes_;
     bool begun_ = false;
     std::int64_t newest_ns_ = 0;       ///< of all samples with an acceleration
     std::int64_t newest_calm_ns_ = 0;  ///< of those that counted
-    CameraDirection sum_;              ///< of accelerations, by weight and age
+    SensorDirection sum_;              ///< of accelerations, by weight and age
     double weight_ = 0;                ///< of the sum, s
 };
 

@@ -11,6 +11,7 @@
 #include "base/failure_text.h"
 #include "base/start_thread.h"
 #include "pipeline/capture_stage.h"
+#include "pipeline/depth_stage.h"
 #include "pipeline/stage_queue.h"
 
 namespace disparityd::pipeline {
@@ -24,21 +25,10 @@ void name_this_thread(std::string_view stage) {
     pthread_setname_np(pthread_self(), std::string(stage.substr(0, 15)).c_str());
 }
 
-int steps_of(const Matcher& matcher) {
-    int steps = 0;
-    for (const StageInfo& stage : matcher.stages()) {
-        steps += static_cast<int>(stage.steps.size());
-    }
-    return steps;
-}
-
-/// Returns a filter where the scan needs to know where up is.
-std::optional<GravityFilter> gravity_filter(const PipelineConfig& config) {
-    if (!config.scan || config.scan->ground != GroundMode::gravity) {
-        return std::nullopt;
-    }
-    const auto axes = scan::parse_sensor_axes(config.scan->imu_axes);
-    return axes ? std::optional<GravityFilter>(*axes) : std::nullopt;
+FrameView without_depth(FrameView view) {
+    view.depth = {};
+    view.depth_error = {};
+    return view;
 }
 
 }  // namespace
@@ -61,21 +51,12 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
       matcher_(matcher),
       workers_(workers),
       sink_(std::move(sink)),
-      times_(static_cast<std::size_t>(steps_of(matcher)) + (config.scan ? 4 : 3)),
       heartbeats_(matcher.stages().size() + 2),
       finished_(heartbeats_.size()),
       free_slots_(std::make_unique<FreeSlots>(static_cast<std::size_t>(config.slots))) {
     check(config, rectifications_.factory());
-    step_names_.emplace_back("capture");
-    for (const StageInfo& stage : matcher.stages()) {
-        first_step_.push_back(step_names_.size());
-        step_names_.insert(step_names_.end(), stage.steps.begin(), stage.steps.end());
-    }
-    if (config.scan) {
-        step_names_.emplace_back("scan");
-        scanner_ = std::make_unique<ObstacleScanner>(matcher.config().width, matcher.config().height, *config.scan,
-                                                     fastest_frame_steps());
-    }
+    add_steps(config);
+    times_ = std::vector<Histogram>(step_names_.size() + 2);
     Tracer& tracer = workers.tracer();
     for (std::size_t i = 0; i < heartbeats_.size(); ++i) {
         const std::string name(thread_name(i));
@@ -92,16 +73,12 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
     for (int i = 0; i < config.slots; ++i) {
         slots_.push_back(std::make_unique<FrameSlot>(
             matcher, FrameSlot::Products{config.depth, config.left_colour, config.right_colour, config.depth_error},
-            step_names_.size()));
+            stages_, step_names_.size()));
         slots_.back()->view.rectifier = &slots_.back()->rectifier;
-        if (scanner_) {
-            slots_.back()->scan = scanner_->empty_scan();
-        }
         free_slots_->put_back(slots_.back().get());
     }
-    capture_stage_ =
-        std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
-                                       std::move(raw_tap), gravity_filter(config), *traced_[0].track, traced_[0].name);
+    capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
+                                                    std::move(raw_tap), *traced_[0].track, traced_[0].name);
 }
 
 Pipeline::~Pipeline() {
@@ -203,6 +180,37 @@ void Pipeline::join() {
     for (std::thread& thread : threads_) {
         if (thread.joinable()) {
             thread.join();
+        }
+    }
+}
+
+/// Finds the steps that a frame passes, in order, and the added stages among them.
+void Pipeline::add_steps(const PipelineConfig& config) {
+    stages_ = config.stages;
+    const bool changed = std::any_of(stages_.begin(), stages_.end(), [](const AddedStage* stage) {
+        return stage->place() == StagePlace::after_matching;
+    });
+    if (changed && (config.depth || config.depth_error)) {
+        depth_stage_ = std::make_unique<DepthStage>(matcher_.config());
+        stages_.push_back(depth_stage_.get());
+    }
+    step_names_.emplace_back("capture");
+    for (const StageInfo& stage : matcher_.stages()) {
+        first_step_.push_back(step_names_.size());
+        step_names_.insert(step_names_.end(), stage.steps.begin(), stage.steps.end());
+        if (first_step_.size() == 1) {
+            add(StagePlace::before_matching, before_matching_);
+        }
+    }
+    add(StagePlace::after_matching, before_sink_);
+    add(StagePlace::record, before_sink_);
+}
+
+void Pipeline::add(StagePlace place, std::vector<Added>& to) {
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        if (stages_[i]->place() == place) {
+            to.push_back({stages_[i], step_names_.size(), i});
+            step_names_.emplace_back(stages_[i]->name());
         }
     }
 }
@@ -316,7 +324,7 @@ void Pipeline::work(std::size_t stage, FrameSlot& slot) {
             waiting.reset();
             trace_work = {slot.raw.sequence, traced.name};
             const TraceSpan span(*traced.track, TraceKind::work, traced.name, slot.raw.sequence);
-            matcher_.run(static_cast<int>(stage), slot.view, workers_, times);
+            matcher_.run(static_cast<int>(stage), depth_stage_ ? without_depth(slot.view) : slot.view, workers_, times);
             if (span.on()) {
                 traced_work = {span.begin_ns(), TraceSpan::now_ns()};
             }
@@ -333,6 +341,7 @@ void Pipeline::work(std::size_t stage, FrameSlot& slot) {
     if (stage == 0) {
         source_.give_back(slot.raw);
         slot.view.raw.data = nullptr;
+        run_added(before_matching_, stage + 1, slot);
     }
 }
 
@@ -340,7 +349,7 @@ void Pipeline::publish_loop() {
     const std::size_t thread = heartbeats_.size() - 1;
     name_this_thread(thread_name(thread));
     while (FrameSlot* slot = take(thread)) {
-        if (failed_.load(std::memory_order_relaxed) || !make_scan(*slot) || !publish(*slot)) {
+        if (!run_added(before_sink_, thread, *slot) || !publish(*slot)) {
             abandoned_.fetch_add(1, std::memory_order_release);
         }
         free_slots_->put_finished(slot);
@@ -353,23 +362,41 @@ void Pipeline::publish_loop() {
     ended_changed_.notify_all();
 }
 
-bool Pipeline::make_scan(FrameSlot& slot) {
-    if (!scanner_) {
-        return true;
+bool Pipeline::run_added(const std::vector<Added>& stages, std::size_t thread, FrameSlot& slot) {
+    for (const Added& added : stages) {
+        if (failed_.load(std::memory_order_relaxed)) {
+            return false;
+        }
+        try {
+            run_added(added, traced_[thread], slot);
+        } catch (...) {
+            fail();
+        }
     }
-    const TraceSpan span(*traced_.back().track, TraceKind::work, traced_steps_.back(), slot.raw.sequence);
+    return !failed_.load(std::memory_order_relaxed);
+}
+
+void Pipeline::run_added(const Added& added, const Traced& traced, FrameSlot& slot) {
+    std::optional<WorkerPool::ComputeSlot> compute_slot;
+    if (added.stage->place() != StagePlace::record) {  // a record is small work, for which no frame is to wait
+        const TraceSpan waiting(*traced.track, TraceKind::wait_slot, traced.name, slot.raw.sequence);
+        compute_slot.emplace(workers_);
+    }
+    trace_work = {slot.raw.sequence, traced_steps_[added.step]};
+    const TraceSpan span(*traced.track, TraceKind::work, traced_steps_[added.step], slot.raw.sequence);
     const auto start = steady_clock::now();
     const calibration::Rectification& used = *slot.rectification;
-    try {
-        scanner_->scan({slot.view.disparity, slot.view.confidence},
-                       {used.width, used.height, used.f, used.cx, used.cy, slot.view.depth_scale}, slot.scan, slot.up);
-    } catch (...) {
-        fail();
-        return false;
-    }
-    slot.step_times.back() = steady_clock::now() - start;
-    times_[step_names_.size() - 1].record(slot.step_times.back());
-    return true;
+    added.stage->run({.view = slot.view,
+                      .memory = slot.stage_memory[added.memory],
+                      .sequence = slot.raw.sequence,
+                      .discontinuity = (slot.raw.flags & capture::frame_flag_discontinuity) != 0,
+                      .f = used.f,
+                      .cx = used.cx,
+                      .cy = used.cy,
+                      .up = slot.up},
+                     workers_);
+    slot.step_times[added.step] = steady_clock::now() - start;
+    times_[added.step].record(slot.step_times[added.step]);
 }
 
 bool Pipeline::publish(const FrameSlot& slot) {

@@ -18,8 +18,8 @@
 
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
+#include "kernels/added_stage.h"
 #include "kernels/matcher.h"
-#include "obstacles/obstacle_scanner.h"
 #include "pipeline/frame_slot.h"
 #include "pipeline/heartbeat.h"
 #include "pipeline/histogram.h"
@@ -32,6 +32,7 @@ namespace disparityd::pipeline {
 
 // Declared only: their header brings the library of the lock-free queues.
 class CaptureStage;
+class DepthStage;
 class FreeSlots;
 class StageQueue;
 
@@ -48,7 +49,8 @@ struct PipelineConfig {
     bool right_colour = false;  ///< also rectify the right image in colour
     /// Also compute the depth error, from this sigma of a disparity in 1/256 px, 1 .. 1024.
     std::optional<int> depth_error = std::nullopt;
-    std::optional<ScanOptions> scan = std::nullopt;  ///< also make an obstacle scan, in the publish thread
+    /// Stages beside the matcher's, which outlive the pipeline. Those of one place run in this order.
+    std::vector<AddedStage*> stages = {};
 };
 
 /// Counters since the start.
@@ -70,10 +72,12 @@ struct PipelineStatus {
 };
 
 /// Takes frames from a source through a matcher to a sink: one thread per stage, a lock-free queue in front of each.
+/// Added stages run in the threads next to them: those before matching after rectification, all others before the sink.
 ///
-/// Owns its threads and slots; borrows source, matcher, workers and rectifications, which must outlive it. start(),
-/// stop() and the destructor are called by one thread; the sink is called by the publish thread, one frame at a time
-/// in order of capture. An exception of the source, a stage or the sink ends the pipeline: status().error says why.
+/// Owns its threads and slots; borrows source, matcher, stages, workers and rectifications, which must outlive it.
+/// start(), stop() and the destructor are called by one thread; the sink is called by the publish thread, one frame at
+/// a time in order of capture. An exception of the source, a stage or the sink ends the pipeline: status().error says
+/// why.
 class Pipeline {
 public:
     /// Gets each finished frame, which is valid during the call. Must not block for long in live use.
@@ -105,8 +109,8 @@ public:
     /// Returns a snapshot. Any thread.
     PipelineStatus status() const;
 
-    /// Returns the names of the times in FrameSlot::step_times: "capture", the matcher's steps in order, then "scan"
-    /// where one is made.
+    /// Returns the names of the times in FrameSlot::step_times in the order in which a frame passes them: "capture",
+    /// the matcher's steps and added stages; "depth" where stages after matching leave it to the pipeline.
     const std::vector<std::string>& steps() const;
 
     /// Returns the name of a stage thread whose last heartbeat is older than `limit`; empty when there is none. A
@@ -132,6 +136,15 @@ private:
         std::uint16_t name = 0;
     };
 
+    /// An added stage, and what of a slot is its own.
+    struct Added {
+        AddedStage* stage;
+        std::size_t step;    ///< index of step_names_
+        std::size_t memory;  ///< index of FrameSlot::stage_memory
+    };
+
+    void add_steps(const PipelineConfig& config);
+    void add(StagePlace place, std::vector<Added>& to);
     void check(const PipelineConfig& config, const calibration::Rectification& rectification) const;
     void start_thread(std::function<void()> loop);
     void open_gate(Gate gate);
@@ -146,8 +159,10 @@ private:
     void work(std::size_t stage, FrameSlot& slot);
     void trace_steps(std::size_t stage, const FrameSlot& slot, const Period& work);
     void publish_loop();
-    bool make_scan(FrameSlot& slot);      ///< false: it failed, and so does the pipeline
-    bool publish(const FrameSlot& slot);  ///< the same
+    /// Runs stages in the thread of that number; false: one failed, and so does the pipeline.
+    bool run_added(const std::vector<Added>& stages, std::size_t thread, FrameSlot& slot);
+    void run_added(const Added& added, const Traced& traced, FrameSlot& slot);
+    bool publish(const FrameSlot& slot);  ///< false: it failed, and so does the pipeline
 
     const std::unique_ptr<RectificationSchedule> own_rectifications_;  ///< where the caller has one rectification only
     RectificationSchedule& rectifications_;
@@ -156,7 +171,10 @@ private:
     WorkerPool& workers_;
     const Sink sink_;
 
-    std::unique_ptr<ObstacleScanner> scanner_;  ///< null where no scan is made
+    std::unique_ptr<DepthStage> depth_stage_;  ///< where stages after matching change what depth follows from
+    std::vector<AddedStage*> stages_;          ///< all added ones, depth_stage_ last
+    std::vector<Added> before_matching_;
+    std::vector<Added> before_sink_;
     std::vector<std::string> step_names_;
     std::vector<std::size_t> first_step_;      ///< per matcher stage, an index of step_names_
     std::vector<Histogram> times_;             ///< per step, then "publish" and "total"

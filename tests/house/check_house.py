@@ -23,7 +23,7 @@ ARROWS = {
     "calibration": {"base", "kernels"},
     "capture": {"base", "calibration", "kernels"},
     "obstacles": {"base", "kernels", "proto"},
-    "pipeline": {"base", "calibration", "capture", "kernels", "obstacles", "proto"},
+    "pipeline": {"base", "calibration", "capture", "kernels"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "proto"},
     "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto"},

@@ -29,13 +29,13 @@ CameraDirection up_of(double pitch_deg, double roll_deg) {
     return scan::turn_of(turned).up;
 }
 
-TEST(SensorAxes, TurnAVectorIntoTheCamerasAxes) {
+TEST(SensorAxes, TurnADirectionIntoTheCamerasAxes) {
     const auto camera = scan::parse_sensor_axes("right down ahead");
     ASSERT_TRUE(camera);
-    EXPECT_EQ(camera->turned(1, 2, 3), (CameraDirection{1, 2, 3}));
+    EXPECT_EQ(camera->turned({1, 2, 2}), (CameraDirection{1 / 3.0, 2 / 3.0, 2 / 3.0}));
     const auto robot = scan::parse_sensor_axes("ahead left up");
     ASSERT_TRUE(robot);
-    EXPECT_EQ(robot->turned(1, 2, 3), (CameraDirection{-2, -3, 1}));
+    EXPECT_EQ(robot->turned({1, 2, -2}), (CameraDirection{-2 / 3.0, 2 / 3.0, 1 / 3.0}));
 }
 
 TEST(SensorAxes, AreThreeOfARightHandedSystem) {

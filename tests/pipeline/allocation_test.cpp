@@ -13,6 +13,7 @@
 #include "calibration/rectification.h"
 #include "capture/frame_source.h"
 #include "kernels/matcher.h"
+#include "obstacles/scan_stage.h"
 #include "pipeline/pipeline.h"
 #include "proto/shared_memory_writer.h"
 #include "tests/kernels/counted_memory.h"
@@ -46,13 +47,14 @@ public:
         memory_ = std::make_unique<proto::SharedMemoryWriter>(
             "allocation-test-" + std::to_string(getpid()),
             proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
+        scan_ = std::make_unique<ScanStage>(rectification_.width, rectification_.height, ScanOptions{});
         pipeline_ = std::make_unique<Pipeline>(PipelineConfig{.policy = Policy::live,
                                                               .slots = slots,
                                                               .depth = true,
                                                               .left_colour = true,
                                                               .right_colour = true,
                                                               .depth_error = 64,
-                                                              .scan = ScanOptions{}},
+                                                              .stages = {scan_.get()}},
                                                *source_, *matcher_, workers_, rectification_,
                                                [this](const FrameSlot& slot) { publish(slot); });
         pipeline_->start();
@@ -98,6 +100,7 @@ private:
     std::unique_ptr<Matcher> matcher_;
     std::unique_ptr<proto::SharedMemoryWriter> memory_;
     WorkerPool workers_{2};
+    std::unique_ptr<ScanStage> scan_;
     std::atomic<std::uint64_t> published_{0};
     std::unique_ptr<Pipeline> pipeline_;  // last: its threads use the rest
 };

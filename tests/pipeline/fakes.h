@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <functional>
@@ -21,6 +22,8 @@ namespace disparityd::pipeline::fakes {
 
 inline constexpr int width = 8;
 inline constexpr int height = 2;
+/// For what comes in no time unless something is wrong.
+inline constexpr std::chrono::seconds forever{60};
 
 /// A source whose frames are pushed by the test, or made on demand up to a number; their first byte is the sequence.
 class Source final : public capture::FrameSource {

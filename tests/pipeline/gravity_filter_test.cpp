@@ -15,9 +15,9 @@ using capture::SensorSample;
 constexpr std::int64_t ms = 1'000'000;
 constexpr float g = 9.81F;
 
-/// A filter of a sensor whose axes are ahead, left and up, and a clock that goes on by 2.5 ms with each sample.
+/// A filter of a sensor whose z axis points up at rest, and a clock that goes on by 2.5 ms with each sample.
 struct Sensor {
-    GravityFilter filter{*scan::parse_sensor_axes("ahead left up")};
+    GravityFilter filter;
     std::int64_t now = 5'000 * ms;
 
     void feed(int count, capture::SensorVector acceleration) {
@@ -34,7 +34,7 @@ struct Sensor {
     /// How far up is from straight up, degrees; more than 180 where it is not known.
     double lean() const {
         const auto up = filter.up_at(now);
-        return up ? std::acos(std::min(-up->down, 1.0)) * 180 / 3.14159265358979 : 999;
+        return up ? std::atan2(std::hypot(up->x, up->y), up->z) * 180 / 3.14159265358979 : 999;
     }
 };
 
@@ -43,9 +43,9 @@ TEST(GravityFilter, AtRestUpIsUp) {
     sensor.rest(200);
     const auto up = sensor.filter.up_at(sensor.now);
     ASSERT_TRUE(up);
-    EXPECT_NEAR(up->down, -1, 1e-12);
-    EXPECT_NEAR(up->right, 0, 1e-12);
-    EXPECT_NEAR(up->ahead, 0, 1e-12);
+    EXPECT_GT(up->z, 0);
+    EXPECT_EQ(up->x, 0);
+    EXPECT_EQ(up->y, 0);
 }
 
 TEST(GravityFilter, KnowsNothingBeforeTheFirstTenthOfASecond) {

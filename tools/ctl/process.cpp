@@ -13,8 +13,10 @@
 #include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/depth_range.h"
+#include "calibration/empty_result/empty_result.h"
 #include "capture/images/image_sequence.h"
 #include "kernels/large_buffer.h"
+#include "obstacles/scan_stage.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
@@ -34,7 +36,6 @@
 #include "tools/ctl/process_report.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
-#include "calibration/empty_result/empty_result.h"
 #include "tools/images/disparity_file.h"
 
 namespace disparityd::tools {
@@ -207,8 +208,9 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
         files.folder->write(slot);
         files.measured->add(slot.view.left, slot.view.right, slot.view.confidence);
         if (files.scans) {
-            files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, slot.scan);
-            files.scans_by_mounting += slot.scan.ground_source == GroundSource::configured ? 1U : 0U;
+            const ScanRecord scan = scan_record(slot.stage_memory.front());
+            files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, scan);
+            files.scans_by_mounting += scan.head.ground == GroundSource::configured ? 1U : 0U;
         }
     } catch (const std::exception& error) {
         throw std::runtime_error(base::failure_text(error));
@@ -256,6 +258,7 @@ void check_metres(const ProcessArguments& arguments, const calibration::Rectific
 struct Run {
     const ProcessArguments& arguments;
     pipeline::PipelineConfig config;
+    std::optional<ScanOptions> scan;
     MatchOptions options;
     pipeline::WorkerPool workers;
     RunFiles files;
@@ -274,10 +277,10 @@ void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& match
     const ProcessArguments& arguments = run.arguments;
     const std::string substitute(matcher.substitute());
     run.files.folder.emplace(
-        arguments.folder, arguments.force, formats_of(arguments, run.options.range), info, run.options, run.config.scan,
+        arguments.folder, arguments.force, formats_of(arguments, run.options.range), info, run.options, run.scan,
         substitute.empty() ? std::string(backend(arguments.backend).name) : substitute, rectification, steps);
     run.files.measured.emplace(run.options.range);
-    if (run.config.scan) {
+    if (run.scan) {
         run.files.scans.emplace(arguments.scan, arguments.force);
     }
 }
@@ -310,6 +313,11 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
     const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
+    std::optional<ScanStage> scan_stage;
+    if (run.scan) {
+        scan_stage.emplace(rectification.width, rectification.height, *run.scan);
+        run.config.stages = {&*scan_stage};
+    }
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
@@ -344,13 +352,13 @@ int process(ProcessArguments arguments) {
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
     config.depth = false;
-    config.scan = scan_of(arguments, options);
+    const auto scan = scan_of(arguments, options);
     if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
         print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
     }
     const auto parts = parts_of(arguments);
 
-    Run run{arguments, config, options, pipeline::WorkerPool(arguments.workers.value_or(0)), {}, {}, {}, {}};
+    Run run{arguments, config, scan, options, pipeline::WorkerPool(arguments.workers.value_or(0)), {}, {}, {}, {}};
     run.done.source = arguments.source;
     run.done.folder = arguments.folder;
     for (const capture::RunOfOneGeometry& part : parts) {
@@ -363,7 +371,7 @@ int process(ProcessArguments arguments) {
         process_part(run, part, wanted, parts.size() == 1);
     }
     run.files.folder->close();
-    note_lack_of_gravity(run.files, run.config.scan);
+    note_lack_of_gravity(run.files, run.scan);
     run.done.measured = run.files.measured->measured();
     run.done.empty_note = run.files.measured->note(run.calibration);
     return report_process(run.done, arguments.json);

@@ -188,7 +188,7 @@ std::vector<ScanSector> scanned(const Config& config) {
     ObstacleScanner scanner(width, rows, config.scan.options, fastest_frame_steps());
     Scan scan = scanner.empty_scan();
     const auto axes = scan::parse_sensor_axes(config.scan.options.imu_axes);
-    const auto up = axes ? std::optional(axes->turned(0.17, 0.05, 0.98)) : std::nullopt;
+    const auto up = axes ? std::optional(axes->turned({0.17, 0.05, 0.98})) : std::nullopt;
     scanner.scan({{disparity.data(), width, rows, width}, {confidence.data(), width, rows, width}}, camera, scan, up);
     return scan.sectors;
 }

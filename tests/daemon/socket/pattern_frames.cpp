@@ -8,7 +8,7 @@ namespace {
 
 /// Rows of the feed are longer than the image, as those of a real source may be.
 constexpr std::uint32_t row_padding = 24;
-constexpr std::uint32_t scan_sectors = 5;
+constexpr std::uint32_t record_bytes = 122;
 
 std::uint8_t pattern(std::uint64_t n, v1::Product product, std::uint64_t x, std::uint64_t y) {
     return static_cast<std::uint8_t>(n * 31 + static_cast<std::uint64_t>(product) * 57 + x * 3 + y * 7 + x * y);
@@ -38,7 +38,7 @@ PatternFrames::PatternFrames(std::uint32_t width, std::uint32_t height, std::vec
     layout_.geometry.calibration_id = 0xfedcba9876543210;
     layout_.products = std::move(products);
     layout_.shared_memory = "/disparityd.feed";
-    layout_.scan_sectors = scan_sectors;
+    layout_.record_bytes.fill(record_bytes);
     for (const v1::Product product : layout_.products) {
         const daemon::ProductShape shape = daemon::product_shape(layout_, product);
         planes_.emplace_back(std::size_t{shape.width * shape.bytes_per_pixel + row_padding} * shape.height);
@@ -76,7 +76,7 @@ std::vector<std::uint8_t> PatternFrames::expected(std::uint64_t n, v1::Product p
                                                   std::uint32_t y, std::uint32_t width, std::uint32_t height) {
     std::vector<std::uint8_t> bytes;
     if (daemon::is_record(product)) {
-        for (std::uint32_t i = 0; i < proto::scan_bytes(scan_sectors); ++i) {
+        for (std::uint32_t i = 0; i < record_bytes; ++i) {
             bytes.push_back(pattern(n, product, i, 0));
         }
         return bytes;

@@ -193,14 +193,15 @@ TEST_F(ProcessScanTest, FramesWithoutACalibrationAreRefused) {
 }
 
 TEST(ScanCsv, HasEmptyFieldsForWhatIsNotKnown) {
-    Scan scan;
-    scan.ground_source = GroundSource::held;
-    scan.ground_age = 4;
-    scan.ground = {-0.0123, 0.01999, -0.00001};
-    scan.sectors = {{-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535},
-                    {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
-                    {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
-    std::istringstream rows(tools::scan_csv_rows({7, 8, 9}, scan));
+    proto::ScanHead head{};
+    head.ground = GroundSource::held;
+    head.ground_age = 4;
+    head.ground_mm = -12;
+    head.ground_slope_ahead = 200;
+    const std::vector<ScanSector> sectors{{-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535},
+                                          {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
+                                          {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
+    std::istringstream rows(tools::scan_csv_rows({7, 8, 9}, {head, sectors}));
     std::vector<std::string> lines;
     for (std::string line; std::getline(rows, line);) {
         lines.push_back(line);

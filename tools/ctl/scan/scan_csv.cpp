@@ -26,10 +26,6 @@ std::string decimal(long number, int decimals) {
     return fixed(static_cast<double>(number) / std::pow(10, decimals), decimals);
 }
 
-std::string rounded(double number, int decimals) {
-    return decimal(std::lround(number * std::pow(10, decimals)), decimals);
-}
-
 std::string sector_fields(const ScanSector& sector) {
     const bool occupied = sector.state == SectorState::occupied;
     std::string fields =
@@ -43,10 +39,9 @@ std::string sector_fields(const ScanSector& sector) {
            ',' + std::to_string(sector.confidence);
 }
 
-std::string ground_fields(const Scan& scan) {
-    return ground_word(scan.ground_source) + (',' + std::to_string(scan.ground_age)) + ',' +
-           rounded(scan.ground.height_m, 3) + ',' + rounded(scan.ground.slope_ahead, 4) + ',' +
-           rounded(scan.ground.slope_left, 4);
+std::string ground_fields(const proto::ScanHead& head) {
+    return ground_word(head.ground) + (',' + std::to_string(head.ground_age)) + ',' + decimal(head.ground_mm, 3) + ',' +
+           decimal(head.ground_slope_ahead, 4) + ',' + decimal(head.ground_slope_left, 4);
 }
 
 [[noreturn]] void refuse_csv(const std::string& path) {
@@ -78,10 +73,10 @@ std::string scan_csv_head() {
            "ground,ground_age,ground_height_m,ground_slope_ahead,ground_slope_left\n";
 }
 
-std::string scan_csv_rows(const ScanMoment& moment, const Scan& scan) {
+std::string scan_csv_rows(const ScanMoment& moment, const ScanRecord& scan) {
     const std::string begin = std::to_string(moment.frame) + ',' + std::to_string(moment.sequence) + ',' +
                               std::to_string(moment.monotonic_ns) + ',';
-    const std::string end = ',' + ground_fields(scan) + '\n';
+    const std::string end = ',' + ground_fields(scan.head) + '\n';
     std::string rows;
     for (const ScanSector& sector : scan.sectors) {
         rows += begin;
@@ -95,7 +90,7 @@ ScanCsv::ScanCsv(std::string path, bool force) : path_(std::move(path)), file_(o
     put(scan_csv_head());
 }
 
-void ScanCsv::write(const ScanMoment& moment, const Scan& scan) {
+void ScanCsv::write(const ScanMoment& moment, const ScanRecord& scan) {
     put(scan_csv_rows(moment, scan));
 }
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "obstacles/scan.h"
+#include "obstacles/scan_stage.h"
 
 namespace disparityd::tools {
 
@@ -20,7 +20,7 @@ struct ScanMoment {
 /// Returns the first line of the file, and the lines of a frame: one for each sector. What is not known is an empty
 /// field. The same scan gives the same bytes.
 std::string scan_csv_head();
-std::string scan_csv_rows(const ScanMoment& moment, const Scan& scan);
+std::string scan_csv_rows(const ScanMoment& moment, const ScanRecord& scan);
 
 /// A file of scans, whole frames at a time. One thread uses it, and only one process.
 class ScanCsv {
@@ -30,7 +30,7 @@ public:
     ScanCsv(std::string path, bool force);
 
     /// Throws std::runtime_error when the rows cannot be written.
-    void write(const ScanMoment& moment, const Scan& scan);
+    void write(const ScanMoment& moment, const ScanRecord& scan);
 
 private:
     struct Close {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/stage_table.h"
+
+#include <array>
+#include <utility>
+
+#include "obstacles/scan_stage.h"
+
+namespace disparityd::daemon {
+namespace {
+
+/// Returns null where the configuration does not want the stage.
+using Make = std::unique_ptr<AddedStage>(const Config& config, int width, int height);
+
+std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int height) {
+    if (!config.scan.enabled) {
+        return nullptr;
+    }
+    ScanOptions options = config.scan.options;
+    options.subpixel_error_px = config.match.subpixel_error_px;
+    return std::make_unique<ScanStage>(width, height, options);
+}
+
+struct Row {
+    v1::Product product;
+    Make* make;
+};
+
+constexpr std::array table{Row{v1::SCAN, make_scan}};
+
+}  // namespace
+
+std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height) {
+    std::vector<ConfiguredStage> stages;
+    for (const Row& row : table) {
+        if (auto stage = row.make(config, width, height)) {
+            stages.push_back({row.product, std::move(stage)});
+        }
+    }
+    return stages;
+}
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "daemon/config/config.h"
+#include "kernels/added_stage.h"
+#include "proto/disparity.pb.h"
+
+namespace disparityd::daemon {
+
+/// A stage that a configuration adds to those of the matcher.
+struct ConfiguredStage {
+    v1::Product product = v1::PRODUCT_NONE;  ///< which its record is; none where it changes planes
+    std::unique_ptr<AddedStage> stage;
+};
+
+/// Makes the stages that a configuration wants, in the order of the table. Width and height are those of the rectified
+/// image. Throws std::invalid_argument when the user must change something.
+std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height);
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obstacles/scan_stage.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace disparityd {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "a scan is little endian");
+
+template <typename T>
+T limited(double value) {
+    using Limits = std::numeric_limits<T>;
+    return static_cast<T>(std::lround(std::clamp(value, double{Limits::min()}, double{Limits::max()})));
+}
+
+proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
+    proto::ScanHead head{};
+    head.version = proto::scan_version;
+    head.sectors = static_cast<std::uint16_t>(scan.sectors.size());
+    head.ground = scan.ground_source;
+    head.ground_age = limited<std::uint16_t>(scan.ground_age);
+    head.ground_mm = limited<std::int16_t>(1000 * scan.ground.height_m);
+    head.ground_slope_ahead = limited<std::int16_t>(10000 * scan.ground.slope_ahead);
+    head.ground_slope_left = limited<std::int16_t>(10000 * scan.ground.slope_left);
+    head.low_mm = limited<std::int16_t>(1000 * options.low_m);
+    head.high_mm = limited<std::int16_t>(1000 * options.high_m);
+    head.least_mm = limited<std::uint16_t>(1000 * options.min_m);
+    head.most_mm = limited<std::uint16_t>(1000 * options.max_m);
+    return head;
+}
+
+}  // namespace
+
+ScanStage::ScanStage(int width, int height, const ScanOptions& options)
+    : scanner_(width, height, options, fastest_frame_steps()),
+      axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
+      scan_(scanner_.empty_scan()) {}
+
+bool ScanStage::depends_on_earlier_frames() const {
+    // A fitted plane is held, and gravity is a mean over time.
+    return scanner_.options().ground != GroundMode::configured;
+}
+
+std::size_t ScanStage::bytes_per_frame() const {
+    return proto::scan_bytes(scan_.sectors.size());
+}
+
+void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
+    const FrameView& view = frame.view;
+    const auto up = axes_ && frame.up ? std::optional(axes_->turned(*frame.up)) : std::nullopt;
+    scanner_.scan({view.disparity, view.confidence},
+                  {view.disparity.width, view.disparity.height, frame.f, frame.cx, frame.cy, view.depth_scale}, scan_,
+                  up);
+    gravity_unknown_.store(axes_ && scan_.ground_source != GroundSource::gravity, std::memory_order_relaxed);
+    const proto::ScanHead head = head_of(scan_, scanner_.options());
+    std::memcpy(frame.memory.data(), &head, sizeof head);
+    std::memcpy(frame.memory.data() + sizeof head, scan_.sectors.data(), scan_.sectors.size() * sizeof(ScanSector));
+}
+
+std::string ScanStage::notice() const {
+    return gravity_unknown_.load(std::memory_order_relaxed)
+               ? "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last "
+                 "second, or one more than 30 degrees off; check [source] sensors and [scan] imu_axes"
+               : "";
+}
+
+ScanRecord scan_record(std::span<const std::byte> memory) {
+    const auto& head = *reinterpret_cast<const proto::ScanHead*>(memory.data());
+    return {head, {reinterpret_cast<const ScanSector*>(memory.data() + sizeof head), head.sectors}};
+}
+
+}  // namespace disparityd

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "kernels/added_stage.h"
+#include "obstacles/gravity_ground.h"
+#include "obstacles/obstacle_scanner.h"
+#include "proto/scan.h"
+
+namespace disparityd {
+
+/// The obstacle scan as a stage of the pipeline. Its memory of a frame is the product SCAN as proto/scan.h lays it out.
+class ScanStage final : public AddedStage {
+public:
+    /// Width and height are those of the rectified image. Throws as ObstacleScanner does.
+    ScanStage(int width, int height, const ScanOptions& options);
+
+    std::string_view name() const override { return "scan"; }
+    StagePlace place() const override { return StagePlace::record; }
+    bool depends_on_earlier_frames() const override;
+    std::size_t bytes_per_frame() const override;
+    void run(const StageFrame& frame, Parallel& workers) override;
+    /// Tells of a newest scan that wanted gravity and had to do without.
+    std::string notice() const override;
+
+private:
+    ObstacleScanner scanner_;
+    std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
+    Scan scan_;                             ///< of the frame that is being processed
+    std::atomic<bool> gravity_unknown_{false};
+};
+
+/// A scan's record.
+struct ScanRecord {
+    const proto::ScanHead& head;
+    std::span<const ScanSector> sectors;
+};
+
+/// Returns views of what a ScanStage has left in its memory of a frame.
+ScanRecord scan_record(std::span<const std::byte> memory);
+
+}  // namespace disparityd
