@@ -67,7 +67,10 @@ fixed_addresses() {
 build() {
     local preset=$1 run targets=() start=$SECONDS
     shift
-    case $preset in asan-ubsan | tsan | arm64) targets=(--target test-programs) ;; esac
+    case $preset in
+        asan-ubsan | tsan | arm64) targets=(--target test-programs) ;;
+        release) if ((${all:-0})); then targets=(--target all slow-test-programs); fi ;;
+    esac
     read -ra run < <(fixed_addresses "$preset"; echo)
     step "build $preset"
     if ! cmake --preset "$preset" "$@" || ! "${run[@]}" cmake --build --preset "$preset" --parallel "${jobs:?}" "${targets[@]}"; then
