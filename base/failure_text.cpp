@@ -13,9 +13,6 @@ constexpr const char* no_memory =
     "not enough memory: the system gives this program no more; end other programs, choose smaller images or fewer "
     "disparities, or raise the limit (ulimit -v, MemoryMax= of a service)";
 
-/// Fits into a string that allocates nothing.
-constexpr const char* no_memory_in_short = "out of memory";
-
 }  // namespace
 
 std::string failure_text(const std::exception& error) {
@@ -29,17 +26,13 @@ std::string failure_text(const std::exception& error) {
     return of_opencv != nullptr ? of_opencv->err : error.what();
 }
 
-std::string failure_text(const std::exception_ptr& failure) noexcept {
+std::string failure_text(const std::exception_ptr& failure) {
     try {
-        try {
-            std::rethrow_exception(failure);
-        } catch (const std::exception& error) {
-            return failure_text(error);
-        } catch (...) {
-            return "an unknown failure";
-        }
+        std::rethrow_exception(failure);
+    } catch (const std::exception& error) {
+        return failure_text(error);
     } catch (...) {
-        return no_memory_in_short;
+        return "an unknown failure";
     }
 }
 

@@ -10,7 +10,7 @@ namespace disparityd::base {
 /// that libraries have several texts ("std::bad_alloc", "vector::_M_default_append", OpenCV's "Insufficient memory").
 std::string failure_text(const std::exception& error);
 
-/// Returns the same for `failure`, which is not null. Where there is no memory even for the text, it is a short one.
-std::string failure_text(const std::exception_ptr& failure) noexcept;
+/// Returns the same for `failure`, which is not null.
+std::string failure_text(const std::exception_ptr& failure);
 
 }  // namespace disparityd::base

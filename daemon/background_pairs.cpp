@@ -2,14 +2,16 @@
 #include "daemon/background_pairs.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
+#include <fmt/format.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "base/failure_text.h"
 #include "base/start_thread.h"
-#include "daemon/log.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -67,8 +69,8 @@ void BackgroundPairs::run() {
         stage_.store(busy, std::memory_order_relaxed);
         try {
             look_({left_.data(), width_, height_, width_}, {right_.data(), width_, height_, width_});
-        } catch (...) {
-            log_caught(name_);  // most likely there is no memory
+        } catch (const std::exception& error) {
+            failures_.write(LogLevel::error, fmt::format("{}: {}", name_, base::failure_text(error)));
         }
     }
 }

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -17,6 +16,7 @@
 #include "base/descriptor_limit.h"
 #include "base/failure_text.h"
 #include "base/freed_memory.h"
+#include "base/out_of_memory.h"
 #include "daemon/configured_access.h"
 #include "daemon/log.h"
 #include "daemon/requests/record_request.h"
@@ -77,7 +77,7 @@ Daemon::Daemon(DaemonOptions options, Config config)
       config_(std::move(config)),
       builder_(
           [this](const Config& built, const EngineBuilder::Progress& progress) { return make_engine(built, progress); },
-          [this] { tell_built(); }),
+          [this] { boost::asio::post(control_, [this] { look_for_built(); }); }),
       server_(server_config(config_), [this] { return status(); },
               {record_start_request(recording_), record_stop_request(recording_), camera_request(camera_),
                trace_request(trace_)}),
@@ -100,36 +100,13 @@ bool Daemon::run() {
     tick();
     server_.start();  // clients get a status while the first source is prepared
     builder_.build(BuildReason::start, config_);
-    control();
+    control_.run();
     builder_.wait();
     shut_down();
     if (fatal_) {
         std::rethrow_exception(fatal_);
     }
     return ended_well_;
-}
-
-/// Runs signals and ticks. An exception, such as one for want of memory, does not end the daemon: it waits for both
-/// again.
-void Daemon::control() noexcept {
-    bool waiting = true;
-    while (!stopping()) {
-        try {
-            if (!waiting) {
-                signals_.cancel();
-                wait_for_signal();
-                wait_for_tick();
-                waiting = true;
-            }
-            control_.run();
-            return;
-        } catch (...) {
-            log_caught("the daemon goes on");
-            if (!std::exchange(waiting, false)) {
-                std::this_thread::sleep_for(std::chrono::milliseconds(100));  // memory may be free again then
-            }
-        }
-    }
 }
 
 void Daemon::wait_for_signal() {
@@ -189,15 +166,6 @@ std::shared_ptr<Engine> Daemon::make_engine(const Config& config, const EngineBu
     return std::make_shared<Engine>(config, carry_over, progress);
 }
 
-/// Calls the control thread. Where there is no memory for that, its next tick looks for the engine.
-void Daemon::tell_built() noexcept {
-    try {
-        boost::asio::post(control_, [this] { look_for_built(); });
-    } catch (...) {
-        log_caught("the new engine waits for the next tick");
-    }
-}
-
 void Daemon::look_for_built() {
     const auto built = builder_.take();
     if (!built || stopping()) {
@@ -216,6 +184,7 @@ void Daemon::look_for_built() {
 void Daemon::put_to_work(const EngineBuilder::Built& built) {
     const bool rollback = built.reason == BuildReason::rollback;
     try {
+        const base::MemoryMayBeRefused refusable;
         if (rollback) {
             shared_memory_.reset();  // it is the refused configuration's
         }
@@ -392,12 +361,8 @@ void Daemon::shut_down() {
     if (const auto last = engine()) {
         last->stop();
     }
-    try {
-        recording_.set_source(std::nullopt, "");
-        recording_.wait();
-    } catch (...) {
-        log_caught("the recording is finished at the end");  // by its destructor
-    }
+    recording_.set_source(std::nullopt, "");
+    recording_.wait();
     server_.stop();
     shared_memory_.reset();
 }

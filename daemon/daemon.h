@@ -62,10 +62,8 @@ private:
     bool serving() const { return phase_.load(std::memory_order_relaxed) == Phase::serving; }
     bool stopping() const { return phase_.load(std::memory_order_relaxed) == Phase::stopping; }
 
-    void control() noexcept;
     void wait_for_signal();
     void wait_for_tick();
-    void tell_built() noexcept;
     void look_for_built();
     void reload();
     std::shared_ptr<Engine> make_engine(const Config& config, const EngineBuilder::Progress& progress) const;

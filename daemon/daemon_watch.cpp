@@ -34,8 +34,7 @@ constexpr std::chrono::seconds preparation_time{30};
 }  // namespace
 
 void Daemon::tick() {
-    wait_for_tick();  // first, because the rest may find no memory
-    look_for_built();
+    wait_for_tick();
     recording_.check();
     watch_source();
     watch_memory();
@@ -128,7 +127,7 @@ void Daemon::watch_threads() {
                                             : std::chrono::milliseconds(default_stuck_limit);
     const auto current = engine();
     std::string stuck = current ? current->stuck_stage(limit) : std::string();
-    const auto silence = server_.silence();  // always asked: the call also retries what had no memory
+    const auto silence = server_.silence();  // each call asks again
     if (stuck.empty() && serving() && silence > limit) {
         stuck = "socket server";
     }

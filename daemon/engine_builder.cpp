@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "base/out_of_memory.h"
 #include "base/start_thread.h"
 #include "daemon/log.h"
 
@@ -44,6 +45,7 @@ void EngineBuilder::build(BuildReason reason, Config config) noexcept {
 
 void EngineBuilder::make_engine() {
     try {
+        const base::MemoryMayBeRefused refusable;
         built_.engine = make_(*built_.config, [this](int, int) {
             if (cancelled_.load(std::memory_order_relaxed)) {
                 throw Cancelled();

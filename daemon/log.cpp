@@ -2,9 +2,7 @@
 #include "daemon/log.h"
 
 #include <cstdlib>
-#include <exception>
 #include <memory>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,9 +10,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
-#include "base/failure_text.h"
 #include "base/message_text.h"
 
 namespace disparityd::daemon {
@@ -76,21 +72,6 @@ void set_log_level(LogLevel level) {
 void log_line(LogLevel level, const std::string& line) {
     // Names in the line may hold control characters.
     spdlog::default_logger_raw()->log(spdlog_level(level), base::printable_line(line));
-}
-
-void log_caught(const char* what) noexcept {
-    static LogLimiter limiter(5, std::chrono::seconds(10));
-    std::uint64_t left_out = 0;
-    if (!limiter.allows(left_out)) {
-        return;
-    }
-    try {
-        log_error(fmt::format("{}: {}{}", what, base::failure_text(std::current_exception()),
-                              left_out > 0 ? fmt::format(" ({} such lines left out before)", left_out) : ""));
-    } catch (...) {
-        constexpr std::string_view line = "disparityd: there is not enough memory for a line of the log\n";
-        [[maybe_unused]] const auto written = ::write(STDERR_FILENO, line.data(), line.size());
-    }
 }
 
 bool LogLimiter::allows(std::uint64_t& left_out) {

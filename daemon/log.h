@@ -32,10 +32,6 @@ inline void log_error(const std::string& line) {
     log_line(LogLevel::error, line);
 }
 
-/// Logs one line with `what` and the current exception; to be called in a catch block, any thread. The number of such
-/// lines is limited. Where there is no memory for the line, a shorter one is written without.
-void log_caught(const char* what) noexcept;
-
 /// Limits lines that clients can provoke: `burst` lines, then one more every `interval`. Any thread.
 class LogLimiter {
 public:

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstdio>
 #include <exception>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +13,7 @@
 #include "base/failure_text.h"
 #include "base/freed_memory.h"
 #include "base/message_text.h"
+#include "base/out_of_memory.h"
 #include "base/program_end.h"
 #include "daemon/command_line.h"
 #include "daemon/configured_access.h"
@@ -57,12 +57,8 @@ int run(int argc, char** argv) {
 }
 
 void print_error(const std::exception& error) {
-    try {
-        const std::string line = disparityd::base::failure_text(error);
-        std::fprintf(stderr, "disparityd: error: %s\n", disparityd::base::printable_line(line).c_str());
-    } catch (const std::bad_alloc&) {
-        std::fputs("disparityd: error: out of memory\n", stderr);
-    }
+    const std::string line = disparityd::base::failure_text(error);
+    std::fprintf(stderr, "disparityd: error: %s\n", disparityd::base::printable_line(line).c_str());
 }
 
 int exit_code(int argc, char** argv) {
@@ -80,6 +76,7 @@ int exit_code(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    disparityd::base::end_when_out_of_memory();
     disparityd::base::set_up_freed_memory();
     return disparityd::base::end_program(exit_code(argc, argv));
 }

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <utility>
-
-#include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <boost/system/system_error.hpp>
 
 #include "base/signals_blocked.h"
 #include "base/start_thread.h"
-#include "daemon/log.h"
 
 namespace disparityd::daemon {
 
@@ -21,19 +17,6 @@ inline boost::asio::thread_pool one_thread() {
     } catch (const boost::system::system_error& error) {
         base::refuse_thread(error.code().message());
     }
-}
-
-/// Posts a piece of work to the thread. An exception ends this piece only, with a line in the log. Throws
-/// std::bad_alloc where there is no memory to post it.
-template <typename Executor, typename Work>
-void do_in(Executor& thread, const char* what, Work work) {
-    boost::asio::post(thread, [what, work = std::move(work)]() mutable {
-        try {
-            work();
-        } catch (...) {
-            log_caught(what);
-        }
-    });
 }
 
 }  // namespace disparityd::daemon

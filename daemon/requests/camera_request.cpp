@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
 #include "base/failure_text.h"
@@ -28,7 +29,7 @@ void CameraControlService::ask(const v1::CameraRequest& request, Reply reply) {
             fmt::format("camera: found {} settings, allowed: at most {}", request.settings_size(), most_settings)));
         return;
     }
-    do_in(worker_, "a request about the camera is not answered", [this, request, reply = std::move(reply)] {
+    boost::asio::post(worker_, [this, request, reply = std::move(reply)] {
         Answer answer;
         try {
             const auto engine = engine_();

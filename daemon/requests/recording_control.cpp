@@ -14,6 +14,7 @@
 #include "base/error_text.h"
 #include "base/failure_text.h"
 #include "base/message_text.h"
+#include "base/out_of_memory.h"
 #include "base/words.h"
 #include "daemon/log.h"
 #include "proto/record_message.h"
@@ -29,8 +30,6 @@ bool begins_like_a_name(const std::string& part) {
     const unsigned char first = part.empty() ? 0 : static_cast<unsigned char>(part.front());
     return first >= 0x80 || std::isalnum(first) != 0;
 }
-constexpr const char* not_answered = "a request about recordings is not answered";
-constexpr const char* not_finished = "a recording cannot be finished";
 
 /// Returns the absolute path of `path` inside the folder. Throws if it is not allowed.
 std::string target_path(const std::string& path, const std::string& directory) {
@@ -105,9 +104,10 @@ void RecordingControl::set_source(std::optional<capture::SourceInfo> source, con
 }
 
 void RecordingControl::start(const WantedRecording& wanted, Answer answer) {
-    do_in(worker_, not_answered, [this, wanted, answer = std::move(answer)] {
+    boost::asio::post(worker_, [this, wanted, answer = std::move(answer)] {
         std::string refusal;
         try {
+            const base::MemoryMayBeRefused refusable;
             start_now(wanted);
         } catch (const std::exception& error) {
             refusal = base::failure_text(error);
@@ -119,7 +119,7 @@ void RecordingControl::start(const WantedRecording& wanted, Answer answer) {
 void RecordingControl::stop(Answer answer) {
     // The recording may end before the worker runs this; its status is still the answer.
     const bool running = status().active();
-    do_in(worker_, not_answered, [this, running, answer = std::move(answer)] {
+    boost::asio::post(worker_, [this, running, answer = std::move(answer)] {
         bool ended = false;
         {
             const std::lock_guard lock(mutex_);
@@ -196,7 +196,7 @@ bool RecordingControl::end(const std::string& reason) {
 
 void RecordingControl::end_in_background(const std::string& reason) {
     if (end(reason)) {
-        do_in(worker_, not_finished, [this] { finish_ended(); });
+        boost::asio::post(worker_, [this] { finish_ended(); });
     }
 }
 
@@ -240,19 +240,12 @@ std::string RecordingControl::limit_reached(const v1::RecordStatus& now) const {
 /// Asks the worker for the free space; a disk that does not answer blocks the worker only.
 void RecordingControl::watch_space() {
     if (rules_.keep_free_bytes > 0 && !looking_for_space_) {
-        do_in(worker_, "the room on the disk is not looked at", [this] { look_for_space(); });
+        boost::asio::post(worker_, [this] { look_for_space(); });
         looking_for_space_ = true;
     }
 }
 
 void RecordingControl::look_for_space() {
-    struct Looked {  // also where there was no memory to look
-        RecordingControl& control;
-        ~Looked() {
-            const std::lock_guard lock(control.mutex_);
-            control.looking_for_space_ = false;
-        }
-    } const looked{*this};
     std::shared_ptr<capture::Recorder> recorder;
     std::string path;
     std::uint64_t keep = 0;
@@ -268,6 +261,7 @@ void RecordingControl::look_for_space() {
         if (free && *free < keep && recorder_ == recorder) {
             end(too_full(*free, keep));
         }
+        looking_for_space_ = false;
     }
     recorder.reset();
     finish_ended();
@@ -292,8 +286,6 @@ void RecordingControl::check() {
                 return;
             }
             watch_space();
-        } else if (ended_.recorder) {
-            do_in(worker_, not_finished, [this] { finish_ended(); });  // there may have been no memory for it before
         }
     }
     if (now.active() && now.lost() > 0 && now.path() != slow_) {

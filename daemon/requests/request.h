@@ -38,8 +38,8 @@ inline Answer refusal_of(std::string why) {
     return {{}, std::move(why)};
 }
 
-/// Takes the answer to one request, at once or later, from any thread. Nothing else is read from the client before. The
-/// connection is closed where every copy of this is gone without an answer.
+/// Takes the answer to one request, at once or later, from any thread. Nothing else is read from the client before, so
+/// every request is answered.
 using Reply = std::function<void(Answer answer)>;
 
 /// One kind of request that clients make over the socket. Its functions are called in the socket's thread and must not

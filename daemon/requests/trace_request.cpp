@@ -6,7 +6,6 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "base/failure_text.h"
 #include "daemon/requests/trace_message.h"
 
 namespace disparityd::daemon {
@@ -38,52 +37,37 @@ void TraceService::ask(const v1::TraceRequest& request, Reply reply) {
         return;
     }
     const std::chrono::duration<double> time(seconds);
-    try {
-        boost::asio::post(
-            control_, [this, time] { begin(std::chrono::duration_cast<std::chrono::steady_clock::duration>(time)); });
-    } catch (const std::exception& error) {
-        refuse(base::failure_text(error));
-    }
+    boost::asio::post(control_,
+                      [this, time] { begin(std::chrono::duration_cast<std::chrono::steady_clock::duration>(time)); });
 }
 
 void TraceService::begin(std::chrono::steady_clock::duration time) {
-    try {
-        const auto engine = engine_();
-        if (!engine) {
-            refuse("trace: the source is being prepared; ask again");
-            return;
-        }
-        engine->tracer().begin();
-        traced_ = engine;
-        timer_.expires_after(time);
-        timer_.async_wait([this](const boost::system::error_code& error) {
-            if (!error) {
-                end();
-            }
-        });
-    } catch (const std::exception& error) {
-        refuse("trace: " + base::failure_text(error));
-        if (const auto engine = std::exchange(traced_, {}).lock()) {
-            engine->tracer().end();  // the timer was not set
-        }
+    const auto engine = engine_();
+    if (!engine) {
+        refuse("trace: the source is being prepared; ask again");
+        return;
     }
+    engine->tracer().begin();
+    traced_ = engine;
+    timer_.expires_after(time);
+    timer_.async_wait([this](const boost::system::error_code& error) {
+        if (!error) {
+            end();
+        }
+    });
 }
 
 void TraceService::end() {
-    try {
-        const auto engine = std::exchange(traced_, {}).lock();
-        if (!engine || engine != engine_()) {
-            refuse("trace: the configuration was loaded again, or the source opened anew, meanwhile; ask again");
-            return;
-        }
-        Answer answer;
-        for (v1::Trace& part : to_messages(engine->tracer().end())) {
-            *answer.messages.emplace_back().mutable_trace() = std::move(part);
-        }
-        take_reply()(std::move(answer));
-    } catch (const std::exception& error) {
-        refuse("trace: " + base::failure_text(error));
+    const auto engine = std::exchange(traced_, {}).lock();
+    if (!engine || engine != engine_()) {
+        refuse("trace: the configuration was loaded again, or the source opened anew, meanwhile; ask again");
+        return;
     }
+    Answer answer;
+    for (v1::Trace& part : to_messages(engine->tracer().end())) {
+        *answer.messages.emplace_back().mutable_trace() = std::move(part);
+    }
+    take_reply()(std::move(answer));
 }
 
 void TraceService::refuse(const std::string& why) {

@@ -255,10 +255,6 @@ void ClientConnection::pump() {
 /// Writes as much as the socket takes at once. Asio holds no address of the message between two writes, so the planes
 /// may move (Payload::keep_copy()).
 void ClientConnection::write_some() {
-    if (outbox_.is_lost()) {
-        close(lost_frame);
-        return;
-    }
     error_code error;
     const bool all_sent = outbox_.sent(stream_.write_some(outbox_.rest(), error));
     if (error && error != asio::error::would_block && error != asio::error::interrupted) {
@@ -332,12 +328,8 @@ void ClientConnection::drain() {
                           }));
 }
 
-void ClientConnection::failed() noexcept {
-    try {
-        close("closed: " + base::failure_text(std::current_exception()));
-    } catch (...) {
-        close("closed: out of memory");
-    }
+void ClientConnection::failed(const std::exception& error) noexcept {
+    close("closed: " + base::failure_text(error));
 }
 
 void ClientConnection::stop() noexcept {

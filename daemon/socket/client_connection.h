@@ -4,14 +4,15 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/steady_timer.hpp>
 
-#include "daemon/socket/client_handler.h"
 #include "daemon/socket/client_outbox.h"
 #include "daemon/socket/client_stream.h"
 #include "daemon/socket/rate_limit.h"
@@ -45,13 +46,10 @@ public:
     void guarded(Action action) noexcept {
         try {
             action();
-        } catch (...) {
-            failed();
+        } catch (const std::exception& error) {
+            failed(error);
         }
     }
-
-    /// Closes because Asio has destroyed a handler uncalled; see ClientHandler.
-    void handler_lost() noexcept { close("closed: there was no memory to go on with it"); }
 
 protected:
     /// How far the connection has come. Every function that others call asks for it: until `hello` the handshake alone
@@ -65,8 +63,6 @@ protected:
         leaving,    ///< an Error with closing = true is the last message; nothing is read
         closed
     };
-
-    static constexpr std::string_view lost_frame = "closed: there was no memory to keep the rest of its frame";
 
     ClientConnection(ClientStream stream, Clients& clients);
 
@@ -92,10 +88,12 @@ protected:
     void set_deadline(std::chrono::steady_clock::duration time, Action action);
     void close(std::string_view why) noexcept;
 
-    /// Returns what a timer or the stream may call with the connection, which it keeps alive until then.
+    /// Returns what a timer or the stream may call, guarded, with the connection, which it keeps alive until then.
     template <typename Function>
     auto handler(Function function) {
-        return ClientHandler<ClientConnection, Function>(shared_from_this(), std::move(function));
+        return [self = shared_from_this(), function = std::move(function)](const auto&... arguments) mutable {
+            self->guarded([&] { function(*self, arguments...); });
+        };
     }
     ClientStream& stream() { return stream_; }
     const ClientStream& stream() const { return stream_; }
@@ -122,7 +120,7 @@ private:
     /// Returns the client's name for a line of the log.
     virtual std::string label() const = 0;
 
-    void failed() noexcept;
+    void failed(const std::exception& error) noexcept;
     template <typename Then>
     void shake_hands_after(std::chrono::nanoseconds wait, Then then);
     template <typename Then>

@@ -45,8 +45,6 @@ public:
     OutgoingMessage::Buffers rest() const { return message_.rest(); }
     /// Counts bytes. Returns whether the message was sent in full.
     bool sent(std::size_t bytes);
-    /// Returns whether the planes of the message are lost, so that it cannot be completed.
-    bool is_lost() const { return message_.is_lost(); }
     /// Returns true once for a message that takes longer than the limit.
     bool stalls(std::chrono::steady_clock::duration limit);
 

@@ -87,20 +87,6 @@ void ClientSession::watch() {
     }
 }
 
-/// Marks a question as open. Whoever can answer it holds the result; it expires when the answer is lost.
-std::shared_ptr<void> ClientSession::ask() {
-    const std::shared_ptr<void> question = std::make_shared<char>();
-    question_ = question;
-    answer_pending_ = true;
-    return question;
-}
-
-void ClientSession::look_for_answer() noexcept {
-    if (answer_pending_ && question_.expired()) {
-        close("closed: there was no memory for the answer to its question");
-    }
-}
-
 void ClientSession::add_to(v1::Totals& totals) const noexcept {
     totals.set_clients(totals.clients() + (greeted_ ? 1 : 0));
     totals.set_client_frames_sent(totals.client_frames_sent() + subscription_.feed().frames_sent());
@@ -234,8 +220,8 @@ bool ClientSession::admit(const std::string& token) {
 }
 
 void ClientSession::refuse_late(const std::string& why) {
-    // Nothing is read meanwhile, as before any answer.
-    set_deadline(pause_after_wrong_token, [this, why, question = ask()] { send_error(why, true); });
+    answer_pending_ = true;  // nothing is read meanwhile
+    set_deadline(pause_after_wrong_token, [this, why] { send_error(why, true); });
 }
 
 /// Returns whether the client may do that; sends an Error if not.
@@ -309,8 +295,9 @@ void ClientSession::pass_on(const Request& request, const v1::Envelope& message)
 
 /// Returns what takes the answer to the request that has arrived, in whatever thread it comes.
 Reply ClientSession::reply(std::shared_ptr<RateLimit> rate) {
-    return [self = self(), question = ask(), thread = stream().get_executor(), rate](Answer answer) {
-        asio::dispatch(thread, [self, question, rate, answer = std::move(answer)] {
+    answer_pending_ = true;
+    return [self = self(), thread = stream().get_executor(), rate](Answer answer) {
+        asio::dispatch(thread, [self, rate, answer = std::move(answer)] {
             if (rate && !answer.refusal.empty()) {
                 rate->give_back();
             }
@@ -371,10 +358,6 @@ void ClientSession::layout_changed() {
 
 void ClientSession::frame_arrived() {
     if (!may_write()) {
-        return;
-    }
-    if (outbox().is_lost()) {
-        close(lost_frame);
         return;
     }
     if (wanted() != 0 && outbox().stalls(stall_limit)) {
@@ -528,14 +511,10 @@ void ClientSession::stopped() noexcept {
 }
 
 void ClientSession::left(std::string_view why) noexcept {
-    try {
-        (has_subscribed_ ? clients().log().connections : clients().log().unsubscribed)
-            .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
-                   fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, subscription_.feed().frames_sent(),
-                               subscription_.feed().frames_skipped()));
-    } catch (...) {
-        log_caught("a client is closed");
-    }
+    (has_subscribed_ ? clients().log().connections : clients().log().unsubscribed)
+        .write(has_subscribed_ ? LogLevel::info : LogLevel::debug,
+               fmt::format("{}: {}; frames: {} sent, {} skipped", label(), why, subscription_.feed().frames_sent(),
+                           subscription_.feed().frames_skipped()));
     clients().closed(id_);
 }
 

@@ -49,9 +49,6 @@ public:
     /// anew. Only one of the same rights may end it.
     void make_room_for(const ClientSession& newer) noexcept;
 
-    /// Closes the connection if the answer that it waits for can no longer come. The server calls this at intervals.
-    void look_for_answer() noexcept;
-
     bool greeted() const { return greeted_; }
     bool local() const { return peer_.local; }
     std::uint32_t wanted() const { return is_open() ? subscription_.products() : 0; }
@@ -81,7 +78,6 @@ private:
                     std::shared_ptr<const EncodedPlanes> planes) noexcept override;
     void not_compressed(const std::string& why) noexcept override;
 
-    std::shared_ptr<void> ask();
     bool waits_for_something() const;
     void hello(const v1::Hello& hello);
     std::string why_refused(const std::string& token) const;
@@ -111,8 +107,7 @@ private:
     std::uint64_t client_id_ = 0;  ///< of its Hello; 0 = none
     bool greeted_ = false;         ///< has said hello, and may have left since
     std::chrono::steady_clock::time_point last_request_;
-    bool answer_pending_ = false;   ///< no request is read before the answer
-    std::weak_ptr<void> question_;  ///< expires when nobody can answer any more
+    bool answer_pending_ = false;  ///< no request is read before the answer
     ClientSubscription subscription_;
     bool has_subscribed_ = false;
     bool compressing_ = false;   ///< waits for its turn, or its frame is being compressed

@@ -95,12 +95,8 @@ void Clients::came_back(const ClientSession& session) {
 
 void Clients::tell_gone(std::uint64_t client) noexcept {
     for (const Request& request : requests_) {
-        try {
-            if (request.client_is_gone) {
-                request.client_is_gone(client);
-            }
-        } catch (...) {
-            log_caught("what a client has asked for may go on without it");
+        if (request.client_is_gone) {
+            request.client_is_gone(client);
         }
     }
 }
@@ -202,11 +198,6 @@ void Clients::sensors_arrived(const std::vector<capture::SensorSample>& samples,
 
 void Clients::watch() noexcept {
     for_each([](ClientSession& session) { session.watch(); });
-}
-
-void Clients::look() noexcept {
-    compressor_.look();
-    for_each([](ClientSession& session) { session.look_for_answer(); });
 }
 
 void Clients::end_all() noexcept {

@@ -69,8 +69,6 @@ public:
     void sensors_arrived(const std::vector<capture::SensorSample>& samples, SensorRing::Time newest);
     /// Closes those that have been idle for too long; called at intervals.
     void watch() noexcept;
-    /// Resumes what could not be done because memory was short.
-    void look() noexcept;
     /// Closes all; the thread has ended.
     void end_all() noexcept;
 

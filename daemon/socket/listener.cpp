@@ -38,7 +38,7 @@ using boost::system::error_code;
                                          key));
 }
 
-/// The common part of both listeners: accepts clients, and tries again when descriptors or memory run out.
+/// The common part of both listeners: accepts clients, and tries again when descriptors run out.
 template <typename Protocol>
 class AcceptingListener : public Listener, public std::enable_shared_from_this<AcceptingListener<Protocol>> {
 public:
@@ -46,17 +46,7 @@ public:
 
     void serve(Accepted accepted) override {
         accepted_ = std::move(accepted);
-        asio::post(acceptor_.get_executor(), [self = this->shared_from_this()] { self->look(); });
-    }
-
-    void look() noexcept override {
-        if (serves() && !waiting_) {
-            try {
-                accept();
-            } catch (...) {
-                log_caught("no client can be accepted for the moment");
-            }
-        }
+        asio::post(acceptor_.get_executor(), [self = this->shared_from_this()] { self->accept(); });
     }
 
     void close() override {
@@ -80,38 +70,9 @@ protected:
     typename Protocol::acceptor acceptor_;
 
 private:
-    /// Belongs to the handler that wakes this listener. Clears waiting_ when the handler was called, or destroyed
-    /// because Asio had no memory to call it.
-    class Wakening {
-    public:
-        explicit Wakening(std::shared_ptr<AcceptingListener> listener) : listener_(std::move(listener)) {
-            listener_->waiting_ = true;
-        }
-        Wakening(Wakening&&) noexcept = default;
-        Wakening& operator=(Wakening&&) = delete;
-        Wakening(const Wakening&) = delete;
-        Wakening& operator=(const Wakening&) = delete;
-        ~Wakening() {
-            if (listener_) {
-                listener_->waiting_ = false;
-            }
-        }
-        std::shared_ptr<AcceptingListener> take() {
-            listener_->waiting_ = false;
-            return std::move(listener_);
-        }
-
-    private:
-        std::shared_ptr<AcceptingListener> listener_;
-    };
-
-    bool serves() const { return acceptor_.is_open() && accepted_; }
-
     void accept() {
-        acceptor_.async_accept([wakening = Wakening(this->shared_from_this())](
-                                   error_code error, typename Protocol::socket socket) mutable {
-            const auto self = wakening.take();
-            if (error == asio::error::operation_aborted || !self->serves()) {
+        acceptor_.async_accept([self = this->shared_from_this()](error_code error, typename Protocol::socket socket) {
+            if (error == asio::error::operation_aborted || !self->acceptor_.is_open()) {
                 return;
             }
             if (error) {
@@ -121,28 +82,27 @@ private:
             try {
                 ClientPeer peer = self->peer_of(socket);
                 self->accepted_(std::move(socket), std::move(peer));
-            } catch (...) {
-                log_caught("a client that has connected is not served");
+            } catch (const std::exception& failure) {
+                self->limiter_.write(LogLevel::warning,
+                                     fmt::format("a client that has connected is not served: {}", failure.what()));
             }
-            self->look();
+            self->accept();
         });
     }
 
-    /// Out of descriptors or memory: the connection waits in the system's queue until there are some.
+    /// Out of descriptors: the connection waits in the system's queue until there are some.
     void accept_later(const error_code& error) {
         limiter_.write(LogLevel::warning, fmt::format("{}: cannot accept a client: {}; trying again", address(),
                                                       base::error_text(error.value())));
         retry_.expires_after(std::chrono::milliseconds(100));
-        retry_.async_wait([wakening = Wakening(this->shared_from_this())](error_code stopped) mutable {
-            const auto self = wakening.take();
-            if (!stopped) {
-                self->look();
+        retry_.async_wait([self = this->shared_from_this()](error_code stopped) {
+            if (!stopped && self->acceptor_.is_open()) {
+                self->accept();
             }
         });
     }
 
     asio::steady_timer retry_;
-    bool waiting_ = false;  ///< there is a Wakening
     Accepted accepted_;
     LogLimiter limiter_{5, std::chrono::seconds(10)};
 };

@@ -23,9 +23,6 @@ public:
     /// Starts to accept.
     virtual void serve(Accepted accepted) = 0;
 
-    /// Accepts again if that has stopped because memory was short. The io_context's thread calls this at intervals.
-    virtual void look() noexcept = 0;
-
     /// Stops accepting; a Unix socket's file is removed.
     virtual void close() = 0;
 

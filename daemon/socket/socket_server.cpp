@@ -2,7 +2,6 @@
 #include "daemon/socket/socket_server.h"
 
 #include <algorithm>
-#include <new>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -116,31 +115,7 @@ void SocketServer::start() {
     }
     serving_ = listeners_;
     asio::post(io_, [this] { watch_clients(); });
-    thread_ = base::start_thread([this] { run(); });
-}
-
-/// Sessions and listeners handle their own exceptions. An exception that arrives here, of Asio or of a posted handler,
-/// ends that handler only.
-void SocketServer::run() noexcept {
-    for (;;) {
-        try {
-            io_.run();
-            return;
-        } catch (...) {
-            log_caught("the socket server continues after a failed handler");
-        }
-    }
-}
-
-/// Resumes what handlers could not do because memory was short.
-void SocketServer::look_around() noexcept {
-    for (const auto& listener : serving_) {
-        listener->look();
-    }
-    if (std::chrono::steady_clock::now() > watch_due_ + watch_interval_) {
-        watch_clients();  // its timer was lost because memory was short
-    }
-    clients_.look();
+    thread_ = base::start_thread([this] { io_.run(); });
 }
 
 void SocketServer::end_all() noexcept {
@@ -158,11 +133,7 @@ void SocketServer::stop() {
         listeners_.clear();
         return;
     }
-    try {
-        asio::post(io_, [this] { io_.stop(); });  // after what was posted before
-    } catch (...) {
-        io_.stop();
-    }
+    asio::post(io_, [this] { io_.stop(); });  // after what was posted before
     thread_.join();
     end_all();
     serving_.clear();
@@ -206,15 +177,11 @@ void SocketServer::publish(const PublishedFrame& frame) {
     if (wanted == 0 || !pool_) {
         return;
     }
-    try {
-        if (FrameHandle copy = pool_->copy(frame, wanted)) {
-            asio::post(io_, [this, copy = std::move(copy)]() mutable { clients_.frame_arrived(std::move(copy)); });
-            return;
-        }
-    } catch (const std::bad_alloc&) {
-        log_caught("a frame is not offered to socket clients");
+    if (FrameHandle copy = pool_->copy(frame, wanted)) {
+        asio::post(io_, [this, copy = std::move(copy)]() mutable { clients_.frame_arrived(std::move(copy)); });
+    } else {
+        lost_.fetch_add(1, std::memory_order_relaxed);
     }
-    lost_.fetch_add(1, std::memory_order_relaxed);
 }
 
 void SocketServer::publish_sensors(std::span<const capture::SensorSample> samples, SensorRing::Time newest) {
@@ -225,18 +192,13 @@ void SocketServer::publish_sensors(std::span<const capture::SensorSample> sample
         samples_lost_ += static_cast<std::uint32_t>(samples.size());
         return;
     }
-    try {
-        std::vector<capture::SensorSample> copy(samples.begin(), samples.end());
-        copy.front().lost_before += samples_lost_;
-        asio::post(io_, [this, copy = std::move(copy), newest] {
-            samples_on_the_way_.fetch_sub(copy.size(), std::memory_order_relaxed);
-            clients_.sensors_arrived(copy, newest);
-        });
-        samples_lost_ = 0;
-        samples_on_the_way_.fetch_add(samples.size(), std::memory_order_relaxed);
-    } catch (const std::bad_alloc&) {
-        samples_lost_ += static_cast<std::uint32_t>(samples.size());
-    }
+    std::vector<capture::SensorSample> copy(samples.begin(), samples.end());
+    copy.front().lost_before += std::exchange(samples_lost_, 0);
+    samples_on_the_way_.fetch_add(samples.size(), std::memory_order_relaxed);
+    asio::post(io_, [this, copy = std::move(copy), newest] {
+        samples_on_the_way_.fetch_sub(copy.size(), std::memory_order_relaxed);
+        clients_.sensors_arrived(copy, newest);
+    });
 }
 
 std::vector<std::string> SocketServer::addresses() const {
@@ -276,31 +238,19 @@ std::chrono::nanoseconds SocketServer::silence() {
     const auto now = std::chrono::steady_clock::now();
     if (answered_.exchange(false, std::memory_order_acq_rel)) {
         asked_ = now;
-        try {
-            asio::post(io_, [this] {
-                answered_.store(true, std::memory_order_release);
-                look_around();
-            });
-        } catch (const std::bad_alloc&) {
-            answered_.store(true, std::memory_order_release);  // the question was not posted
-        }
+        asio::post(io_, [this] { answered_.store(true, std::memory_order_release); });
     }
     return now - asked_;
 }
 
-void SocketServer::watch_clients() noexcept {
+void SocketServer::watch_clients() {
     clients_.watch();
-    watch_due_ = std::chrono::steady_clock::now() + watch_interval_;
-    try {
-        watch_timer_.expires_at(watch_due_);
-        watch_timer_.async_wait([this](const boost::system::error_code& error) {
-            if (!error) {
-                watch_clients();
-            }
-        });
-    } catch (...) {
-        log_caught("idle clients are looked for later");
-    }
+    watch_timer_.expires_after(watch_interval_);
+    watch_timer_.async_wait([this](const boost::system::error_code& error) {
+        if (!error) {
+            watch_clients();
+        }
+    });
 }
 
 }  // namespace disparityd::daemon

@@ -101,9 +101,7 @@ private:
     Listeners make_listeners(const SocketServerConfig& config, const Listeners& kept);
     Requests with_status(Requests requests);
     v1::Status status_and_losses() const;
-    void watch_clients() noexcept;
-    void run() noexcept;
-    void look_around() noexcept;
+    void watch_clients();
     void end_all() noexcept;
 
     boost::asio::io_context io_{1};
@@ -130,7 +128,6 @@ private:
     // The server thread's.
     Listeners serving_;
     boost::asio::steady_timer watch_timer_;
-    std::chrono::steady_clock::time_point watch_due_;
     std::chrono::milliseconds watch_interval_;
     boost::asio::thread_pool compressing_ = one_thread();
     Clients clients_;

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A limit of the memory, as ulimit -v sets it: threads that have no room for their stacks, and the end of a program.
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <new>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "base/out_of_memory.h"
 #include "base/program_end.h"
 #include "base/start_thread.h"
 
@@ -80,6 +85,55 @@ TEST(LimitedMemory, EndsAProgramWhateverItsLibrariesWaitFor) {
 
 TEST(LimitedMemory, AProgramWithoutLimitGoesToItsEnd) {
     EXPECT_EQ(base::end_program(3), 3);
+}
+
+constexpr const char* one_line = "^disparityd: error: out of memory: [^\n]*\n$";
+
+/// Takes memory until there is none. A destructor that ran at the end of the program would wait for ever.
+void take_all() {
+    const MemoryLimit limit(addresses() + (rlim_t{64} << 20));
+    std::vector<std::vector<char>> taken;
+    while (true) {
+        taken.emplace_back(1000);
+    }
+}
+
+TEST(OutOfMemory, EndsTheProgramWithALine) {
+    const auto program = [] {
+        alarm(60);
+        std::atexit([] { wait_for_ever(); });
+        base::end_when_out_of_memory();
+        take_all();
+    };
+    EXPECT_EXIT(program(), testing::ExitedWithCode(1), one_line);
+}
+
+TEST(OutOfMemory, EndsTheProgramWhereALibraryThrowsByItself) {
+    const auto program = [] {
+        base::end_when_out_of_memory();
+        std::thread([] { throw std::bad_alloc(); }).join();
+    };
+    EXPECT_EXIT(program(), testing::ExitedWithCode(1), one_line);
+}
+
+TEST(OutOfMemory, OtherFailuresAreToldAsBefore) {
+    const auto program = [] {
+        base::end_when_out_of_memory();
+        std::thread([] { throw std::runtime_error("a bug"); }).join();
+    };
+    EXPECT_EXIT(program(), testing::KilledBySignal(SIGABRT), "a bug");
+}
+
+TEST(OutOfMemory, IsThrownToWorkThatCanBeRefused) {
+    const auto program = [] {
+        base::end_when_out_of_memory();
+        {
+            const base::MemoryMayBeRefused refusable;
+            EXPECT_THROW(take_all(), std::bad_alloc);
+        }
+        take_all();
+    };
+    EXPECT_EXIT(program(), testing::ExitedWithCode(1), one_line);
 }
 
 }  // namespace

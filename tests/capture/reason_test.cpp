@@ -99,7 +99,9 @@ TEST(Reasons, NoCameraIsToBlameForTooManyOpenFiles) {
 
 TEST(Reasons, AFailedAllocationIsToldAsSuch) {
     EXPECT_THAT(base::failure_text(std::bad_alloc()), StartsWith("not enough memory: "));
+    EXPECT_THAT(base::failure_text(std::length_error("vector::_M_default_append")), StartsWith("not enough memory: "));
     EXPECT_EQ(base::failure_text(std::runtime_error("a.png: is damaged")), "a.png: is damaged");
+    EXPECT_EQ(base::failure_text(std::make_exception_ptr(7)), "an unknown failure");
     EXPECT_THAT(
         base::failure_text(cv::Exception(cv::Error::StsNoMem, "Failed to allocate 9 bytes", "f", "alloc.cpp", 7)),
         StartsWith("not enough memory: "));

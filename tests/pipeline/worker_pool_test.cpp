@@ -14,6 +14,7 @@
 #include <mutex>
 #include <semaphore>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,6 +36,22 @@ TEST(WorkerPool, RunsEachTaskOnce) {
             }
         }
     }
+}
+
+TEST(WorkerPool, WhatATaskThrowsComesToTheCaller) {
+    WorkerPool workers(3);
+    std::atomic<int> ended{0};
+    const auto task = [&](int index) {
+        if (index % 10 == 3) {
+            throw std::runtime_error("one in ten fails");
+        }
+        ++ended;
+    };
+    EXPECT_THROW(workers.for_each(100, task), std::runtime_error);
+    EXPECT_EQ(ended, 90) << "all the others are run";
+    ended = 0;
+    workers.for_each(3, task);
+    EXPECT_EQ(ended, 3) << "and the pool works on";
 }
 
 TEST(WorkerPool, ResultsAreVisibleToTheCaller) {

@@ -39,15 +39,14 @@ std::uint64_t FrameCompressor::Request::cost() const {
     return cost;
 }
 
-void FrameCompressor::Work::run() noexcept {
+void FrameCompressor::Work::run() {
     const auto before = thread_time();
     try {
         planes = std::make_shared<const EncodedPlanes>(encoder.encode(request.frame, request.selection));
-    } catch (...) {
-        failure = base::failure_text(std::current_exception());
+    } catch (const std::exception& error) {
+        failure = base::failure_text(error);
     }
     time = thread_time() - before;
-    done.store(true, std::memory_order_release);
 }
 
 void FrameCompressor::ask(const std::shared_ptr<Client>& client) {
@@ -62,13 +61,6 @@ void FrameCompressor::ask(const std::shared_ptr<Client>& client) {
     waiting_.push_back({client, start, start + client->price_});
     // Posted: the client that calls this cannot be called back here.
     asio::post(server_, [this] { next(); });
-}
-
-void FrameCompressor::look() noexcept {
-    if (busy_ && work_->done.exchange(false, std::memory_order_acquire)) {
-        finished();
-    }
-    next();
 }
 
 /// Takes the waiting client whose turn would end first by its clock, among equals the one that asked first. Returns
@@ -89,7 +81,7 @@ std::shared_ptr<FrameCompressor::Client> FrameCompressor::take_first() noexcept 
     return nullptr;
 }
 
-void FrameCompressor::next() noexcept {
+void FrameCompressor::next() {
     while (!busy_) {
         auto client = take_first();
         if (!client) {
@@ -98,31 +90,21 @@ void FrameCompressor::next() noexcept {
         work_->request = client->next_request();
         if (work_->request.frame) {
             work_->client = std::move(client);
-            if (!begin()) {
-                return;
-            }
+            begin();
         }
     }
 }
 
-/// Starts the worker. Returns false if there is no memory to do so: the client is told, and look() resumes the queue.
-bool FrameCompressor::begin() noexcept {
+void FrameCompressor::begin() {
     now_ = std::max(now_, work_->client->clock_);
     busy_ = true;
-    try {
-        asio::post(worker_, [this, &server = server_, work = work_] {
-            work->run();
-            try {
-                asio::post(server, [this] { look(); });
-            } catch (...) {  // NOLINT(bugprone-empty-catch): the server calls look()
-            }
+    asio::post(worker_, [this, &server = server_, work = work_] {
+        work->run();
+        asio::post(server, [this] {
+            finished();
+            next();
         });
-        return true;
-    } catch (...) {
-        work_->failure = base::failure_text(std::current_exception());
-        finished();
-        return false;
-    }
+    });
 }
 
 /// Charges the client for its part of a frame that `sharers` clients get.
@@ -133,7 +115,7 @@ void FrameCompressor::charge(Client& client, int sharers) const noexcept {
     client.account_.charge(cost, work_->time / sharers, CompressorAccount::Clock::now());
 }
 
-void FrameCompressor::finished() noexcept {
+void FrameCompressor::finished() {
     busy_ = false;
     const auto client = std::exchange(work_->client, nullptr);
     const auto planes = std::exchange(work_->planes, nullptr);
@@ -155,7 +137,7 @@ void FrameCompressor::finished() noexcept {
 
 /// Gives the planes to those of the first `waiting` clients that want the same; they need no turn of their own.
 void FrameCompressor::hand_to_others(const std::shared_ptr<const EncodedPlanes>& planes, int sharers,
-                                     std::size_t waiting) noexcept {
+                                     std::size_t waiting) {
     std::size_t place = 0;
     for (std::size_t left = waiting; left > 0; --left) {
         const auto other = waiting_[place].client.lock();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -67,11 +66,8 @@ public:
     FrameCompressor(const FrameCompressor&) = delete;
     FrameCompressor& operator=(const FrameCompressor&) = delete;
 
-    /// Queues the client for one turn. Throws std::bad_alloc; the client may be queued all the same then.
+    /// Queues the client for one turn.
     void ask(const std::shared_ptr<Client>& client);
-
-    /// Resumes work whose notification was lost because memory was short. The server calls this at intervals.
-    void look() noexcept;
 
 private:
     struct Waiting {
@@ -80,7 +76,7 @@ private:
         std::uint64_t end = 0;    ///< its clock after the turn, if it wants as much as the last time
     };
 
-    /// One frame on its way between the two threads. The worker owns it until `done`.
+    /// One frame on its way between the two threads. The worker owns it until finished() is posted.
     struct Work {
         FrameEncoder encoder;
         std::shared_ptr<Client> client;
@@ -88,16 +84,15 @@ private:
         std::shared_ptr<const EncodedPlanes> planes;
         std::string failure;
         std::chrono::nanoseconds time{0};
-        std::atomic<bool> done{false};
 
-        void run() noexcept;
+        void run();
     };
 
-    void next() noexcept;
+    void next();
     std::shared_ptr<Client> take_first() noexcept;
-    bool begin() noexcept;
-    void finished() noexcept;
-    void hand_to_others(const std::shared_ptr<const EncodedPlanes>& planes, int sharers, std::size_t waiting) noexcept;
+    void begin();
+    void finished();
+    void hand_to_others(const std::shared_ptr<const EncodedPlanes>& planes, int sharers, std::size_t waiting);
     void charge(Client& client, int sharers) const noexcept;
 
     boost::asio::io_context& server_;

@@ -21,7 +21,7 @@ void FrameRing::clear() {
     shrink_to(0);
 }
 
-void FrameRing::shrink_to(std::size_t frames) noexcept {
+void FrameRing::shrink_to(std::size_t frames) {
     while (entries_.size() > frames) {
         for (const Entry::Variant& variant : entries_.front().variants) {
             if (const auto planes = variant.planes.lock()) {

@@ -44,7 +44,7 @@ private:
         };
         std::vector<Variant> variants;
     };
-    void shrink_to(std::size_t frames) noexcept;
+    void shrink_to(std::size_t frames);
 
     std::size_t capacity_;
     std::uint64_t end_ = 0;

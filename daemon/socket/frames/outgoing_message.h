@@ -33,9 +33,6 @@ public:
 
     bool is_done() const { return sent_ == size(); }
 
-    /// Returns whether the planes are lost, so that the message cannot be completed.
-    bool is_lost() const { return planes_ && planes_->bytes.is_lost(); }
-
     /// Releases the planes: all was sent, or nothing more will be.
     void finish() { planes_.reset(); }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/socket/frames/payload.h"
 
-#include <new>
 #include <utility>
 
 namespace disparityd::daemon {
@@ -17,20 +16,15 @@ Payload::Payload(std::vector<std::span<const std::uint8_t>> parts, FrameHandle f
     }
 }
 
-void Payload::keep_copy() noexcept {
+void Payload::keep_copy() {
     if (!frame_) {
         return;
     }
-    try {
-        bytes_.reserve(size_);
-        for (const auto& part : parts_) {
-            bytes_.insert(bytes_.end(), part.begin(), part.end());
-        }
-        parts_ = {bytes_};
-    } catch (const std::bad_alloc&) {
-        parts_.clear();
-        lost_ = true;
+    bytes_.reserve(size_);
+    for (const auto& part : parts_) {
+        bytes_.insert(bytes_.end(), part.begin(), part.end());
     }
+    parts_ = {bytes_};
     frame_.reset();
 }
 

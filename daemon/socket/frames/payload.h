@@ -35,19 +35,14 @@ public:
     /// Returns how many bytes are its own: copied or compressed.
     std::size_t own_bytes() const { return bytes_.size(); }
 
-    /// Copies the bytes of the frame and releases it, so that the pool can reuse its memory. If there is no memory for
-    /// the copy, the bytes are lost.
-    void keep_copy() noexcept;
-
-    /// Returns whether keep_copy() had no memory; there are no parts then.
-    bool is_lost() const { return lost_; }
+    /// Copies the bytes of the frame and releases it, so that the pool can reuse its memory.
+    void keep_copy();
 
 private:
     std::vector<std::span<const std::uint8_t>> parts_;
     std::vector<std::uint8_t> bytes_;
     FrameHandle frame_;  ///< null: the parts lie in bytes_
     std::size_t size_ = 0;
-    bool lost_ = false;
 };
 
 }  // namespace disparityd::daemon
