@@ -77,12 +77,7 @@ void expect_found(const v1::SelfCalibration& found) {
     EXPECT_NEAR(found.roll_degrees(), roll_degrees, tolerance_degrees);
 }
 
-TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysTheSameBytes) {
-#if defined(DISPARITYD_SANITIZED)
-#if __has_feature(thread_sanitizer)
-    GTEST_SKIP() << "an estimate takes minutes under the thread sanitizer";
-#endif
-#endif
+TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItLeavesItOutDamagedAndReplaysTheSameBytes) {
     const std::vector<std::string> calibrated{"--set", "source.calibration=" + untrue_calibration()};
     std::map<std::int64_t, Seen> live;
     std::uint64_t factory_id = 0;
@@ -128,6 +123,17 @@ TEST_F(SelfCalibrationTest, CorrectsInTheBackgroundKeepsItRecordsItAndReplaysThe
         expect_found(status(frames).self_calibration());
     }
 
+    folder_.write(kept().at(0), "disparityd-correction 1\ncalibration =");
+    {
+        const auto daemon = start_ready(config(camera), calibrated);
+        EXPECT_TRUE(daemon->wait_for_log("delete the file")) << daemon->log();
+    }
+
+#if defined(DISPARITYD_SANITIZED)
+#if __has_feature(thread_sanitizer)
+    return;  // so slow, live and replay drop nearly all frames: seldom the same one comes through
+#endif
+#endif
     const auto daemon = start_ready(config(folder_.path() + "/r.mkv"), {"--set", "source.loop=true"});
     WireClient frames = subscriber(daemon->address("unix:"), {v1::DISPARITY});
     std::map<std::uint64_t, int> compared;
@@ -188,23 +194,6 @@ TEST_F(SelfCalibrationTest, SwitchedOffNothingIsEstimatedOrApplied) {
     }
     EXPECT_FALSE(status(frames).has_self_calibration());
     EXPECT_TRUE(kept().empty());
-}
-
-TEST_F(SelfCalibrationTest, ADamagedFileIsSaidAndLeftOut) {
-    const std::string calibration = untrue_calibration();
-    const std::vector<std::string> calibrated{"--set", "source.calibration=" + calibration};
-    capture::SourceInfo info;
-    {
-        const auto daemon = start_ready(config(camera), calibrated);
-        WireClient frames = subscriber(daemon->address("unix:"), {v1::DISPARITY});
-        std::map<std::int64_t, Seen> seen;
-        while (kept().empty()) {
-            next_frame(frames, seen);
-        }
-    }
-    folder_.write(kept().at(0), "disparityd-correction 1\ncalibration =");
-    const auto daemon = start_ready(config(camera), calibrated);
-    EXPECT_TRUE(daemon->wait_for_log("delete the file")) << daemon->log();
 }
 
 }  // namespace
