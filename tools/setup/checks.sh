@@ -91,12 +91,12 @@ run_tests() {
     [[ -s $results/$tests.xml ]] || note failed "test $tests: ctest left no result"
 }
 
-# run_fuzzers: targets for 15 s each, several at a time: with the same seed a longer run tries what was tried before. In front,
+# run_fuzzers: targets for 5 s each, several at a time: with the same seed a longer run tries what was tried before. In front,
 # since an input that waits for the processor looks like one that takes for ever.
 run_fuzzers() {
     local outcome start=$SECONDS
     step "fuzz"
-    tests/fuzz/run 15 -j "$jobs" >"$results/fuzz-run.txt" 2>&1
+    tests/fuzz/run 5 -j "$jobs" >"$results/fuzz-run.txt" 2>&1
     outcome=$?
     took "fuzzers" "$start"
     grep '^fuzz: ' "$results/fuzz-run.txt" || cat "$results/fuzz-run.txt"
