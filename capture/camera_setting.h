@@ -10,9 +10,9 @@ namespace disparityd::capture {
 struct CameraControl {
     std::string name;
     std::int64_t value = 0;
-    std::int64_t least = 0;
-    std::int64_t most = 0;
-    std::int64_t usual = 0;  ///< the value that the camera starts with
+    std::int64_t min = 0;
+    std::int64_t max = 0;
+    std::int64_t initial = 0;  ///< the value that the camera starts with
 };
 
 struct CameraSetting {

@@ -294,7 +294,7 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
-    const bool in_flight = status.captured > status.published + status.dropped + status.skipped_corrupt;
+    const bool in_flight = status.captured > status.published + status.dropped + status.damaged;
     if (!in_flight && silence > silence_limit) {
         return {State::waiting,
                 fmt::format("no frame from the source for {:.0f} s", std::chrono::duration<double>(silence).count()),
@@ -350,8 +350,8 @@ void Engine::fill(v1::Status& status) const {
     status.set_captured(now.captured);
     status.set_published(now.published);
     status.set_dropped(now.dropped);
-    status.set_lost_before(now.lost_before);
-    status.set_corrupt(now.skipped_corrupt);
+    status.set_lost(now.lost);
+    status.set_damaged(now.damaged);
     const capture::SourceCondition source = source_->condition();
     if (source.sensors) {
         *status.mutable_sensors() = to_message(*source.sensors);
@@ -359,7 +359,7 @@ void Engine::fill(v1::Status& status) const {
     if (const auto& camera = source.camera) {
         *status.mutable_camera() = to_message(*camera);
         // The source counts the damaged frames that it does not pass on.
-        status.set_corrupt(now.skipped_corrupt + camera->damaged + camera->too_short);
+        status.set_damaged(now.damaged + camera->damaged + camera->too_short);
     }
     for (const auto& step : now.steps) {
         v1::StepTime& time = *status.add_steps();
@@ -375,8 +375,8 @@ void Engine::fill(v1::Status& status) const {
     totals.set_captured(status.captured());
     totals.set_published(status.published());
     totals.set_dropped(status.dropped());
-    totals.set_lost_before(status.lost_before());
-    totals.set_corrupt(status.corrupt());
+    totals.set_lost(status.lost());
+    totals.set_damaged(status.damaged());
     put_steps(totals, now.steps);
 }
 

@@ -40,8 +40,8 @@ void add_totals(v1::Totals& totals, const v1::Totals& before) {
     totals.set_captured(totals.captured() + before.captured());
     totals.set_published(totals.published() + before.published());
     totals.set_dropped(totals.dropped() + before.dropped());
-    totals.set_lost_before(totals.lost_before() + before.lost_before());
-    totals.set_corrupt(totals.corrupt() + before.corrupt());
+    totals.set_lost(totals.lost() + before.lost());
+    totals.set_damaged(totals.damaged() + before.damaged());
     if (totals.bounds_us_size() == 0) {
         *totals.mutable_bounds_us() = before.bounds_us();
     }

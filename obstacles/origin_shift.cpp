@@ -191,12 +191,12 @@ void OriginShift::find_free() {
 }
 
 /// Limits what is free by a point between the rays of find_free().
-void OriginShift::block(const Point& point, double least_mm) {
+void OriginShift::block(const Point& point, double min_mm) {
     const double distance = std::sqrt(dot(point, point));
     const double middle = from_deg_ + width_deg_ * static_cast<double>(found_.size()) / 2;
     const double sector = (middle + std::remainder(bearing_of(point) - middle, 360.0) - from_deg_) / width_deg_;
     const double within = sector - std::floor(sector);
-    if (distance < least_mm || sector < 0 || sector >= static_cast<double>(found_.size()) || within < edge_share ||
+    if (distance < min_mm || sector < 0 || sector >= static_cast<double>(found_.size()) || within < edge_share ||
         within > 1 - edge_share) {
         return;
     }

@@ -51,7 +51,7 @@ private:
     std::optional<double> blocked_at(const Cone& cone, const Point& direction) const;
     double free_along(double bearing_deg) const;
     void find_free();
-    void block(const Point& point, double least_mm);
+    void block(const Point& point, double min_mm);
     void block_corners(const Cone& cone);
     void find_obstacle(const ScanSector& obstacle, int camera_sector);
     void put(std::span<const ScanSector> camera_sectors, std::span<ScanSector> sectors) const;

@@ -30,8 +30,8 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
     head.ground_slope_left = limited<std::int16_t>(10000 * scan.ground.slope_left);
     head.low_mm = limited<std::int16_t>(1000 * options.low_m);
     head.high_mm = limited<std::int16_t>(1000 * options.high_m);
-    head.least_mm = limited<std::uint16_t>(1000 * options.min_m);
-    head.most_mm = limited<std::uint16_t>(1000 * options.max_m);
+    head.min_mm = limited<std::uint16_t>(1000 * options.min_m);
+    head.max_mm = limited<std::uint16_t>(1000 * options.max_m);
     return head;
 }
 

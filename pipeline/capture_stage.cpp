@@ -60,7 +60,7 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
         case capture::FrameSource::Next::frame: break;
     }
     counters_.captured.fetch_add(1, std::memory_order_relaxed);
-    counters_.lost_before.fetch_add(frame.dropped_before, std::memory_order_relaxed);
+    counters_.lost.fetch_add(frame.dropped_before, std::memory_order_relaxed);
     lost_ += frame.dropped_before;
     pending.rectification = rectifications_.for_frame(frame);
     if (raw_tap_) {
@@ -70,7 +70,7 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     pending.up = gravity_.up_at(frame.monotonic_ns);
     frame.sensors = {};  // their memory ends before the frame does
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
-        counters_.corrupt.fetch_add(1, std::memory_order_release);
+        counters_.damaged.fetch_add(1, std::memory_order_release);
         ++lost_;
         source_.give_back(frame);
         return CaptureResult::nothing;

@@ -22,8 +22,8 @@ public:
     struct Counters {
         std::atomic<std::uint64_t> captured{0};
         std::atomic<std::uint64_t> dropped{0};
-        std::atomic<std::uint64_t> lost_before{0};
-        std::atomic<std::uint64_t> corrupt{0};
+        std::atomic<std::uint64_t> lost{0};
+        std::atomic<std::uint64_t> damaged{0};
     };
 
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,

@@ -132,9 +132,9 @@ PipelineStatus Pipeline::status() const {
     // Read against the flow of frames: so no status has more frames that have ended than captured ones.
     status.published = published_.load(std::memory_order_acquire);
     status.dropped = abandoned_.load(std::memory_order_acquire) + counters.dropped.load(std::memory_order_acquire);
-    status.skipped_corrupt = counters.corrupt.load(std::memory_order_acquire);
+    status.damaged = counters.damaged.load(std::memory_order_acquire);
     status.captured = counters.captured.load(std::memory_order_relaxed);
-    status.lost_before = counters.lost_before.load(std::memory_order_relaxed);
+    status.lost = counters.lost.load(std::memory_order_relaxed);
     status.rate = rate_.per_second(steady_clock::now());
     for (std::size_t i = 0; i < times_.size(); ++i) {
         const std::size_t extra = i - step_names_.size();

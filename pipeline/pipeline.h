@@ -55,14 +55,14 @@ struct PipelineConfig {
 
 /// Counters since the start.
 struct PipelineStatus {
-    std::uint64_t captured = 0;         ///< frames taken from the source
-    std::uint64_t published = 0;        ///< frames that reached the sink
-    std::uint64_t dropped = 0;          ///< for newer ones by the live policy, or because the pipeline ended early
-    std::uint64_t lost_before = 0;      ///< by the source: the sum of RawFrame::dropped_before
-    std::uint64_t skipped_corrupt = 0;  ///< frames that came flagged as damaged and were not processed
-    bool ended = false;                 ///< the source has ended and every frame was published
-    std::string error;                  ///< why the source, a stage or the sink ended early; empty = none did
-    double rate = 0;                    ///< published frames per second over the last seconds
+    std::uint64_t captured = 0;   ///< frames taken from the source
+    std::uint64_t published = 0;  ///< frames that reached the sink
+    std::uint64_t dropped = 0;    ///< for newer ones by the live policy, or because the pipeline ended early
+    std::uint64_t lost = 0;       ///< by the source: the sum of RawFrame::dropped_before
+    std::uint64_t damaged = 0;    ///< frames that came flagged as damaged and were not processed
+    bool ended = false;           ///< the source has ended and every frame was published
+    std::string error;            ///< why the source, a stage or the sink ended early; empty = none did
+    double rate = 0;              ///< published frames per second over the last seconds
     struct Step {
         std::string name;
         HistogramSummary time;  ///< microseconds

@@ -25,7 +25,7 @@ void Tracer::begin() {
     for (TraceTrack* track : tracks_) {
         track->events_.resize(most_events / tracks_.size());
         track->count_ = 0;
-        track->lost_ = 0;
+        track->dropped_ = 0;
     }
     begin_ns_ = TraceSpan::now_ns();
     on_.store(true, std::memory_order_seq_cst);
@@ -48,7 +48,7 @@ TraceLog Tracer::end() {
         std::vector<TraceEvent> events = std::exchange(track->events_, {});
         events.resize(std::min(track->count_, events.size()));
         std::erase_if(events, [&](const TraceEvent& event) { return event.begin_ns < begin_ns_; });
-        log.tracks.push_back({track->name_, std::move(events), track->lost_});
+        log.tracks.push_back({track->name_, std::move(events), track->dropped_});
     }
     return log;
 }
@@ -69,7 +69,7 @@ void TraceTrack::add(const TraceEvent& event) noexcept {
         if (count_ < events_.size()) {
             events_[count_++] = event;
         } else {
-            ++lost_;
+            ++dropped_;
         }
     }
     writing_.store(false, std::memory_order_seq_cst);

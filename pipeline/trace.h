@@ -41,7 +41,7 @@ struct TraceLog {
     struct Track {
         std::string name;                ///< of the thread
         std::vector<TraceEvent> events;  ///< in no order
-        std::uint64_t lost = 0;          ///< for which there was no room, at the end of the time
+        std::uint64_t dropped = 0;       ///< for which there was no room, at the end of the time
     };
     std::int64_t begin_ns = 0;
     std::int64_t end_ns = 0;
@@ -110,7 +110,7 @@ private:
     std::atomic<bool> writing_{false};
     std::vector<TraceEvent> events_;
     std::size_t count_ = 0;
-    std::uint64_t lost_ = 0;
+    std::uint64_t dropped_ = 0;
 };
 
 /// What the calling thread works on, for the workers that help it.

@@ -11,7 +11,7 @@ namespace disparityd::proto {
 v1::Geometry to_message(const FrameInfo& info);
 
 /// Sets the fields of `message` that FrameInfo has. What concerns one client only stays as it is: region,
-/// skipped_for_client and planes.
+/// skipped and planes.
 void fill(v1::Frame& message, const FrameInfo& info);
 
 /// The reverse of fill(). A field that the message lacks is 0.

@@ -13,7 +13,7 @@
 namespace disparityd::proto {
 
 /// The version that both sides send in Hello and Welcome; docs/protocol.md has the rule for other versions.
-inline constexpr std::uint32_t protocol_version = 1;
+inline constexpr std::uint32_t protocol_version = 2;
 
 /// Bytes of the length in front of each Envelope.
 inline constexpr std::size_t length_bytes = 4;

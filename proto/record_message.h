@@ -8,7 +8,7 @@
 
 namespace disparityd::proto {
 
-/// Returns the message about a recording. `numbers` is any structure with frames, lost, source_lost, bytes, seconds and
+/// Returns the message about a recording. `numbers` is any structure with frames, dropped, lost, bytes, seconds and
 /// error.
 template <typename Numbers>
 v1::RecordStatus record_message(const Numbers& numbers, const std::string& path, bool active) {
@@ -16,8 +16,8 @@ v1::RecordStatus record_message(const Numbers& numbers, const std::string& path,
     message.set_active(active);
     message.set_path(to_valid_utf8(path));
     message.set_frames(numbers.frames);
+    message.set_dropped(numbers.dropped);
     message.set_lost(numbers.lost);
-    message.set_source_lost(numbers.source_lost);
     message.set_bytes(numbers.bytes);
     message.set_seconds(numbers.seconds);
     message.set_error(to_valid_utf8(numbers.error));

@@ -41,8 +41,8 @@ struct ScanHead {
     std::int16_t ground_slope_left;   ///< along y
     std::int16_t low_mm;              ///< obstacles are what lies between these heights above the ground's plane
     std::int16_t high_mm;             ///< the upper one
-    std::uint16_t least_mm;           ///< the least distance that the scan reports
-    std::uint16_t most_mm;            ///< the largest one; farther obstacles and freedom are cut there
+    std::uint16_t min_mm;             ///< the smallest distance that the scan reports
+    std::uint16_t max_mm;             ///< the largest one; farther obstacles and freedom are cut there
     std::uint16_t reserved_words[5];  ///< 0
 };
 
@@ -55,7 +55,7 @@ struct ScanSector {
     std::uint8_t confidence = 0;
     std::uint16_t distance_mm = 0;  ///< to the nearest obstacle; 0 where none is reported
     std::uint16_t sigma_mm = 0;     ///< one-sigma error of that distance
-    /// There is no obstacle nearer than this: 0 .. most_mm. Of an occupied sector it is at most distance_mm, and less
+    /// There is no obstacle nearer than this: 0 .. max_mm. Of an occupied sector it is at most distance_mm, and less
     /// where something may hide in front of the obstacle.
     std::uint16_t free_mm = 0;
     std::int16_t low_mm = 0;   ///< the obstacle's lowest part above the ground's plane, within the band

@@ -104,10 +104,10 @@ void check(const CameraSetting& setting, const std::vector<V4l2Control>& control
         }
         throw std::invalid_argument("camera: found '" + base::printable(setting.name) + "', allowed: " + names);
     }
-    if (setting.value < known->control.least || setting.value > known->control.most) {
+    if (setting.value < known->control.min || setting.value > known->control.max) {
         throw std::invalid_argument("camera: " + setting.name + ": found " + std::to_string(setting.value) +
-                                    ", allowed: " + std::to_string(known->control.least) + " .. " +
-                                    std::to_string(known->control.most));
+                                    ", allowed: " + std::to_string(known->control.min) + " .. " +
+                                    std::to_string(known->control.max));
     }
 }
 

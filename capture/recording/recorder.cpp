@@ -61,10 +61,10 @@ bool Recorder::offer(const RawFrame& frame) noexcept {
     std::size_t number = 0;
     {
         const std::lock_guard lock(mutex_);
-        status_.source_lost += offered_ ? frame.dropped_before : 0;
+        status_.lost += offered_ ? frame.dropped_before : 0;
         offered_ = true;
         if (!fits || failed_ || finishing_ || !free_.has_free()) {
-            ++status_.lost;
+            ++status_.dropped;
             ++lost_before_next_;
             samples_lost_before_next_ += count_of(frame.sensors);
             return false;
@@ -86,7 +86,7 @@ bool Recorder::offer(const RawFrame& frame) noexcept {
     const std::lock_guard lock(mutex_);
     copying_ = false;
     if (ended_) {
-        ++status_.lost;
+        ++status_.dropped;
         return false;
     }
     const std::uint64_t dropped = std::uint64_t{frame.dropped_before} + lost_before_next_;
@@ -144,9 +144,9 @@ void Recorder::run() {
     failed_ = true;
     ended_ = true;
     // Frames that the writer took back with a failed cluster are lost, as are those that still wait.
-    status_.lost += taken_ - writer_.frames();
+    status_.dropped += taken_ - writer_.frames();
     for (; !full_.empty(); full_.pop()) {
-        ++status_.lost;
+        ++status_.dropped;
     }
     status_.frames = writer_.frames();
     status_.bytes = writer_.bytes();
@@ -176,7 +176,8 @@ void Recorder::write_all() {
 
 std::string Recorder::slow_disk_text(const std::string& path) {
     return path +
-           ": frames come faster than they can be written and are lost: record to a faster disk, or in a smaller mode "
+           ": frames come faster than they can be written and are dropped: record to a faster disk, or in a smaller "
+           "mode "
            "or at a lower rate";
 }
 

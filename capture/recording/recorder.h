@@ -32,12 +32,12 @@ public:
     bool offer(const RawFrame& frame) noexcept;
 
     struct Status {
-        std::uint64_t frames = 0;       ///< written
-        std::uint64_t lost = 0;         ///< offered, but not written
-        std::uint64_t bytes = 0;        ///< of the file
-        double seconds = 0;             ///< since the start
-        std::string error;              ///< why it stopped by itself; empty = it did not
-        std::uint64_t source_lost = 0;  ///< by the source, between the first and the last that were offered
+        std::uint64_t frames = 0;   ///< written
+        std::uint64_t dropped = 0;  ///< offered, but not written
+        std::uint64_t bytes = 0;    ///< of the file
+        double seconds = 0;         ///< since the start
+        std::string error;          ///< why it stopped by itself; empty = it did not
+        std::uint64_t lost = 0;     ///< by the source, between the first and the last that were offered
     };
     Status status() const;
 

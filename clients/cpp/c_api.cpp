@@ -311,7 +311,7 @@ void disparity_frame_get_info(const disparity_frame* frame, disparity_frame_info
     disparity_frame_info all{};
     const auto fill = [&all](const auto& from) {
         disparityd::proto::copy_frame_fields(all, from);
-        all.missed = from.missed;
+        all.skipped = from.skipped;
         all.region_x = from.region_x;
         all.region_y = from.region_y;
         all.plane_count = static_cast<std::uint32_t>(from.planes.size());

@@ -290,7 +290,7 @@ private:
         Frame newest;
         if (memory_ && memory_->read(newest, milliseconds(0), wanted_.products) == ReadResult::frame &&
             newest.publish_index >= frame.publish_index) {
-            newest.missed = frame.missed + (newest.publish_index - frame.publish_index);
+            newest.skipped = frame.skipped + (newest.publish_index - frame.publish_index);
             frame = std::move(newest);
             socket_->subscribe(by_socket());
         } else {

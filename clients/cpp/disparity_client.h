@@ -57,8 +57,8 @@ typedef struct disparity_frame_info {
     int64_t monotonic_ns;    /**< capture time, CLOCK_MONOTONIC of the daemon's machine */
     int64_t realtime_ns;     /**< capture time, CLOCK_REALTIME: ns since 1970 */
     int64_t age_ns;          /**< from capture until the read gave it; from another machine never less than that */
-    uint64_t dropped_before; /**< frames lost before the daemon published, since the one published before */
-    uint64_t missed;         /**< frames published but not seen by this client, since the one read before */
+    uint64_t dropped_before; /**< frames that never were published since the one before: lost or dropped */
+    uint64_t skipped;        /**< frames published but not seen by this client, since the one read before */
     uint64_t calibration_id; /**< changes when the calibration does; 0 = none */
     double f;                /**< focal length of the rectified camera, px; 0 = unknown */
     double cx;               /**< column of the principal point of the rectified camera, px */
@@ -264,7 +264,7 @@ typedef struct disparity_subscription {
 DISPARITY_API int disparity_socket_subscribe(disparity_socket* client, const disparity_subscription* subscription);
 
 /** Gives the newest frame that was not given before, or waits for one; a frame that has lain for more than an interval
- * is left out and counts as missed, and a fresh one is asked for, which may take a little longer than the timeout. A
+ * is left out and counts as skipped, and a fresh one is asked for, which may take a little longer than the timeout. A
  * daemon that no longer answers, as over a link that was cut, has ended the connection, too. The first call after the
  * end of the connection returns DISPARITY_GONE. The calls after it connect again, send Hello and subscribe as before,
  * and return DISPARITY_GONE again when no daemon answers in time: a program that keeps reading survives a restart of
@@ -289,7 +289,7 @@ typedef struct disparity_sensor_sample {
     uint32_t holds;            /**< bits DISPARITY_SENSOR_... */
     uint32_t lost_before;      /**< samples that the daemon lost since the one before */
     uint32_t frame_syncs;      /**< the camera's count of frames that its sensors were synchronised with */
-    uint32_t skipped;          /**< samples that this client missed before this one, because it read too slowly */
+    uint32_t skipped;          /**< samples not given to this client before this one, because it read too slowly */
     float angular_velocity[3]; /**< rad/s */
     float acceleration[3];     /**< m/s2, gravity included */
     float magnetic_field[3];   /**< microtesla */

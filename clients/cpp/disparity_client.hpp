@@ -49,8 +49,9 @@ struct FrameInfo {
     /// From capture until read() or borrow() gave the frame: on its way and in buffers, too. Of a daemon on another
     /// machine it may be more, by no more than the shortest way there that was seen; it is never less.
     std::int64_t age_ns = 0;
-    std::uint64_t dropped_before = 0;  ///< frames lost before the daemon published, since the one published before
-    std::uint64_t missed = 0;          ///< frames published but not seen by this client, since the one read before
+    std::uint64_t dropped_before =
+        0;                      ///< frames that never were published since the one before: lost or dropped
+    std::uint64_t skipped = 0;  ///< frames published but not seen by this client, since the one read before
     std::uint64_t calibration_id = 0;  ///< changes when the calibration does; 0 = none
     double f = 0;                      ///< focal length of the rectified camera, px; 0 = unknown
     double cx = 0;                     ///< column of the principal point of the rectified camera, px
@@ -351,7 +352,7 @@ struct SensorSample {
 /// What SocketClient::read_sensors() gives.
 struct SensorBatch {
     std::vector<SensorSample> samples;  ///< in order
-    std::uint64_t skipped = 0;          ///< samples that this client missed before them, because it read too slowly
+    std::uint64_t skipped = 0;          ///< samples not given to this client before them, because it read too slowly
     std::int64_t age_ns = 0;            ///< of the last one when it was sent
 };
 
@@ -418,7 +419,7 @@ public:
 
     /// Gives the newest frame that was not given before, or waits for one. Whatever came while the program did
     /// something else is looked through: a frame that has lain for more than an interval is left out, counts as
-    /// `missed`, and the daemon is asked for a fresh one; that may take a little longer than the timeout. A program
+    /// `skipped`, and the daemon is asked for a fresh one; that may take a little longer than the timeout. A program
     /// that waits here gets every frame as it is published. Returns `gone` when the connection has ended: see above.
     /// Throws std::runtime_error with the daemon's message when it refuses or closes with an error, when it refuses the
     /// new connection until the timeout, or when it sends no valid frame; read() may be called again. `frame` is valid

@@ -132,7 +132,7 @@ bool FrameReader::is_fresh(const Frame& frame) {
 
 ReadResult FrameReader::give(Frame& frame) {
     give_credit(false);
-    frame.missed = missed_.seen(frame.publish_index);
+    frame.skipped = skipped_.seen(frame.publish_index);
     frame.sent_age_ns = known_.age_ns;
     const std::int64_t now = proto::monotonic_ns();
     frame.age_ns = known_.sent_ns == 0 ? known_.age_ns + (now - known_.came_ns)

@@ -8,7 +8,7 @@
 
 #include "clients/cpp/connection.h"
 #include "clients/cpp/frame_flow.h"
-#include "clients/cpp/missed.h"
+#include "clients/cpp/skipped.h"
 
 namespace disparity {
 
@@ -53,7 +53,7 @@ private:
 
     Connection& connection_;
     FrameFlow flow_;
-    MissedCounter missed_;
+    SkippedCounter skipped_;
     double max_rate_ = 0;
     bool wants_frames_ = false;
     std::optional<Frame> kept_;   ///< came during another call

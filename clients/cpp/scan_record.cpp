@@ -27,8 +27,8 @@ Scan scan_of(const proto::ScanHead& head) {
     scan.ground_slope_left = head.ground_slope_left / 10000.0;
     scan.low_m = metres(head.low_mm);
     scan.high_m = metres(head.high_mm);
-    scan.min_m = metres(head.least_mm);
-    scan.max_m = metres(head.most_mm);
+    scan.min_m = metres(head.min_mm);
+    scan.max_m = metres(head.max_mm);
     return scan;
 }
 

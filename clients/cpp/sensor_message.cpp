@@ -43,7 +43,7 @@ SensorSample sample_of(const v1::SensorSample& message) {
 
 SensorBatch batch_of(const v1::Sensors& message) {
     SensorBatch batch;
-    batch.skipped = message.skipped_for_client();
+    batch.skipped = message.skipped();
     batch.age_ns = message.age_ns();
     batch.samples.reserve(static_cast<std::size_t>(message.samples_size()));
     for (const v1::SensorSample& sample : message.samples()) {

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "clients/cpp/disparity_client.hpp"
-#include "clients/cpp/missed.h"
 #include "clients/cpp/one_user.h"
+#include "clients/cpp/skipped.h"
 #include "proto/shared_memory_reader.h"
 
 namespace disparity {
@@ -99,7 +99,7 @@ public:
         if (result == proto::ShmReader::Result::frame) {
             planes.finish();
             take_over(frame, head, reader_.view());
-            frame.missed = missed_.seen(head.publish_index);
+            frame.skipped = skipped_.seen(head.publish_index);
             frame.sent_age_ns = head.age_ns - reader_.waited_ns();
         }
         return in_client(result);
@@ -123,7 +123,7 @@ public:
                                         {bytes, plane.bytes}});
             }
             take_over(frame, head, slot.view);
-            frame.missed = missed_.seen(head.publish_index);
+            frame.skipped = skipped_.seen(head.publish_index);
             frame.sent_age_ns = head.age_ns - reader_.waited_ns();
         }
         return in_client(result);
@@ -142,7 +142,7 @@ private:
 
     OneUser user_{"SharedMemoryReader", OneUser::After::fork_goes};
     proto::ShmReader reader_;
-    MissedCounter missed_;
+    SkippedCounter skipped_;
 };
 
 SharedMemoryReader::SharedMemoryReader(const std::string& name) : SharedMemoryReader(name, {}) {}

@@ -10,12 +10,10 @@ Json vector_json(const disparity::SensorVector& vector) {
 
 }  // namespace
 
-Json to_json(const disparity::SensorSample& sample, std::uint64_t missed) {
-    Json json{{"monotonic_ns", sample.monotonic_ns},
-              {"realtime_ns", sample.realtime_ns},
-              {"camera_ns", sample.camera_ns},
-              {"missed", missed + sample.lost_before},
-              {"frame_sync", sample.frame_sync}};
+Json to_json(const disparity::SensorSample& sample, std::uint64_t skipped) {
+    Json json{{"monotonic_ns", sample.monotonic_ns}, {"realtime_ns", sample.realtime_ns},
+              {"camera_ns", sample.camera_ns},       {"skipped", skipped},
+              {"lost", sample.lost_before},          {"frame_sync", sample.frame_sync}};
     if (sample.inertial) {
         json["angular_velocity"] = vector_json(sample.inertial->angular_velocity);
         json["acceleration"] = vector_json(sample.inertial->acceleration);

@@ -8,8 +8,8 @@
 
 namespace disparityd::json {
 
-/// Converts a sample to one object. `missed`: samples that this client missed before it, beside those that the daemon
-/// lost.
-Json to_json(const disparity::SensorSample& sample, std::uint64_t missed);
+/// Converts a sample to one object. `skipped`: samples that this client was not given before it, beside those that the
+/// daemon lost.
+Json to_json(const disparity::SensorSample& sample, std::uint64_t skipped);
 
 }  // namespace disparityd::json

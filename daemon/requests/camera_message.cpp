@@ -30,9 +30,9 @@ v1::CameraControls to_message(const std::vector<capture::CameraControl>& control
         v1::CameraControl& to = *message.add_controls();
         to.set_name(proto::to_valid_utf8(control.name));
         to.set_value(control.value);
-        to.set_least(control.least);
-        to.set_most(control.most);
-        to.set_usual(control.usual);
+        to.set_min(control.min);
+        to.set_max(control.max);
+        to.set_default_(control.initial);
     }
     return message;
 }

@@ -218,8 +218,8 @@ void RecordingControl::finish_ended() {
     const bool well = status.error.empty();
     (well ? finished_ : broke_off_)
         .write(well ? LogLevel::info : LogLevel::warning,
-               fmt::format("recording {} finished: {}, {} lost, {} lost by the source, {} bytes{}{}{}", ended.path,
-                           base::counted(status.frames, "frame"), status.lost, status.source_lost, status.bytes,
+               fmt::format("recording {} finished: {}, {} dropped, {} lost by the source, {} bytes{}{}{}", ended.path,
+                           base::counted(status.frames, "frame"), status.dropped, status.lost, status.bytes,
                            removed ? ", removed, as it had no frame" : "", well ? "" : "; ", status.error));
     const std::lock_guard lock(mutex_);
     last_ = proto::record_message(status, ended.path, false);
@@ -288,7 +288,7 @@ void RecordingControl::check() {
             watch_space();
         }
     }
-    if (now.active() && now.lost() > 0 && now.path() != slow_) {
+    if (now.active() && now.dropped() > 0 && now.path() != slow_) {
         slow_ = now.path();
         log_warning(capture::Recorder::slow_disk_text(now.path()));
     }

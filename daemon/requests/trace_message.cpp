@@ -56,7 +56,7 @@ std::vector<v1::Trace> to_messages(const pipeline::TraceLog& log) {
             for (; next < end; ++next) {
                 put(*piece.add_events(), track.events[next], log.begin_ns);
             }
-            piece.set_lost(next == track.events.size() ? track.lost : 0);
+            piece.set_dropped(next == track.events.size() ? track.dropped : 0);
         } while (next < track.events.size());
     }
     v1::Trace& last = parts.back();

@@ -30,7 +30,7 @@ v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, cons
         out.mutable_region()->set_width(selection.region.width);
         out.mutable_region()->set_height(selection.region.height);
     }
-    out.set_skipped_for_client(skipped);
+    out.set_skipped(skipped);
     for (const v1::PlaneInfo& plane : planes.planes) {
         *out.add_planes() = plane;
     }

@@ -66,7 +66,7 @@ Requests SocketServer::with_status(Requests requests) {
     return requests;
 }
 
-/// Returns the daemon's status, and what clients missed because of the server.
+/// Returns the daemon's status, and what clients did not get because of the server.
 v1::Status SocketServer::status_and_losses() const {
     v1::Status status = status_();
     if (lost() > 0) {

@@ -64,7 +64,7 @@ std::vector<std::string> measure(const Arguments& arguments, Way way, int reader
     for (const auto& process : processes) {
         const Seen seen = process->wait();
         all.handover_ns.insert(all.handover_ns.end(), seen.handover_ns.begin(), seen.handover_ns.end());
-        all.missed += seen.missed;
+        all.skipped += seen.skipped;
         all.torn += seen.torn;
         all.untimed += seen.untimed;
     }
@@ -79,13 +79,13 @@ std::vector<std::string> measure(const Arguments& arguments, Way way, int reader
             milliseconds_at(all.handover_ns, 0.99),
             milliseconds_at(all.handover_ns, 1),
             std::to_string(all.untimed),
-            std::to_string(all.missed),
+            std::to_string(all.skipped),
             way == Way::borrow ? std::to_string(all.torn) : "-"};
 }
 
 int print_handover(const Arguments& arguments) {
     tools::Table table(
-        {"way", "readers", "frames", "p50 ms", "p99 ms", "max ms", "not timed", "missed", "written over"});
+        {"way", "readers", "frames", "p50 ms", "p99 ms", "max ms", "not timed", "skipped", "written over"});
     std::vector<Way> ways{Way::copy, Way::borrow};
     if (!arguments.address.empty()) {
         ways.push_back(Way::socket);
@@ -133,7 +133,7 @@ int print_ages(const Arguments& arguments) {
         processes.push_back(std::make_unique<ReaderProcess>(options));
     }
     tools::Table table(
-        {"work s", "frames/s", "missed", "age p50 ms", "p99", "max", "told less true: min ms", "p50", "max"});
+        {"work s", "frames/s", "skipped", "age p50 ms", "p99", "max", "told less true: min ms", "p50", "max"});
     for (std::size_t i = 0; i < processes.size(); ++i) {
         Seen seen = processes[i]->wait();
         if (seen.age_ns.empty()) {
@@ -143,7 +143,7 @@ int print_ages(const Arguments& arguments) {
         std::sort(seen.told_less_ns.begin(), seen.told_less_ns.end());
         table.add({tools::fixed(arguments.work[i], 2),
                    tools::fixed(static_cast<double>(seen.age_ns.size()) / options.seconds, 1),
-                   std::to_string(seen.missed), milliseconds_at(seen.age_ns, 0.5), milliseconds_at(seen.age_ns, 0.99),
+                   std::to_string(seen.skipped), milliseconds_at(seen.age_ns, 0.5), milliseconds_at(seen.age_ns, 0.99),
                    milliseconds_at(seen.age_ns, 1), milliseconds_at(seen.told_less_ns, 0),
                    milliseconds_at(seen.told_less_ns, 0.5), milliseconds_at(seen.told_less_ns, 1)});
     }
@@ -163,7 +163,7 @@ int main(int argc, char** argv) {
         "Each reader is a process of its own. It reads all products and adds up the depth. The daemon needs a live\n"
         "source (a camera, or a scene): frames of a recording have the times of their day.\n"
         "not timed: frames of the socket of which the shared memory did not say when they were published.\n"
-        "missed: frames that the readers did not see. written over: borrowed frames that the daemon overwrote before\n"
+        "skipped: frames that the readers did not see. written over: borrowed frames that the daemon overwrote before\n"
         "their depth was added up. told less true: the age that the library tells, less the true one; only on the\n"
         "daemon's own machine.\n"
         "Exit status: 0 done; 1 the system or the daemon refused; 2 arguments must be changed.");

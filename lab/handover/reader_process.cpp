@@ -64,7 +64,7 @@ void read_frames(const ReaderOptions& options, Seen& seen, const AnyFrame& frame
         }
         // The first one had been published before this reader came.
         if (!first) {
-            seen.missed += frame.missed;
+            seen.skipped += frame.skipped;
             if (arrival.published_ns != 0) {
                 seen.handover_ns.push_back(arrival.came_ns - arrival.published_ns);
             } else {
@@ -188,7 +188,7 @@ Seen read_and_work(const ReaderOptions& options) {
             continue;
         }
         const std::int64_t age = now - frame.monotonic_ns;
-        seen.missed += seen.age_ns.empty() ? 0 : frame.missed;
+        seen.skipped += seen.age_ns.empty() ? 0 : frame.skipped;
         seen.age_ns.push_back(age);
         seen.told_less_ns.push_back(frame.age_ns - age);
         std::this_thread::sleep_for(std::chrono::duration<double>(options.work_s));
@@ -239,7 +239,7 @@ bool read_all(int from, void* data, std::size_t bytes) {
 }
 
 void send(int to, const Seen& seen) {
-    const std::uint64_t counts[3] = {seen.missed, seen.torn, seen.untimed};
+    const std::uint64_t counts[3] = {seen.skipped, seen.torn, seen.untimed};
     write_all(to, counts, sizeof counts);
     for (const auto* times : {&seen.handover_ns, &seen.age_ns, &seen.told_less_ns}) {
         const std::uint64_t size = times->size();
@@ -254,7 +254,7 @@ bool receive(int from, Seen& seen) {
     if (!read_all(from, counts, sizeof counts)) {
         return false;
     }
-    seen.missed = counts[0];
+    seen.skipped = counts[0];
     seen.torn = counts[1];
     seen.untimed = counts[2];
     for (auto* times : {&seen.handover_ns, &seen.age_ns, &seen.told_less_ns}) {

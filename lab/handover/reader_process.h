@@ -34,7 +34,7 @@ struct Seen {
     std::vector<std::int64_t> handover_ns;   ///< from publishing to the return of the read, one for each frame
     std::vector<std::int64_t> age_ns;        ///< Way::work: from capture to the return of the read, one for each frame
     std::vector<std::int64_t> told_less_ns;  ///< Way::work: the age that the library tells, less that one
-    std::uint64_t missed = 0;                ///< frames that the reader did not see
+    std::uint64_t skipped = 0;               ///< frames that the reader did not see
     std::uint64_t untimed = 0;               ///< frames of which nothing says when they were published
     std::uint64_t torn = 0;                  ///< borrowed frames that were written over before their depth was added up
 };

@@ -10,7 +10,7 @@ std::vector<std::uint8_t> scan_with_obstacle(int bearing_deg, int distance_mm) {
     head.version = proto::scan_version;
     head.sectors = 1;
     head.high_mm = 1000;
-    head.most_mm = 20000;
+    head.max_mm = 20000;
     proto::ScanSector sector{};
     sector.from_cdeg = static_cast<std::int16_t>(100 * bearing_deg - 250);
     sector.to_cdeg = static_cast<std::int16_t>(100 * bearing_deg + 250);

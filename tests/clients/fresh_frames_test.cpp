@@ -134,7 +134,7 @@ TEST_F(FreshFramesTest, AProgramThatKeepsUpMissesNothingForLong) {
     int in_a_row = 0;
     for (int i = 0; i < 1000 && in_a_row < 20; ++i) {
         ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
-        in_a_row = frame.missed == 0 ? in_a_row + 1 : 0;
+        in_a_row = frame.skipped == 0 ? in_a_row + 1 : 0;
     }
     EXPECT_EQ(in_a_row, 20) << "frames one after the other";
 }

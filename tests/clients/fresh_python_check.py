@@ -146,7 +146,7 @@ class End:
 
     def greet(self):
         self.hello = self.receive().hello
-        self.send(welcome=pb.Welcome(protocol_version=1, monotonic_ns=self.clock()))
+        self.send(welcome=pb.Welcome(protocol_version=2, monotonic_ns=self.clock()))
         wanted = self.receive().subscribe
         assert wanted.by_credit
         return wanted
@@ -217,7 +217,7 @@ def check_frames():
             assert frame.publish_index == index and frame.confidence.tobytes() == b"ab"
             assert 5 * MS <= frame.age_ns <= 5 * MS + took + 20 * MS, (frame.age_ns, took)
         frame = client.read(PATIENCE)
-        assert frame.publish_index == 4 and frame.missed == 1 and frame.age_ns >= 300 * MS, frame
+        assert frame.publish_index == 4 and frame.skipped == 1 and frame.age_ns >= 300 * MS, frame
 
 
 def check_clock_is_kept():

@@ -462,7 +462,7 @@ TEST_F(EndToEndTest, RecordingsStayInsideTheirFolder) {
     ASSERT_TRUE(done && done->envelope.has_record_status());
     EXPECT_FALSE(done->envelope.record_status().active());
     EXPECT_GE(done->envelope.record_status().frames(), 3U);
-    EXPECT_EQ(done->envelope.record_status().lost(), 0U);
+    EXPECT_EQ(done->envelope.record_status().dropped(), 0U);
     EXPECT_EQ(done->envelope.record_status().error(), "");
     EXPECT_EQ(std::filesystem::file_size(folder_.path() + "/a.mkv"), done->envelope.record_status().bytes());
 }

@@ -129,16 +129,17 @@ TEST_F(NoticesTest, ASceneIsToldAsSynthetic) {
 
 // A disk that is too slow and frames that come too fast are the same to a recorder: its buffers are full.
 TEST_F(NoticesTest, ARecordingThatLosesFramesSaysSoOnceAndIsValid) {
-    const std::string slow = "slow.mkv: frames come faster than they can be written and are lost: record to a faster";
+    const std::string slow =
+        "slow.mkv: frames come faster than they can be written and are dropped: record to a faster";
     {
         const auto daemon = start_ready(config_text("scene:hd720@1000?loop=2"));
         WireClient client(daemon->address("unix:"));
         client.hello();
         ASSERT_TRUE(client.record("slow.mkv"));
         EXPECT_TRUE(daemon->wait_for_log(slow)) << daemon->log();
-        const std::uint64_t lost = status(client).record().lost();
-        EXPECT_GT(lost, 0U);
-        while (status(client).record().lost() == lost) {
+        const std::uint64_t dropped = status(client).record().dropped();
+        EXPECT_GT(dropped, 0U);
+        while (status(client).record().dropped() == dropped) {
         }
         EXPECT_TRUE(client.record(""));
         const v1::RecordStatus end = status(client).record();

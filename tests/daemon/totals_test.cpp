@@ -20,8 +20,8 @@ using ::testing::Key;
 std::map<std::string, std::uint64_t> counts(const v1::Totals& totals) {
     std::map<std::string, std::uint64_t> found{
         {"captured", totals.captured()},         {"published", totals.published()},
-        {"dropped", totals.dropped()},           {"lost_before", totals.lost_before()},
-        {"corrupt", totals.corrupt()},           {"clients", totals.clients()},
+        {"dropped", totals.dropped()},           {"lost", totals.lost()},
+        {"damaged", totals.damaged()},           {"clients", totals.clients()},
         {"frames", totals.client_frames_sent()}, {"skipped", totals.client_frames_skipped()},
         {"bytes", totals.client_bytes_sent()}};
     for (const v1::StepTotal& step : totals.steps()) {

@@ -88,7 +88,7 @@ void expect_same(const Parsed& json, const v1::Status& status) {
     expect_number(json["rate"], status.rate());
     expect_number(json["uptime_s"], status.uptime_s());
     expect_count(json["captured"], status.captured());
-    expect_count(json["lost_before"], status.lost_before());
+    expect_count(json["lost"], status.lost());
     expect_size(json["steps"], status.steps_size());
     for (int i = 0; i < status.steps_size(); ++i) {
         const Parsed& step = json["steps"][static_cast<std::size_t>(i)];

@@ -66,8 +66,8 @@ TEST_F(ScanStageTest, TheRecordIsWhatTheScannerFinds) {
     EXPECT_EQ(record.head.ground_slope_left, std::lround(10000 * scan.ground.slope_left));
     EXPECT_EQ(record.head.low_mm, 80);
     EXPECT_EQ(record.head.high_mm, 1000);
-    EXPECT_EQ(record.head.least_mm, 200);
-    EXPECT_EQ(record.head.most_mm, 20000);
+    EXPECT_EQ(record.head.min_mm, 200);
+    EXPECT_EQ(record.head.max_mm, 20000);
     EXPECT_EQ(record.head.reserved, 0);
 }
 
@@ -78,7 +78,7 @@ TEST_F(ScanStageTest, HeightsBeyondTheRecordAreCut) {
     options.max_m = 65;
     ScanStage stage(width, height, options);
     EXPECT_EQ(record_of(stage).head.high_mm, 30000);
-    EXPECT_EQ(record_of(stage).head.most_mm, 65000);
+    EXPECT_EQ(record_of(stage).head.max_mm, 65000);
 }
 
 TEST_F(ScanStageTest, WithGravityASteadySensorIsNeeded) {

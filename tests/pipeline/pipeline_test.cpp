@@ -226,7 +226,7 @@ TEST(Pipeline, LiveDropsTheOldestAndCounts) {
     EXPECT_EQ(chain.sink.frames[1].dropped_before, 19U + 3U);
     const PipelineStatus status = chain.pipeline.status();
     EXPECT_EQ(status.dropped, 19U);
-    EXPECT_EQ(status.lost_before, 3U);
+    EXPECT_EQ(status.lost, 3U);
     EXPECT_EQ(status.published, 2U);
     EXPECT_EQ(source.out(), 0U);
     EXPECT_EQ(source.wrong_returns(), 0);
@@ -269,7 +269,7 @@ TEST(Pipeline, CorruptFramesAreCountedNotShown) {
     ASSERT_EQ(chain.sink.frames.size(), 2U);
     EXPECT_EQ(chain.sink.frames[1].sequence, 2U);
     EXPECT_EQ(chain.sink.frames[1].dropped_before, 1U);
-    EXPECT_EQ(chain.pipeline.status().skipped_corrupt, 1U);
+    EXPECT_EQ(chain.pipeline.status().damaged, 1U);
     EXPECT_EQ(source.out(), 0U);
 }
 

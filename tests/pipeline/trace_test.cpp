@@ -74,8 +74,8 @@ TEST(Tracer, CountsWhatItHasNoRoomFor) {
     }
     const TraceLog log = tracer.end();
     EXPECT_THAT(log.tracks[0].events, SizeIs(Tracer::most_events / 2));
-    EXPECT_EQ(log.tracks[0].lost, 5U);
-    EXPECT_EQ(log.tracks[1].lost, 0U);
+    EXPECT_EQ(log.tracks[0].dropped, 5U);
+    EXPECT_EQ(log.tracks[1].dropped, 0U);
 }
 
 TEST(Tracer, OneTraceAtATime) {

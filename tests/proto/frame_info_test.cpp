@@ -21,7 +21,7 @@ namespace v1 = disparityd::v1;
 using google::protobuf::FieldDescriptor;
 
 /// Fields of v1::Frame that belong to one client, not to the frame: the session fills them in.
-const std::set<std::string> of_one_client{"region", "skipped_for_client", "planes", "sent_monotonic_ns"};
+const std::set<std::string> of_one_client{"region", "skipped", "planes", "sent_monotonic_ns"};
 
 /// Gives every number of a message, and of the messages in it, a value of its own.
 void fill_numbers(google::protobuf::Message& message, int& next) {
@@ -84,11 +84,11 @@ TEST(FrameInfo, GeometryAloneIsThatOfTheFrame) {
 
 TEST(FrameInfo, LeavesWhatBelongsToOneClient) {
     v1::Frame message;
-    message.set_skipped_for_client(3);
+    message.set_skipped(3);
     message.mutable_region()->set_x(4);
     message.add_planes();
     proto::fill(message, every_byte());
-    EXPECT_EQ(message.skipped_for_client(), 3U);
+    EXPECT_EQ(message.skipped(), 3U);
     EXPECT_EQ(message.region().x(), 4U);
     EXPECT_EQ(message.planes_size(), 1);
 }

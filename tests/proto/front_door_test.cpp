@@ -160,7 +160,7 @@ TEST_F(FrontDoor, GoesOnOverTheSharedMemoryOnceThereIsOne) {
     Frame frame;
     ASSERT_EQ(patient_read(client, frame), ReadResult::frame);
     EXPECT_EQ(frame.sequence, 6U) << "the newest one wins";
-    EXPECT_EQ(frame.missed, 1U);
+    EXPECT_EQ(frame.skipped, 1U);
     EXPECT_EQ(client.where(), "shared memory " + name_);
     EXPECT_EQ(second.get_future().get().products_size(), 0);
     memory.publish(7);

@@ -35,7 +35,7 @@ def fnv1a(data):
 
 
 def print_frame(way, f):
-    values = [getattr(f, name) for name, _ in disparity.frame.C_FIELDS if name != "missed"]
+    values = [getattr(f, name) for name, _ in disparity.frame.C_FIELDS if name != "skipped"]
     print(way, *("%.17g" % value if isinstance(value, float) else value for value in values))
     for product, plane in f.planes.items():
         pixel = plane.itemsize * (plane.shape[2] if plane.ndim == 3 else 1)
@@ -71,7 +71,7 @@ def check_fields():
     """Every field of the messages is one of Frame, or is named here: it comes out in another way."""
     from disparity import disparity_pb2 as pb
 
-    elsewhere = {"geometry", "region", "planes", "skipped_for_client", "sent_monotonic_ns"}
+    elsewhere = {"geometry", "region", "planes", "skipped", "sent_monotonic_ns"}
     for message, descriptor in (("frame", pb.Frame.DESCRIPTOR), ("geometry", pb.Geometry.DESCRIPTOR)):
         names = {field.name for field in descriptor.fields} - elsewhere
         assert names == set(disparity.frame.MESSAGE_FIELDS[message]), (message, names)
@@ -139,7 +139,7 @@ def check_limits():
 
 def check_sensors(sensors):
     """What came before the frame was kept."""
-    assert sensors.skipped_for_client == 3 and sensors.age_ns == 5000 and len(sensors.samples) == 2
+    assert sensors.skipped == 3 and sensors.age_ns == 5000 and len(sensors.samples) == 2
     first, second = sensors.samples
     assert first.monotonic_ns == 1000 and first.HasField("inertial") and not first.HasField("environment")
     assert first.inertial.acceleration.z == 9.75
@@ -162,7 +162,7 @@ def check_trace():
         end, _ = listener.accept()
         with end:
             receive(end)
-            send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=1)))
+            send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=2)))
             asked.append(receive(end).trace_request.seconds)
             send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="first")])))
             send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="second")], duration_ns=7, last=True)))
@@ -194,7 +194,7 @@ def check_door():
 
     def talk(end):
         receive(end)  # Hello, of a client that does not only look whether somebody listens
-        send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=1)))
+        send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=2)))
         while (asked := receive(end)) is not None:
             if asked.HasField("status_request"):
                 send(end, pb.Envelope(status=pb.Status(state="running")))

@@ -7,7 +7,7 @@
 inline disparityd::v1::Envelope sensor_message() {
     disparityd::v1::Envelope envelope;
     disparityd::v1::Sensors& sensors = *envelope.mutable_sensors();
-    sensors.set_skipped_for_client(3);
+    sensors.set_skipped(3);
     sensors.set_age_ns(5000);
     disparityd::v1::SensorSample& first = *sensors.add_samples();
     first.set_monotonic_ns(1000);

@@ -85,13 +85,13 @@ TEST(SocketClient, FramesComeInOrderWithMissedOnesCounted) {
         client.subscribe(subscription);
         disparity::Frame frame;
         ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
-        EXPECT_EQ(frame.missed, 0U);
+        EXPECT_EQ(frame.skipped, 0U);
         EXPECT_EQ(frame.plane(disparity::Product::confidence)->bytes, bytes_of(12));
         EXPECT_EQ(frame.plane(disparity::Product::depth), nullptr);
         read.release();
         ASSERT_EQ(client.read(frame, patience), ReadResult::frame);
         EXPECT_EQ(frame.sequence, 105U);
-        EXPECT_EQ(frame.missed, 3U);
+        EXPECT_EQ(frame.skipped, 3U);
         EXPECT_EQ(client.read(frame, patience), ReadResult::gone);
     }
 }
@@ -176,9 +176,9 @@ TEST(SocketClient, RefusalInsteadOfWelcomeIsReported) {
 }
 
 TEST(SocketClient, OtherVersionIsRefused) {
-    FakeDaemon daemon([](ServerEnd& end) { end.greet(2); });
+    FakeDaemon daemon([](ServerEnd& end) { end.greet(3); });
     EXPECT_THAT(failure([&] { disparity::SocketClient client(daemon.unix_address()); }),
-                testing::HasSubstr("version 2 of the protocol, this program version 1"));
+                testing::HasSubstr("version 3 of the protocol, this program version 2"));
 }
 
 TEST(SocketClient, SilentServerEndsInATimeout) {

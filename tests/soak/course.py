@@ -129,7 +129,7 @@ class Course:
         self._end(self.visitors.pop(self.random.randrange(len(self.visitors)))[1], self.random.random() < 0.3)
 
     def _end(self, visitor, killed):
-        seen = self.seen.setdefault(visitor.kind, {"visits": 0, "killed": 0, "frames": 0, "missed": 0, "age_ms": []})
+        seen = self.seen.setdefault(visitor.kind, {"visits": 0, "killed": 0, "frames": 0, "skipped": 0, "age_ms": []})
         seen["visits"] += 1
         if killed:
             seen["killed"] += 1
@@ -137,7 +137,7 @@ class Course:
             return
         account = visitor.leave()
         seen["frames"] += account["frames"]
-        seen["missed"] += account.get("missed", 0)
+        seen["skipped"] += account.get("skipped", 0)
         if account["age_ms"]:
             seen["age_ms"].append(account["age_ms"])
 
@@ -162,7 +162,7 @@ class Course:
     def _unaccounted(self, daemon):
         """Returns how many captured frames are neither published nor dropped nor damaged, and the counts as a text."""
         counts = self.webs[daemon.name].counts()
-        captured, *ended = (int(counts[f"disparityd_frames_{name}_total"]) for name in ("captured", "published", "dropped", "corrupt"))
+        captured, *ended = (int(counts[f"disparityd_frames_{name}_total"]) for name in ("captured", "published", "dropped", "damaged"))
         return captured - sum(ended), f"{captured} frames captured, {ended[0]} published, {ended[1]} dropped, {ended[2]} damaged"
 
     def check_pipeline(self, daemon, slots):

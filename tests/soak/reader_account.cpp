@@ -13,7 +13,7 @@ namespace {
 
 std::string numbers(const SeenFrame& frame) {
     return "frame " + std::to_string(frame.publish_index) + " (sequence " + std::to_string(frame.sequence) + ", " +
-           std::to_string(frame.missed) + " missed, " + std::to_string(frame.dropped_before) + " dropped before)";
+           std::to_string(frame.skipped) + " skipped, " + std::to_string(frame.dropped_before) + " dropped before)";
 }
 
 }  // namespace
@@ -23,14 +23,14 @@ void ReaderAccount::add(const SeenFrame& frame) {
         first_ = frame.publish_index;
     } else {
         // The daemon lives through the whole test, so its count of published frames never begins anew.
-        if (frame.publish_index != last_.publish_index + 1 + frame.missed) {
+        if (frame.publish_index != last_.publish_index + 1 + frame.skipped) {
             throw std::logic_error(numbers(frame) + " came after " + numbers(last_));
         }
-        const bool source_counts_on = frame.missed == 0 && !frame.discontinuity;
+        const bool source_counts_on = frame.skipped == 0 && !frame.discontinuity;
         if (source_counts_on && frame.sequence != last_.sequence + 1 + frame.dropped_before) {
             throw std::logic_error(numbers(frame) + " hides a loss after " + numbers(last_));
         }
-        missed_ += frame.missed;
+        skipped_ += frame.skipped;
     }
     ++frames_;
     last_ = frame;
@@ -44,7 +44,7 @@ std::string ReaderAccount::to_json() const {
         return ages.empty() ? 0 : ages[(ages.size() - 1) * percent / 100];
     };
     const nlohmann::json account{{"frames", frames_},
-                                 {"missed", missed_},
+                                 {"skipped", skipped_},
                                  {"first", first_},
                                  {"last", last_.publish_index},
                                  {"age_ms", {percentile(50), percentile(99), percentile(100)}},

@@ -16,8 +16,8 @@ struct SeenFrame {
     std::uint64_t publish_index = 0;
     std::uint64_t sequence = 0;
     std::uint64_t dropped_before = 0;
-    std::uint64_t missed = 0;  ///< since the frame before, as the reader was told
-    std::int64_t age_ns = 0;   ///< when it was read
+    std::uint64_t skipped = 0;  ///< since the frame before, as the reader was told
+    std::int64_t age_ns = 0;    ///< when it was read
     bool discontinuity = false;
 };
 
@@ -31,14 +31,14 @@ public:
     void add_refusal(const std::string& why) { refusals_.push_back(why); }
 
     std::uint64_t frames() const { return frames_; }
-    std::uint64_t missed() const { return missed_; }
+    std::uint64_t skipped() const { return skipped_; }
 
     /// Returns one line of JSON.
     std::string to_json() const;
 
 private:
     std::uint64_t frames_ = 0;
-    std::uint64_t missed_ = 0;
+    std::uint64_t skipped_ = 0;
     std::uint64_t first_ = 0;
     SeenFrame last_;
     std::vector<float> ages_ms_;

@@ -13,7 +13,7 @@
 enum { TURN_MS = 200, LONGEST_WAIT_S = 60 };
 
 struct account {
-    unsigned long long frames, missed, first, last;
+    unsigned long long frames, skipped, first, last;
     double oldest_ms;
 };
 
@@ -27,12 +27,12 @@ static int add(struct account* account, const disparity_frame_info* info) {
     const double age_ms = (double)info->age_ns / 1e6;
     if (account->frames == 0) {
         account->first = info->publish_index;
-    } else if (info->publish_index != account->last + 1 + info->missed) {
-        fprintf(stderr, "soak_c_reader: error: frame %llu with %llu missed came after %llu\n",
-                (unsigned long long)info->publish_index, (unsigned long long)info->missed, account->last);
+    } else if (info->publish_index != account->last + 1 + info->skipped) {
+        fprintf(stderr, "soak_c_reader: error: frame %llu with %llu skipped came after %llu\n",
+                (unsigned long long)info->publish_index, (unsigned long long)info->skipped, account->last);
         return 0;
     } else {
-        account->missed += info->missed;
+        account->skipped += info->skipped;
     }
     account->frames++;
     account->last = info->publish_index;
@@ -106,8 +106,8 @@ int main(int argc, char** argv) {
         status = follow(memory, client, frame, &account);
     }
     if (status == 0) {
-        printf("{\"frames\":%llu,\"missed\":%llu,\"first\":%llu,\"last\":%llu,\"age_ms\":[0,0,%f],\"refusals\":[]}\n",
-               account.frames, account.missed, account.first, account.last, account.oldest_ms);
+        printf("{\"frames\":%llu,\"skipped\":%llu,\"first\":%llu,\"last\":%llu,\"age_ms\":[0,0,%f],\"refusals\":[]}\n",
+               account.frames, account.skipped, account.first, account.last, account.oldest_ms);
     }
     disparity_shared_memory_close(memory);
     disparity_socket_close(client);

@@ -27,7 +27,7 @@ using std::chrono::steady_clock;
 
 SeenFrame seen(const FrameInfo& frame) {
     return {frame.publish_index, frame.sequence, frame.dropped_before,
-            frame.missed,        frame.age_ns,   (frame.flags & disparity::discontinuity) != 0};
+            frame.skipped,       frame.age_ns,   (frame.flags & disparity::discontinuity) != 0};
 }
 
 /// Every plane has as many bytes as its size says.

@@ -14,16 +14,16 @@ LONGEST_WAIT_S = 60
 
 class Account:
     def __init__(self):
-        self.frames = self.missed = self.first = self.last = 0
+        self.frames = self.skipped = self.first = self.last = 0
         self.ages_ms = []
 
     def add(self, frame):
         if self.frames == 0:
             self.first = frame.publish_index
-        elif frame.publish_index != self.last + 1 + frame.missed:
-            raise AssertionError(f"frame {frame.publish_index} with {frame.missed} missed came after {self.last}")
+        elif frame.publish_index != self.last + 1 + frame.skipped:
+            raise AssertionError(f"frame {frame.publish_index} with {frame.skipped} skipped came after {self.last}")
         else:
-            self.missed += frame.missed
+            self.skipped += frame.skipped
         self.frames += 1
         self.last = frame.publish_index
         self.ages_ms.append(frame.age_ns / 1e6)
@@ -33,7 +33,7 @@ class Account:
 
     def to_json(self):
         ages = sorted(self.ages_ms)
-        return json.dumps({"frames": self.frames, "missed": self.missed, "first": self.first, "last": self.last,
+        return json.dumps({"frames": self.frames, "skipped": self.skipped, "first": self.first, "last": self.last,
                            "age_ms": [ages[(len(ages) - 1) * percent // 100] for percent in (50, 99, 100)], "refusals": []})
 
 

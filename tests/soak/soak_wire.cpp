@@ -25,9 +25,9 @@ struct Counts {
     std::uint64_t skipped = 0;  ///< as the frames say
 
     void add(const v1::Frame& frame) {
-        skipped += frame.skipped_for_client();
-        account.add({frame.publish_index(), frame.sequence(), frame.dropped_before(), frame.skipped_for_client(),
-                     frame.age_ns(), (frame.flags() & v1::DISCONTINUITY) != 0});
+        skipped += frame.skipped();
+        account.add({frame.publish_index(), frame.sequence(), frame.dropped_before(), frame.skipped(), frame.age_ns(),
+                     (frame.flags() & v1::DISCONTINUITY) != 0});
     }
 };
 

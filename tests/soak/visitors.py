@@ -31,8 +31,8 @@ class Reader:
         self.child.close()
         if status != 0:
             raise Failure(f"{self.child.name} ended with {status}: {self.child.last_words()}")
-        account = json.loads(said) if said else {"frames": 0, "missed": 0, "first": 0, "last": -1, "age_ms": [], "refusals": []}
-        if account["frames"] + account["missed"] != account["last"] - account["first"] + 1:
+        account = json.loads(said) if said else {"frames": 0, "skipped": 0, "first": 0, "last": -1, "age_ms": [], "refusals": []}
+        if account["frames"] + account["skipped"] != account["last"] - account["first"] + 1:
             raise Failure(f"{self.child.name}: frames are neither seen nor counted as missed: {account}")
         for refusal in account["refusals"]:
             if not any(words in refusal for words in ALLOWED_REFUSALS):

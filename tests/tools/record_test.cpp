@@ -48,7 +48,7 @@ TEST_F(RecordTest, ARecordingRecordedAgainIsTheSame) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["frames"], 8);
-    EXPECT_EQ(summary["lost"], 0);
+    EXPECT_EQ(summary["dropped"], 0);
     EXPECT_EQ(summary["bytes"], std::filesystem::file_size(path("out.mkv")));
     EXPECT_EQ(frames_of(path("in.mkv")), frames_of(path("out.mkv")));
 }
@@ -133,9 +133,9 @@ TEST_F(RecordTest, ADiskThatIsTooSlowIsSaidAtOnceAndTheFileIsValid) {
     const Outcome outcome = program.wait();
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.err,
-                HasSubstr("pipe.mkv: frames come faster than they can be written and are lost: record to"));
+                HasSubstr("pipe.mkv: frames come faster than they can be written and are dropped: record to"));
     const auto summary = nlohmann::json::parse(outcome.out);
-    EXPECT_GT(summary["lost"], 0);
+    EXPECT_GT(summary["dropped"], 0);
     // A pipe does not let the writer put the number of frames at the beginning: the source says so at its end.
     capture::SourceOptions options;
     options.uri = path("copy.mkv");

@@ -102,7 +102,10 @@ TEST_F(SensorsTest, JsonHasEverySample) {
         EXPECT_EQ(sample["hectopascal"], 1013.25);
         EXPECT_FALSE(sample.contains("magnetic_field"));
         const auto number = sample["camera_ns"].get<std::int64_t>();
-        EXPECT_TRUE(last < 0 || number == (last + 1 + sample["missed"].get<std::int64_t>()) % all_samples) << number;
+        EXPECT_TRUE(last < 0 ||
+                    number == (last + 1 + sample["skipped"].get<std::int64_t>() + sample["lost"].get<std::int64_t>()) %
+                                  all_samples)
+            << number;
         last = number;
     }
     EXPECT_EQ(count, 40);

@@ -40,7 +40,7 @@ v1::Trace small_trace() {
     add_event(capture, v1::TRACE_WORK, 1, 1'000'002, 998, 17);
     v1::TraceTrack& match = *trace.add_tracks();
     match.set_name("match");
-    match.set_lost(3);
+    match.set_dropped(3);
     add_event(match, v1::TRACE_QUEUED, 2, 1'001'000, 2'000'000, 17);
     add_event(match, v1::TRACE_STEP, 3, 3'001'000, 500'000, 17);
     v1::TraceTrack& more = *trace.add_tracks();
@@ -141,7 +141,7 @@ TEST(TraceJson, AnEmptyTraceIsValid) {
 }
 
 TEST(TraceJson, CountsLostEvents) {
-    EXPECT_EQ(lost_events(small_trace()), 3U);
+    EXPECT_EQ(dropped_events(small_trace()), 3U);
 }
 
 }  // namespace

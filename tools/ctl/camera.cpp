@@ -20,10 +20,10 @@ struct CameraArguments {
 };
 
 void print(const v1::CameraControls& controls) {
-    Table table({"control", "value", "least", "most", "usual"});
+    Table table({"control", "value", "min", "max", "default"});
     for (const v1::CameraControl& control : controls.controls()) {
-        table.add({control.name(), std::to_string(control.value()), std::to_string(control.least()),
-                   std::to_string(control.most()), std::to_string(control.usual())});
+        table.add({control.name(), std::to_string(control.value()), std::to_string(control.min()),
+                   std::to_string(control.max()), std::to_string(control.default_())});
     }
     table.print(std::cout);
 }

@@ -20,15 +20,16 @@ double percentile_ms(const std::vector<std::int64_t>& sorted_ns, std::size_t per
 void LatencyWindow::add(const disparity::Frame& frame) {
     ages_ns_.push_back(frame.age_ns);
     dropped_ += frame.dropped_before;
-    missed_ += frame.missed;
+    skipped_ += frame.skipped;
 }
 
 LatencyWindow::Summary LatencyWindow::take() {
     std::sort(ages_ns_.begin(), ages_ns_.end());
-    const Summary summary{ages_ns_.size(), percentile_ms(ages_ns_, 50), percentile_ms(ages_ns_, 99), dropped_, missed_};
+    const Summary summary{ages_ns_.size(), percentile_ms(ages_ns_, 50), percentile_ms(ages_ns_, 99), dropped_,
+                          skipped_};
     ages_ns_.clear();
     dropped_ = 0;
-    missed_ = 0;
+    skipped_ = 0;
     return summary;
 }
 

@@ -18,7 +18,7 @@ public:
         double p50_ms = 0;  ///< 0 when there were no frames
         double p99_ms = 0;
         std::uint64_t dropped = 0;  ///< lost before the daemon published
-        std::uint64_t missed = 0;   ///< published, but not read here
+        std::uint64_t skipped = 0;  ///< published, but not read here
     };
     /// Returns the summary of all frames added since the call before.
     Summary take();
@@ -26,7 +26,7 @@ public:
 private:
     std::vector<std::int64_t> ages_ns_;
     std::uint64_t dropped_ = 0;
-    std::uint64_t missed_ = 0;
+    std::uint64_t skipped_ = 0;
 };
 
 }  // namespace disparityd::tools

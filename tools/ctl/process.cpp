@@ -329,7 +329,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         print_note(trouble);
     }
     const pipeline::PipelineStatus status = pipeline.status();
-    run.done.skipped_corrupt += status.skipped_corrupt;
+    run.done.damaged += status.damaged;
     run.done.error = status.error;
     run.done.frames = run.files.folder->frames();
     run.done.calibrating = run.schedule.calibrating;

@@ -44,7 +44,7 @@ void print_summary(const ProcessDone& done, bool as_json) {
     if (as_json) {
         Json json{{"folder", done.folder},
                   {"frames", done.frames},
-                  {"damaged_frames_skipped", done.skipped_corrupt},
+                  {"damaged_frames_skipped", done.damaged},
                   {"seconds", done.seconds},
                   {"frames_per_second", rate},
                   {"measured", done.measured},
@@ -76,8 +76,8 @@ int report_process(const ProcessDone& done, bool json) {
     if (!done.empty_note.empty()) {
         print_note(done.source + ": " + done.empty_note);
     }
-    if (done.skipped_corrupt > 0) {
-        print_note("left out because they are marked as damaged: " + base::counted(done.skipped_corrupt, "frame"));
+    if (done.damaged > 0) {
+        print_note("left out because they are marked as damaged: " + base::counted(done.damaged, "frame"));
     }
     if (!done.error.empty()) {
         print_error(done.error + "; what came before that is" + in_folder);

@@ -19,7 +19,7 @@ struct ProcessDone {
     const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< where it estimated
     std::vector<std::string> distances;                          ///< for people, a line for each size
     std::optional<calibration::DepthRange> range;                ///< where all frames have one
-    std::uint64_t skipped_corrupt = 0;
+    std::uint64_t damaged = 0;
     std::string error;  ///< why it ended early; empty: it did not
     std::uint64_t frames = 0;
     double seconds = 0;

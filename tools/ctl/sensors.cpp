@@ -32,14 +32,15 @@ struct SensorArguments {
 /// Counts the samples of a second and keeps the newest value of each kind.
 struct Second {
     std::uint64_t samples = 0;
-    std::uint64_t missed = 0;
+    std::uint64_t skipped = 0;
+    std::uint64_t lost = 0;
     disparity::SensorSample newest;
 
     void add(const disparity::SensorBatch& batch) {
         samples += batch.samples.size();
-        missed += batch.skipped;
+        skipped += batch.skipped;
         for (const disparity::SensorSample& sample : batch.samples) {
-            missed += sample.lost_before;
+            lost += sample.lost_before;
             const auto keep = [](const auto& from, auto& to) { to = from ? from : to; };
             keep(sample.inertial, newest.inertial);
             keep(sample.magnetic_field, newest.magnetic_field);
@@ -69,9 +70,10 @@ void print_second(const Second& second, double seconds, double since_start, cons
         return;
     }
     const disparity::Inertial inertial = second.newest.inertial.value_or(disparity::Inertial{});
-    print("%5.0f s %10.1f  %s  %s %7.1f %7llu", since_start, static_cast<double>(second.samples) / seconds,
+    print("%5.0f s %10.1f  %s  %s %7.1f %7llu %7llu", since_start, static_cast<double>(second.samples) / seconds,
           vector_text(inertial.angular_velocity).c_str(), vector_text(inertial.acceleration).c_str(),
-          static_cast<double>(inertial.celsius), static_cast<unsigned long long>(second.missed));
+          static_cast<double>(inertial.celsius), static_cast<unsigned long long>(second.lost),
+          static_cast<unsigned long long>(second.skipped));
     if (const auto& field = second.newest.magnetic_field) {
         print("  field %s uT", vector_text(*field).c_str());
     }
@@ -185,7 +187,8 @@ void show_samples(SampleReader& samples, std::optional<int> most) {
 }
 
 void show_seconds(SampleReader& samples, std::optional<int> most) {
-    std::cout << "   time  samples/s     turning, rad/s: x y z            acceleration, m/s2: x y z  IMU, C  missed\n";
+    std::cout << "   time  samples/s     turning, rad/s: x y z            acceleration, m/s2: x y z  IMU, C    lost "
+                 "skipped\n";
     Second second;
     const auto start = steady_clock::now();
     auto last = start;
@@ -229,8 +232,8 @@ void add_sensors(CLI::App& program, Action& action) {
     command.footer(
         "Without --json: one line per second with the newest values. The source is a live camera that has sensors\n"
         "(ZED Mini, ZED 2, ZED 2i) or a recording of one. The values are those of the sensors, along their axes, not\n"
-        "calibrated. missed: samples lost by the daemon or here. Ctrl-C ends it, exit status 0; 1 when the source has\n"
-        "no sensors.\n"
+        "calibrated. lost: samples that the daemon lost; skipped: those that came faster than they were read here.\n"
+        "Ctrl-C ends it, exit status 0; 1 when the source has no sensors.\n"
         "Examples: disparityctl sensors --count 10\n"
         "          disparityctl sensors --json | jq -c '[.monotonic_ns, .acceleration]'");
     command.callback([arguments, &action] { action = [arguments] { return sensors(*arguments); }; });

@@ -45,8 +45,8 @@ std::string record_text(const v1::RecordStatus& record) {
         return {};
     }
     return record.path() + ": " + (record.active() ? "running, " : "finished, ") +
-           base::counted(record.frames(), "frame") + ", " + std::to_string(record.lost()) + " lost, " +
-           (record.source_lost() > 0 ? std::to_string(record.source_lost()) + " lost by the source, " : "") +
+           base::counted(record.frames(), "frame") + ", " + std::to_string(record.dropped()) + " dropped, " +
+           (record.lost() > 0 ? std::to_string(record.lost()) + " lost by the source, " : "") +
            fixed(static_cast<double>(record.bytes()) / 1e6, 1) + " MB" +
            (record.removed() ? ", removed, as it had no frame" : "") +
            (record.error().empty() ? "" : ", error: " + record.error());
@@ -99,8 +99,8 @@ void print(const v1::Status& status) {
         print_row("rate", fixed(status.rate(), 1) + " frames/s");
         print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
                                 " published, " + std::to_string(status.dropped()) + " dropped, " +
-                                std::to_string(status.lost_before()) + " lost by the source, " +
-                                std::to_string(status.corrupt()) + " damaged");
+                                std::to_string(status.lost()) + " lost by the source, " +
+                                std::to_string(status.damaged()) + " damaged");
     }
     for (const json::Fact& fact : json::facts_of(status)) {
         print_row(fact.title, fact.text);

@@ -41,8 +41,8 @@ int trace(const TraceArguments& arguments) {
     constexpr double ns_of_s = 1e9;
     std::cout << arguments.file << ": " << base::counted(events, "event") << " in "
               << fixed(static_cast<double>(trace.duration_ns()) / ns_of_s, 1) << " s; open it in ui.perfetto.dev\n";
-    if (const std::uint64_t lost = lost_events(trace); lost > 0) {
-        print_note("the daemon had no room for " + base::counted(lost, "event") +
+    if (const std::uint64_t dropped = dropped_events(trace); dropped > 0) {
+        print_note("the daemon had no room for " + base::counted(dropped, "event") +
                    " more: threads that do much have none at the end; take fewer --seconds");
     }
     return exit_done;

@@ -176,12 +176,12 @@ std::uint64_t write_trace_json(std::ostream& out, const v1::Trace& trace) {
     return TraceWriter(out, trace).write();
 }
 
-std::uint64_t lost_events(const v1::Trace& trace) {
-    std::uint64_t lost = 0;
+std::uint64_t dropped_events(const v1::Trace& trace) {
+    std::uint64_t dropped = 0;
     for (const v1::TraceTrack& track : trace.tracks()) {
-        lost += track.lost();
+        dropped += track.dropped();
     }
-    return lost;
+    return dropped;
 }
 
 }  // namespace disparityd::tools

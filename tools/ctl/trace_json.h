@@ -14,6 +14,6 @@ namespace disparityd::tools {
 std::uint64_t write_trace_json(std::ostream& out, const v1::Trace& trace);
 
 /// Returns how many events the daemon had no room for.
-std::uint64_t lost_events(const v1::Trace& trace);
+std::uint64_t dropped_events(const v1::Trace& trace);
 
 }  // namespace disparityd::tools

@@ -33,7 +33,7 @@ void print_line(const LatencyWindow::Summary& seen, double seconds, double since
         nlohmann::ordered_json line{{"seconds", since_start},    {"frames", seen.frames},
                                     {"frames_per_second", rate}, {"latency_p50_ms", nullptr},
                                     {"latency_p99_ms", nullptr}, {"dropped", seen.dropped},
-                                    {"missed", seen.missed}};
+                                    {"skipped", seen.skipped}};
         if (seen.frames > 0) {
             line["latency_p50_ms"] = seen.p50_ms;
             line["latency_p99_ms"] = seen.p99_ms;
@@ -47,7 +47,7 @@ void print_line(const LatencyWindow::Summary& seen, double seconds, double since
     if (seen.frames > 0) {
         std::snprintf(text, sizeof text, "%6.0f s %9.1f %13.1f %10.1f %9llu %8llu", since_start, rate, seen.p50_ms,
                       seen.p99_ms, static_cast<unsigned long long>(seen.dropped),
-                      static_cast<unsigned long long>(seen.missed));
+                      static_cast<unsigned long long>(seen.skipped));
     } else {
         std::snprintf(text, sizeof text, "%6.0f s %9.1f %13s %10s %9s %8s  no frame: ", since_start, 0.0, "-", "-", "-",
                       "-");
@@ -68,7 +68,7 @@ int watch(const WatchArguments& arguments) {
     disparity::Client client = connect(arguments.daemon, {disparity::Product::disparity});
     catch_interrupts();
     if (!arguments.json) {
-        std::cout << "    time  frames/s  latency: p50    p99 ms   dropped   missed   (" << client.where() << ")"
+        std::cout << "    time  frames/s  latency: p50    p99 ms   dropped  skipped   (" << client.where() << ")"
                   << std::endl;
     }
     disparity::Frame frame;
@@ -124,8 +124,8 @@ void add_watch(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "one JSON object per line");
     command.footer(
         "Frames come over shared memory, or over the socket when --socket is given. Latency is the age of a frame\n"
-        "when it arrives here, capture to copy, the network included. dropped: lost before the daemon published;\n"
-        "missed: published, but not read here. Ctrl-C ends it, exit status 0.\n"
+        "when it arrives here, capture to copy, the network included. dropped: before the daemon published;\n"
+        "skipped: published, but not read here. Ctrl-C ends it, exit status 0.\n"
         "Example: disparityctl watch --count 10");
     command.callback([arguments, &action] { action = [arguments] { return watch(*arguments); }; });
 }

@@ -220,7 +220,7 @@ Json frame_json(const LiveFrame& live) {
             {"calibration_id", json::hexadecimal(frame.calibration_id)},
             {"flags", flags_of(frame.flags)},
             {"dropped_before", frame.dropped_before},
-            {"missed", frame.missed}};
+            {"skipped", frame.skipped}};
 }
 
 Bytes head_of(const Json& header) {
@@ -261,7 +261,7 @@ LiveRequest parse_live_request(std::string_view text) {
 
 std::vector<Bytes> frame_message(const LiveFrame& live, const LiveContents& contents) {
     Json header = frame_json(live);
-    header["skipped"] = contents.skipped;
+    header["skipped"] = contents.skipped + live.frame.skipped;
     header["scale"] = contents.scale;
     header["images"] = Json::array();
     std::vector<Bytes> parts(1);

@@ -11,7 +11,7 @@ const SETTLE_MS = 120 // a slider that is being drawn sends its value this often
 export const ONLY_LOOKING = 'You may look, not control: a control token is needed, or disparity-web --allow-control.'
 
 const valueOf = input => input.type === 'checkbox' ? Number(input.checked) : Number(input.value)
-const wordOf = (control, value) => control.least === 0 && control.most === 1 ? ['off', 'on'][value] : String(value)
+const wordOf = (control, value) => control.min === 0 && control.max === 1 ? ['off', 'on'][value] : String(value)
 
 export class Controls {
   #camera = '' // which camera the controls are of
@@ -65,26 +65,26 @@ export class Controls {
 
   #row(control) {
     const label = control.name.replaceAll('-', ' ')
-    const yesOrNo = control.least === 0 && control.most === 1
-    const slider = make('input', yesOrNo ? { type: 'checkbox' } : { type: 'range', min: control.least, max: control.most, step: 1 })
+    const yesOrNo = control.min === 0 && control.max === 1
+    const slider = make('input', yesOrNo ? { type: 'checkbox' } : { type: 'range', min: control.min, max: control.max, step: 1 })
     slider.setAttribute('aria-label', label)
     const value = make('output')
-    const reset = make('button', { type: 'button', className: 'small', textContent: 'Reset', title: `Back to ${control.usual}, the default` })
-    reset.setAttribute('aria-label', `Reset ${label} to ${control.usual}`)
+    const reset = make('button', { type: 'button', className: 'small', textContent: 'Reset', title: `Back to ${control.default}, the default` })
+    reset.setAttribute('aria-label', `Reset ${label} to ${control.default}`)
     slider.addEventListener('input', () => {
       value.textContent = wordOf(control, valueOf(slider))
       this.#setSoon(control.name, slider)
     })
-    reset.addEventListener('click', () => this.#set(control.name, control.usual))
+    reset.addEventListener('click', () => this.#set(control.name, control.default))
     this.#rows.set(control.name, { control, slider, value, reset })
-    const ends = make('small', { className: 'quiet', textContent: `${control.least} – ${control.most}` })
+    const ends = make('small', { className: 'quiet', textContent: `${control.min} – ${control.max}` })
     return make('div', { className: 'control' }, make('span', {}, label, ...(yesOrNo ? [] : [ends])), slider, value, reset)
   }
 
   #foot() {
     const all = make('button', { type: 'button', textContent: 'Reset all' })
     all.addEventListener('click', async () => {
-      for (const [name, { control, slider }] of this.#rows) if (valueOf(slider) !== control.usual) await this.#set(name, control.usual)
+      for (const [name, { control, slider }] of this.#rows) if (valueOf(slider) !== control.default) await this.#set(name, control.default)
     })
     this.all = all
     this.reason = make('p', { className: 'quiet reason', textContent: ONLY_LOOKING })
@@ -97,7 +97,7 @@ export class Controls {
     if (row.slider.type === 'checkbox') row.slider.checked = control.value === 1
     else if (!row.slider.matches(':active')) row.slider.value = control.value
     row.value.textContent = wordOf(control, control.value)
-    row.reset.classList.toggle('at-default', control.value === control.usual)
+    row.reset.classList.toggle('at-default', control.value === control.default)
   }
 
   #permit() {

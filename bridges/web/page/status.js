@@ -49,8 +49,8 @@ function countsOf(status) {
     ['Published', counted(status.published)],
     ['Captured', counted(status.captured)],
     ['Dropped', counted(status.dropped), loss(status.dropped), 'By the daemon: matching was slower than the camera'],
-    ['Lost by source', counted(status.lost_before), loss(status.lost_before)],
-    ['Damaged', counted(status.corrupt), loss(status.corrupt)],
+    ['Lost by source', counted(status.lost), loss(status.lost)],
+    ['Damaged', counted(status.damaged), loss(status.damaged)],
     ['Uptime', uptime(status.uptime_s)],
   ]
 }
@@ -109,7 +109,7 @@ function recordingOf(record) {
   const rows = [['State', record.active ? 'recording' : record.removed ? 'ended without a frame, removed' : 'finished', record.active ? 'bad' : ''],
     ['File', record.path],
     ['Length', `${uptime(record.seconds)}, ${counted(record.frames)} frames, ${bytes(record.bytes)}`],
-    ['Lost', `${record.lost} by the recording, ${record.source_lost} by the source`, record.lost + record.source_lost ? 'warn' : '']]
+    ['Missing', `${record.dropped} dropped, ${record.lost} lost by the source`, record.dropped + record.lost ? 'warn' : '']]
   return record.error ? [...rows, ['Why it ended', record.error, 'bad']] : rows
 }
 

@@ -290,7 +290,7 @@ class Client(FrameSource):
         if newest is None or newest.publish_index < frame.publish_index:
             self._drop_memory()
             return frame
-        newest.missed = frame.missed + newest.publish_index - frame.publish_index
+        newest.skipped = frame.skipped + newest.publish_index - frame.publish_index
         self._subscribe()
         return newest
 

@@ -86,7 +86,7 @@ class Frame:
     realtime_ns: int = _number(ctypes.c_int64, _FRAME)
     age_ns: int = _number(ctypes.c_int64, _FRAME)
     dropped_before: int = _number(ctypes.c_uint64, _FRAME)
-    missed: int = _number(ctypes.c_uint64)
+    skipped: int = _number(ctypes.c_uint64)
     calibration_id: int = _number(ctypes.c_uint64, _GEOMETRY)
     f: float = _number(ctypes.c_double, _GEOMETRY)
     cx: float = _number(ctypes.c_double, _GEOMETRY)

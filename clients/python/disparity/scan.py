@@ -36,8 +36,8 @@ _HEAD = np.dtype(
         ("ground_slope_left", "<i2"),
         ("low_mm", "<i2"),
         ("high_mm", "<i2"),
-        ("least_mm", "<u2"),
-        ("most_mm", "<u2"),
+        ("min_mm", "<u2"),
+        ("max_mm", "<u2"),
         ("reserved_words", "<u2", 5),
     ]
 )
@@ -110,7 +110,7 @@ def read_scan(data: bytes) -> Scan:
         ground_slope_ahead=float(head["ground_slope_ahead"]) / 10000,
         ground_slope_left=float(head["ground_slope_left"]) / 10000,
         band_m=(float(head["low_mm"]) / 1000, float(head["high_mm"]) / 1000),
-        range_m=(float(head["least_mm"]) / 1000, float(head["most_mm"]) / 1000),
+        range_m=(float(head["min_mm"]) / 1000, float(head["max_mm"]) / 1000),
         from_deg=sectors["from_cdeg"] / 100,
         to_deg=sectors["to_cdeg"] / 100,
         state=sectors["state"].copy(),

@@ -18,7 +18,7 @@ from .liveness import Liveness
 from .one_user import OneUser
 from .stream import Message, MessageStream, deadline_after
 
-PROTOCOL_VERSION = 1
+PROTOCOL_VERSION = 2
 
 # So many frames of a daemon without credit are kept while a request waits for its answer; of others the newest one.
 _MOST_PENDING = 8
@@ -48,7 +48,7 @@ class SocketClient(FrameSource):
     process that made it.
 
     A program reads the newest frame, however long it works on each: the client orders frames by reading. One that works
-    longer than an interval misses those in between (Frame.missed) and is given none that grew old meanwhile. Frame.age_ns
+    longer than an interval misses those in between (Frame.skipped) and is given none that grew old meanwhile. Frame.age_ns
     counts until the program gets the frame. Of a daemon on another machine it may be more than the true age, by no more
     than the shortest way there that was seen; it is never less. An older daemon knows no orders: its frames come one
     after the other.
@@ -137,7 +137,7 @@ class SocketClient(FrameSource):
 
     def read(self, timeout: float | None = None) -> Frame | None:
         """Returns the newest frame that was not read before, or None when none came in time (timeout None = wait for
-        ever). A frame that has lain for more than an interval while the program worked is left out, counts as missed, and
+        ever). A frame that has lain for more than an interval while the program worked is left out, counts as skipped, and
         a fresh one is asked for; that may take a little longer than the timeout."""
         with self._user:
             self._flow.reads(time.monotonic_ns())
@@ -171,7 +171,7 @@ class SocketClient(FrameSource):
                 return None
             self._keep(*message)
         sensors = self._sensors.popleft()
-        sensors.skipped_for_client += self._sensors_dropped
+        sensors.skipped += self._sensors_dropped
         self._sensors_dropped = 0
         return sensors
 
@@ -454,10 +454,10 @@ class SocketClient(FrameSource):
             self._sensors.append(envelope.sensors)
             if len(self._sensors) > _MOST_SENSORS:
                 oldest = self._sensors.popleft()
-                self._sensors_dropped += oldest.skipped_for_client + len(oldest.samples)
+                self._sensors_dropped += oldest.skipped + len(oldest.samples)
 
     def _count_missed(self, frame: Frame) -> Frame:
         if self._last_index is not None and frame.publish_index > self._last_index:
-            frame.missed = frame.publish_index - self._last_index - 1
+            frame.skipped = frame.publish_index - self._last_index - 1
         self._last_index = frame.publish_index
         return frame

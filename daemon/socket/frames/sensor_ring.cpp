@@ -21,7 +21,7 @@ std::uint64_t SensorRing::fill(std::uint64_t from, v1::Sensors& message) const {
     for (std::uint64_t i = std::max(from, begin); i < end_; ++i) {
         fill_message(samples_[i - begin], *message.add_samples());
     }
-    message.set_skipped_for_client(from < begin ? begin - from : 0);
+    message.set_skipped(from < begin ? begin - from : 0);
     message.set_age_ns((std::chrono::steady_clock::now() - newest_).count());
     return end_;
 }

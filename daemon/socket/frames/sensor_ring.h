@@ -23,7 +23,7 @@ public:
     /// Returns the number of the newest sample plus one; samples are counted from 0.
     std::uint64_t end() const { return end_; }
 
-    /// Fills the message with all samples from number `from` on; its `skipped_for_client` counts those that were
+    /// Fills the message with all samples from number `from` on; its `skipped` counts those that were
     /// dropped. Returns end().
     std::uint64_t fill(std::uint64_t from, v1::Sensors& message) const;
 

@@ -17,8 +17,8 @@ void fill_totals(v1::Totals& totals) {
     totals.set_captured(5000000000);
     totals.set_published(4999999000);
     totals.set_dropped(900);
-    totals.set_lost_before(12);
-    totals.set_corrupt(3);
+    totals.set_lost(12);
+    totals.set_damaged(3);
     for (const std::uint32_t bound : {100U, 20000U, 1000000U}) {
         totals.add_bounds_us(bound);
     }
@@ -97,8 +97,8 @@ v1::Status filled_status() {
     record.set_active(true);
     record.set_path("a.mkv");
     record.set_frames(100);
-    record.set_lost(2);
-    record.set_source_lost(1);
+    record.set_dropped(2);
+    record.set_lost(1);
     record.set_bytes(5000000000);
     record.set_seconds(3.5);
     fill_totals(*status.mutable_totals());

@@ -63,8 +63,8 @@ PlaneData scan() {
     proto::ScanHead head{};
     head.version = proto::scan_version;
     head.sectors = static_cast<std::uint16_t>(sectors.size());
-    head.least_mm = 500;
-    head.most_mm = 10000;
+    head.min_mm = 500;
+    head.max_mm = 10000;
     std::vector<std::uint8_t> bytes(proto::scan_bytes(sectors.size()));
     std::memcpy(bytes.data(), &head, sizeof head);
     std::memcpy(bytes.data() + sizeof head, sectors.data(), sectors.size() * sizeof sectors[0]);

@@ -276,7 +276,7 @@ TEST(RecordDamage, ARecorderStopsAndCountsWhenTheDiskIsFull) {
         status = recorder.finish();
     }
     EXPECT_THAT(status.error, HasSubstr("File too large"));
-    EXPECT_EQ(status.frames + status.lost, count);
+    EXPECT_EQ(status.frames + status.dropped, count);
     const Replay played = replay(path);
     EXPECT_EQ(played.error, "");
     EXPECT_EQ(played.frames.size(), status.frames);

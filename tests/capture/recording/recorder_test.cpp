@@ -27,7 +27,7 @@ TEST(Recorder, WritesWhatItIsOffered) {
     const Recorder::Status status = recorder.finish();
     EXPECT_EQ(status.error, "");
     EXPECT_EQ(status.frames, std::uint64_t{count});
-    EXPECT_EQ(status.lost, 0U);
+    EXPECT_EQ(status.dropped, 0U);
     EXPECT_EQ(status.bytes, file_bytes(folder.file("r.mkv")).size());
     EXPECT_GT(status.seconds, 0);
     const Replay played = replay(folder.file("r.mkv"));
@@ -50,7 +50,7 @@ TEST(Recorder, FinishesTwice) {
     const Recorder::Status second = recorder.finish();
     EXPECT_EQ(first.frames, 1U);
     EXPECT_EQ(second.frames, 1U);
-    EXPECT_EQ(second.lost, 1U);
+    EXPECT_EQ(second.dropped, 1U);
     EXPECT_EQ(second.bytes, first.bytes);
     EXPECT_EQ(second.seconds, first.seconds);
 }
@@ -70,7 +70,7 @@ TEST(Recorder, FinishesWhileFramesAreOffered) {
     camera.join();
     const Recorder::Status status = recorder.status();
     EXPECT_EQ(status.frames, taken);
-    EXPECT_EQ(status.frames + status.lost, std::uint64_t{count});
+    EXPECT_EQ(status.frames + status.dropped, std::uint64_t{count});
 }
 
 TEST(Recorder, WithoutFinishTheFileIsWhole) {
@@ -92,7 +92,7 @@ TEST(Recorder, FramesOfAnotherSizeAreLost) {
     EXPECT_FALSE(recorder.offer(make_frame(make_info(PixelFormat::grey8, 8, 9), 0).frame));
     EXPECT_TRUE(recorder.offer(make_frame(info, 1).frame));
     const Recorder::Status status = recorder.finish();
-    EXPECT_EQ(status.lost, 1U);
+    EXPECT_EQ(status.dropped, 1U);
     const Replay played = replay(folder.file("r.mkv"));
     ASSERT_EQ(played.frames.size(), 1U);
     EXPECT_EQ(played.frames[0].dropped_before, 2U + 1U);
@@ -181,8 +181,8 @@ TEST(Recorder, ASlowDiskLosesFramesWhichAreCounted) {
         }
     }
     ASSERT_EQ(in_a_row, 50);
-    EXPECT_EQ(recorder.status().lost, lost);
-    EXPECT_EQ(recorder.status().source_lost, 2 * (taken + lost - 1)) << "make_frame() says 2 before each";
+    EXPECT_EQ(recorder.status().dropped, lost);
+    EXPECT_EQ(recorder.status().lost, 2 * (taken + lost - 1)) << "make_frame() says 2 before each";
     disk.drain();
     while (recorder.status().frames < taken && std::chrono::steady_clock::now() < give_up) {
         std::this_thread::yield();
@@ -193,7 +193,7 @@ TEST(Recorder, ASlowDiskLosesFramesWhichAreCounted) {
     const Recorder::Status status = recorder.finish();
     EXPECT_EQ(status.error, "");
     EXPECT_EQ(status.frames, taken + 1);
-    EXPECT_EQ(status.lost, lost);
+    EXPECT_EQ(status.dropped, lost);
 
     const auto& bytes = disk.bytes();
     put_file(folder.file("copy.mkv"), bytes.data(), bytes.size());
@@ -220,7 +220,7 @@ TEST(Recorder, ADiskThatGoesAwayIsReported) {
     }
     const Recorder::Status status = recorder.finish();
     EXPECT_THAT(status.error, ::testing::HasSubstr("pipe: cannot write: Broken pipe"));
-    EXPECT_EQ(status.frames + status.lost, 40U);
+    EXPECT_EQ(status.frames + status.dropped, 40U);
     std::signal(SIGPIPE, handler);
 }
 

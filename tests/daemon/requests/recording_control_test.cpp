@@ -37,7 +37,7 @@ TEST_F(RecordingControlTest, AFileThatWasRemovedIsNotComplete) {
     std::filesystem::remove(folder_.path() + "/a.mkv");
     const Answered end = stop();
     EXPECT_EQ(end.status.frames(), 0U);
-    EXPECT_EQ(end.status.lost(), 2U);
+    EXPECT_EQ(end.status.dropped(), 2U);
     EXPECT_THAT(end.status.error(), HasSubstr("a.mkv: cannot write: the file was removed while it was written"));
 }
 

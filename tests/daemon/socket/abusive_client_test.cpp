@@ -57,7 +57,7 @@ TEST_F(AbusiveClientTest, RandomBytesEndOnlyTheirConnection) {
         server_->publish(feed_.next());
         const auto frame = good.receive_frame();
         ASSERT_TRUE(frame);
-        EXPECT_EQ(frame->envelope.frame().skipped_for_client(), 0U);
+        EXPECT_EQ(frame->envelope.frame().skipped(), 0U);
     }
 }
 
@@ -91,7 +91,7 @@ TEST_F(AbusiveClientTest, BrokenProtocolIsNamed) {
     {
         WireClient client = connect(tcp_);
         v1::Envelope hello;
-        hello.mutable_hello()->set_protocol_version(1);
+        hello.mutable_hello()->set_protocol_version(proto::protocol_version);
         client.send(hello);
         EXPECT_THAT(client.receive_error(), HasSubstr("Hello came twice"));
     }
@@ -162,7 +162,7 @@ TEST_F(AbusiveClientTest, OneThatStopsReadingIsSkippedAndOthersAreNot) {
         const auto frame = good.receive_frame();
         ASSERT_TRUE(frame);
         ASSERT_EQ(frame->envelope.frame().publish_index(), i);
-        ASSERT_EQ(frame->envelope.frame().skipped_for_client(), 0U);
+        ASSERT_EQ(frame->envelope.frame().skipped(), 0U);
     }
     // It stays connected and learns how much it missed.
     std::uint64_t seen = 0;
@@ -170,7 +170,7 @@ TEST_F(AbusiveClientTest, OneThatStopsReadingIsSkippedAndOthersAreNot) {
     std::uint64_t last = 0;
     while (const auto frame = lazy.receive_frame(last == 59 ? 0ms : 5000ms)) {
         ++seen;
-        missed += frame->envelope.frame().skipped_for_client();
+        missed += frame->envelope.frame().skipped();
         last = frame->envelope.frame().publish_index();
         const auto dense = PatternFrames::expected(last, v1::DISPARITY, 0, 0, 640, 480);
         ASSERT_TRUE(std::equal(dense.begin(), dense.end(), frame->payload.begin()));

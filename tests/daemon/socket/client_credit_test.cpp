@@ -3,6 +3,7 @@
 // A client that gives credit is sent the newest frame, and no other client notices.
 #include <array>
 
+#include "proto/framing.h"
 #include "proto/monotonic_clock.h"
 #include "tests/daemon/socket/server_fixture.h"
 
@@ -26,7 +27,7 @@ v1::Envelope ready(std::uint32_t frames = 1) {
 
 v1::Envelope hello_of(std::uint64_t client) {
     v1::Envelope message;
-    message.mutable_hello()->set_protocol_version(1);
+    message.mutable_hello()->set_protocol_version(proto::protocol_version);
     message.mutable_hello()->set_client_id(client);
     return message;
 }
@@ -84,7 +85,7 @@ TEST_F(ClientCreditTest, EachFrameIsTheNewestWhenItIsSent) {
                 const auto message = client.receive_frame();
                 ASSERT_TRUE(message);
                 EXPECT_EQ(message->envelope.frame().publish_index(), newest_);
-                EXPECT_EQ(message->envelope.frame().skipped_for_client(), 1U);
+                EXPECT_EQ(message->envelope.frame().skipped(), 1U);
             }
         }
     }

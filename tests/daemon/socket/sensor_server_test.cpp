@@ -52,7 +52,7 @@ TEST_F(SensorServerTest, SamplesComeInOrderToThoseWhoAsk) {
         const auto sensors = receive(listener);
         ASSERT_TRUE(sensors);
         ASSERT_EQ(sensors->samples_size(), static_cast<int>(count));
-        EXPECT_EQ(sensors->skipped_for_client(), 0U);
+        EXPECT_EQ(sensors->skipped(), 0U);
         EXPECT_GE(sensors->age_ns(), 0);
         for (const v1::SensorSample& sample : sensors->samples()) {
             EXPECT_EQ(sample.camera_ns(), expected++);
@@ -113,14 +113,14 @@ TEST_F(SensorServerTest, WhoReadsTooSlowlyMissesOldSamplesAndIsTold) {
         publish(samples);
         const auto sensors = receive(quick);
         ASSERT_TRUE(sensors);
-        ASSERT_EQ(sensors->skipped_for_client(), 0U);
+        ASSERT_EQ(sensors->skipped(), 0U);
     }
     std::uint64_t got = 0;
     std::uint64_t skipped = 0;
     while (got + skipped < batches * samples) {
         const auto sensors = receive(slow);
         ASSERT_TRUE(sensors);
-        skipped += sensors->skipped_for_client();
+        skipped += sensors->skipped();
         ASSERT_EQ(sensors->samples(0).camera_ns(), static_cast<std::int64_t>(got + skipped));
         got += static_cast<std::uint64_t>(sensors->samples_size());
         ASSERT_LE(sensors->samples_size(), static_cast<int>(daemon::SensorRing::capacity));

@@ -12,6 +12,7 @@
 #include <zstd.h>
 
 #include "daemon/requests/camera_request.h"
+#include "proto/framing.h"
 #include "tests/daemon/socket/server_fixture.h"
 
 namespace disparityd::test {
@@ -43,7 +44,7 @@ TEST_F(SocketServerTest, WelcomeSaysWhatThereIs) {
         const auto answer = client.hello();
         ASSERT_TRUE(answer && answer->has_welcome());
         const v1::Welcome& welcome = answer->welcome();
-        EXPECT_EQ(welcome.protocol_version(), 1U);
+        EXPECT_EQ(welcome.protocol_version(), proto::protocol_version);
         EXPECT_EQ(welcome.products_size(), static_cast<int>(proto::products.size()));
         EXPECT_EQ(welcome.geometry().width(), 64U);
         EXPECT_EQ(welcome.geometry().calibration_id(), 0xfedcba9876543210U);
@@ -72,7 +73,7 @@ TEST_F(SocketServerTest, FramesCarryEverything) {
         EXPECT_LT(frame.age_ns(), 60'000'000'000);
         EXPECT_EQ(frame.flags(), static_cast<std::uint32_t>(v1::DROPPED_BEFORE));
         EXPECT_EQ(frame.dropped_before(), n % 3);
-        EXPECT_EQ(frame.skipped_for_client(), 0U);
+        EXPECT_EQ(frame.skipped(), 0U);
         EXPECT_FALSE(frame.has_region());
         EXPECT_EQ(frame.geometry().f(), 350.5);
         EXPECT_EQ(frame.geometry().cx(), 160.25);
@@ -145,7 +146,7 @@ TEST_F(SocketServerTest, CompressedFramesReachAllWhoWantThem) {
             const auto message = clients[i].receive_frame();
             ASSERT_TRUE(message) << i;
             const v1::Frame& frame = message->envelope.frame();
-            EXPECT_EQ(frame.skipped_for_client(), 0U);
+            EXPECT_EQ(frame.skipped(), 0U);
             std::vector<std::uint8_t> planes;
             std::size_t at = 0;
             for (const v1::PlaneInfo& plane : frame.planes()) {
@@ -307,7 +308,7 @@ TEST_F(SocketServerTest, NothingIsCopiedWhenNobodyWantsIt) {
     const auto message = client.receive_frame();
     ASSERT_TRUE(message);
     EXPECT_EQ(message->envelope.frame().publish_index(), 1U);
-    EXPECT_EQ(message->envelope.frame().skipped_for_client(), 0U);
+    EXPECT_EQ(message->envelope.frame().skipped(), 0U);
 }
 
 TEST_F(SocketServerTest, OtherAddressesKeepClients) {

@@ -153,7 +153,7 @@ bool LiveDaemon::comes_back_to(const Resources& before) {
 std::string in_words(const LiveDaemon::Status& status) {
     const auto& camera = status.camera();
     return "status: " + status.state() + " (" + status.detail() + "), camera " + camera.state() + ", " +
-           std::to_string(status.published()) + " published, " + std::to_string(status.lost_before()) + " lost, " +
+           std::to_string(status.published()) + " published, " + std::to_string(status.lost()) + " lost, " +
            std::to_string(camera.restarts()) + " restarts, " + std::to_string(camera.reopens()) + " reopens, " +
            std::to_string(camera.resets()) + " resets";
 }

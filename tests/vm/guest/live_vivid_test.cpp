@@ -56,9 +56,9 @@ TEST_F(LiveVivid, AFlaggedFrameIsCountedAndNotServed) {
 }
 
 TEST_F(LiveVivid, FramesThatTheDriverLosesAreCounted) {
-    const std::uint64_t lost = daemon_->status().lost_before();
+    const std::uint64_t lost = daemon_->status().lost();
     set_vivid("Percentage of Dropped Buffers", 50);
-    EXPECT_TRUE(daemon_->wait_for([&](const Status& status) { return status.lost_before() >= lost + 20; }));
+    EXPECT_TRUE(daemon_->wait_for([&](const Status& status) { return status.lost() >= lost + 20; }));
     set_vivid("Percentage of Dropped Buffers", 0);
     EXPECT_TRUE(streams());
 }

@@ -74,8 +74,8 @@ std::optional<std::uint64_t> expected_frames(const RecordArguments& arguments, d
     return least;
 }
 
-std::string lost_and_size(std::uint64_t lost, std::uint64_t bytes) {
-    return std::to_string(lost) + " lost, " + fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
+std::string dropped_and_size(std::uint64_t dropped, std::uint64_t bytes) {
+    return std::to_string(dropped) + " dropped, " + fixed(static_cast<double>(bytes) / 1e6, 1) + " MB";
 }
 
 /// Prints what was recorded and returns the exit code.
@@ -84,9 +84,9 @@ int report(const v1::RecordStatus& done, bool json, const std::string& why_none 
         std::cout << to_text(to_json(done), 2) << '\n';
     } else if (done.frames() > 0) {
         std::cout << done.path() << ": " << base::counted(done.frames(), "frame") << " in " << fixed(done.seconds(), 1)
-                  << " s, " << lost_and_size(done.lost(), done.bytes());
-        if (done.source_lost() > 0) {
-            std::cout << "; " << done.source_lost() << " more never came from the source";
+                  << " s, " << dropped_and_size(done.dropped(), done.bytes());
+        if (done.lost() > 0) {
+            std::cout << "; " << done.lost() << " lost by the source";
         }
         std::cout << '\n';
     }
@@ -149,7 +149,7 @@ void show_until_limit(disparity::SocketClient& listener, const RecordArguments& 
         }
         if (const auto told = pushed_status(listener)) {
             now = told->record();
-            bar.show(now.frames(), lost_and_size(now.lost(), now.bytes()));
+            bar.show(now.frames(), dropped_and_size(now.dropped(), now.bytes()));
         }
     }
 }
@@ -249,11 +249,11 @@ int record_frames(const RecordArguments& arguments, capture::FrameSource& source
                 if (!now.error.empty()) {
                     break;
                 }
-                if (now.lost > 0 && !warned) {
+                if (now.dropped > 0 && !warned) {
                     print_note(capture::Recorder::slow_disk_text(arguments.file));
                     warned = true;
                 }
-                bar.show(now.frames, lost_and_size(now.lost, now.bytes));
+                bar.show(now.frames, dropped_and_size(now.dropped, now.bytes));
             }
         } catch (const std::exception& error) {
             if (!recorder && dynamic_cast<const std::invalid_argument*>(&error) != nullptr) {

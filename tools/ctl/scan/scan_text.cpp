@@ -155,7 +155,7 @@ Json scan_json(const ScanReading& reading) {
               {"age_ms", static_cast<double>(reading.age_ns) / 1e6},
               {"scans_per_second", reading.rate ? Json(*reading.rate) : Json()},
               {"dropped", reading.frame.dropped_before},
-              {"missed", reading.frame.missed},
+              {"skipped", reading.frame.skipped},
               {"calibrated", has_metres(reading)},
               {"synthetic", (reading.frame.flags & disparity::FrameFlags::synthetic) != 0},
               {"nearest", nearest_json(seen)},

@@ -6,15 +6,15 @@
 namespace disparity {
 
 /// Counts the published frames that a client did not read.
-class MissedCounter {
+class SkippedCounter {
 public:
     /// Returns how many frames were published between the one read before and this one; 0 for the first one, and after
     /// a restart of the daemon.
     std::uint64_t seen(std::uint64_t publish_index) {
-        const std::uint64_t missed = any_ && publish_index > last_ ? publish_index - last_ - 1 : 0;
+        const std::uint64_t skipped = any_ && publish_index > last_ ? publish_index - last_ - 1 : 0;
         any_ = true;
         last_ = publish_index;
-        return missed;
+        return skipped;
     }
 
 private:
