@@ -2,11 +2,13 @@
 #include "daemon/socket/socket_server.h"
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
+#include "base/failure_text.h"
 #include "base/start_thread.h"
 #include "base/words.h"
 #include "daemon/log.h"
@@ -115,7 +117,20 @@ void SocketServer::start() {
     }
     serving_ = listeners_;
     asio::post(io_, [this] { watch_clients(); });
-    thread_ = base::start_thread([this] { io_.run(); });
+    thread_ = base::start_thread([this] { run(); });
+}
+
+/// Sessions and listeners handle their own exceptions. One that arrives here ends its handler only.
+void SocketServer::run() {
+    for (;;) {
+        try {
+            io_.run();
+            return;
+        } catch (...) {
+            log_error(fmt::format("the socket server continues after a failed handler: {}",
+                                  base::failure_text(std::current_exception())));
+        }
+    }
 }
 
 void SocketServer::end_all() noexcept {

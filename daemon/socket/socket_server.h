@@ -102,6 +102,7 @@ private:
     Requests with_status(Requests requests);
     v1::Status status_and_losses() const;
     void watch_clients();
+    void run();
     void end_all() noexcept;
 
     boost::asio::io_context io_{1};
