@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -120,12 +121,15 @@ void SocketServer::start() {
     thread_ = base::start_thread([this] { run(); });
 }
 
-/// Sessions and listeners handle their own exceptions. One that arrives here ends its handler only.
+/// Sessions and listeners handle their own exceptions. One that arrives here ends its handler only; where there is no
+/// memory it ends the daemon.
 void SocketServer::run() {
     for (;;) {
         try {
             io_.run();
             return;
+        } catch (const std::bad_alloc&) {
+            throw;
         } catch (...) {
             log_error(fmt::format("the socket server continues after a failed handler: {}",
                                   base::failure_text(std::current_exception())));
