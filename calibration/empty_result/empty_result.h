@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "calibration/calibration.h"
+#include "calibration/empty_result/likely_cause.h"
 #include "kernels/image.h"
 #include "kernels/options.h"
-#include "calibration/empty_result/likely_cause.h"
 
 namespace disparityd::empty_result {
 

@@ -49,9 +49,8 @@ struct FrameInfo {
     /// From capture until read() or borrow() gave the frame: on its way and in buffers, too. Of a daemon on another
     /// machine it may be more, by no more than the shortest way there that was seen; it is never less.
     std::int64_t age_ns = 0;
-    std::uint64_t dropped_before =
-        0;                      ///< frames that never were published since the one before: lost or dropped
-    std::uint64_t skipped = 0;  ///< frames published but not seen by this client, since the one read before
+    std::uint64_t dropped_before = 0;  ///< frames that never were published since the one before: lost or dropped
+    std::uint64_t skipped = 0;         ///< frames published but not seen by this client, since the one read before
     std::uint64_t calibration_id = 0;  ///< changes when the calibration does; 0 = none
     double f = 0;                      ///< focal length of the rectified camera, px; 0 = unknown
     double cx = 0;                     ///< column of the principal point of the rectified camera, px

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "tests/tools/made_causes.h"
 #include "calibration/empty_result/empty_result.h"
+#include "tests/tools/made_causes.h"
 
 namespace disparityd::empty_result {
 
