@@ -2,16 +2,14 @@
 #include "daemon/background_pairs.h"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
-#include <fmt/format.h>
 #include <pthread.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "base/failure_text.h"
 #include "base/start_thread.h"
+#include "daemon/ends_alone.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -67,11 +65,9 @@ void BackgroundPairs::run() {
             return;
         }
         stage_.store(busy, std::memory_order_relaxed);
-        try {
+        ends_alone(name_, [this] {
             look_({left_.data(), width_, height_, width_}, {right_.data(), width_, height_, width_});
-        } catch (const std::exception& error) {
-            failures_.write(LogLevel::error, fmt::format("{}: {}", name_, base::failure_text(error)));
-        }
+        });
     }
 }
 

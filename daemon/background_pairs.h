@@ -8,7 +8,6 @@
 #include <thread>
 #include <vector>
 
-#include "daemon/log.h"
 #include "kernels/image.h"
 #include "kernels/matcher.h"
 
@@ -56,7 +55,6 @@ private:
     std::chrono::steady_clock::time_point due_;
     std::vector<std::uint8_t> left_;
     std::vector<std::uint8_t> right_;
-    LogLimiter failures_{5, std::chrono::seconds(10)};  ///< the thread's
     std::thread thread_;
 };
 

@@ -18,6 +18,7 @@
 #include "base/freed_memory.h"
 #include "base/out_of_memory.h"
 #include "daemon/configured_access.h"
+#include "daemon/ends_alone.h"
 #include "daemon/log.h"
 #include "daemon/requests/record_request.h"
 #include "daemon/totals.h"
@@ -100,13 +101,22 @@ bool Daemon::run() {
     tick();
     server_.start();  // clients get a status while the first source is prepared
     builder_.build(BuildReason::start, config_);
-    control_.run();
+    control();
     builder_.wait();
     shut_down();
     if (fatal_) {
         std::rethrow_exception(fatal_);
     }
     return ended_well_;
+}
+
+/// Runs signals and ticks. After a handler that failed it waits for both again.
+void Daemon::control() {
+    while (!ends_alone("the daemon goes on", [this] { control_.run(); })) {
+        signals_.cancel();
+        wait_for_signal();
+        wait_for_tick();
+    }
 }
 
 void Daemon::wait_for_signal() {
@@ -361,8 +371,10 @@ void Daemon::shut_down() {
     if (const auto last = engine()) {
         last->stop();
     }
-    recording_.set_source(std::nullopt, "");
-    recording_.wait();
+    ends_alone("the recording is finished at the end", [this] {  // by its destructor
+        recording_.set_source(std::nullopt, "");
+        recording_.wait();
+    });
     server_.stop();
     shared_memory_.reset();
 }

@@ -62,6 +62,7 @@ private:
     bool serving() const { return phase_.load(std::memory_order_relaxed) == Phase::serving; }
     bool stopping() const { return phase_.load(std::memory_order_relaxed) == Phase::stopping; }
 
+    void control();
     void wait_for_signal();
     void wait_for_tick();
     void look_for_built();

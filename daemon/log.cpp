@@ -2,6 +2,7 @@
 #include "daemon/log.h"
 
 #include <cstdlib>
+#include <exception>
 #include <memory>
 #include <utility>
 
@@ -11,6 +12,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/failure_text.h"
 #include "base/message_text.h"
 
 namespace disparityd::daemon {
@@ -72,6 +74,11 @@ void set_log_level(LogLevel level) {
 void log_line(LogLevel level, const std::string& line) {
     // Names in the line may hold control characters.
     spdlog::default_logger_raw()->log(spdlog_level(level), base::printable_line(line));
+}
+
+void log_caught(const char* what) {
+    static LogLimiter limiter(5, std::chrono::seconds(10));
+    limiter.write(LogLevel::error, fmt::format("{}: {}", what, base::failure_text(std::current_exception())));
 }
 
 bool LogLimiter::allows(std::uint64_t& left_out) {

@@ -32,6 +32,10 @@ inline void log_error(const std::string& line) {
     log_line(LogLevel::error, line);
 }
 
+/// Logs one line with `what` and the current exception; to be called in a catch block, any thread. The number of such
+/// lines is limited.
+void log_caught(const char* what);
+
 /// Limits lines that clients can provoke: `burst` lines, then one more every `interval`. Any thread.
 class LogLimiter {
 public:

@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
 #include "base/failure_text.h"
@@ -29,7 +28,7 @@ void CameraControlService::ask(const v1::CameraRequest& request, Reply reply) {
             fmt::format("camera: found {} settings, allowed: at most {}", request.settings_size(), most_settings)));
         return;
     }
-    boost::asio::post(worker_, [this, request, reply = std::move(reply)] {
+    do_in(worker_, "a request about the camera is not answered", [this, request, reply = std::move(reply)] {
         Answer answer;
         try {
             const auto engine = engine_();

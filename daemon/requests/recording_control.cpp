@@ -31,6 +31,8 @@ bool begins_like_a_name(const std::string& part) {
     return first >= 0x80 || std::isalnum(first) != 0;
 }
 
+constexpr const char* not_answered = "a request about recordings is not answered";
+
 /// Returns the absolute path of `path` inside the folder. Throws if it is not allowed.
 std::string target_path(const std::string& path, const std::string& directory) {
     const auto refuse = [&](const std::string& why) {
@@ -104,7 +106,7 @@ void RecordingControl::set_source(std::optional<capture::SourceInfo> source, con
 }
 
 void RecordingControl::start(const WantedRecording& wanted, Answer answer) {
-    boost::asio::post(worker_, [this, wanted, answer = std::move(answer)] {
+    do_in(worker_, not_answered, [this, wanted, answer = std::move(answer)] {
         std::string refusal;
         try {
             const base::MemoryMayBeRefused refusable;
@@ -119,7 +121,7 @@ void RecordingControl::start(const WantedRecording& wanted, Answer answer) {
 void RecordingControl::stop(Answer answer) {
     // The recording may end before the worker runs this; its status is still the answer.
     const bool running = status().active();
-    boost::asio::post(worker_, [this, running, answer = std::move(answer)] {
+    do_in(worker_, not_answered, [this, running, answer = std::move(answer)] {
         bool ended = false;
         {
             const std::lock_guard lock(mutex_);
@@ -196,7 +198,7 @@ bool RecordingControl::end(const std::string& reason) {
 
 void RecordingControl::end_in_background(const std::string& reason) {
     if (end(reason)) {
-        boost::asio::post(worker_, [this] { finish_ended(); });
+        do_in(worker_, "a recording cannot be finished", [this] { finish_ended(); });
     }
 }
 
@@ -240,7 +242,7 @@ std::string RecordingControl::limit_reached(const v1::RecordStatus& now) const {
 /// Asks the worker for the free space; a disk that does not answer blocks the worker only.
 void RecordingControl::watch_space() {
     if (rules_.keep_free_bytes > 0 && !looking_for_space_) {
-        boost::asio::post(worker_, [this] { look_for_space(); });
+        do_in(worker_, "the room on the disk is not looked at", [this] { look_for_space(); });
         looking_for_space_ = true;
     }
 }

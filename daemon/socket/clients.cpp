@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/ends_alone.h"
+
 namespace disparityd::daemon {
 namespace {
 
@@ -96,7 +98,7 @@ void Clients::came_back(const ClientSession& session) {
 void Clients::tell_gone(std::uint64_t client) noexcept {
     for (const Request& request : requests_) {
         if (request.client_is_gone) {
-            request.client_is_gone(client);
+            ends_alone("what a client has asked for may go on without it", [&] { request.client_is_gone(client); });
         }
     }
 }

@@ -2,16 +2,14 @@
 #include "daemon/socket/socket_server.h"
 
 #include <algorithm>
-#include <exception>
-#include <new>
 #include <utility>
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "base/failure_text.h"
 #include "base/start_thread.h"
 #include "base/words.h"
+#include "daemon/ends_alone.h"
 #include "daemon/log.h"
 #include "daemon/requests/status_request.h"
 
@@ -121,19 +119,9 @@ void SocketServer::start() {
     thread_ = base::start_thread([this] { run(); });
 }
 
-/// Sessions and listeners handle their own exceptions. One that arrives here ends its handler only; where there is no
-/// memory it ends the daemon.
+/// Sessions and listeners handle their own exceptions. One that arrives here ends its handler only.
 void SocketServer::run() {
-    for (;;) {
-        try {
-            io_.run();
-            return;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (...) {
-            log_error(fmt::format("the socket server continues after a failed handler: {}",
-                                  base::failure_text(std::current_exception())));
-        }
+    while (!ends_alone("the socket server continues after a failed handler", [this] { io_.run(); })) {
     }
 }
 
