@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/measured_watch.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "calibration/empty_result/empty_result.h"
@@ -18,15 +16,6 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds count_interval{250};
 constexpr std::chrono::seconds look_interval{5};
 
-double measured_share(Plane<const std::uint8_t> confidence) {
-    std::int64_t measured = 0;
-    for (int y = 0; y < confidence.height; ++y) {
-        const std::uint8_t* const row = confidence.row(y);
-        measured += std::count_if(row, row + confidence.width, [](std::uint8_t value) { return value != 0; });
-    }
-    return static_cast<double>(measured) / (static_cast<double>(confidence.width) * confidence.height);
-}
-
 }  // namespace
 
 MeasuredWatch::MeasuredWatch(int width, int height, DisparityRange range,
@@ -41,7 +30,9 @@ void MeasuredWatch::offer(const pipeline::FrameSlot& slot) noexcept {
         return;
     }
     next_count_ = now + count_interval;
-    const double share = measured_share(slot.view.confidence);
+    const Plane<const std::uint8_t> confidence = slot.view.confidence;
+    const double share = static_cast<double>(empty_result::measured_pixels(confidence)) /
+                         (static_cast<double>(confidence.width) * confidence.height);
     share_.store(share);
     if (share >= EmptyResult::suspicious_below) {
         has_cause_.store(false);
@@ -53,7 +44,7 @@ void MeasuredWatch::offer(const pipeline::FrameSlot& slot) noexcept {
 void MeasuredWatch::look(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right) {
     const empty_result::LikelyCause found = empty_result::likely_cause({left, right, range_, calibration_});
     const double share = share_.load();
-    const bool told = found.cause != empty_result::Cause::unknown || share < EmptyResult::told_below;
+    const bool told = EmptyResult::is_told(found, share);
     {
         const std::lock_guard lock(mutex_);
         cause_ = told ? found.text : "";

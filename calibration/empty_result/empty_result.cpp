@@ -23,14 +23,19 @@ std::string percent(double share) {
 
 }  // namespace
 
-void EmptyResult::add(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
-                      Plane<const std::uint8_t> confidence) {
+std::uint64_t measured_pixels(Plane<const std::uint8_t> confidence) {
     std::uint64_t measured = 0;
     for (int y = 0; y < confidence.height; ++y) {
         const std::uint8_t* row = confidence.row(y);
         measured += static_cast<std::uint64_t>(
             std::count_if(row, row + confidence.width, [](std::uint8_t value) { return value != 0; }));
     }
+    return measured;
+}
+
+void EmptyResult::add(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+                      Plane<const std::uint8_t> confidence) {
+    const std::uint64_t measured = measured_pixels(confidence);
     const auto pixels = static_cast<std::uint64_t>(confidence.width) * static_cast<std::uint64_t>(confidence.height);
     pixels_ += pixels;
     measured_ += measured;
@@ -67,7 +72,7 @@ std::string EmptyResult::note(const std::optional<calibration::StereoCalibration
         return wrong ? "the disparities are likely to be wrong: " + wrong->text : "";
     }
     const LikelyCause found = cause(calibration);
-    if (found.cause == Cause::unknown && measured() >= told_below) {
+    if (!is_told(found, measured())) {
         return {};
     }
     return "only " + percent(measured()) + " of the pixels were measured; the likely cause: " + found.text;

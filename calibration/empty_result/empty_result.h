@@ -13,6 +13,9 @@
 
 namespace disparityd::empty_result {
 
+/// Returns how many pixels were measured: their confidence is not 0, which is rejected or interpolated.
+std::uint64_t measured_pixels(Plane<const std::uint8_t> confidence);
+
 /// Counts over a run how much of the frames was measured, and keeps a few pairs of which little was. One thread at a
 /// time.
 class EmptyResult {
@@ -22,6 +25,11 @@ public:
     static constexpr double suspicious_below = 0.45;
     /// A share below this is told in any case.
     static constexpr double told_below = 0.1;
+
+    /// Whether people are told of this cause where so large a share, a suspicious one, was measured.
+    static bool is_told(const LikelyCause& cause, double share) {
+        return cause.cause != Cause::unknown || share < told_below;
+    }
 
     explicit EmptyResult(DisparityRange range) : range_(range) {}
 

@@ -219,8 +219,7 @@ Json frame_json(const LiveFrame& live) {
             {"invalid", frame.invalid},
             {"calibration_id", json::hexadecimal(frame.calibration_id)},
             {"flags", flags_of(frame.flags)},
-            {"dropped_before", frame.dropped_before},
-            {"skipped", frame.skipped}};
+            {"dropped_before", frame.dropped_before}};
 }
 
 Bytes head_of(const Json& header) {
