@@ -104,4 +104,9 @@ void check_memory_room(std::size_t needed, const MemoryRoom& room) {
                              " left: choose a smaller image, fewer disparities, fewer slots or the back end cpu");
 }
 
+std::size_t resident_memory() {
+    constexpr std::uint64_t kibibyte = 1024;
+    return static_cast<std::size_t>(number_of("/proc/self/status", "VmRSS:").value_or(0) * kibibyte);
+}
+
 }  // namespace disparityd::base

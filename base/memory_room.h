@@ -23,4 +23,7 @@ constexpr std::size_t memory_reserve = 64'000'000;
 /// Throws std::runtime_error with one line where matching needs more bytes than there are beside the reserve.
 void check_memory_room(std::size_t needed, const MemoryRoom& room);
 
+/// Returns the bytes that this process has in memory at the moment; 0 where the system does not tell.
+std::size_t resident_memory();
+
 }  // namespace disparityd::base

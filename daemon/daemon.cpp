@@ -306,6 +306,11 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     if (const std::string distances = engine->distances(); !distances.empty()) {
         log_info(distances);
     }
+    const MemoryBounds memory = engine->memory();
+    log_info(memory.text());
+    if (const std::string warning = memory.warning(base::memory_room()); !warning.empty()) {
+        log_warning(warning);
+    }
     if (engine->source().synthetic) {
         log_warning(Engine::synthetic_notice);
     }

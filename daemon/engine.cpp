@@ -162,7 +162,15 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
             raw_(frame);
         });
     const std::size_t now_held = large_memory_held();
-    base::check_memory_room(now_held - std::min(now_held, held), base::memory_room());
+    const MemoryBounds later = serving_memory(config_, layout_, source());
+    base::check_memory_room(now_held - std::min(now_held, held) + later.frames, base::memory_room());
+    fault_in_large_memory();
+}
+
+MemoryBounds Engine::memory() const {
+    MemoryBounds bounds = serving_memory(config_, layout_, source());
+    bounds.engine = base::resident_memory() + base::memory_reserve;
+    return bounds;
 }
 
 Engine::~Engine() {

@@ -13,6 +13,7 @@
 #include "capture/frame_source.h"
 #include "daemon/config/config.h"
 #include "daemon/measured_watch.h"
+#include "daemon/memory_bounds.h"
 #include "daemon/published_frame.h"
 #include "daemon/self_calibrator.h"
 #include "daemon/stage_table.h"
@@ -92,6 +93,10 @@ public:
 
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
+
+    /// Returns the most memory that the daemon holds with this engine, which was just made. The engine has all of its
+    /// own since.
+    MemoryBounds memory() const;
 
     /// One line for people: the distances that are measured (calibration/depth_range.h). Empty as long as a camera is
     /// waited for whose calibration is unknown.

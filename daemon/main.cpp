@@ -12,6 +12,7 @@
 
 #include "base/failure_text.h"
 #include "base/freed_memory.h"
+#include "base/memory_room.h"
 #include "base/message_text.h"
 #include "base/out_of_memory.h"
 #include "base/program_end.h"
@@ -48,6 +49,11 @@ int run(int argc, char** argv) {
         print_notes(config.notes);
         if (const std::string distances = would_run.distances(); !distances.empty()) {
             print_notes({distances});
+        }
+        const disparityd::daemon::MemoryBounds memory = would_run.memory();
+        std::printf("disparityd: %s\n", memory.text().c_str());
+        if (const std::string warning = memory.warning(disparityd::base::memory_room()); !warning.empty()) {
+            print_notes({warning});
         }
         std::printf("disparityd: the configuration is valid\n");
         return 0;

@@ -2,7 +2,10 @@
 #include "kernels/large_buffer.h"
 
 #include <atomic>
+#include <cerrno>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -22,7 +25,16 @@ namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
 
-std::atomic<std::size_t> held{0};
+/// All buffers: where they begin, and their bytes.
+struct Buffers {
+    std::mutex mutex;
+    std::map<std::byte*, std::size_t> bytes;
+};
+
+Buffers& buffers() {
+    static auto* const all = new Buffers;  // static buffers may end after it would
+    return *all;
+}
 
 /// Nobody may use what was mapped behind the end, up to a page or a large page; the address sanitizer is told so.
 void close_tail([[maybe_unused]] std::byte* data, [[maybe_unused]] std::size_t size, [[maybe_unused]] bool closed,
@@ -61,6 +73,23 @@ std::byte* map_aligned(std::size_t size) {
     return memory + before;
 }
 
+/// MADV_POPULATE_WRITE, which older headers lack.
+constexpr int populate_write = 23;
+
+[[noreturn]] void refuse(std::size_t size) {
+    throw std::runtime_error("matching needs " + std::to_string((size - 1) / 1000000 + 1) +
+                             " MB of memory at once and the system has not got them: choose a smaller image, "
+                             "fewer disparities or fewer slots");
+}
+
+/// Writes to each page what it holds; those of a closed tail, too.
+__attribute__((no_sanitize("address"))) void touch(std::byte* data, std::size_t bytes) {
+    constexpr std::size_t page = 4096;
+    for (std::size_t i = 0; i < bytes; i += page) {
+        __atomic_fetch_or(reinterpret_cast<unsigned char*>(data) + i, 0, __ATOMIC_RELAXED);
+    }
+}
+
 }  // namespace
 
 LargeBuffer::LargeBuffer(std::size_t size) : size_(size), mapped_(size) {
@@ -74,24 +103,44 @@ LargeBuffer::LargeBuffer(std::size_t size) : size_(size), mapped_(size) {
         data_ = map(size);
     }
     if (data_ == nullptr) {
-        throw std::runtime_error("matching needs " + std::to_string((size - 1) / 1000000 + 1) +
-                                 " MB of memory at once and the system has not got them: choose a smaller image, "
-                                 "fewer disparities or fewer slots");
+        refuse(size);
     }
-    held += mapped_;
+    {
+        const std::lock_guard lock(buffers().mutex);
+        buffers().bytes.emplace(data_, mapped_);
+    }
     close_tail(data_, size_, true, mapped_);
 }
 
 LargeBuffer::~LargeBuffer() {
     if (data_ != nullptr) {
         close_tail(data_, size_, false, mapped_);
+        const std::lock_guard lock(buffers().mutex);
+        buffers().bytes.erase(data_);
         munmap(data_, mapped_);
-        held -= mapped_;
     }
 }
 
 std::size_t large_memory_held() {
+    const std::lock_guard lock(buffers().mutex);
+    std::size_t held = 0;
+    for (const auto& [_, bytes] : buffers().bytes) {
+        held += bytes;
+    }
     return held;
+}
+
+void fault_in_large_memory() {
+    const std::lock_guard lock(buffers().mutex);
+    for (const auto& [data, bytes] : buffers().bytes) {
+        if (madvise(data, bytes, populate_write) == 0) {
+            continue;
+        }
+        if (errno == ENOMEM || errno == EFAULT) {
+            refuse(bytes);
+        }
+        touch(data, bytes);  // a kernel before 5.14
+    }
 }
 
 LargeBuffer::LargeBuffer(LargeBuffer&& other) noexcept

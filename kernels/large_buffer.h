@@ -39,4 +39,8 @@ private:
 /// a program compares what a matcher took with what the machine has before it matches.
 std::size_t large_memory_held();
 
+/// Has the system give all of that memory now, so that no frame waits for it and none is missing later; what it holds
+/// stays. Any thread, while others use the buffers. Throws std::runtime_error when the system has not got it.
+void fault_in_large_memory();
+
 }  // namespace disparityd

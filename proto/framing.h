@@ -21,6 +21,9 @@ inline constexpr std::size_t length_bytes = 4;
 /// Both sides refuse a longer Envelope before they allocate anything for it.
 inline constexpr std::uint32_t max_envelope_bytes = 1U << 20;
 
+/// The daemon refuses a longer one of a client: nothing that a client says needs more.
+inline constexpr std::uint32_t max_client_envelope_bytes = 64U << 10;
+
 /// A client accepts images of at most this width or height, and at most so many bytes after one Envelope.
 inline constexpr std::uint32_t max_image_side = 16384;
 inline constexpr std::uint64_t max_payload_bytes = 512ULL << 20;

@@ -22,8 +22,11 @@ namespace disparityd::capture {
 /// dropped_before. offer() is called by one thread, the rest from any.
 class Recorder {
 public:
+    static constexpr std::size_t default_buffers = 16;
+
     /// Throws as RecordingWriter does.
-    Recorder(const std::string& path, const SourceInfo& info, std::size_t buffers = 16, bool overwrite = false);
+    Recorder(const std::string& path, const SourceInfo& info, std::size_t buffers = default_buffers,
+             bool overwrite = false);
     ~Recorder();  ///< as finish(), without reporting
     Recorder(const Recorder&) = delete;
     Recorder& operator=(const Recorder&) = delete;

@@ -24,6 +24,8 @@ struct Requester {
 struct Answer {
     std::vector<v1::Envelope> messages;
     std::string refusal;  ///< empty: none
+    /// Kept until the client has got all messages or is gone; null: nothing. For answers so long that few may wait.
+    std::shared_ptr<const void> held = {};
 };
 
 /// Returns the answer that is one message, which `set` fills in.
@@ -35,7 +37,7 @@ Answer answer_of(Set set) {
 }
 
 inline Answer refusal_of(std::string why) {
-    return {{}, std::move(why)};
+    return {{}, std::move(why), {}};
 }
 
 /// Takes the answer to one request, at once or later, from any thread. Nothing else is read from the client before, so

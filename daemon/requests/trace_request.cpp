@@ -28,12 +28,12 @@ void TraceService::ask(const v1::TraceRequest& request, Reply reply) {
     }
     {
         const std::lock_guard lock(mutex_);
-        if (!reply_) {
+        if (!reply_ && on_its_way_.expired()) {
             reply_ = std::exchange(reply, {});
         }
     }
     if (reply) {
-        reply(refusal_of(fmt::format("trace: another one is being taken: ask again in {} s", most_seconds)));
+        reply(refusal_of(fmt::format("trace: another one is being taken or read: ask again in {} s", most_seconds)));
         return;
     }
     const std::chrono::duration<double> time(seconds);
@@ -67,7 +67,13 @@ void TraceService::end() {
     for (v1::Trace& part : to_messages(engine->tracer().end())) {
         *answer.messages.emplace_back().mutable_trace() = std::move(part);
     }
-    take_reply()(std::move(answer));
+    answer.held = std::make_shared<char>();
+    const Reply reply = take_reply();
+    {
+        const std::lock_guard lock(mutex_);
+        on_its_way_ = answer.held;
+    }
+    reply(std::move(answer));
 }
 
 void TraceService::refuse(const std::string& why) {

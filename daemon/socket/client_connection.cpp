@@ -22,8 +22,6 @@ using boost::system::error_code;
 
 constexpr std::chrono::seconds hello_timeout{5};
 constexpr std::chrono::seconds close_timeout{1};
-/// Answers that may wait for a client before nothing more is read from it.
-constexpr std::size_t max_answers = 8;
 
 }  // namespace
 
@@ -119,7 +117,7 @@ void ClientConnection::become_ready() {
 // Messages in.
 
 void ClientConnection::read_length() {
-    if (!may_read() || reading_ || awaits_answer() || outbox_.answers() >= max_answers) {
+    if (!may_read() || reading_ || awaits_answer() || outbox_.is_full()) {
         return;
     }
     reading_ = true;
@@ -154,7 +152,7 @@ void ClientConnection::length_arrived(const error_code& error) {
     }
     std::uint32_t length = 0;
     try {
-        length = proto::decode_length(length_);
+        length = proto::decode_length(length_, proto::max_client_envelope_bytes);
     } catch (const std::invalid_argument& refused) {
         send_error(refused.what(), true);
         return;

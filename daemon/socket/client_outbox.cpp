@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "daemon/socket/client_rules.h"
 #include "proto/framing.h"
 #include "proto/monotonic_clock.h"
 
@@ -40,6 +41,11 @@ v1::Envelope frame_head(const FrameCopy& frame, const Selection& selection, cons
 
 void ClientOutbox::add(const v1::Envelope& answer) {
     proto::encode(answer, answers_.emplace_back());
+    answer_bytes_ += answers_.back().size();
+}
+
+bool ClientOutbox::is_full() const {
+    return answers_.size() >= ClientRules::max_answers || answer_bytes_ >= ClientRules::max_answer_bytes;
 }
 
 void ClientOutbox::begin() {
@@ -53,6 +59,7 @@ bool ClientOutbox::start_answer() {
     }
     message_.start() = std::move(answers_.front());
     answers_.pop_front();
+    answer_bytes_ -= message_.size();
     begin();
     return true;
 }
@@ -94,6 +101,9 @@ bool ClientOutbox::sent(std::size_t bytes) {
     stall_told_ = false;
     bytes_sent_ += message_.size();
     message_.finish();
+    if (answers_.empty()) {
+        held_.reset();
+    }
     return true;
 }
 
@@ -110,6 +120,8 @@ void ClientOutbox::clear() noexcept {
     release_frames();
     writing_ = false;
     answers_.clear();
+    answer_bytes_ = 0;
+    held_.reset();
 }
 
 }  // namespace disparityd::daemon

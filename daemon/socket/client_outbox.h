@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "daemon/socket/frames/frame_pool.h"
@@ -25,6 +26,10 @@ public:
     /// Adds an answer behind the others.
     void add(const v1::Envelope& answer);
     std::size_t answers() const { return answers_.size(); }
+    /// Returns whether so many answers wait that no more should be asked for.
+    bool is_full() const;
+    /// Keeps `what` until all answers are sent, or cannot be any more.
+    void hold(std::shared_ptr<const void> what) { held_ = std::move(what); }
 
     /// Returns whether a message has been started and is not sent in full. No other may be started before.
     bool writing() const { return writing_; }
@@ -62,6 +67,8 @@ private:
     void begin();
 
     std::deque<std::vector<std::uint8_t>> answers_;
+    std::size_t answer_bytes_ = 0;
+    std::shared_ptr<const void> held_;
     OutgoingMessage message_;
     bool writing_ = false;
     bool stall_told_ = false;

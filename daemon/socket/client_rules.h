@@ -28,6 +28,9 @@ struct ClientRules {
     std::chrono::microseconds request_interval{5000};  ///< between two messages of a client, after most_at_once
     static constexpr int most_at_once = 200;
     static constexpr std::size_t bytes_of_one = 4096;  ///< a longer message counts as several
+    /// Answers that may wait for a client, and their bytes, before nothing more is read from it.
+    static constexpr std::size_t max_answers = 8;
+    static constexpr std::size_t max_answer_bytes = 65536;
     /// Between two messages Ready or Ping, after most_at_once; they count as no other message.
     static constexpr std::chrono::microseconds credit_interval{1000};
 };

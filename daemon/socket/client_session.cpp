@@ -312,6 +312,7 @@ void ClientSession::answer(const Answer& answer) {
     if (!answer.refusal.empty()) {
         send_error(answer.refusal, false);
     }
+    outbox().hold(answer.held);
     for (const v1::Envelope& message : answer.messages) {
         send(message);
     }

@@ -18,10 +18,6 @@ namespace {
 
 namespace asio = boost::asio;
 
-/// Copies beyond those in the ring: one that is being filled, some on the way to the server's thread, the one that is
-/// being compressed and the one before it.
-constexpr std::size_t copies_on_the_way = 5;
-
 ClientRules rules_of(const SocketServerConfig& config) {
     ClientRules rules{config.access, config.tls, config.idle_timeout, config.liveness, config.request_interval};
     rules.access.unix_path = config.unix_path;

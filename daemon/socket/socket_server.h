@@ -43,6 +43,10 @@ struct SocketServerConfig {
 /// copies the planes that clients want into a bounded pool; the server's thread does the rest.
 class SocketServer {
 public:
+    /// Copies of frames beyond client_queue: one that is being filled, some on the way to the server's thread, the one
+    /// that is being compressed and the one before it.
+    static constexpr std::size_t copies_on_the_way = 5;
+
     /// Binds. Throws as make_tcp_listener() and make_unix_listener(). Clients are accepted from start() on. `status`
     /// gives the daemon's, without the clients; `requests` are what clients may ask for beside it. Both are called in
     /// the server's thread.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The real daemon at the limits that an administrator sets for it: of memory and of the size of a file.
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <thread>
@@ -63,6 +64,82 @@ TEST_F(LimitsTest, ADaemonThatFindsNoMemoryEndsWithOneLine) {
     EXPECT_THAT(daemon->log(), testing::EndsWith("MemoryMax= of a service)\n"));
     EXPECT_THAT(daemon->log(), HasSubstr("disparityd: error: out of memory: "));
     EXPECT_THAT(daemon->log(), testing::Not(HasSubstr("bad_alloc")));
+}
+
+/// Connects, asks for a part of the frame that no other client has, the next one compressed behind it, for a trace and
+/// for statuses, and begins one more message. Reads none of it.
+WireClient client_that_reads_nothing(const std::string& address, std::uint32_t number) {
+    WireClient client(address);
+    client.hello();
+    v1::Envelope wanted =
+        subscription({v1::DISPARITY, v1::CONFIDENCE, v1::LEFT, v1::RIGHT, v1::LEFT_COLOUR, v1::RIGHT_COLOUR});
+    wanted.mutable_subscribe()->set_encoding(v1::ZSTD);
+    v1::Region& region = *wanted.mutable_subscribe()->mutable_region();
+    region.set_x(number);
+    region.set_width(640);
+    region.set_height(376);
+    client.send(wanted);
+    v1::Envelope trace;
+    trace.mutable_trace_request()->set_seconds(0.1);
+    client.send(trace);
+    v1::Envelope status;
+    status.mutable_status_request();
+    for (int i = 0; i < 30; ++i) {
+        client.send(status);
+    }
+    std::vector<std::uint8_t> message(4 + 65000);
+    message[0] = 0x00;
+    message[2] = 0x01;  // 65536 bytes are announced
+    client.send_bytes(message);
+    return client;
+}
+
+/// Returns the number before " MB" behind this word.
+double megabytes_behind(const std::string& text, const std::string& word) {
+    const auto at = text.find(word);
+    return at == std::string::npos ? 0 : std::stod(text.substr(at + word.size()));
+}
+
+TEST_F(LimitsTest, ClientsThatReadNothingTakeNoMoreThanWasStated) {
+    if (!std::string(DISPARITYD_EMULATOR).empty()) {
+        GTEST_SKIP() << "the memory would be the emulator's";
+    }
+    constexpr std::uint32_t clients = 24;
+    const std::string config = config_text("scene:vga@15?loop=8", 672, 376);
+    const std::vector<std::string> more{"--set", "rectify.right=true",
+                                        "--set", "rectify.colour=true",
+                                        "--set", "socket.max_clients=" + std::to_string(clients)};
+    auto daemon = start_ready(config, more);
+    ASSERT_TRUE(daemon->wait_for_log("memory at most: ")) << daemon->log();
+    const double engine = megabytes_behind(daemon->log(), ": matching ");
+    const double frames = megabytes_behind(daemon->log(), ", frames ");
+    const double of_clients = megabytes_behind(daemon->log(), "that read nothing ");
+    const double before = daemon->peak_memory_mib();
+    std::vector<WireClient> held;
+    const auto number_of = [&] { return static_cast<std::uint32_t>(held.size()); };
+    while (number_of() < clients - 1) {
+        held.push_back(
+            client_that_reads_nothing(daemon->address(number_of() % 2 == 0 ? "tcp:" : "unix:"), number_of()));
+    }
+    WireClient good = subscriber(daemon->address("unix:"), {v1::DISPARITY}, "good");
+    // As long as anything more is sent to them, they do not yet hold all that they can.
+    std::uint64_t sent = 0;
+    for (int unchanged = 0; unchanged < 10;) {
+        ASSERT_TRUE(good.receive_frame()) << daemon->log();
+        std::uint64_t now_sent = 0;
+        const v1::Status now = status(good);
+        for (const v1::ClientStatus& client : now.clients()) {
+            now_sent += client.name() == "good" ? 0 : client.frames_sent();
+        }
+        unchanged = now_sent == sent && sent >= held.size() ? unchanged + 1 : 0;
+        sent = now_sent;
+    }
+    constexpr double mb_of_mib = 1.048576;
+    const double peak = daemon->peak_memory_mib();
+    RecordProperty("grown_by_mb", std::to_string((peak - before) * mb_of_mib));
+    RecordProperty("stated_mb", std::to_string(of_clients));
+    EXPECT_LT(peak * mb_of_mib, engine + frames + of_clients) << daemon->log();
+    EXPECT_GT((peak - before) * mb_of_mib, of_clients / 10) << "they do hold something";
 }
 
 TEST_F(LimitsTest, AFileThatMayNotGrowIsAFullDisk) {

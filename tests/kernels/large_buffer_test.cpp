@@ -6,13 +6,17 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 namespace disparityd {
 namespace {
 
 constexpr std::size_t large_page = std::size_t{2} << 20;
+const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 
 TEST(LargeBuffer, ZeroedAndWritableToItsEnd) {
     for (const std::size_t size :
@@ -46,6 +50,24 @@ TEST(LargeBuffer, WhatAllHoldIsCounted) {
         EXPECT_EQ(large_memory_held() - before, 2 * large_page);
     }
     EXPECT_EQ(large_memory_held(), before);
+}
+
+/// Returns how many pages of a buffer the system has given.
+std::size_t resident_pages(const LargeBuffer& buffer) {
+    std::vector<unsigned char> pages((buffer.size() + page - 1) / page);
+    EXPECT_EQ(mincore(buffer.data(), buffer.size(), pages.data()), 0);
+    return static_cast<std::size_t>(std::count_if(pages.begin(), pages.end(), [](auto held) { return held & 1; }));
+}
+
+TEST(LargeBuffer, AllThatAreThereGetTheirMemoryAtOnce) {
+    const LargeBuffer large(3 * large_page + 5000), small(5 * page);
+    large.data()[7] = std::byte{42};
+    EXPECT_LT(resident_pages(small), 5U);
+    fault_in_large_memory();
+    EXPECT_EQ(resident_pages(large), 3 * large_page / page + (5000 + page - 1) / page);
+    EXPECT_EQ(resident_pages(small), 5U);
+    EXPECT_EQ(large.data()[7], std::byte{42}) << "what they hold stays";
+    EXPECT_EQ(large.data()[8], std::byte{0});
 }
 
 TEST(LargeBuffer, Moves) {

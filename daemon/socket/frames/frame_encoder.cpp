@@ -151,6 +151,11 @@ EncodedPlanes FrameEncoder::compress(const FrameCopy& frame, const Selection& se
                                      const Selection::Region& region, bool whole_rows) {
     std::vector<v1::PlaneInfo> planes;
     std::vector<std::uint8_t> bytes;
+    std::size_t most = 0;
+    for (const v1::Product product : selection.products) {
+        most += ZSTD_compressBound(rectangle_of(frame, product, region).size());
+    }
+    bytes.reserve(most);
     for (const v1::Product product : selection.products) {
         const Rectangle wanted = rectangle_of(frame, product, region);
         if (!whole_rows) {
@@ -160,6 +165,7 @@ EncodedPlanes FrameEncoder::compress(const FrameCopy& frame, const Selection& se
         const std::size_t plane_bytes = compressor_->append(whole_rows ? wanted.span() : cut_, bytes);
         planes.push_back(plane_info(frame, product, region, v1::ZSTD, plane_bytes));
     }
+    bytes.shrink_to_fit();  // a client that reads slowly keeps them
     return {std::move(planes), Payload(std::move(bytes))};
 }
 
