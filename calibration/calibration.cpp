@@ -24,7 +24,11 @@ constexpr std::string_view text_version = "disparityd-calibration 1";
 constexpr std::size_t longest_name = 200;  // bytes of a file's name in a message
 
 CalibrationText load(const std::string& path) {
-    return {path, base::read_text_file(path, "calibration")};
+    CalibrationText file{path, base::read_text_file(path, "calibration")};
+    if (file.text.find('\0') != std::string::npos) {
+        refuse_calibration(path, "found bytes that are no text: this is another kind of file");
+    }
+    return file;
 }
 
 FileCalibration read_pair(const CalibrationName& name, int width, int height) {

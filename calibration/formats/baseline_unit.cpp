@@ -41,7 +41,8 @@ StereoCalibration settle_unit(FileCalibration read, std::optional<double> wanted
         return read.calibration;
     }
     const double baseline = baseline_of(read.calibration);
-    if (read.unit_stated || baseline == 0 || (baseline >= read.least_baseline_mm && baseline <= longest_mm)) {
+    const bool usual = baseline >= read.least_baseline_mm && baseline <= longest_mm && read.unit_doubt.empty();
+    if (read.unit_stated || baseline == 0 || usual) {
         return read.calibration;
     }
     const double number = baseline / read.unit_mm;
@@ -49,13 +50,16 @@ StereoCalibration settle_unit(FileCalibration read, std::optional<double> wanted
         return "?unit=" + unit_name(unit) + " (" + length_text(number * unit) + " mm)";
     };
     constexpr double square = 25;
-    refuse_calibration(name, "the baseline (the length of T) is " + length_text(number) + ", " + length_text(baseline) +
-                                 " mm if its unit is " + unit_name(read.unit_mm) + "; taken without a unit is " +
-                                 length_text(read.least_baseline_mm) +
-                                 " mm to 2 m, as such a file may be in metres, in centimetres or in squares of the "
-                                 "board, and distances would be wrong by that factor: put the unit behind the name: " +
-                                 as(1000) + ", " + as(10) + ", " + as(1) + ", or the side of a square, such as " +
-                                 as(square));
+    const std::string why = read.unit_doubt.empty()
+                                ? "taken without a unit is " + length_text(read.least_baseline_mm) +
+                                      " mm to 2 m, as such a file may be in metres, in centimetres or in squares of "
+                                      "the board"
+                                : read.unit_doubt;
+    refuse_calibration(
+        name, "the baseline (the length of T) is " + length_text(number) + ", " + length_text(baseline) +
+                  " mm if its unit is " + unit_name(read.unit_mm) + "; " + why +
+                  ", and distances would be wrong by that factor: put the unit behind the name: " + as(1000) + ", " +
+                  as(10) + ", " + as(1) + ", or the side of a square, such as " + as(square));
 }
 
 }  // namespace disparityd::calibration

@@ -5,10 +5,13 @@
 #include <map>
 #include <string>
 
+#include <opencv2/core/matx.hpp>
+
 #include "base/message_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/formats/pose_agreement.h"
 #include "calibration/formats/rectified_eyes.h"
 
 namespace disparityd::calibration {
@@ -51,7 +54,7 @@ std::vector<double> numbers(const Entries& entries, const std::string& path, std
     if (found == entries.end()) {
         refuse_calibration(path, "has no entry " + std::string(key));
     }
-    const auto values = base::parse_numbers(found->second, "[]; \t\r");
+    const auto values = base::parse_numbers(found->second, "[],; \t\r");
     if (!values || values->size() != count) {
         refuse_calibration(path, std::string(key) + ": found '" + base::printable(found->second) + "', expected " +
                                      base::counted(count, "number"));
@@ -79,6 +82,41 @@ void check_offset(const Entries& entries, const std::string& path, const StereoC
                                      base::number_text(std::round(1000 * expected) / 1000) +
                                      " (cx1 - cx0): they contradict each other; use the calibration that belongs to "
                                      "the images");
+    }
+}
+
+/// Compares what KITTI says about the raw cameras of a pair with their projections: both lead to the rectified images.
+void check_raw_poses(const Entries& entries, const std::string& path, const std::array<std::string, 2>& cameras,
+                     const std::array<EyeProjection, 2>& eyes) {
+    std::array<cv::Matx33d, 2> turns;  // from camera 0 to the rectified camera
+    std::array<cv::Vec3d, 2> centres;  // in the axes of camera 0, in metres
+    for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
+        for (const char* key : {"R_0", "T_0", "R_rect_0"}) {
+            if (!entries.contains(key + cameras[eye])) {
+                return;
+            }
+        }
+        const cv::Matx33d raw(numbers(entries, path, "R_0" + cameras[eye], 9).data());
+        turns[eye] = cv::Matx33d(numbers(entries, path, "R_rect_0" + cameras[eye], 9).data()) * raw;
+        centres[eye] = -(raw.t() * cv::Vec3d(numbers(entries, path, "T_0" + cameras[eye], 3).data()));
+    }
+    const std::string keys = "R_0" + cameras[1] + ", T_0" + cameras[1] + ", R_rect_0" + cameras[1];
+    const std::string advice = ": they contradict each other; use the calibration that belongs to the images";
+    const double degrees = degrees_between(turns[1], turns[0]);
+    if (!(degrees <= largest_turn_degrees)) {
+        refuse_calibration(path, keys + ": found an eye that rectification turns by " + degrees_text(degrees) +
+                                     " otherwise than the one of camera " + cameras[0] + ", expected at most " +
+                                     degrees_text(largest_turn_degrees) + advice);
+    }
+    const auto seen = [&](std::size_t i) { return eyes[1].matrix[i] - eyes[0].matrix[i]; };
+    const double f = eyes[0].matrix[0];
+    const cv::Vec3d of_projections(-seen(3) / f, -seen(7) / f, -seen(11));
+    const cv::Vec3d of_poses = turns[0] * (centres[1] - centres[0]);
+    if (!(cv::norm(of_poses - of_projections) <= largest_baseline_share * cv::norm(of_projections))) {
+        const auto millimetres = [](double metres) { return base::number_text(std::round(1e5 * metres) / 100); };
+        refuse_calibration(path, keys + ": found a baseline of " + millimetres(of_poses[0]) + " mm, expected " +
+                                     millimetres(of_projections[0]) + " as " + eyes[0].key + " and " + eyes[1].key +
+                                     " have it" + advice);
     }
 }
 
@@ -171,6 +209,9 @@ StereoCalibration read_kitti_calibration(const std::string& path, const std::str
                                              numbers(entries, path, key(first_camera + i), 12)};
     }
     const RectifiedEyes both = rectified_eyes(eyes[0], eyes[1], width, height);
+    if (raw_layout) {
+        check_raw_poses(entries, path, {std::to_string(first_camera), std::to_string(first_camera + 1)}, eyes);
+    }
     calibration.left = both.left;
     calibration.right = both.right;
     calibration.translation = {1000 * both.shift, 0, 0};

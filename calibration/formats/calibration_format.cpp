@@ -61,6 +61,11 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
     if (text.starts_with("<?xml") || text.starts_with("<opencv_storage") || base::trim(text).starts_with('{')) {
         return CalibrationFormat::opencv;
     }
+    if (text.find("\ncamera matrix") != std::string::npos) {
+        refuse_calibration(path,
+                           "is the INI text of ROS's camera_calibration (ost.txt), which is not read: give its YAML of "
+                           "both eyes (ost.yaml), as left.yaml,right.yaml");
+    }
     if (begins_with_section(text) || base::lower_case(path).ends_with(".conf")) {
         return CalibrationFormat::factory;
     }
@@ -69,9 +74,10 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
         return CalibrationFormat::middlebury;
     }
     const Names names = names_before(text, ':', false);
+    const bool has_matrices = names_before(text, ':', true).contains("rows");
     for (const char* key : {"P0", "P1", "P2", "P3", "P_rect_00", "P_rect_02"}) {
         // OpenCV's P1 and P2 are results of rectification.
-        if (names.contains(key) && !text.starts_with("%YAML") && !has_opencv_key(names)) {
+        if (names.contains(key) && !text.starts_with("%YAML") && !has_matrices && !has_opencv_key(names)) {
             return CalibrationFormat::kitti;
         }
     }
@@ -87,10 +93,12 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
         names.contains("Camera.type")) {
         return CalibrationFormat::orbslam;
     }
-    if (names.contains("projection_matrix") || names.contains("rectification_matrix")) {
+    const bool is_message = names.contains("width") && ((names.contains("K") && names.contains("P")) ||
+                                                        (names.contains("k") && names.contains("p")));
+    if (names.contains("projection_matrix") || names.contains("rectification_matrix") || is_message) {
         return CalibrationFormat::ros;
     }
-    if (text.starts_with("%YAML") || has_opencv_key(names)) {
+    if (text.starts_with("%YAML") || has_matrices || has_opencv_key(names)) {
         return CalibrationFormat::opencv;
     }
     refuse_calibration(path,

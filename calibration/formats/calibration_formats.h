@@ -26,6 +26,7 @@ struct FileCalibration {
     double unit_mm = 1;              ///< what one of the file's lengths is, by the rules of the format or by a key
     bool unit_stated = false;        ///< by a key of the file
     double least_baseline_mm = 20;   ///< below this the unit must be stated
+    std::string unit_doubt;          ///< why the unit must be stated at any length, as a message says it
     std::vector<GivenResult> given;  ///< what the file says beside that must agree with it
 };
 

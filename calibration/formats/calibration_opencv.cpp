@@ -75,6 +75,11 @@ public:
                 if (storage_.numbers(name) != std::vector<double>{0}) {
                     refuse_fisheye(path_, base::printable(name), storage_.shown(name));
                 }
+            } else if (is_map_key(name)) {
+                storage_.fail(
+                    base::printable(name) + ": found " + storage_.shown(name) +
+                    ", which says how pixels move and would not be applied, as that follows from the cameras "
+                    "and their pose: take it out, and give M1, D1, M2, D2, R and T where the file lacks them");
             } else if (!used && !is_harmless_key(name)) {
                 storage_.fail("has the key '" + base::printable(name) + "' (" + storage_.shown(name) +
                               "), which is not known and would not be applied; " + what_is_needed +
@@ -100,6 +105,19 @@ public:
             }
         }
         return std::nullopt;
+    }
+
+    /// Says why T is not in mm where the side of the board's squares cannot be: both have one unit.
+    std::string unit_doubt() const {
+        constexpr double smallest_square_mm = 2;
+        for (const std::string& name : storage_.names()) {
+            const auto side = plain_name(name) == "squaresize" ? storage_.numbers(name) : std::nullopt;
+            if (side && side->size() == 1 && side->front() < smallest_square_mm) {
+                return base::printable(name) + " is " + base::number_text(side->front()) +
+                       " there, which is no length in mm, and T is in the same unit";
+            }
+        }
+        return {};
     }
 
     /// Compares T with a baseline that the file states beside it.
@@ -230,6 +248,7 @@ FileCalibration read_opencv_calibration(const CalibrationText& cameras, const Ca
     const auto unit = pose_file.unit_mm();
     result.unit_mm = unit.value_or(1);
     result.unit_stated = unit.has_value();
+    result.unit_doubt = camera_file.unit_doubt();
     for (double& length : calibration.translation) {
         length *= result.unit_mm;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 
 #include <opencv2/core/matx.hpp>
@@ -17,29 +18,47 @@ namespace disparityd::calibration {
 
 namespace {
 
-// One camera_info file.
+/// The keys of a file, and what they are called in a message (`rostopic echo`, `ros2 topic echo`).
+struct Spellings {
+    std::string_view file, ros1, ros2;
+};
+constexpr std::array<Spellings, 6> spellings{{{"image_width", "width", "width"},
+                                              {"image_height", "height", "height"},
+                                              {"camera_matrix", "K", "k"},
+                                              {"distortion_coefficients", "D", "d"},
+                                              {"rectification_matrix", "R", "r"},
+                                              {"projection_matrix", "P", "p"}}};
+
+/// One camera_info: a file, or a message as text.
 class CameraInfo {
 public:
-    explicit CameraInfo(const CalibrationText& file)
-        : path_(file.path), root_(read_yaml_map(file.path, file.text, "YAML file")) {
-        constexpr std::array<std::string_view, 9> known{
-            "image_width",  "image_height",      "camera_name",          "camera_matrix",          "distortion_model",
-            "camera_model", "projection_matrix", "rectification_matrix", "distortion_coefficients"};
-        for (const auto& item : root_) {
+    explicit CameraInfo(const CalibrationText& file) : path_(file.path) {
+        for (const auto& item : read_yaml_map(file.path, file.text, "YAML file")) {
             const std::string name = word_of(item.first);
-            if (std::find(known.begin(), known.end(), name) == known.end()) {
-                fail("has the key '" + base::printable(name) +
-                     "', which is not known and would not be applied; allowed are image_width, image_height, "
-                     "camera_name, camera_matrix, distortion_model, distortion_coefficients, rectification_matrix and "
-                     "projection_matrix: take it out if it says nothing about lens and size");
+            const auto known = std::find_if(spellings.begin(), spellings.end(), [&](const Spellings& key) {
+                return name == key.file || name == key.ros1 || name == key.ros2;
+            });
+            if (known == spellings.end()) {
+                check_other(name, item.second);
+            }
+            const std::string key(known == spellings.end() ? name : known->file);
+            if (!entries_.emplace(key, Entry{name, item.second}).second) {
+                fail(entries_.at(key).name + " and " + name +
+                     " are two names of the same; once is allowed: take the wrong one out");
             }
         }
     }
 
+    /// Returns how the file spells a key.
+    std::string spelled(const std::string& key) const {
+        const auto found = entries_.find(key);
+        return found == entries_.end() ? key : found->second.name;
+    }
+
     int integer(const char* key) const {
-        const auto number = base::parse_number(scalar(root_[key], key));
+        const auto number = base::parse_number(text(key).value_or(""));
         if (!number || *number < 1 || *number > 65535 || *number != static_cast<int>(*number)) {
-            fail(std::string(key) + ": found '" + base::printable(scalar(root_[key], key)) +
+            fail(spelled(key) + ": found '" + base::printable(text(key).value_or("")) +
                  "', expected a number of pixels");
         }
         return static_cast<int>(*number);
@@ -47,17 +66,17 @@ public:
 
     /// Returns the numbers of a matrix; `count` 0 = as many as there are.
     std::vector<double> matrix(const char* key, std::size_t count) const {
-        const YAML::Node entry = root_[key];
-        const YAML::Node data = entry && entry.IsMap() ? entry["data"] : YAML::Node();
+        const YAML::Node entry = node(key);
+        const YAML::Node data = entry.IsMap() ? entry["data"] : entry;
         if (!data || !data.IsSequence() || (count != 0 && data.size() != count)) {
-            fail(std::string(key) + ": has no data of " + (count == 0 ? "numbers" : base::counted(count, "number")) +
+            fail(spelled(key) + ": has no data of " + (count == 0 ? "numbers" : base::counted(count, "number")) +
                  (data && data.IsSequence() ? ", found " + std::to_string(data.size()) : ""));
         }
         std::vector<double> numbers;
-        for (const YAML::Node& node : data) {
-            const auto number = base::parse_number(scalar(node, key));
+        for (const YAML::Node& item : data) {
+            const auto number = base::parse_number(word_of(item));
             if (!number) {
-                fail(std::string(key) + ": found '" + base::printable(scalar(node, key)) + "', expected a number");
+                fail(spelled(key) + ": found '" + base::printable(word_of(item)) + "', expected a number");
             }
             numbers.push_back(*number);
         }
@@ -65,7 +84,7 @@ public:
     }
 
     std::optional<std::string> text(const char* key) const {
-        return root_[key] ? std::optional(scalar(root_[key], key)) : std::nullopt;
+        return entries_.contains(key) ? std::optional(word_of(node(key))) : std::nullopt;
     }
 
     const std::string& path() const { return path_; }
@@ -73,15 +92,40 @@ public:
     [[noreturn]] void fail(const std::string& what) const { refuse_calibration(path_, what); }
 
 private:
-    std::string scalar(const YAML::Node& node, const char* key) const {
-        if (!node || !node.IsScalar()) {
-            fail(std::string("has no ") + key);
+    struct Entry {
+        std::string name;  ///< as the file spells it
+        YAML::Node node;
+    };
+
+    YAML::Node node(const char* key) const {
+        const auto found = entries_.find(key);
+        return found == entries_.end() ? YAML::Node() : found->second.node;
+    }
+
+    /// Refuses keys that are not known, and messages of a part of the image.
+    void check_other(const std::string& name, const YAML::Node& value) const {
+        const auto number = [](const YAML::Node& node) { return base::parse_number(word_of(node)).value_or(0); };
+        if (name.starts_with("binning_")) {
+            if (number(value) > 1) {
+                fail(name + ": found " + word_of(value) + ", expected 0 or 1: give the calibration of whole images");
+            }
+        } else if (name == "roi" && value.IsMap()) {
+            for (const char* side : {"x_offset", "y_offset", "width", "height"}) {
+                if (number(value[side]) != 0) {
+                    fail(std::string("roi ") + side + ": found " + base::printable(word_of(value[side])) +
+                         ", expected 0: give the calibration of whole images");
+                }
+            }
+        } else if (name != "header" && name != "camera_name" && name != "distortion_model" && name != "camera_model") {
+            fail("has the key '" + base::printable(name) +
+                 "', which is not known and would not be applied; allowed are image_width, image_height, "
+                 "camera_name, camera_matrix, distortion_model, distortion_coefficients, rectification_matrix and "
+                 "projection_matrix: take it out if it says nothing about lens and size");
         }
-        return node.Scalar();
     }
 
     std::string path_;
-    const YAML::Node root_;
+    std::map<std::string, Entry, std::less<>> entries_;
 };
 
 CameraModel camera_of(const CameraInfo& file, bool brown) {
@@ -93,13 +137,13 @@ CameraModel camera_of(const CameraInfo& file, bool brown) {
             named = named || std::string_view(key) == "distortion_model";
         }
     }
-    CameraModel camera = camera_of_matrix(file.path(), "camera_matrix", file.matrix("camera_matrix", 9));
+    CameraModel camera = camera_of_matrix(file.path(), file.spelled("camera_matrix"), file.matrix("camera_matrix", 9));
     const auto d = file.matrix("distortion_coefficients", 0);
-    camera.distortion = brown_coefficients(file.path(), "distortion_coefficients", d);
+    camera.distortion = brown_coefficients(file.path(), file.spelled("distortion_coefficients"), d);
     if (!named && !brown && d.size() == 4 && camera.distortion != std::array<double, 5>{}) {
-        file.fail(
-            "distortion_coefficients: found 4 coefficients and no distortion_model: they may be Brown's (k1 k2 p1 "
-            "p2) or a fisheye's: write 'distortion_model: plumb_bob' into the file if they are Brown's");
+        file.fail(file.spelled("distortion_coefficients") +
+                  ": found 4 coefficients and no distortion_model: they may be Brown's (k1 k2 p1 "
+                  "p2) or a fisheye's: write 'distortion_model: plumb_bob' into the file if they are Brown's");
     }
     return camera;
 }
@@ -117,16 +161,16 @@ void check_shifts(const EyeProjection& left, const EyeProjection& right) {
     const double left_shift = left.matrix[3];
     const double right_shift = right.matrix[3];
     if (left_shift == right_shift) {
-        refuse_calibration(right.path,
-                           "projection_matrix: found Tx " + base::number_text(right_shift) +
-                               " (row 1, column 4) here and in " + base::printable(left.path, 200) +
-                               ": these are the calibrations of two single cameras, or twice the same one, and how the "
-                               "right one stands to the left one is missing: calibrate both together, as disparityctl "
-                               "calibrate does");
+        refuse_calibration(
+            right.path, right.key + ": found Tx " + base::number_text(right_shift) + " (row 1, column 4) here and in " +
+                            base::printable(left.path, 200) +
+                            ": these are the calibrations of two single cameras, or twice the same one, and how the "
+                            "right one stands to the left one is missing: calibrate both together, as disparityctl "
+                            "calibrate does");
     }
     if (right_shift > left_shift) {
         refuse_calibration(right.path,
-                           "projection_matrix: found Tx " + base::number_text(right_shift) + ", and " +
+                           right.key + ": found Tx " + base::number_text(right_shift) + ", and " +
                                base::number_text(left_shift) + " in " + base::printable(left.path, 200) +
                                ": the right camera's is the smaller one, -f B: exchange the two files, left "
                                "first: " +
@@ -155,8 +199,11 @@ FileCalibration read_ros_calibration(const CalibrationText& left, const Calibrat
     // point, so that the baseline is the difference of both.
     const cv::Matx33d left_turn(left_file.matrix("rectification_matrix", 9).data());
     const cv::Matx33d right_turn(right_file.matrix("rectification_matrix", 9).data());
-    const EyeProjection left_eye{left.path, "projection_matrix", left_file.matrix("projection_matrix", 12)};
-    const EyeProjection right_eye{right.path, "projection_matrix", right_file.matrix("projection_matrix", 12)};
+    const auto projection = [](const CameraInfo& file) {
+        return EyeProjection{file.path(), file.spelled("projection_matrix"), file.matrix("projection_matrix", 12)};
+    };
+    const EyeProjection left_eye = projection(left_file);
+    const EyeProjection right_eye = projection(right_file);
     check_shifts(left_eye, right_eye);
     const double shift = metre_mm * rectified_eyes(left_eye, right_eye, width, height).shift;
     const cv::Matx33d rotation = right_turn.t() * left_turn;

@@ -76,14 +76,13 @@ constexpr std::array<Name, 7> units_names{"unit",  "units",        "lengthunit",
 constexpr std::array<Name, 10> models_names{"cameramodel", "distortionmodel", "lensmodel", "model",    "distortiontype",
                                             "cameratype",  "projectionmodel", "modeltype", "lenstype", "lens"};
 
-/// Results that no reader applies; how good the calibration was; how it was made.
-constexpr std::array<Name, 58> harmless_names{"h1",
-                                              "h2",
-                                              "map11",
-                                              "map12",
-                                              "map21",
-                                              "map22",
-                                              "roi1",
+/// How every pixel moves: homographies and tables.
+constexpr std::array<Name, 2> homography_names{"h1", "h2"};
+constexpr std::array<Name, 8> map_beginnings{"map",           "stereomap",      "leftmap",    "rightmap",
+                                             "leftstereomap", "rightstereomap", "rectifymap", "undistortmap"};
+
+/// What is left of the images; how good the calibration was; how it was made.
+constexpr std::array<Name, 52> harmless_names{"roi1",
                                               "roi2",
                                               "validroi1",
                                               "validroi2",
@@ -222,6 +221,13 @@ bool is_harmless_key(Name name) {
     const std::string plain = plain_name(name);
     return contains(harmless_names, plain) || std::any_of(harmless_beginnings.begin(), harmless_beginnings.end(),
                                                           [&](Name beginning) { return plain.starts_with(beginning); });
+}
+
+bool is_map_key(Name name) {
+    const std::string plain = plain_name(name);
+    return contains(homography_names, plain) ||
+           std::any_of(map_beginnings.begin(), map_beginnings.end(),
+                       [&](Name beginning) { return plain.starts_with(beginning); });
 }
 
 bool is_size_key(Name name) {

@@ -30,6 +30,9 @@ bool is_among(std::string_view name, std::span<const std::string_view> names);
 /// rectification_result() knows those that must agree with the rest.
 bool is_harmless_key(std::string_view name);
 
+/// Returns whether the entry says how every pixel moves (H1, map11, stereoMapL_x ...), which follows from the cameras.
+bool is_map_key(std::string_view name);
+
 /// Compares the sizes under all usual keys (image_width, imageSize, Size, resolution ...) with that of the frames, and
 /// returns whether there was one. Throws std::invalid_argument with one line for another size.
 bool check_sizes(const OpencvStorage& file, const std::string& path, int width, int height);

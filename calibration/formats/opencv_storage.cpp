@@ -31,6 +31,17 @@ std::vector<std::string> words(std::string_view text) {
     }
 }
 
+/// Appends the words of a list, and of the lists in it.
+void add_words(const YAML::Node& list, std::vector<std::string>& words) {
+    for (const YAML::Node& item : list) {
+        if (item.IsSequence()) {
+            add_words(item, words);
+        } else {
+            words.push_back(word_of(item));
+        }
+    }
+}
+
 /// Walks through the elements of the subset of XML that OpenCV writes: no entities, no declarations but the first line.
 class XmlReader {
 public:
@@ -111,13 +122,6 @@ void OpencvStorage::fail(const std::string& what) const {
 }
 
 void OpencvStorage::read_yaml(std::string_view text) {
-    const auto list_of = [](const YAML::Node& sequence) {
-        std::vector<std::string> list;
-        for (const YAML::Node& item : sequence) {
-            list.push_back(word_of(item));
-        }
-        return list;
-    };
     for (const auto& item : read_yaml_map(path_, text, "OpenCV YAML file")) {
         const YAML::Node& value = item.second;
         Entry entry;
@@ -127,10 +131,15 @@ void OpencvStorage::read_yaml(std::string_view text) {
             entry.columns = word_of(value["cols"]);
             entry.type = word_of(value["dt"]);
             if (const YAML::Node data = value["data"]; data && data.IsSequence()) {
-                entry.data = list_of(data);
+                add_words(data, entry.data.emplace());
             }
         } else if (value.IsSequence()) {
-            entry.data = list_of(value);
+            // Rows in brackets, as Python's tolist() gives them; numbers alone are one row.
+            const bool in_rows = value.size() > 0 && value[0].IsSequence();
+            entry.rows = std::to_string(in_rows ? value.size() : 1);
+            entry.columns = std::to_string(in_rows ? value[0].size() : value.size());
+            entry.type = "d";
+            add_words(value, entry.data.emplace());
         } else {
             entry.word = word_of(value);
         }
@@ -195,8 +204,8 @@ std::optional<OpencvStorage::Matrix> OpencvStorage::matrix(const std::string& na
         entry.type.size() == 1 && std::string_view("ucwsifd").find(entry.type[0]) != std::string_view::npos;
     const std::string shown_name = base::printable(name);
     if (count == 0 || !one_channel || !entry.data) {
-        fail(shown_name +
-             " is no matrix of numbers: rows, cols, dt and data are needed, with 1 to 64 rows and columns");
+        fail(shown_name + " is no matrix of numbers (found " + shown(name) +
+             "): rows, cols, dt and data are needed, or a list of rows, with 1 to 64 rows and columns");
     }
     if (entry.data->size() != count) {
         fail(shown_name + " has " + std::to_string(matrix.rows) + " rows and " + std::to_string(matrix.columns) +
@@ -240,7 +249,10 @@ std::string OpencvStorage::shown(const std::string& name) const {
     if (found == entries_.end()) {
         return "nothing";
     }
-    return found->second.is_map ? "a matrix" : found->second.data ? "a list" : "'" + base::printable(word(name)) + "'";
+    const Entry& entry = found->second;
+    return entry.is_map ? (entry.data ? "a matrix" : "a block of other keys")
+           : entry.data ? "a list"
+                        : "'" + base::printable(word(name)) + "'";
 }
 
 }  // namespace disparityd::calibration

@@ -38,7 +38,7 @@ public:
     /// Returns the numbers of a scalar, a sequence or a matrix; nothing when it is none or holds anything else.
     std::optional<std::vector<double>> numbers(const std::string& name) const;
 
-    /// Returns the entry as a message shows it: the word, or "a matrix", "a list".
+    /// Returns the entry as a message shows it: the word, or "a matrix", "a list", "a block of other keys".
     std::string shown(const std::string& name) const;
 
     /// Throws std::invalid_argument with a line that names the file.

@@ -29,7 +29,14 @@ std::string without_header(std::string_view text) {
 YAML::Node read_yaml_map(const std::string& path, std::string_view text, const std::string& kind) {
     YAML::Node root;
     try {
-        root = YAML::Load(without_header(text));
+        for (const YAML::Node& document : YAML::LoadAll(without_header(text))) {
+            if (root.IsMap() && !document.IsNull()) {
+                refuse_calibration(path,
+                                   "holds several documents, with --- between them; expected one: keep the one "
+                                   "that is meant");
+            }
+            root = root.IsMap() ? root : document;
+        }
     } catch (const YAML::Exception& error) {
         refuse_calibration(path, "line " + std::to_string(error.mark.line + 1) + ": is a damaged " + kind);
     }

@@ -120,5 +120,34 @@ TEST_F(PlainFiles, KittiPairOfTheImages) {
     EXPECT_THAT(refusal([&] { read_calibration(both, 620, 188, KittiPair::grey); }), HasSubstr("principal point"));
 }
 
+// Numbers like those of the cars of KITTI: eyes that are turned, and a small rest in P's last column.
+std::string kitti_raw(const std::string& turn_3, const std::string& translation_3, const std::string& rectified_3) {
+    return "S_rect_02: 1242 375\nR_02: 0.9999758 -0.005267463 -0.004552439 0.005251945 0.9999804 -0.003413835 "
+           "0.004570332 0.003389843 0.9999838\nT_02: 0.05956621 0.0002900141 0.002577209\n"
+           "R_rect_02: 0.9998817 0.01511453 -0.002841595 -0.01511724 0.9998853 -0.000933851 0.002827154 0.0009766976 "
+           "0.9999955\nP_rect_02: 721.5377 0 609.5593 44.85728 0 721.5377 172.854 0.2163791 0 0 1 0.002745884\n"
+           "S_rect_03: 1242 375\nR_03: " +
+           turn_3 + "\nT_03: " + translation_3 + "\nR_rect_03: " + rectified_3 +
+           "\nP_rect_03: 721.5377 0 609.5593 -339.5242 0 721.5377 172.854 2.199936 0 0 1 0.002729905\n";
+}
+
+TEST_F(PlainFiles, KittiRawCamerasMustLeadToItsProjections) {
+    const std::string turn =
+        "0.9995599 0.01699522 -0.02431313 -0.01704422 0.9998531 -0.001809756 0.0242788 0.002223358 0.9997028";
+    const std::string translation = "-0.473105 0.00555147 -0.005250882";
+    const std::string rectified =
+        "0.9998321 -0.007193136 0.01685599 0.007232804 0.9999712 -0.002293585 -0.01683901 0.002415116 0.9998553";
+    const std::string identity = "1 0 0 0 1 0 0 0 1";
+    const auto said = [&](const std::string& text) { return refused("calib.txt", text, 1242, 375); };
+    const std::string path = write("calib_cam_to_cam.txt", kitti_raw(turn, translation, rectified));
+    EXPECT_NEAR(read_calibration(path, 1242, 375).translation[0], -532.73, 0.01);
+    EXPECT_THAT(said(kitti_raw(turn, "-0.373105 0.00555147 -0.005250882", rectified)),
+                AllOf(HasSubstr("T_03"), HasSubstr("found a baseline of 432.7"), HasSubstr("expected 532.7"),
+                      HasSubstr("P_rect_02 and P_rect_03")));
+    EXPECT_THAT(said(kitti_raw(turn, "-473.105 5.55147 -5.250882", rectified)), HasSubstr("expected 532.7"));
+    EXPECT_THAT(said(kitti_raw(identity, translation, rectified)), HasSubstr("expected at most 0.12 degrees"));
+    EXPECT_THAT(said(kitti_raw(turn, translation, identity)), HasSubstr("R_rect_03: found an eye"));
+}
+
 }  // namespace
 }  // namespace disparityd::calibration

@@ -20,9 +20,11 @@ using test::matrix_text;
 using test::opencv_text;
 using test::orbslam_2;
 using test::orbslam_3;
+using test::python_text;
 using test::Rectified;
 using test::Rig;
 using test::rigs;
+using test::ros_message;
 using test::ros_text;
 using test::row;
 using test::size_lines;
@@ -90,6 +92,38 @@ TEST_F(Formats, RosPairWhateverPointTheProjectionsAreSeenFrom) {
             }
         }
     }
+}
+
+TEST_F(Formats, RosMessagesAsText) {
+    for (const Rig& rig : rigs()) {
+        const double baseline = Rectified(rig).baseline();
+        const auto pair = [&](bool lower_case, const std::string& more) {
+            return write("left.txt", ros_message(rig, 0, 1.5, lower_case, more)) + "," +
+                   write("right.txt", ros_message(rig, 1, 1.5 - baseline, lower_case));
+        };
+        const auto said = [&](const std::string& more) {
+            const std::string name = pair(false, more);
+            return refusal([&] { read_calibration(name, rig.width, rig.height); });
+        };
+        const std::string whole = "binning_x: 1\nbinning_y: 0\nroi:\n  x_offset: 0\n  y_offset: 0\n  height: 0\n";
+        expect_rig(pair(false, whole), rig);
+        expect_rig(pair(true, whole), rig);
+        EXPECT_THAT(said("binning_y: 2\n"), HasSubstr("left.txt: binning_y: found 2, expected 0 or 1"));
+        EXPECT_THAT(said("roi:\n  x_offset: 64\n"), HasSubstr("roi x_offset: found 64, expected 0"));
+        EXPECT_THAT(said("camera_matrix: [1]\n"), HasSubstr("K and camera_matrix are two names of the same"));
+        EXPECT_THAT(said("xi: 1\n"), HasSubstr("'xi'"));
+    }
+}
+
+TEST_F(Formats, MatricesAsListsOfRows) {
+    for (const Rig& rig : rigs()) {
+        expect_rig(write("stereo.yaml", python_text(rig, false)), rig);
+        expect_rig(write("stereo.json", python_text(rig, true)), rig);
+    }
+    const std::string text = python_text(Rig(), false);
+    EXPECT_THAT(refused(with_other(text, "- [0, 0, 1]\n", "- [0, 1]\n")),
+                AllOf(HasSubstr("cameraMatrix1"), HasSubstr("3 columns, and 8 numbers")));
+    EXPECT_THAT(refused(with_other(text, "R:\n", "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nE:\n")), HasSubstr("R: found 1x9"));
 }
 
 TEST_F(Formats, OrbSlamAndKalibr) {
@@ -162,6 +196,14 @@ TEST_F(Formats, NothingIsIgnored) {
                 HasSubstr("M1: found a skew of 1.25 px"));
     EXPECT_THAT(refused(with_other(text, "0, 0, 1 ]", "0, 1 ]")), AllOf(HasSubstr("M1"), HasSubstr("8 numbers")));
     EXPECT_THAT(refused(std::string(5000, 'x') + ": 1\n" + text), testing::SizeIs(testing::Lt(700U)));
+    for (const char* key : {"H1", "map11", "stereoMapL_x", "left_map_y"}) {
+        for (const std::string& file : {text, std::string()}) {
+            EXPECT_THAT(refused(matrix_text(key, cv::Mat::eye(2, 2, CV_64F)) + file),
+                        AllOf(HasSubstr(std::string(key) + ": found a matrix, which says how pixels move"),
+                              HasSubstr("take it out")));
+        }
+    }
+    EXPECT_THAT(refused("%YAML:1.0\n---\n" + text + "---\nxi: 1.5\n"), HasSubstr("several documents"));
     // What says nothing about the geometry is taken.
     expect_rig(write("stereo.yml", "rms: 0.2\nsquare_size: 25\nboard_width: 9\ncalibration_time: now\n" + text), rig);
 }
@@ -201,6 +243,13 @@ TEST_F(Formats, UnitsAreAskedFor) {
     for (const char* key : {"unit", "units", "length_unit"}) {
         expect_rig(write("stereo.yml", std::string(key) + ": m\n" + opencv_text(Rig(), 1000)), Rig());
     }
+    // The side of a square in a unit that T has, too, although 21.6 squares of 25 mm may be taken for millimetres.
+    for (const char* side : {"1", "0.025"}) {
+        const std::string squares = "square_size: " + std::string(side) + "\n" + opencv_text(rigs()[2], 25);
+        EXPECT_THAT(refused(squares, rigs()[2]),
+                    AllOf(HasSubstr("square_size is " + std::string(side) + " there"), HasSubstr("?unit=25mm (537.4")));
+        expect_rig(write("stereo.yml", squares) + "?unit=25mm", rigs()[2]);
+    }
     EXPECT_THAT(refused("unit: parsec\n" + opencv_text(Rig())), HasSubstr("unit: found 'parsec'"));
     const std::string path = write("stereo.yml", opencv_text(Rig()));
     EXPECT_THAT(refusal([&] { read_calibration(path + "?unit=inch", 640, 480); }), HasSubstr("'unit=inch'"));
@@ -237,6 +286,16 @@ TEST_F(Formats, SingleCamerasExchangedOnesAndInversePosesAreTold) {
     EXPECT_THAT(refused(opencv_text(inverse)), AllOf(HasSubstr("exchange"), HasSubstr("inverse")));
     EXPECT_THAT(refused(camchain(inverse)), HasSubstr("inverse"));
     EXPECT_THAT(refused(orbslam_3(inverse)), HasSubstr("inverse"));
+}
+
+TEST_F(Formats, FilesOfAnotherKindAreToldAsSuch) {
+    const std::string ini = "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n\ncamera matrix\n531 0 322\n";
+    EXPECT_THAT(refused(ini), HasSubstr("ost.txt), which is not read: give its YAML"));
+    EXPECT_THAT(refused(std::string("\x93NUMPY\1\0v\0", 10)), HasSubstr("bytes that are no text"));
+    // Results of a rectification alone, which are not KITTI's projections.
+    const Rectified results{Rig()};
+    EXPECT_THAT(refused(matrix_text("P1", results.projection[0]) + matrix_text("P2", results.projection[1])),
+                HasSubstr("has no matrix M1"));
 }
 
 TEST_F(Formats, NumbersOfNoCameraAreRefused) {

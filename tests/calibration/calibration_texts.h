@@ -73,6 +73,39 @@ inline std::string ros_text(const Rig& rig, int eye, double shift) {
            matrix_text("rectification_matrix", rectified.turn[eye]) + matrix_text("projection_matrix", projection);
 }
 
+/// The same as `rostopic echo` prints it; as ROS 2 does in lower case. `more` are further lines.
+inline std::string ros_message(const Rig& rig, int eye, double shift, bool lower_case, const std::string& more = "") {
+    const Rectified rectified(rig);
+    cv::Mat projection = rectified.projection[0].clone();
+    projection.at<double>(0, 3) = rectified.f() * shift / 1000;
+    const auto line = [&](const char* upper, const char* lower, const cv::Mat& matrix) {
+        return std::string(lower_case ? lower : upper) + ": [" + list_of(matrix) + "]\n";
+    };
+    return "header:\n  frame_id: eye\nheight: " + std::to_string(rig.height) + "\nwidth: " + std::to_string(rig.width) +
+           "\ndistortion_model: plumb_bob\n" +
+           line("D", "d", row(eye == 0 ? rig.left_distortion : rig.right_distortion)) +
+           line("K", "k", cv::Mat(eye == 0 ? rig.left_matrix() : rig.right_matrix())) +
+           line("R", "r", rectified.turn[eye]) + line("P", "p", projection) + more + "---\n";
+}
+
+/// Lists of rows, as Python writes them, in JSON or in YAML.
+inline std::string python_text(const Rig& rig, bool json) {
+    const auto entry = [&](const char* name, const cv::Mat& matrix) {
+        std::string rows;
+        for (int y = 0; y < matrix.rows; ++y) {
+            rows += json ? (y == 0 ? "[" : ", [") : "- [";
+            rows += list_of(matrix.row(y)) + (json ? "]" : "]\n");
+        }
+        return json ? ", \"" + std::string(name) + "\": [" + rows + "]" : std::string(name) + ":\n" + rows;
+    };
+    const std::string matrices =
+        entry("cameraMatrix1", cv::Mat(rig.left_matrix())) + entry("distCoeffs1", row(rig.left_distortion)) +
+        entry("cameraMatrix2", cv::Mat(rig.right_matrix())) + entry("distCoeffs2", row(rig.right_distortion)) +
+        entry("R", cv::Mat(rig.rotation())) + entry("T", cv::Mat(rig.translation));
+    const std::string size = "[" + std::to_string(rig.width) + ", " + std::to_string(rig.height) + "]";
+    return json ? "{\"image_size\": " + size + matrices + "}\n" : "image_size: " + size + "\n" + matrices;
+}
+
 inline std::string orbslam_2(const Rig& rig) {
     const Rectified rectified(rig);
     std::string text = "%YAML:1.0\n\nCamera.width: " + std::to_string(rig.width) +
