@@ -279,6 +279,31 @@ TEST_F(AbusiveClientTest, LongRequestsCountAsSeveral) {
     EXPECT_GE(std::chrono::steady_clock::now() - begin, daemon::ClientRules::most_at_once * config_.request_interval);
 }
 
+// As a trace, of which only one may wait for a client.
+TEST_F(AbusiveClientTest, WhatALongAnswerHoldsIsKeptUntilItIsRead) {
+    start();
+    WireClient client = connect(unix_);
+    v1::Envelope request;
+    request.mutable_record_start()->set_path("held.mkv");
+    ASSERT_TRUE(client.send(request));
+    daemon::Answer answer{std::vector<v1::Envelope>(16), "", std::make_shared<char>()};
+    for (v1::Envelope& message : answer.messages) {
+        message.mutable_record_status()->set_error(std::string(900'000, 'x'));
+    }
+    const std::weak_ptr<const void> held = answer.held;
+    held_answer_.get_future().get()(std::move(answer));
+    for (std::size_t i = 0; i < 16; ++i) {
+        ASSERT_FALSE(held.expired()) << "messages read: " << i;
+        const auto message = client.receive();
+        ASSERT_TRUE(message && message->envelope.has_record_status());
+    }
+    v1::Envelope status;
+    status.mutable_status_request();
+    client.send(status);
+    EXPECT_TRUE(client.receive());
+    EXPECT_TRUE(held.expired()) << "all were read";
+}
+
 TEST_F(AbusiveClientTest, FiftyComeAndGoWhileOneMissesNothing) {
     start(64, 8);
     WireClient good = connect(unix_, "good");
