@@ -12,6 +12,7 @@
 #include "bridges/web/daemon/frame_request.h"
 #include "bridges/web/foxglove/message_schemas.h"
 #include "bridges/web/http/page_files.h"
+#include "bridges/web/images/colours.h"
 #include "bridges/web/images/snapshot.h"
 #include "bridges/web/metrics/prometheus_text.h"
 #include "clients/json/message_json.h"
@@ -91,6 +92,15 @@ std::string products_script() {
         list.back()["name"] = product.name;
     }
     return "export const PRODUCTS = " + to_text(list, 2) + '\n';
+}
+
+/// Returns the colours of distances, red, green, blue of each from far to near, as a module for the page.
+std::string turbo_script() {
+    Json numbers = Json::array();
+    for (const auto& [blue, green, red] : turbo()) {
+        numbers.insert(numbers.end(), {red, green, blue});
+    }
+    return "export const TURBO = new Uint8Array(" + to_text(numbers, -1) + ")\n";
 }
 
 /// What a snapshot is made from.
@@ -197,6 +207,8 @@ void Routes::respond(const Request& request, const std::string& peer, const Answ
         answer(make_response(request, http::status::ok, std::string(file->type), std::string(file->bytes)));
     } else if (asked.path == "/products.js" && asked.is(http::verb::get)) {
         answer(make_response(request, http::status::ok, "text/javascript; charset=utf-8", products_script()));
+    } else if (asked.path == "/turbo.js" && asked.is(http::verb::get)) {
+        answer(make_response(request, http::status::ok, "text/javascript; charset=utf-8", turbo_script()));
     } else if (asked.right < Right::view) {
         asked.error(http::status::unauthorized,
                     "a token is needed; the page asks for it, others send it as a bearer token");

@@ -3,7 +3,7 @@
 // The point cloud, drawn by WebGL 2 from a grid of depths. The graphics processor computes each point from its pixel, so a frame costs
 // one upload of its depths. It is drawn again only for a new frame or another view.
 
-import { TURBO } from './colours.js'
+import { TURBO } from './turbo.js'
 import { Orbit } from './orbit.js'
 import { make, write } from './text.js'
 

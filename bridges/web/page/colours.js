@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Colours of distances: the same as those of the server, so that JPEG and lossless pictures look alike. The map is "turbo", near = warm,
-// far = cold, black = rejected. "disparity" is linear in the disparity between d(far) and d(near), "depth" is linear in metres.
+// Colours of distances: those of the server, so that JPEG and lossless pictures look alike. TURBO has 256 x RGB, near = warm, far = cold;
+// black = rejected. "disparity" is linear in the disparity between d(far) and d(near), "depth" is linear in metres.
 
 import { imageOf } from './images.js'
-
-const ANCHORS = `30123b 392a73 4040a2 4456c7 466be3 4680f6 4294ff 37a8fa 28bceb 1ccdd8 18ddc2 1fe9af 32f298 4ef97d 6dfe62 8bff4b a4fc3c
-  b7f735 cbed34 dde037 ecd13a f7c13a fdae35 fe992c fb8122 f56918 ec530f e14109 d23105 c12302 ac1701 950d01 7a0403`
-  .trim().split(/\s+/).map(hex => [0, 2, 4].map(i => parseInt(hex.slice(i, i + 2), 16)))
-
-/** The colour map as 256 x RGB, for a texture. */
-export const TURBO = new Uint8Array(256 * 3)
-for (let i = 0; i < 256; ++i) {
-  const at = i / 255 * (ANCHORS.length - 1)
-  const low = Math.min(Math.floor(at), ANCHORS.length - 2)
-  for (let c = 0; c < 3; ++c) TURBO[3 * i + c] = Math.round(ANCHORS[low][c] + (at - low) * (ANCHORS[low + 1][c] - ANCHORS[low][c]))
-}
+import { TURBO } from './turbo.js'
 
 const BLACK = 0xff000000
 const step = t => Math.min(255, Math.max(0, Math.round(t * 255)))
