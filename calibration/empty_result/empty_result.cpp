@@ -17,6 +17,15 @@ std::vector<std::uint8_t> copy_of(Plane<const std::uint8_t> plane) {
     return bytes;
 }
 
+bool are_alike(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right) {
+    for (int y = 0; y < left.height; ++y) {
+        if (!std::equal(left.row(y), left.row(y) + left.width, right.row(y))) {
+            return false;
+        }
+    }
+    return true;
+}
+
 std::string percent(double share) {
     return base::fixed(100 * share, 1) + " %";
 }
@@ -39,6 +48,7 @@ void EmptyResult::add(Plane<const std::uint8_t> left, Plane<const std::uint8_t> 
     const auto pixels = static_cast<std::uint64_t>(confidence.width) * static_cast<std::uint64_t>(confidence.height);
     pixels_ += pixels;
     measured_ += measured;
+    alike_ = alike_ && are_alike(left, right);
     if (kept_.size() < most_kept && static_cast<double>(measured) < suspicious_below * static_cast<double>(pixels)) {
         kept_.push_back({left.width, left.height, copy_of(left), copy_of(right)});
     }
@@ -68,6 +78,10 @@ LikelyCause EmptyResult::cause(const std::optional<calibration::StereoCalibratio
 
 std::string EmptyResult::note(const std::optional<calibration::StereoCalibration>& calibration) const {
     if (measured() >= suspicious_below) {
+        if (alike_ && pixels_ > 0) {
+            return "both eyes show the same picture, so that all of it reads as infinitely far: give the image of each "
+                   "eye";
+        }
         const auto wrong = other_resolution(calibration);
         return wrong ? "the disparities are likely to be wrong: " + wrong->text : "";
     }

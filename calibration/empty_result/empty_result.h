@@ -41,9 +41,9 @@ public:
     double measured() const;
 
     /// One line for people: how little was measured, and the likely cause. Also tells of a calibration of another
-    /// resolution, whatever was measured. Otherwise empty when enough was, or when
-    /// no cause is found for a share that is only suspicious. `calibration` is what
-    /// the pairs were rectified by. Takes some 0.2 s for each pair kept.
+    /// resolution and of eyes that show the same picture, whatever was measured. Otherwise empty when enough was, or
+    /// when no cause is found for a share that is only suspicious. `calibration` is what the pairs were rectified by.
+    /// Takes some 0.2 s for each pair kept.
     std::string note(const std::optional<calibration::StereoCalibration>& calibration) const;
 
     /// The cause that most of the kept pairs have; unknown where none has most, or nothing was kept.
@@ -62,6 +62,7 @@ private:
     DisparityRange range_;
     std::uint64_t pixels_ = 0;
     std::uint64_t measured_ = 0;
+    bool alike_ = true;  ///< both eyes of all frames so far
     std::vector<Pair> kept_;
 };
 

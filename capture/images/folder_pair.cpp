@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "base/file_kind.h"
+#include "base/words.h"
+#include "capture/two_eyes.h"
 
 namespace disparityd::capture {
 namespace {
@@ -29,7 +31,8 @@ std::int64_t value_of(std::string_view text) {
     return value;
 }
 
-/// An image's name, taken apart: "left_0012.png" is "left_" and "0012", "1403636579.76.png" is a number alone.
+/// An image's name, taken apart: "left_0012.png" and "0012_left.png" have the number "0012", "1403636579.76.png" is one
+/// alone.
 struct ImageName {
     std::string file;
     std::string stem;
@@ -37,10 +40,11 @@ struct ImageName {
     std::string number;
 
     explicit ImageName(const std::string& name) : file(name), stem(fs::path(name).stem().string()) {
-        const std::size_t last = stem.find_last_not_of("0123456789.");
-        const std::size_t begin = last == std::string::npos ? 0 : last + 1;
+        const std::size_t end = stem.find_last_of(decimal_digits) + 1;  // 0: there is none
+        const std::size_t before = end == 0 ? std::string::npos : stem.find_last_not_of("0123456789.", end - 1);
+        const std::size_t begin = stem.find_first_of(decimal_digits, before == std::string::npos ? 0 : before);
         prefix = stem.substr(0, begin);
-        number = stem.substr(begin);
+        number = end == 0 ? std::string() : stem.substr(begin, end - begin);
     }
 };
 
@@ -68,22 +72,27 @@ std::vector<ImageName> names_of(const std::string& folder) {
     return names;
 }
 
+/// Returns the folder, or that within it which holds the images of EuRoC's cameras.
+std::string folder_of_images(const fs::path& folder) {
+    const fs::path data = folder / "data";
+    return (base::is_folder(data) && image_names(folder.string()).empty() ? data : folder).string();
+}
+
 }  // namespace
 
 std::optional<std::pair<std::string, std::string>> find_folders_of_eyes(const std::string& folder) {
-    constexpr std::array<std::pair<const char*, const char*>, 8> known{{{"left", "right"},
+    constexpr std::array<std::pair<const char*, const char*>, 7> known{{{"left", "right"},
                                                                         {"Left", "Right"},
                                                                         {"LEFT", "RIGHT"},
                                                                         {"image_left", "image_right"},
-                                                                        {"cam0/data", "cam1/data"},
-                                                                        {"mav0/cam0/data", "mav0/cam1/data"},
+                                                                        {"mav0/cam0", "mav0/cam1"},
                                                                         {"cam0", "cam1"},
                                                                         {"cam_left", "cam_right"}}};
     for (const auto& [left, right] : known) {
         const fs::path left_folder = fs::path(folder) / left;
         const fs::path right_folder = fs::path(folder) / right;
         if (base::is_folder(left_folder) && base::is_folder(right_folder)) {
-            return std::pair(left_folder.string(), right_folder.string());
+            return std::pair(folder_of_images(left_folder), folder_of_images(right_folder));
         }
     }
     return std::nullopt;
@@ -93,20 +102,28 @@ std::optional<std::pair<std::string, std::string>> pair_of_folders(const std::st
     for (std::size_t comma = uri.find(','); comma != std::string::npos; comma = uri.find(',', comma + 1)) {
         std::pair<std::string, std::string> pair{uri.substr(0, comma), uri.substr(comma + 1)};
         if (base::is_folder(pair.first) && base::is_folder(pair.second)) {
-            return pair;
+            return std::pair(folder_of_images(pair.first), folder_of_images(pair.second));
         }
     }
     return std::nullopt;
 }
 
 ImageSequence pair_images(const std::string& left, const std::string& right) {
+    check_two_eyes(left, right);
     const std::vector<ImageName> left_names = names_of(left);
     std::map<std::string, std::string> by_stem, by_number;
+    std::string two_of_a_number;
     for (const ImageName& name : names_of(right)) {
         by_stem.emplace(name.stem, name.file);
-        by_number.emplace(name.number, name.file);
+        if (const auto [there, is_new] = by_number.emplace(name.number, name.file); !is_new) {
+            two_of_a_number = there->second + " and " + name.file;
+        }
     }
     const bool same_names = by_stem.contains(left_names.front().stem);
+    if (!same_names && !two_of_a_number.empty()) {
+        throw std::invalid_argument(right + ": holds several images of one number, " + two_of_a_number +
+                                    "; expected one for each left image, of the same name or number");
+    }
     ImageSequence sequence;
     sequence.description = "images of two folders";
     for (const ImageName& name : left_names) {
@@ -119,8 +136,16 @@ ImageSequence pair_images(const std::string& left, const std::string& right) {
         }
         sequence.frames.push_back({file, (fs::path(right) / found->second).string(), 0, {}});
     }
+    sequence.unpaired = unpaired_images(right, sequence.frames.size());
     take_times_of_names(sequence);
     return sequence;
+}
+
+std::string unpaired_images(const std::string& right, std::size_t pairs) {
+    const std::size_t images = image_names(right).size();
+    return images == pairs ? std::string()
+                           : right + ": holds " + base::counted(images, "image") + " for " +
+                                 base::counted(pairs, "left image") + "; those without a left one are left out";
 }
 
 std::optional<std::int64_t> time_of_name(std::string_view stem) {

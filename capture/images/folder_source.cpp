@@ -2,6 +2,7 @@
 #include "capture/images/folder_source.h"
 
 #include <algorithm>
+#include <bit>
 #include <condition_variable>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/failure_text.h"
+#include "base/message_text.h"
 #include "base/text_file.h"
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
@@ -167,6 +169,14 @@ public:
         if (options.report && !images_.notice.empty() && options.calibration_path.empty()) {
             options.report(images_.notice, false);
         }
+        if (options.report && !images_.unpaired.empty()) {
+            options.report(images_.unpaired, false);
+        }
+        if (options.report && first.right.empty()) {
+            options.report(uri_.path + ": each image is taken as both eyes side by side, " +
+                               base::size_text(size_.width / 2, size_.height) + " each",
+                           false);
+        }
         report_deep_pixels(first);
         describe(first.right.empty() ? size_.width / 2 : size_.width,
                  first.left.channels() > 1 || first.right.channels() > 1);
@@ -244,6 +254,12 @@ private:
                 throw std::invalid_argument(frame.left + ": both eyes side by side need an even width, found " +
                                             std::to_string(pair.left.cols));
             }
+            if (pair.left.cols / 2 < pair.left.rows) {
+                throw std::invalid_argument(frame.left + ": found a picture of " +
+                                            base::size_text(pair.left.cols, pair.left.rows) +
+                                            ", which is that of one eye; expected both eyes side by side, or the "
+                                            "images of each: left_%d.png,right_%d.png");
+            }
             return pair;
         }
         as_8_bits(pair.right, frame.right);
@@ -263,15 +279,22 @@ private:
                 largest = std::max(largest, of_image);
             }
         }
-        if (options_.report && (first.left.depth() == CV_16U || first.right.depth() == CV_16U)) {
-            options_.report(
-                uri_.path + ": 16 bits per channel, frames have 8: value / " + std::to_string(1 << (uri_.bits - 8)) +
-                    " is used, at most 255; the largest value of "
-                    "the first frame is " +
-                    std::to_string(static_cast<int>(largest)) +
-                    (uri_.bits == 16 ? "; where values have fewer bits, say so behind the source, as ?bits=12" : ""),
-                false);
+        if (!options_.report || (first.left.depth() != CV_16U && first.right.depth() != CV_16U)) {
+            return;
         }
+        const int bits = uri_.bits != 0 ? uri_.bits : bits_of_values(images_.frames.front().left);
+        constexpr int enough = 4096;
+        const auto needed = std::max(9, static_cast<int>(std::bit_width(static_cast<unsigned>(largest))));
+        options_.report(uri_.path + ": 16 bits per channel, frames have 8: value / " + std::to_string(1 << (bits - 8)) +
+                            " is used, at most 255; the largest value of the first frame is " +
+                            std::to_string(static_cast<int>(largest)) +
+                            (bits != 16 ? ""
+                             : largest < enough
+                                 ? ", so that little is left of the images: say how many bits the values have behind "
+                                   "the source, as ?bits=" +
+                                       std::to_string(needed)
+                                 : "; where values have fewer bits, say so behind the source, as ?bits=12"),
+                        false);
     }
 
     /// False where a damaged frame is left out.

@@ -2,6 +2,7 @@
 #include "capture/images/image_files.h"
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -101,6 +102,12 @@ cv::Mat decode(std::vector<std::uint8_t> bytes, const std::string& path) {
         refuse(path, "is damaged: the file was cut off, " + std::to_string(bytes.size()) + " of " +
                          std::to_string(*least) + " bytes are there");
     }
+    if (is_text_image(bytes)) {
+        if (is_cut_text_image(bytes)) {
+            refuse(path, "is damaged: the file was cut off, values are missing");
+        }
+        bytes.push_back('\n');  // OpenCV wants to read on behind the last number
+    }
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
 }
@@ -113,6 +120,13 @@ std::optional<ImageSize> peek_image_size(const std::string& path) {
     }
     std::ifstream file(path, std::ios::binary);
     return file ? read_image_header(file) : std::nullopt;
+}
+
+int bits_of_values(const std::string& path) {
+    constexpr int least = 9, most = 16;
+    std::ifstream file(path, std::ios::binary);
+    const auto largest = read_largest_value(file);
+    return largest ? std::clamp(static_cast<int>(std::bit_width(*largest)), least, most) : most;
 }
 
 cv::Mat decode_image(const std::string& path) {
@@ -147,7 +161,7 @@ cv::Mat as_8_bits(const cv::Mat& image, const std::string& path, DeepPixels deep
     }
     cv::Mat result = image;
     if (image.depth() == CV_16U) {
-        const int shift = deep.bits - 8;
+        const int shift = (deep.bits == 0 ? bits_of_values(path) : deep.bits) - 8;
         result.create(image.rows, image.cols, CV_8UC(image.channels()));
         for (int y = 0; y < image.rows; ++y) {
             const auto* from = image.ptr<std::uint16_t>(y);

@@ -21,10 +21,14 @@ std::optional<ImageSize> peek_image_size(const std::string& path);
 cv::Mat decode_image(const std::string& path);
 
 /// Says how images of 16 bits per channel become such of 8: of values with `bits` bits the upper 8 are kept
-/// (value >> (bits - 8)), larger values become 255. 9 to 16.
+/// (value >> (bits - 8)), larger values become 255. 9 to 16; 0: as many as the file says, 16 where it says nothing.
 struct DeepPixels {
-    int bits = 16;
+    int bits = 0;
 };
+
+/// Returns how many bits the values of an image of 16 bits per channel have by its header, 9 to 16: PGM and PPM have
+/// the largest value there.
+int bits_of_values(const std::string& path);
 
 /// Reads an image of 8 bits per channel, grey (CV_8UC1) or blue, green, red (CV_8UC3). Throws as decode_image(), and
 /// when the pixels are neither of 8 nor of 16 bits.

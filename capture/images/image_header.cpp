@@ -352,6 +352,33 @@ int read_image_orientation(std::istream& file) {
     return orientation_of_tiff(file, 0);
 }
 
+std::optional<std::uint64_t> read_largest_value(std::istream& file) {
+    std::array<char, head_size> bytes{};
+    file.read(bytes.data(), bytes.size());
+    const std::string_view head(bytes.data(), static_cast<std::size_t>(file.gcount()));
+    std::array<std::uint64_t, 3> numbers{};
+    const bool states_it =
+        head.starts_with("P2") || head.starts_with("P3") || head.starts_with("P5") || head.starts_with("P6");
+    return states_it && read_pnm_numbers(head, numbers) != 0 ? std::optional(numbers[2]) : std::nullopt;
+}
+
+bool is_text_image(std::span<const std::uint8_t> file) {
+    return file.size() > 2 && file[0] == 'P' && (file[1] == '2' || file[1] == '3');
+}
+
+bool is_cut_text_image(std::span<const std::uint8_t> file) {
+    const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+    std::array<std::uint64_t, 3> numbers{};
+    std::size_t at = read_pnm_numbers(text.substr(0, head_size), numbers);
+    std::uint64_t values = 0;
+    for (bool inside = false; at != 0 && at < text.size(); ++at) {
+        const bool digit = std::isdigit(static_cast<unsigned char>(text[at])) != 0;
+        values += digit && !inside ? 1 : 0;
+        inside = digit;
+    }
+    return values < numbers[0] * numbers[1] * (file[1] == '3' ? 3 : 1);
+}
+
 std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file) {
     const std::string_view head(reinterpret_cast<const char*>(file.data()), std::min(file.size(), head_size));
     if (head.starts_with("BM")) {

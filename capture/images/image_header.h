@@ -29,4 +29,13 @@ int read_image_orientation(std::istream& file);
 /// all other files.
 std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file);
 
+/// Returns the largest value that a PGM or PPM states for its pixels; nothing for all other files.
+std::optional<std::uint64_t> read_largest_value(std::istream& file);
+
+/// Whether the file is a PGM or PPM of numbers as text.
+bool is_text_image(std::span<const std::uint8_t> file);
+
+/// Whether such a file holds fewer numbers than its header says.
+bool is_cut_text_image(std::span<const std::uint8_t> file);
+
 }  // namespace disparityd::capture

@@ -18,6 +18,7 @@
 #include "capture/images/folder_pair.h"
 #include "capture/images/image_files.h"
 #include "capture/images/image_times.h"
+#include "capture/two_eyes.h"
 
 namespace disparityd::capture {
 
@@ -130,6 +131,7 @@ ImageSequence sequence_of(ImageSequence::Frame pair) {
             throw std::invalid_argument(path + ": no such file");
         }
     }
+    check_two_eyes(pair.left, pair.right);
     ImageSequence sequence;
     sequence.description = "image pair";
     sequence.frames.push_back(std::move(pair));
@@ -180,6 +182,7 @@ ImageSequence find_by_pattern(const std::string& uri) {
         if (right && !base::is_file(frame.right)) {
             throw std::invalid_argument(frame.left + ": has no right image, looked for " + frame.right);
         }
+        check_two_eyes(frame.left, frame.right);
         sequence.frames.push_back(std::move(frame));
     }
     take_times_of_names(sequence);
@@ -198,7 +201,7 @@ std::string first_existing(std::initializer_list<fs::path> candidates) {
 std::optional<ImageSequence> find_middlebury(const std::string& folder) {
     // Scenes of nine views have their ground truth for views 2 and 6 (2001, 2003) or 1 and 5 (2005, 2006).
     constexpr std::array<std::pair<const char*, const char*>, 6> pairs{
-        {{"left", "right"}, {"Left", "Right"}, {"im2", "im6"}, {"im0", "im1"}, {"view1", "view5"}, {"view0", "view1"}}};
+        {{"left", "right"}, {"im2", "im6"}, {"im0", "im1"}, {"view1", "view5"}, {"view0", "view1"}, {"imL", "imR"}}};
     for (const auto& [left, right] : pairs) {
         ImageSequence::Frame frame{find_image(folder, left), find_image(folder, right), 0, {}};
         if (!frame.left.empty() && !frame.right.empty()) {
@@ -243,6 +246,7 @@ std::optional<ImageSequence> find_kitti(const std::string& folder) {
     if (sequence.frames.empty()) {
         throw std::invalid_argument(folders.left + ": holds no images");
     }
+    sequence.unpaired = unpaired_images(folders.right, sequence.frames.size());
     const fs::path root(folder);
     sequence.calibration =
         first_existing({root / "calib.txt", root / "calib_cam_to_cam.txt",
@@ -292,6 +296,12 @@ std::string find_image(const std::string& folder, const std::string& stem) {
             return path.string();
         }
     }
+    // Cameras write endings, and people names, in capitals.
+    for (const std::string& name : base::is_folder(folder) ? image_names(folder) : std::vector<std::string>()) {
+        if (base::lower_case(fs::path(name).stem().string()) == base::lower_case(stem)) {
+            return (fs::path(folder) / name).string();
+        }
+    }
     return {};
 }
 
@@ -322,7 +332,8 @@ KittiFolders find_kitti_folders(const std::string& folder) {
 
 std::vector<std::string> image_names(const std::string& folder) {
     std::vector<std::string> names = names_in(folder);
-    std::erase_if(names, [](const std::string& name) { return !is_image_name(name); });
+    // Hidden files are no images: systems put their own there, such as "._1.png".
+    std::erase_if(names, [](const std::string& name) { return !is_image_name(name) || name.starts_with('.'); });
     return names;
 }
 

@@ -21,6 +21,7 @@ struct ImageSequence {
     std::string description;  ///< "Middlebury scene", "KITTI image_2/image_3", "pattern"
     std::string calibration;  ///< calib.txt and the like, of all frames; empty = there is none
     std::string notice;       ///< one line: what the folder has and is not used without a calibration; may be empty
+    std::string unpaired;     ///< one line: right images that no left one belongs to; may be empty
     int kitti_camera = -1;    ///< number of the left camera in a KITTI calibration; -1 = not KITTI
 };
 
@@ -28,7 +29,7 @@ struct ImageSequence {
 /// where images of 16 bits per channel hold fewer.
 struct ImageUri {
     std::string path;  ///< without "?bits="
-    int bits = 16;
+    int bits = 0;      ///< 0: as many as the files say
 };
 
 /// Throws std::invalid_argument with one line when the bits are none of 9 to 16.
@@ -52,7 +53,7 @@ bool is_image_sequence(const std::string& uri);
 /// eye's image is missing.
 ImageSequence find_images(const std::string& uri);
 
-/// Finds an existing file `stem` with an ending of an image file; empty = none.
+/// Finds an existing file `stem` with an ending of an image file, in capitals or not; empty = none.
 std::string find_image(const std::string& folder, const std::string& stem);
 
 /// The folder pair of a KITTI layout within `folder`.
@@ -64,7 +65,7 @@ struct KittiFolders {
 };
 KittiFolders find_kitti_folders(const std::string& folder);
 
-/// Names of the image files in a folder, sorted.
+/// Names of the image files in a folder that are not hidden, sorted.
 std::vector<std::string> image_names(const std::string& folder);
 
 }  // namespace disparityd::capture

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/recording/other_recordings.h"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <string_view>
@@ -22,7 +23,11 @@ constexpr const char* as_bag =
 struct OtherKind {
     std::string_view begins;  ///< the file's first bytes
     const char* what;
+    std::size_t at = 0;  ///< where these stand
 };
+
+constexpr const char* as_other_image =
+    "is an image of a kind that is not read; convert it, and that of the other eye, to PNG";
 
 constexpr std::array other_kinds{
     OtherKind{"\0SVO"sv, as_svo},
@@ -46,6 +51,18 @@ constexpr std::array other_kinds{
     OtherKind{"\x7f"
               "ELF"sv,
               "is a program; expected a video or images"},
+    OtherKind{"GIF8"sv, as_other_image},
+    OtherKind{"\x76\x2f\x31\x01"sv, as_other_image},  // OpenEXR
+    OtherKind{"\0\0\0\x0cJXL "sv, as_other_image},
+    OtherKind{"ftyphei"sv, as_other_image, 4},
+    OtherKind{"ftypmif1"sv, as_other_image, 4},
+    OtherKind{"ftypavif"sv, as_other_image, 4},
+    OtherKind{"Pf\n"sv, as_other_image},  // PFM, of which ground truth is read
+    OtherKind{"PF\n"sv, as_other_image},
+    OtherKind{"II*\0"sv,
+              "is an image (TIFF, or raw data of a camera), and its name does not say so: name TIFF .tif, and "
+              "convert raw data to PNG"},
+    OtherKind{"MM\0*"sv, "is an image (TIFF), and its name does not say so: name it .tif, and give that of each eye"},
     OtherKind{"\x89PNG"sv, "is an image (PNG), and its name does not say so: name it .png, and give that of each eye"},
     OtherKind{"\xff\xd8\xff"sv,
               "is an image (JPEG), and its name does not say so: name it .jpg, and give that of each eye"},
@@ -60,7 +77,7 @@ std::optional<std::string> known_otherwise(const std::string& path, std::span<co
     }
     const std::string_view bytes(reinterpret_cast<const char*>(head.data()), head.size());
     for (const OtherKind& kind : other_kinds) {
-        if (bytes.starts_with(kind.begins)) {
+        if (bytes.substr(std::min(kind.at, bytes.size())).starts_with(kind.begins)) {
             return kind.what;
         }
     }

@@ -10,6 +10,7 @@
 #include "capture/recording/native_reader.h"
 #include "capture/recording/pair_reader.h"
 #include "capture/recording/recording_input.h"
+#include "capture/two_eyes.h"
 
 namespace disparityd::capture {
 namespace {
@@ -45,8 +46,12 @@ std::unique_ptr<RecordingReader> open_tracks(RecordingInput input, const std::ve
     const auto is_called = [&input](int track, const char* eye) {
         return input.track_name(track).find(eye) != std::string::npos;
     };
-    const bool exchanged = is_called(tracks[0], "right") && is_called(tracks[1], "left");
-    const bool named = exchanged || (is_called(tracks[0], "left") && is_called(tracks[1], "right"));
+    // One name is enough, where the other track does not have the same.
+    const auto only_one_called = [&](std::size_t at, const char* eye, const char* other) {
+        return is_called(tracks[at], eye) && !is_called(tracks[at], other) && !is_called(tracks[1 - at], eye);
+    };
+    const bool exchanged = only_one_called(0, "right", "left") || only_one_called(1, "left", "right");
+    const bool named = exchanged || only_one_called(0, "left", "right") || only_one_called(1, "right", "left");
     auto first = std::make_unique<ForeignReader>(std::move(input), tracks[0], ForeignReader::Picture::one_eye);
     RecordingInput again(path);
     again.probe();
@@ -69,8 +74,9 @@ bool is_pair_of_videos(const std::string& uri) {
 
 std::unique_ptr<RecordingReader> open_recording_reader(const std::string& path) {
     if (const auto pair = base::is_file(path) ? std::nullopt : pair_of_videos(path)) {
-        return std::make_unique<PairReader>(open_eye(pair->first), open_eye(pair->second), path,
-                                            std::vector<std::string>());
+        check_two_eyes(pair->first, pair->second);
+        auto left = open_eye(pair->first);  // first, so that of two bad names the first is told
+        return std::make_unique<PairReader>(std::move(left), open_eye(pair->second), path, std::vector<std::string>());
     }
     RecordingInput input(path);
     if (input.tag(recording::tag_format) != nullptr) {

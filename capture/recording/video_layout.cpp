@@ -3,6 +3,7 @@
 
 extern "C" {
 #include <libavutil/display.h>
+#include <libavutil/spherical.h>
 #include <libavutil/stereo3d.h>
 }
 
@@ -18,7 +19,7 @@ namespace {
 using Matrix = std::array<std::int32_t, 9>;
 
 /// Takes what stands behind a pointer; a null pointer is no declaration.
-VideoLayout layout(const std::uint8_t* matrix_bytes, const AVStereo3D* stereo) {
+VideoLayout layout(const std::uint8_t* matrix_bytes, const AVStereo3D* stereo, const AVSphericalMapping* sphere) {
     VideoLayout layout;
     Matrix matrix{};
     if (matrix_bytes != nullptr) {
@@ -31,6 +32,12 @@ VideoLayout layout(const std::uint8_t* matrix_bytes, const AVStereo3D* stereo) {
                          (std::isnan(angle) ? std::string(" or mirrored")
                                             : " by " + std::to_string(std::lround(angle)) + " degrees, or mirrored") +
                          ", which is not done here: \"ffmpeg -i IN -c:v ffv1 OUT.mkv\" turns them";
+        return layout;
+    }
+    const std::string projection = sphere == nullptr ? "" : av_spherical_projection_name(sphere->projection);
+    if (!projection.empty() && projection != "rectilinear") {
+        layout.refusal = "declares that its pictures are parts of a sphere (" + projection +
+                         "), expected those of a pinhole camera; ffmpeg's filter v360 makes them flat";
         return layout;
     }
     if (stereo == nullptr) {
@@ -73,17 +80,22 @@ const std::uint8_t* side_data_of(const AVFrame& frame, AVFrameSideDataType type,
 
 // Only the first two fields are read; later versions of FFmpeg add others behind them.
 constexpr std::size_t stereo_size = offsetof(AVStereo3D, flags) + sizeof(int);
+constexpr std::size_t sphere_size = sizeof(AVSphericalProjection);
 
 }  // namespace
 
 VideoLayout layout_of(const AVStream& stream) {
-    return layout(side_data_of(stream, AV_PKT_DATA_DISPLAYMATRIX, sizeof(Matrix)),
-                  reinterpret_cast<const AVStereo3D*>(side_data_of(stream, AV_PKT_DATA_STEREO3D, stereo_size)));
+    return layout(
+        side_data_of(stream, AV_PKT_DATA_DISPLAYMATRIX, sizeof(Matrix)),
+        reinterpret_cast<const AVStereo3D*>(side_data_of(stream, AV_PKT_DATA_STEREO3D, stereo_size)),
+        reinterpret_cast<const AVSphericalMapping*>(side_data_of(stream, AV_PKT_DATA_SPHERICAL, sphere_size)));
 }
 
 VideoLayout layout_of(const AVFrame& frame) {
-    return layout(side_data_of(frame, AV_FRAME_DATA_DISPLAYMATRIX, sizeof(Matrix)),
-                  reinterpret_cast<const AVStereo3D*>(side_data_of(frame, AV_FRAME_DATA_STEREO3D, stereo_size)));
+    return layout(
+        side_data_of(frame, AV_FRAME_DATA_DISPLAYMATRIX, sizeof(Matrix)),
+        reinterpret_cast<const AVStereo3D*>(side_data_of(frame, AV_FRAME_DATA_STEREO3D, stereo_size)),
+        reinterpret_cast<const AVSphericalMapping*>(side_data_of(frame, AV_FRAME_DATA_SPHERICAL, sphere_size)));
 }
 
 }  // namespace disparityd::capture

@@ -12,6 +12,7 @@ namespace disparityd::datasets {
 namespace {
 
 using capture::test::numbered_image;
+using capture::test::refusal;
 using capture::test::TemporaryFolder;
 using capture::test::write_file;
 using capture::test::write_image;
@@ -81,8 +82,20 @@ TEST(AnnouncedRange, IsNotKnownWhereNoFileTells) {
     EXPECT_FALSE(range_of_images("scene:vga"));
     EXPECT_FALSE(range_of_images(folder.file("walk.mkv")));
     EXPECT_FALSE(range_of_calibration(folder.file("absent.txt")));
-    write_file(folder.file("calib.txt"), "ndisp=many\nndisp=0\n");
-    EXPECT_FALSE(range_of_calibration(folder.file("calib.txt")));
+    for (const char* line : {"ndisp=many\n", "ndisp=0\n", "ndisp=\n", "ndisp=70000\n"}) {
+        write_file(folder.file("calib.txt"), line);
+        EXPECT_THAT(refusal([&] { range_of_calibration(folder.file("calib.txt")); }),
+                    HasSubstr("calib.txt: ndisp: found '"));
+    }
+}
+
+TEST(AnnouncedRange, IsVmaxWhereThatIsLarger) {
+    const TemporaryFolder folder;
+    for (const auto& [lines, largest] :
+         {std::pair("vmin=7\nvmax=131.5\n", 131.5), {"ndisp=64\nvmax=120\n", 120}, {"vmax=55\nndisp=65\n", 64}}) {
+        write_file(folder.file("calib.txt"), lines);
+        EXPECT_EQ(range_of_calibration(folder.file("calib.txt"))->largest, largest) << lines;
+    }
 }
 
 }  // namespace

@@ -79,17 +79,19 @@ TEST(Dataset, ScalesOfTheKnownScenes) {
     EXPECT_EQ(find_scenes(folder.file("")).size(), 6U);
 }
 
-TEST(Dataset, PfmFromTheBottomUpInBothByteOrders) {
+TEST(Dataset, PfmFromTheBottomUpInBothByteOrdersWithBothLineEnds) {
     const TemporaryFolder folder;
     write_pair(folder, "left.png", "right.png");
     for (const bool little : {true, false}) {
-        write_file(folder.file("disp_left.pfm"), std::string("Pf\n3 2\n") + (little ? "-0.5\n" : "1\n") +
-                                                     pfm_bytes({4, 5, INFINITY, 1.5, 2, NAN}, little));
-        const GroundTruth truth = read_ground_truth(find_scenes(folder.file("")).at(0));
-        EXPECT_THAT(truth.disparity, ElementsAre(1.5F, 2.0F, unknown, 4.0F, 5.0F, unknown));
-        EXPECT_EQ(truth.classes[2], TruthClass::none);
-        EXPECT_EQ(truth.classes[3], TruthClass::visible);
-        EXPECT_FALSE(truth.knows_occlusion);
+        for (const std::string end : {"\n", "\r\n"}) {
+            write_file(folder.file("disp_left.pfm"), "Pf" + end + "3 2" + end + (little ? "-0.5" : "1") + end +
+                                                         pfm_bytes({4, 5, INFINITY, 1.5, 2, NAN}, little));
+            const GroundTruth truth = read_ground_truth(find_scenes(folder.file("")).at(0));
+            EXPECT_THAT(truth.disparity, ElementsAre(1.5F, 2.0F, unknown, 4.0F, 5.0F, unknown));
+            EXPECT_EQ(truth.classes[2], TruthClass::none);
+            EXPECT_EQ(truth.classes[3], TruthClass::visible);
+            EXPECT_FALSE(truth.knows_occlusion);
+        }
     }
 }
 
@@ -129,10 +131,10 @@ TEST(DatasetRefuses, FilesThatDoNotBelongTogetherOrAreDamaged) {
     EXPECT_THAT(refusal([&] { read_ground_truth(scene); }), HasSubstr("no grey image"));
     write_file(folder.file("teddy/disp_left.pfm"), "Pf\n3 2\n-1\n" + pfm_bytes({1, 2, 3, 4, 5}, true));
     const DatasetScene cut = find_scenes(folder.file("")).at(0);
-    EXPECT_THAT(refusal([&] { read_ground_truth(cut); }), HasSubstr("shorter"));
+    EXPECT_THAT(refusal([&] { read_ground_truth(cut); }), HasSubstr("20 bytes of pixels where 24 are announced"));
     for (const char* head : {"Pf\n3 -2\n-1\n", "PF\n3 2\n-1\n", "Pf\n3 2\n0\n", "Pf\n99999999999 2\n-1\n", ""}) {
         write_file(folder.file("teddy/disp_left.pfm"), head);
-        EXPECT_THAT(refusal([&] { read_ground_truth(cut); }), HasSubstr("no PFM file")) << head;
+        EXPECT_THAT(refusal([&] { read_ground_truth(cut); }), HasSubstr("a grey PFM picture")) << head;
     }
 }
 

@@ -61,5 +61,15 @@ TEST(EmptyResult, CountsMeasuredPixelsOfAllFrames) {
     EXPECT_EQ(result.measured(), 0.25);
 }
 
+TEST(EmptyResult, EyesThatShowTheSamePictureAreTold) {
+    const RenderedPair pair = test::good_pair(4);
+    const cv::Mat sure(pair.left.size(), CV_8UC1, cv::Scalar(200));
+    EmptyResult result(made_range);
+    result.add(view(pair.left), view(pair.left), view(sure));
+    EXPECT_THAT(result.note(std::nullopt), HasSubstr("both eyes show the same picture"));
+    result.add(view(pair.left), view(pair.right), view(sure));
+    EXPECT_EQ(result.note(std::nullopt), "") << "not in every frame";
+}
+
 }  // namespace
 }  // namespace disparityd::empty_result

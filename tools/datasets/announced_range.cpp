@@ -36,19 +36,29 @@ double largest_truth(const std::string& folder) {
 }  // namespace
 
 std::optional<AnnouncedRange> range_of_calibration(const std::string& path) {
+    std::optional<AnnouncedRange> announced;
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {
         const std::string_view text = base::without_byte_order_mark(line);
-        const auto equals = text.find('=');
-        if (equals == std::string_view::npos || base::trim(text.substr(0, equals)) != "ndisp") {
+        const auto equals = std::min(text.find('='), text.size());
+        const std::string key(base::trim(text.substr(0, equals)));
+        if (equals == text.size() || (key != "ndisp" && key != "vmax")) {
             continue;
         }
-        const auto value = base::parse_number(base::trim(text.substr(equals + 1)));
-        if (value && *value >= 1 && *value <= 65535) {
-            return AnnouncedRange{*value - 1, path + " says ndisp=" + base::number_text(*value)};
+        constexpr double most = 65535;
+        const std::string_view word = base::trim(text.substr(equals + 1));
+        const auto value = base::parse_number(word);
+        const bool usable = value && *value >= 1 && *value <= most;
+        if (!usable && key == "ndisp") {
+            throw std::invalid_argument(path + ": ndisp: found '" + base::printable(word) +
+                                        "', expected 1 to 65535: take the line out if the range is not known");
+        }
+        const double largest = usable ? *value - (key == "ndisp" ? 1 : 0) : 0;
+        if (usable && (!announced || largest > announced->largest)) {
+            announced = {largest, path + " says " + key + "=" + base::number_text(*value)};
         }
     }
-    return std::nullopt;
+    return announced;
 }
 
 std::optional<AnnouncedRange> range_of_images(const std::string& uri) {

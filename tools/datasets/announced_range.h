@@ -12,8 +12,8 @@ struct AnnouncedRange {
     std::string origin;  ///< for people: "walk/calib.txt says ndisp=128"
 };
 
-/// Returns the bound ndisp of Middlebury's calib.txt, which ETH3D has, too; nothing where the file is not there or says
-/// nothing.
+/// Returns the bound ndisp of Middlebury's calib.txt, which ETH3D has, too, or vmax where that is larger; nothing where
+/// the file is not there or says nothing. Throws std::invalid_argument with one line for an ndisp that is no bound.
 std::optional<AnnouncedRange> range_of_calibration(const std::string& path);
 
 /// Returns the range that the files of an image source (capture/images/image_sequence.h) tell of: the ndisp of a

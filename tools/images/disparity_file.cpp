@@ -136,7 +136,8 @@ FloatMap read_disparity_pfm(const std::string& path) {
         const auto to = static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width);
         for (std::size_t x = 0; x < static_cast<std::size_t>(map.width); ++x) {
             const std::uint32_t word = words[from + x];
-            map.values[to + x] = std::bit_cast<float>(foreign ? swapped(word) : word);
+            const float value = std::bit_cast<float>(foreign ? swapped(word) : word);
+            map.values[to + x] = std::isfinite(value) ? value : rejected;
         }
     }
     return map;

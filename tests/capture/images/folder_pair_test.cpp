@@ -65,9 +65,37 @@ TEST(FolderPair, TheNamesOfItsFoldersAreKnown) {
         make_images(folder.file(right), {"1.png", "2.png", "10.png"}, 4);
         EXPECT_THAT(played(folder.file("")), ElementsAre("1.png 0 0 124", "2.png 100 31 155", "10.png 200 62 186"));
     }
-    const TemporaryFolder files;
-    make_images(files.file(""), {"Left.png", "Right.png"}, 0);
-    EXPECT_THAT(played(files.file("")), ElementsAre("Left.png 0 0 31"));
+    for (const auto& [left, right] : {std::pair("Left.png", "Right.png"),
+                                      {"LEFT.PNG", "RIGHT.PNG"},
+                                      {"im0.PNG", "IM1.png"},
+                                      {"imL.bmp", "imR.bmp"}}) {
+        const TemporaryFolder files;
+        make_images(files.file(""), {left, right}, 0);
+        EXPECT_THAT(played(files.file("")), ElementsAre(std::string(left) + " 0 0 31"));
+    }
+}
+
+TEST(FolderPair, NumbersMayStandAnywhereInTheNames) {
+    for (const auto& [left, right] : {std::pair("_left", "_right"), {"-L", "-R"}, {".cam-a", ".cam-b"}}) {
+        SCOPED_TRACE(left);
+        const TemporaryFolder folder;
+        for (const std::string number : {"9", "010", "11"}) {
+            make_images(folder.file("left"), {"frame_" + number + left + ".png"}, 0);
+            make_images(folder.file("right"), {"frame_" + number + right + ".png"}, 4);
+        }
+        const std::string end = std::string(left) + ".png";
+        EXPECT_THAT(played(folder.file("")), ElementsAre("frame_9" + end + " 0 0 124", "frame_010" + end + " 100 0 124",
+                                                         "frame_11" + end + " 200 0 124"));
+    }
+}
+
+TEST(FolderPair, HiddenFilesAreNoImages) {
+    const TemporaryFolder folder;
+    for (const char* eye : {"left", "right"}) {
+        make_images(folder.file(eye), {"1.png"}, 0);
+        test::write_file(folder.file(std::string(eye) + "/._1.png"), "of another system");
+    }
+    EXPECT_THAT(played(folder.file("")), ElementsAre("1.png 0 0 0"));
 }
 
 TEST(FolderPair, TwoFoldersAreAPair) {
@@ -76,6 +104,15 @@ TEST(FolderPair, TwoFoldersAreAPair) {
     make_images(folder.file("my right"), {"r_0008.png", "r_0009.png", "r_0010.png"}, 3);
     EXPECT_THAT(played(folder.file("my, left") + "," + folder.file("my right")),
                 ElementsAre("l_0009.png 0 0 124", "l_0010.png 100 31 155"));
+    std::vector<std::string> notices;
+    played(folder.file("my, left") + "," + folder.file("my right"), &notices);
+    EXPECT_THAT(notices, ElementsAre(HasSubstr("my right: holds 3 images for 2 left images")));
+    EXPECT_THAT(refusal([&] { played(folder.file("my right") + "," + folder.file("my right/")); }),
+                HasSubstr("my right: is named for both eyes"));
+    make_images(folder.file("my right"), {"x_0010.png"}, 3);
+    EXPECT_THAT(refusal([&] { played(folder.file("my, left") + "," + folder.file("my right")); }),
+                HasSubstr("several images of one number, r_0010.png and x_0010.png"));
+    std::filesystem::remove(folder.file("my right/x_0010.png"));
     std::filesystem::remove(folder.file("my right/r_0010.png"));
     EXPECT_THAT(refusal([&] { played(folder.file("my, left") + "," + folder.file("my right")); }),
                 AllOf(HasSubstr("l_0010.png: has no right image"), HasSubstr("of the same number")));
@@ -92,6 +129,7 @@ TEST(FolderPair, NamesThatAreTimesAreTheTimes) {
     EXPECT_THAT(played(folder.file("mav0"), &notices), expected);
     EXPECT_THAT(notices, ElementsAre(HasSubstr("sensor.yaml: EuRoC's calibration is not read: name one")));
     EXPECT_THAT(played(folder.file("")), expected) << "the folder above";
+    EXPECT_THAT(played(folder.file("mav0/cam0") + "," + folder.file("mav0/cam1")), expected) << "those below";
     EXPECT_THAT(played(folder.file("mav0/cam0/data/%d.png") + "," + folder.file("mav0/cam1/data/%d.png")), expected);
 
     const std::vector<std::string> seconds{"99.5.png", "100.25.png", "100.250000001.png"};
@@ -117,7 +155,17 @@ TEST(FolderPair, PatternsInFoldersWithCommasAreFound) {
     const TemporaryFolder folder;
     make_images(folder.file("a, b"), {"l1.png", "r1.png"}, 0);
     EXPECT_THAT(played(folder.file("a, b/l%d.png") + "," + folder.file("a, b/r%d.png")), ElementsAre("l1.png 0 0 31"));
-    EXPECT_THAT(played(folder.file("a, b/l%d.png")), ElementsAre("l1.png 0 0 9")) << "side by side";
+    write_image(folder.file("a, b/both1.png"), numbered_image(8, 4, CV_8UC1, 0));
+    std::vector<std::string> notices;
+    EXPECT_THAT(played(folder.file("a, b/both%d.png"), &notices), ElementsAre("both1.png 0 0 12"));
+    EXPECT_THAT(notices, ElementsAre(HasSubstr("each image is taken as both eyes side by side, 4x4 each")));
+    // The image of one eye, and eyes above each other, are not cut in two.
+    for (const cv::Size& size : {cv::Size(8, 5), cv::Size(8, 16)}) {
+        write_image(folder.file("a, b/mono1.png"), numbered_image(size.width, size.height, CV_8UC1, 0));
+        EXPECT_THAT(
+            refusal([&] { played(folder.file("a, b/mono%d.png")); }),
+            HasSubstr("mono1.png: found a picture of 8x" + std::to_string(size.height) + ", which is that of one eye"));
+    }
 }
 
 TEST(FolderPair, ImagesOfOneSizeCanBePlayedAlone) {

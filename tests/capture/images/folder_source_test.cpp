@@ -243,7 +243,7 @@ TEST(FolderSource, AnotherThreadGivesBackWhatTheWaitNeeds) {
 TEST(FolderSource, SourcePaceKeepsTheRate) {
     const TemporaryFolder folder;
     for (int i = 0; i < 3; ++i) {
-        write_image(folder.file(std::to_string(i) + ".png"), numbered_image(4, 3, CV_8UC1, i));
+        write_image(folder.file(std::to_string(i) + ".png"), numbered_image(6, 3, CV_8UC1, i));
     }
     SourceOptions options = offline(folder.file("%d.png"));
     options.pace = Pace::source;
@@ -263,18 +263,18 @@ TEST(FolderSourceRefuses, UnequalSizesWithinAPairAndBetweenFrames) {
     write_image(folder.file("right.png"), numbered_image(6, 3, CV_8UC1, 2));
     EXPECT_THAT(refusal([&] { open_source(offline(folder.file(""))); }),
                 AllOf(HasSubstr("left.png is 5x3"), HasSubstr("right.png is 6x3")));
-    write_image(folder.file("a0.ppm"), numbered_image(4, 3, CV_8UC3, 1));
-    write_image(folder.file("a1.ppm"), numbered_image(4, 5, CV_8UC3, 1));
+    write_image(folder.file("a0.ppm"), numbered_image(6, 3, CV_8UC3, 1));
+    write_image(folder.file("a1.ppm"), numbered_image(6, 5, CV_8UC3, 1));
     EXPECT_THAT(refusal([&] { open_source(offline(folder.file("a%d.ppm"))); }),
-                AllOf(HasSubstr("a0.ppm is 4x3"), HasSubstr("a1.ppm is 4x5")));
+                AllOf(HasSubstr("a0.ppm is 6x3"), HasSubstr("a1.ppm is 6x5")));
 }
 
 TEST(FolderSourceRefuses, UnequalSizesThatOnlyDecodingShowsEndTheSource) {
     const TemporaryFolder folder;
-    write_image(folder.file("a0.bmp"), numbered_image(4, 3, CV_8UC3, 1));
-    write_image(folder.file("a1.bmp"), numbered_image(4, 3, CV_8UC3, 1));
+    write_image(folder.file("a0.bmp"), numbered_image(6, 3, CV_8UC3, 1));
+    write_image(folder.file("a1.bmp"), numbered_image(6, 3, CV_8UC3, 1));
     const auto source = open_source(offline(folder.file("a%d.bmp")));
-    write_image(folder.file("a1.bmp"), numbered_image(4, 5, CV_8UC3, 1));  // after the headers were looked at
+    write_image(folder.file("a1.bmp"), numbered_image(6, 5, CV_8UC3, 1));  // after the headers were looked at
     RawFrame frame;
     ASSERT_EQ(source->next(frame, soon()), Next::frame);
     source->give_back(frame);
@@ -282,7 +282,7 @@ TEST(FolderSourceRefuses, UnequalSizesThatOnlyDecodingShowsEndTheSource) {
         source->next(frame, soon());
         FAIL() << "the second image was taken";
     } catch (const std::runtime_error& problem) {
-        EXPECT_THAT(problem.what(), HasSubstr("a1.bmp is 4x5"));
+        EXPECT_THAT(problem.what(), HasSubstr("a1.bmp is 6x5"));
     }
     EXPECT_EQ(source->next(frame, soon()), Next::end);
 }

@@ -127,6 +127,22 @@ TEST(ImageDamage, APgmOrABmpThatWasCutOffIsRefused) {
     }
 }
 
+TEST(ImageDamage, NumbersAsTextAreReadToTheLastOne) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("a.ppm");
+    for (const auto& [head, count] : {std::pair("P2\n4 3\n255\n", 12), {"P3\n2 2\n255\n", 12}}) {
+        std::string text = head;
+        for (int i = 0; i + 1 < count; ++i) {
+            text += std::to_string(20 * i) + (i % 4 == 3 ? "\n" : " ");
+        }
+        write_file(path, text);
+        EXPECT_THAT(refused(path), HasSubstr("cut off, values are missing"));
+        write_file(path, text + "7");  // no line end behind it
+        const cv::Mat image = decode_image(path);
+        EXPECT_EQ(image.data[image.total() * image.elemSize() - (image.channels() == 1 ? 1 : 3)], 7);
+    }
+}
+
 /// EXIF data that hold one tag: the orientation.
 std::string exif(char orientation, bool big_endian) {
     if (big_endian) {

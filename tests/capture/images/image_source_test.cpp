@@ -147,6 +147,9 @@ TEST(PlainPair, OneNameOrAnAbsentOneSaysWhatToDo) {
                 AllOf(HasSubstr("a.png: is one image"), HasSubstr("left.png,right.png")));
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.file("a.png") + "," + folder.file("b.png"))); }),
                 HasSubstr("b.png: no such file"));
+    std::filesystem::create_symlink(folder.file("a.png"), folder.file("b.png"));
+    EXPECT_THAT(refusal([&] { open_source(options_of(folder.file("a.png") + "," + folder.file("b.png"))); }),
+                HasSubstr("a.png: is named for both eyes"));
 }
 
 TEST(DeepImages, KeepTheUpperEightOfTheirBits) {
@@ -180,6 +183,33 @@ TEST(DeepImages, KeepTheUpperEightOfTheirBits) {
         EXPECT_THAT(refusal([&] { open_source(options_of(uri + "?bits=" + bits)); }),
                     AllOf(HasSubstr("bits"), HasSubstr("9 to 16")));
     }
+}
+
+TEST(DeepImages, OfFewerBitsByTheirHeader) {
+    for (const auto& [largest, bits] : {std::pair(1023, 10), {4095, 12}, {4000, 12}, {300, 9}, {65535, 16}}) {
+        for (const bool text : {false, true}) {
+            const TemporaryFolder folder;
+            std::string file = std::string(text ? "P2" : "P5") + "\n# made\n4 1\n" + std::to_string(largest) + "\n";
+            for (const int value : {0, largest / 3, largest / 2, largest}) {
+                file += text ? " " + std::to_string(value)
+                             : std::string{static_cast<char>(value >> 8), static_cast<char>(value & 0xff)};
+            }
+            write_file(folder.file("a0.pgm"), file);
+            Said said;
+            const auto source = open_source(options_of(folder.file("a%d.pgm"), &said));
+            EXPECT_THAT(said.notices, testing::Contains(HasSubstr("value / " + std::to_string(1 << (bits - 8)))));
+            RawFrame frame;
+            ASSERT_EQ(source->next(frame, soon()), Next::frame);
+            EXPECT_EQ(frame.image.eye(Eye::right).row(0)[1], std::min(largest >> (bits - 8), 255));
+            source->give_back(frame);
+        }
+    }
+    // A PNG does not say how many it has.
+    const TemporaryFolder folder;
+    write_image(folder.file("a0.png"), cv::Mat(1, 2, CV_16UC1, cv::Scalar(700)));
+    Said said;
+    open_source(options_of(folder.file("a%d.png"), &said));
+    EXPECT_THAT(said.notices, testing::Contains(AllOf(HasSubstr("little is left"), HasSubstr("?bits=10"))));
 }
 
 TEST(DeepImages, OfColourWithTransparencyAreRead) {

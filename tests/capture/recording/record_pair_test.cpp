@@ -5,6 +5,7 @@
 
 extern "C" {
 #include <libavutil/display.h>
+#include <libavutil/spherical.h>
 }
 
 #include <cstring>
@@ -100,6 +101,33 @@ TEST(RecordPair, TracksThatAreNamedTheOtherWayRoundAreExchanged) {
     EXPECT_EQ(played.frames[0].pixels[32], value_at(0, 0, 0, 0));
 }
 
+// A name of one track is enough; names that contradict each other are none.
+TEST(RecordPair, OneNamedTrackSaysWhichEyeItIs) {
+    struct Names {
+        const char* first;
+        const char* second;
+        bool exchanged;
+        bool told;
+    };
+    for (const Names& names : {Names{"Right camera", "", true, false},
+                               {"", "LEFT", true, false},
+                               {"cam-left", "", false, false},
+                               {"", "right", false, false},
+                               {"left", "left", false, true}}) {
+        SCOPED_TRACE(std::string(names.first) + "|" + names.second);
+        const TemporaryFolder folder;
+        Video video = eye_of();
+        video.tracks = 2;
+        video.adjust = [&](AVStream& stream, int track) {
+            av_dict_set(&stream.metadata, "title", track == 0 ? names.first : names.second, 0);
+        };
+        write_video(folder.file("a.mkv"), video);
+        EXPECT_EQ(replay(folder.file("a.mkv")).frames.at(0).pixels[0],
+                  value_at(0, 0, 0, 0) + (names.exchanged ? 60 : 0));
+        EXPECT_EQ(notices_of(folder.file("a.mkv")).size(), names.told ? 1U : 0U);
+    }
+}
+
 TEST(RecordPair, ThreeTracksAndUnlikeVideosAreRefused) {
     const TemporaryFolder folder;
     Video three = eye_of();
@@ -112,6 +140,8 @@ TEST(RecordPair, ThreeTracksAndUnlikeVideosAreRefused) {
                 AllOf(HasSubstr("must be alike"), HasSubstr("32x24"), HasSubstr("34x24")));
     EXPECT_THAT(refusal(folder.file("l.mkv") + "," + folder.file("missing.mkv")),
                 HasSubstr("/missing.mkv: cannot open the recording: No such file"));
+    EXPECT_THAT(refusal(folder.file("l.mkv") + "," + folder.file("l.mkv")), HasSubstr("is named for both eyes"));
+    EXPECT_THAT(refusal(folder.file("l.svo") + "," + folder.file("r.mkv")), HasSubstr("l.svo")) << "the first is told";
     write_recording(folder.file("both.mkv"), make_info(PixelFormat::grey8, 32, 24), 2);
     EXPECT_THAT(refusal(folder.file("l.mkv") + "," + folder.file("both.mkv")),
                 HasSubstr("is a recording of both eyes"));
@@ -155,25 +185,50 @@ TEST(RecordPair, ADeclaredLayoutIsObeyedOrRefused) {
     }
 }
 
+std::uint8_t* new_side_data(AVStream& stream, AVPacketSideDataType type, std::size_t size) {
+#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 102)
+    return av_packet_side_data_new(&stream.codecpar->coded_side_data, &stream.codecpar->nb_coded_side_data, type, size,
+                                   0)
+        ->data;
+#else
+    return av_stream_new_side_data(&stream, type, size);
+#endif
+}
+
 TEST(RecordPair, ADeclaredRotationIsRefused) {
     const TemporaryFolder folder;
-    for (const double angle : {90.0, 180.0}) {
+    for (const double angle : {90.0, 180.0, -90.0, 30.0}) {
         SCOPED_TRACE(angle);
         Video video{"mp4", AV_CODEC_ID_MPEG4, AV_PIX_FMT_YUV420P, 64, 24};
         video.adjust = [angle](AVStream& stream, int) {
-#if LIBAVCODEC_VERSION_INT >= AV_VERSION_INT(60, 31, 102)
-            AVPacketSideData* const side =
-                av_packet_side_data_new(&stream.codecpar->coded_side_data, &stream.codecpar->nb_coded_side_data,
-                                        AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t), 0);
-            std::uint8_t* const matrix = side->data;
-#else
-            std::uint8_t* const matrix =
-                av_stream_new_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t));
-#endif
+            std::uint8_t* const matrix = new_side_data(stream, AV_PKT_DATA_DISPLAYMATRIX, 9 * sizeof(std::int32_t));
             av_display_rotation_set(reinterpret_cast<std::int32_t*>(matrix), angle);
         };
         write_video(folder.file("a.mp4"), video);
-        EXPECT_THAT(refusal(folder.file("a.mp4")), HasSubstr("declares that its pictures are to be turned by "));
+        const std::string said = "declares that its pictures are to be turned by ";
+        EXPECT_THAT(refusal(folder.file("a.mp4")), HasSubstr(said));
+        write_video(folder.file("plain.mp4"), {"mp4", AV_CODEC_ID_MPEG4, AV_PIX_FMT_YUV420P, 64, 24});
+        EXPECT_THAT(refusal(folder.file("plain.mp4") + "," + folder.file("a.mp4")),
+                    AllOf(HasSubstr("a.mp4: "), HasSubstr(said)))
+            << "of one eye alone";
+    }
+}
+
+TEST(RecordPair, ADeclaredSphereIsRefused) {
+    const TemporaryFolder folder;
+    for (const AVSphericalProjection projection : {AV_SPHERICAL_EQUIRECTANGULAR, AV_SPHERICAL_CUBEMAP}) {
+        Video video = declared("left_right", 64, 24);
+        const auto stereo = video.adjust;
+        video.adjust = [&](AVStream& stream, int track) {
+            stereo(stream, track);
+            std::size_t size = 0;
+            AVSphericalMapping* const sphere = av_spherical_alloc(&size);
+            sphere->projection = projection;
+            std::memcpy(new_side_data(stream, AV_PKT_DATA_SPHERICAL, size), sphere, size);
+            av_free(sphere);
+        };
+        write_video(folder.file("a.mkv"), video);
+        EXPECT_THAT(refusal(folder.file("a.mkv")), AllOf(HasSubstr("parts of a sphere"), HasSubstr("v360")));
     }
 }
 
@@ -190,7 +245,15 @@ TEST(RecordPair, FilesOfOtherRecordersAreNamed) {
                           {"a.db3", std::string("SQLite format 3\0", 16), "is a ROS bag"},
                           {"a.mcap", "\x89MCAP0\r\n", "is an MCAP recording"},
                           {"a.zip", "PK\x03\x04", "is a ZIP archive"},
-                          {"a.mkv", "\x1f\x8b\x08", "is compressed with gzip"}};
+                          {"a.mkv", "\x1f\x8b\x08", "is compressed with gzip"},
+                          {"a.gif", "GIF89a", "is an image of a kind that is not read; convert it"},
+                          {"a.heic",
+                           std::string("\0\0\0\x18"
+                                       "ftypheic",
+                                       12),
+                           "is an image of a kind"},
+                          {"a.pfm", "Pf\n4 3\n", "is an image of a kind"},
+                          {"a.dng", std::string("II*\0", 4), "raw data of a camera"}};
     for (const File& file : files) {
         SCOPED_TRACE(file.name);
         std::vector<std::uint8_t> bytes(20'000, 0xA5);
