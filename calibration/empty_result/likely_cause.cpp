@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include <opencv2/core.hpp>
+
 #include "base/number_text.h"
 #include "calibration/empty_result/calibration_size.h"
 #include "calibration/empty_result/coarse_matches.h"
@@ -103,6 +105,27 @@ std::optional<LikelyCause> test_range(const Suspect& suspect, const std::vector<
                                                   "negative d_min instead)"};
 }
 
+/// Matches the left image with the right one as it would be after it was turned or mirrored back.
+std::optional<LikelyCause> test_turned(const Suspect& suspect, std::size_t matches) {
+    constexpr std::size_t clear_ratio = 3;
+    const cv::Mat right(suspect.right.height, suspect.right.width, CV_8UC1,
+                        const_cast<std::uint8_t*>(suspect.right.data), static_cast<std::size_t>(suspect.right.stride));
+    for (const auto& [code, what] : {std::pair(-1, "upside down"), {1, "mirrored left to right"}}) {
+        cv::Mat back;
+        cv::flip(right, back, code);
+        const std::size_t found =
+            coarse_matches(suspect.left, {back.data, back.cols, back.rows, static_cast<std::ptrdiff_t>(back.step)})
+                .size();
+        if (found >= clear_ratio * std::max(matches, least_matches)) {
+            return LikelyCause{Cause::turned, std::string("one of the two images is ") + what +
+                                                  " against the other one: " + std::to_string(found) +
+                                                  " points are found in both once it is turned back; turn it, or set "
+                                                  "the camera to do so"};
+        }
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<LikelyCause> other_resolution(const std::optional<calibration::StereoCalibration>& calibration) {
@@ -126,6 +149,11 @@ LikelyCause likely_cause(const Suspect& suspect) {
         return *found;
     }
     const std::vector<CoarseMatch> matches = coarse_matches(suspect.left, suspect.right);
+    // Few points are found by chance.
+    const bool few = matches.size() < 3 * least_matches;
+    if (auto found = few ? test_turned(suspect, matches.size()) : std::nullopt) {
+        return *found;
+    }
     if (matches.size() >= least_matches) {
         if (auto found = test_rows(suspect, matches)) {
             return *found;

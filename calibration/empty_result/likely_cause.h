@@ -12,7 +12,7 @@
 namespace disparityd::empty_result {
 
 /// Why hardly anything of a pair could be measured.
-enum class Cause : unsigned char { unknown, other_resolution, no_texture, rows, eyes_exchanged, range };
+enum class Cause : unsigned char { unknown, other_resolution, no_texture, rows, eyes_exchanged, range, turned };
 
 struct LikelyCause {
     Cause cause = Cause::unknown;
@@ -32,7 +32,8 @@ struct Suspect {
 std::optional<LikelyCause> other_resolution(const std::optional<calibration::StereoCalibration>& calibration);
 
 /// Tests for each cause in turn and names the first that holds: a calibration of another resolution, no texture, rows
-/// that are not aligned, eyes exchanged, a range that does not reach. Some 0.2 s. The caller knows that little was
+/// that are not aligned, eyes exchanged, a range that does not reach, one image upside down or mirrored. Some 0.2 s,
+/// 0.6 s where the last is tested. The caller knows that little was
 /// measured: of a good pair no cause holds.
 LikelyCause likely_cause(const Suspect& suspect);
 

@@ -33,7 +33,8 @@ struct FileCalibration {
 /// Reads a factory file SN<serial>.conf.
 StereoCalibration read_factory_conf(const std::string& path, const std::string& text, int width, int height);
 
-/// Reads OpenCV's YAML, JSON or XML; R and T may stand in a second file. `brown`: four coefficients are k1 k2 p1 p2.
+/// Reads OpenCV's YAML, JSON or XML; parts of it, such as R and T, may stand in a second file. `brown`: four
+/// coefficients are k1 k2 p1 p2.
 FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
                                         int height, bool brown);
 

@@ -30,6 +30,17 @@ class CalibrationFile {
 public:
     explicit CalibrationFile(const CalibrationText& file) : path_(file.path), storage_(file.path, file.text) {}
 
+    /// Takes over the entries of a second file. What both state must be the same.
+    void add(const CalibrationFile& other) {
+        for (const std::string& name : storage_.add(other.storage_)) {
+            if (!is_harmless_key(name)) {
+                fail(base::printable(name) + ": found " + storage_.shown(name) + " and " + other.storage_.shown(name) +
+                     " that differ in the two files, expected it once: take the wrong one out");
+            }
+        }
+        path_ += "," + other.path_;
+    }
+
     /// A matrix and the name that the file gives it.
     struct Named {
         std::string name;
@@ -215,40 +226,39 @@ void read_pose(const CalibrationFile& file, StereoCalibration& calibration) {
 
 FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
                                         int height, bool brown) {
-    const CalibrationFile camera_file(cameras);
-    const CalibrationFile pose_file(pose);
-    refuse_single_cameras(camera_file, pose_file, cameras.path != pose.path);
-    camera_file.check_keys();
-    pose_file.check_keys();
-    const bool sized = camera_file.check_size(width, height);
-    pose_file.check_size(width, height);
+    CalibrationFile file(cameras);
+    const bool two_files = cameras.path != pose.path;
+    const CalibrationFile second(pose);
+    refuse_single_cameras(file, second, two_files);
+    if (two_files) {
+        file.add(second);
+    }
+    file.check_keys();
+    const bool sized = file.check_size(width, height);
     FileCalibration result;
     StereoCalibration& calibration = result.calibration;
     calibration.width = width;
     calibration.height = height;
-    const RawEye left = read_eye(camera_file, left_eye_keys, "M1", "D1");
-    const RawEye right = read_eye(camera_file, right_eye_keys, "M2", "D2");
-    if (left.four && right.four && !brown && !camera_file.has_model()) {
-        camera_file.fail(left.distortion_name +
-                         ": found 4 coefficients, which are k1 k2 p1 p2 of the Brown model or k1 to k4 of a fisheye "
-                         "lens, and the file does not say which: if it is Brown's, give the name with ?model=brown "
-                         "behind it, or write the fifth (k3), 0, into D1 and D2");
+    const RawEye left = read_eye(file, left_eye_keys, "M1", "D1");
+    const RawEye right = read_eye(file, right_eye_keys, "M2", "D2");
+    if (left.four && right.four && !brown && !file.has_model()) {
+        file.fail(left.distortion_name +
+                  ": found 4 coefficients, which are k1 k2 p1 p2 of the Brown model or k1 to k4 of a fisheye lens, and "
+                  "the file does not say which: if it is Brown's, give the name with ?model=brown behind it, or write "
+                  "the fifth (k3), 0, into D1 and D2");
     }
     calibration.left = left.camera;
     calibration.right = right.camera;
-    read_pose(pose_file, calibration);
-    pose_file.check_baseline(calibration.translation);
+    read_pose(file, calibration);
+    file.check_baseline(calibration.translation);
     if (!sized) {
-        check_size_by_centre(calibration, cameras.path);
+        check_size_by_centre(calibration, file.path());
     }
-    camera_file.add_results(result.given);
-    if (cameras.path != pose.path) {
-        pose_file.add_results(result.given);
-    }
-    const auto unit = pose_file.unit_mm();
+    file.add_results(result.given);
+    const auto unit = file.unit_mm();
     result.unit_mm = unit.value_or(1);
     result.unit_stated = unit.has_value();
-    result.unit_doubt = camera_file.unit_doubt();
+    result.unit_doubt = file.unit_doubt();
     for (double& length : calibration.translation) {
         length *= result.unit_mm;
     }

@@ -179,6 +179,18 @@ void OpencvStorage::read_xml(std::string_view text) {
     }
 }
 
+std::vector<std::string> OpencvStorage::add(const OpencvStorage& other) {
+    std::vector<std::string> different;
+    for (const auto& [name, entry] : other.entries_) {
+        const auto [there, is_new] = entries_.emplace(name, entry);
+        if (!is_new && there->second != entry && (!numbers(name) || numbers(name) != other.numbers(name))) {
+            different.push_back(name);
+        }
+    }
+    path_ += "," + other.path_;
+    return different;
+}
+
 std::vector<std::string> OpencvStorage::names() const {
     std::vector<std::string> names;
     for (const auto& [name, entry] : entries_) {

@@ -23,6 +23,10 @@ public:
     /// messages.
     OpencvStorage(std::string path, std::string_view text);
 
+    /// Takes over the entries of another file. Returns the names of those that both have and that differ; of these the
+    /// ones of this file stay. Messages name both files from then on.
+    std::vector<std::string> add(const OpencvStorage& other);
+
     /// Returns the names of all entries.
     std::vector<std::string> names() const;
 
@@ -51,6 +55,7 @@ private:
         std::string rows, columns, type;
         std::optional<std::vector<std::string>> data;
         bool is_map = false;
+        bool operator==(const Entry&) const = default;
     };
 
     void read_yaml(std::string_view text);

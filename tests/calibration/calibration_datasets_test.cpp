@@ -2,6 +2,7 @@
 //
 // Factory files and the calibrations of data sets: what is read, and what contradicts itself.
 #include "calibration/calibration.h"
+#include "tests/calibration/calibration_texts.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
 
@@ -11,6 +12,7 @@ namespace {
 using capture::test::refusal;
 using capture::test::TemporaryFolder;
 using capture::test::write_file;
+using test::with_other;
 using testing::AllOf;
 using testing::HasSubstr;
 
@@ -47,6 +49,10 @@ TEST_F(PlainFiles, FactoryCoefficientsOfAllModesInASectionOfTheirOwn) {
             const StereoCalibration read = read_calibration(write("SN1.conf", conf(mode, "", disto)), width, height);
             EXPECT_EQ(read.left.distortion, (std::array<double, 5>{-0.012, -0.031, 0.0002, -0.0001, 0.008})) << mode;
         }
+        const std::string plain = conf(mode, five, ""), rational = with_other(plain, "k3=0.008", "k3=0.008\nK4=0.1");
+        EXPECT_THAT(refused("SN1.conf", rational, width, height),
+                    AllOf(HasSubstr(std::string("[LEFT_CAM_") + mode + "]"), HasSubstr("the rational model")))
+            << "in the section of the camera, of one eye";
         EXPECT_THAT(refused("SN1.conf", conf(mode, "", five + "k4=0.55\nk5=0.04\nk6=0.002\n"), width, height),
                     AllOf(HasSubstr("[LEFT_DISTO]"), HasSubstr("0.55"), HasSubstr("the rational model")));
     }
@@ -58,6 +64,8 @@ TEST_F(PlainFiles, FactoryCoefficientsOfAFisheyeAreToldByTheirNames) {
             const std::string eye = std::string("k1=-0.0387\nk2=0.0305\nk3=-0.0238\n") + k4;
             EXPECT_THAT(refused("SN1.conf", conf(mode, eye, ""), 1920, mode == std::string("FHD") ? 1080 : 1200),
                         AllOf(HasSubstr(std::string("[LEFT_CAM_") + mode + "]"), HasSubstr("fisheye")));
+            EXPECT_THAT(refused("SN1.conf", conf(mode, "", eye), 1920, mode == std::string("FHD") ? 1080 : 1200),
+                        AllOf(HasSubstr("[LEFT_DISTO]"), HasSubstr("fisheye")));
         }
     }
 }

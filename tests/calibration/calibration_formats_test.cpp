@@ -126,6 +126,24 @@ TEST_F(Formats, MatricesAsListsOfRows) {
     EXPECT_THAT(refused(with_other(text, "R:\n", "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nE:\n")), HasSubstr("R: found 1x9"));
 }
 
+// As KITTI's colour pair has it: both eyes are seen from a third camera.
+TEST_F(Formats, OrbSlamWithAShiftOfTheLeftEye) {
+    for (const Rig& rig : rigs()) {
+        const Rectified rectified(rig);
+        for (const double shift : {44.857, -3.5}) {
+            std::string text = orbslam_2(rig);
+            for (const int eye : {0, 1}) {
+                cv::Mat projection = rectified.projection[eye].clone();
+                projection.at<double>(0, 3) /= 1000;
+                const std::string old = list_of(projection);
+                projection.at<double>(0, 3) += shift;
+                text = with_other(text, old, list_of(projection));
+            }
+            expect_rig(write("settings.yaml", text), rig);
+        }
+    }
+}
+
 TEST_F(Formats, OrbSlamAndKalibr) {
     for (Rig rig : rigs()) {
         expect_rig(write("EuRoC.yaml", orbslam_2(rig)), rig);
@@ -226,7 +244,7 @@ TEST_F(Formats, TheSizeUnderEveryUsualKeyIsCompared) {
 
 TEST_F(Formats, UnitsAreAskedFor) {
     for (const Rig& rig : {rigs()[0], rigs()[2]}) {
-        for (const auto& [unit, name] : {std::pair(1000.0, "m"), {25.0, "25mm"}, {30.5, "30.5mm"}}) {
+        for (const auto& [unit, name] : {std::pair(1000.0, "m"), {10.0, "cm"}, {25.0, "25mm"}, {30.5, "30.5mm"}}) {
             const std::string text = opencv_text(rig, unit);
             expect_rig(write("stereo.yml", text) + "?unit=" + name, rig);
             expect_rig(write("stereo.yml", "unit: " + std::string(name) + "\n" + text), rig);
@@ -259,6 +277,36 @@ TEST_F(Formats, UnitsAreAskedFor) {
         write("left.yaml", ros_text(Rig(), 0, 0)) + "," + write("right.yaml", ros_text(Rig(), 1, -1000 * baseline));
     EXPECT_THAT(refusal([&] { read_calibration(pair, 640, 480); }), HasSubstr("if its unit is m;"));
     expect_rig(pair + "?unit=mm", Rig());
+}
+
+// What the second file says counts, too, whatever the order and whatever stands in which of the two.
+TEST_F(Formats, TwoFilesAreOneCalibration) {
+    for (const Rig& rig : rigs()) {
+        const std::string pose =
+            matrix_text("R", cv::Mat(rig.rotation())) + matrix_text("T", cv::Mat(rig.translation * (1 / 1000.0)));
+        const std::string whole = opencv_text(rig, 1000);
+        const std::string cameras = with_other(whole, pose, "");
+        const auto both = [&](const std::string& first, const std::string& second) {
+            return write("a.yml", first) + "," + write("b.yml", second);
+        };
+        const auto said = [&](const std::string& first, const std::string& second) {
+            const std::string name = both(first, second);
+            return refusal([&] { read_calibration(name, rig.width, rig.height); });
+        };
+        expect_rig(both(cameras, "unit: m\n" + pose), rig);
+        expect_rig(both("unit: m\n" + cameras, pose), rig);
+        expect_rig(both(pose + "unit: m\n", cameras), rig);
+        expect_rig(both("unit: m\ndate: a\n" + cameras, "date: b\n" + whole), rig);
+        EXPECT_THAT(said("unit: m\n" + cameras, "unit: mm\n" + pose),
+                    HasSubstr("unit: found 'm' and 'mm' that differ"));
+        Rig other = rig;
+        other.left[0] += 0.5;
+        EXPECT_THAT(said(cameras, "unit: m\n" + opencv_text(other, 1000)),
+                    AllOf(HasSubstr("a.yml"), HasSubstr("b.yml: M1: found a matrix and a matrix that differ")));
+        EXPECT_THAT(said(cameras, "unit: m\nimage_width: 9\n" + pose), HasSubstr("image_width: found '"));
+        EXPECT_THAT(said("square_size: 1\n" + cameras, pose), HasSubstr("square_size is 1 there"));
+        EXPECT_THAT(said(cameras, pose + matrix_text("map11", cv::Mat(rig.translation))), HasSubstr("map11"));
+    }
 }
 
 TEST_F(Formats, SingleCamerasExchangedOnesAndInversePosesAreTold) {

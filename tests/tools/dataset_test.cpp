@@ -122,6 +122,8 @@ TEST(DatasetRefuses, FilesThatDoNotBelongTogetherOrAreDamaged) {
     const TemporaryFolder folder;
     EXPECT_THAT(refusal([&] { find_scenes(folder.file("absent")); }), HasSubstr("no such folder"));
     EXPECT_TRUE(find_scenes(folder.file("")).empty());
+    write_file(folder.file("a.png"), "");
+    EXPECT_THAT(refusal([&] { find_scenes(folder.file("a.png")); }), HasSubstr("is a file, expected the folder"));
     write_pair(folder, "teddy/left.png", "teddy/right.png");
     write_image(folder.file("teddy/disp_left.png"), numbered_image(4, 2, CV_8UC1, 1));
     const DatasetScene scene = find_scenes(folder.file("")).at(0);

@@ -157,7 +157,8 @@ std::vector<DatasetScene> scenes_in(const std::string& folder) {
 
 std::vector<DatasetScene> find_scenes(const std::string& folder) {
     if (!base::is_folder(folder)) {
-        throw std::invalid_argument(folder + ": no such folder");
+        throw std::invalid_argument(
+            folder + (base::is_file(folder) ? ": is a file, expected the folder of a scene" : ": no such folder"));
     }
     std::vector<DatasetScene> scenes;
     collect(folder, 0, scenes);
