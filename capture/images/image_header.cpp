@@ -363,17 +363,18 @@ std::optional<std::uint64_t> read_largest_value(std::istream& file) {
 }
 
 bool is_text_image(std::span<const std::uint8_t> file) {
-    return file.size() > 2 && file[0] == 'P' && (file[1] == '2' || file[1] == '3');
+    return file.size() > 2 && file[0] == 'P' && file[1] >= '1' && file[1] <= '3';
 }
 
 bool is_cut_text_image(std::span<const std::uint8_t> file) {
     const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+    const bool bitmap = file[1] == '1';  // its digits may stand together
     std::array<std::uint64_t, 3> numbers{};
-    std::size_t at = read_pnm_numbers(text.substr(0, head_size), numbers);
+    std::size_t at = read_pnm_numbers(text.substr(0, head_size), std::span(numbers).first(bitmap ? 2 : 3));
     std::uint64_t values = 0;
     for (bool inside = false; at != 0 && at < text.size(); ++at) {
         const bool digit = std::isdigit(static_cast<unsigned char>(text[at])) != 0;
-        values += digit && !inside ? 1 : 0;
+        values += digit && (bitmap || !inside) ? 1 : 0;
         inside = digit;
     }
     return values < numbers[0] * numbers[1] * (file[1] == '3' ? 3 : 1);
@@ -384,16 +385,17 @@ std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file) {
     if (head.starts_with("BM")) {
         return least_size_of_bmp(file);
     }
-    if (!head.starts_with("P5") && !head.starts_with("P6")) {
+    const bool bitmap = head.starts_with("P4");
+    if (!bitmap && !head.starts_with("P5") && !head.starts_with("P6")) {
         return std::nullopt;
     }
-    std::array<std::uint64_t, 3> numbers{};  // width, height, largest value
-    const std::size_t end = read_pnm_numbers(head, numbers);
+    std::array<std::uint64_t, 3> numbers{};  // width, height, largest value, which bitmaps do not have
+    const std::size_t end = read_pnm_numbers(head, std::span(numbers).first(bitmap ? 2 : 3));
     const std::uint64_t bytes = (head[1] == '6' ? 3U : 1U) * (numbers[2] > 255 ? 2U : 1U);
+    const std::uint64_t row = bitmap ? (numbers[0] + 7) / 8 : numbers[0] * bytes;
     constexpr std::uint64_t most = 1U << 16U;
-    return end == 0 || numbers[0] > most || numbers[1] > most
-               ? std::nullopt
-               : std::optional(end + 1 + numbers[0] * numbers[1] * bytes);
+    return end == 0 || numbers[0] > most || numbers[1] > most ? std::nullopt
+                                                              : std::optional(end + 1 + numbers[1] * row);
 }
 
 }  // namespace disparityd::capture

@@ -25,14 +25,14 @@ std::optional<ImageSize> read_image_header(std::istream& file);
 /// nothing.
 int read_image_orientation(std::istream& file);
 
-/// Returns how many bytes a binary PGM or PPM, or a BMP without run lengths, has at least, by its header; nothing for
-/// all other files.
+/// Returns how many bytes a binary PBM, PGM or PPM, or a BMP without run lengths, has at least, by its header; nothing
+/// for all other files.
 std::optional<std::uint64_t> least_size(std::span<const std::uint8_t> file);
 
 /// Returns the largest value that a PGM or PPM states for its pixels; nothing for all other files.
 std::optional<std::uint64_t> read_largest_value(std::istream& file);
 
-/// Whether the file is a PGM or PPM of numbers as text.
+/// Whether the file is a PBM, PGM or PPM of numbers as text.
 bool is_text_image(std::span<const std::uint8_t> file);
 
 /// Whether such a file holds fewer numbers than its header says.

@@ -285,8 +285,10 @@ ImageUri parse_image_uri(const std::string& uri) {
 
 bool is_image_sequence(const std::string& uri) {
     const std::string path = uri.substr(0, uri.rfind("?bits="));
-    return base::is_folder(path) || find_placeholder(path).has_value() || pair_of_folders(path).has_value() ||
-           pair_of(path).has_value() || (is_image_name(path) && base::is_file(path));
+    // A video's name may look like a pattern.
+    const bool pattern = find_placeholder(path).has_value() && (is_image_name(path) || !base::is_file(path));
+    return base::is_folder(path) || pattern || pair_of_folders(path).has_value() || pair_of(path).has_value() ||
+           (is_image_name(path) && base::is_file(path));
 }
 
 std::string find_image(const std::string& folder, const std::string& stem) {

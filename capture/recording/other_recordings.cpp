@@ -59,13 +59,13 @@ constexpr std::array other_kinds{
     OtherKind{"ftypavif"sv, as_other_image, 4},
     OtherKind{"Pf\n"sv, as_other_image},  // PFM, of which ground truth is read
     OtherKind{"PF\n"sv, as_other_image},
-    OtherKind{"II*\0"sv,
-              "is an image (TIFF, or raw data of a camera), and its name does not say so: name TIFF .tif, and "
-              "convert raw data to PNG"},
-    OtherKind{"MM\0*"sv, "is an image (TIFF), and its name does not say so: name it .tif, and give that of each eye"},
-    OtherKind{"\x89PNG"sv, "is an image (PNG), and its name does not say so: name it .png, and give that of each eye"},
-    OtherKind{"\xff\xd8\xff"sv,
-              "is an image (JPEG), and its name does not say so: name it .jpg, and give that of each eye"},
+    OtherKind{
+        "II*\0"sv,
+        "is an image (TIFF, or raw data of a camera): give that of each eye, with names that end in .tif; convert "
+        "raw data to PNG"},
+    OtherKind{"MM\0*"sv, "is an image (TIFF): give that of each eye, with names that end in .tif"},
+    OtherKind{"\x89PNG"sv, "is an image (PNG): give that of each eye, with names that end in .png"},
+    OtherKind{"\xff\xd8\xff"sv, "is an image (JPEG): give that of each eye, with names that end in .jpg"},
 };
 
 }  // namespace

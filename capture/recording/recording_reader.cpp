@@ -46,6 +46,12 @@ std::unique_ptr<RecordingReader> open_tracks(RecordingInput input, const std::ve
     const auto is_called = [&input](int track, const char* eye) {
         return input.track_name(track).find(eye) != std::string::npos;
     };
+    for (const int track : tracks) {
+        if (is_called(track, "depth") || is_called(track, "disparity")) {
+            throw std::invalid_argument(path + ": has a track that is called" + input.track_name(track) +
+                                        ", expected one of each eye");
+        }
+    }
     // One name is enough, where the other track does not have the same.
     const auto only_one_called = [&](std::size_t at, const char* eye, const char* other) {
         return is_called(tracks[at], eye) && !is_called(tracks[at], other) && !is_called(tracks[1 - at], eye);

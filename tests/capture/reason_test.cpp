@@ -135,7 +135,7 @@ TEST(Reasons, WhatIsNoVideoIsNotToldAsTheSystemsRefusal) {
         }
     }
     EXPECT_THAT(failure_to_open(folder.file("picture.mkv")),
-                HasSubstr("is an image (PNG), and its name does not say so"));
+                HasSubstr("is an image (PNG): give that of each eye, with names that end in .png"));
 }
 
 }  // namespace

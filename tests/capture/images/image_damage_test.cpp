@@ -127,19 +127,29 @@ TEST(ImageDamage, APgmOrABmpThatWasCutOffIsRefused) {
     }
 }
 
+TEST(ImageDamage, ABitmapThatWasCutOffIsRefused) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("a.ppm");
+    const std::string whole = "P4\n12 3\n" + std::string(6, '\xa5');
+    write_file(path, whole);
+    EXPECT_EQ(decode_image(path).cols, 12);
+    write_file(path, whole.substr(0, whole.size() - 1));
+    EXPECT_THAT(refused(path), HasSubstr("13 of 14 bytes are there"));
+}
+
 TEST(ImageDamage, NumbersAsTextAreReadToTheLastOne) {
     const TemporaryFolder folder;
     const std::string path = folder.file("a.ppm");
-    for (const auto& [head, count] : {std::pair("P2\n4 3\n255\n", 12), {"P3\n2 2\n255\n", 12}}) {
+    for (const auto& [head, count] : {std::pair("P2\n4 3\n255\n", 12), {"P3\n2 2\n255\n", 12}, {"P1\n4 3\n", 12}}) {
         std::string text = head;
         for (int i = 0; i + 1 < count; ++i) {
-            text += std::to_string(20 * i) + (i % 4 == 3 ? "\n" : " ");
+            text += text[1] == '1' ? "1" : std::to_string(20 * i) + (i % 4 == 3 ? "\n" : " ");
         }
         write_file(path, text);
         EXPECT_THAT(refused(path), HasSubstr("cut off, values are missing"));
-        write_file(path, text + "7");  // no line end behind it
+        write_file(path, text + (text[1] == '1' ? "0" : "255"));  // no line end behind it
         const cv::Mat image = decode_image(path);
-        EXPECT_EQ(image.data[image.total() * image.elemSize() - (image.channels() == 1 ? 1 : 3)], 7);
+        EXPECT_EQ(image.data[image.total() * image.elemSize() - (image.channels() == 1 ? 1 : 3)], 255);
     }
 }
 

@@ -70,6 +70,8 @@ TEST(RecordPair, TwoFilesAreAPair) {
     ASSERT_TRUE(is_recording(uri));
     expect_pairs(replay(uri), 5, 0);
     EXPECT_EQ(replay(uri, true, 12).frames.size(), 12U) << "in a loop";
+    write_video(folder.file("both%d.mkv"), {"matroska", AV_CODEC_ID_FFV1, AV_PIX_FMT_GRAY8, 64, 24});
+    EXPECT_THAT(notices_of(folder.file("both%d.mkv")), ElementsAre(HasSubstr("no stereo layout"))) << "is no pattern";
 }
 
 TEST(RecordPair, TwoTracksAreAPair) {
@@ -130,6 +132,13 @@ TEST(RecordPair, OneNamedTrackSaysWhichEyeItIs) {
 
 TEST(RecordPair, ThreeTracksAndUnlikeVideosAreRefused) {
     const TemporaryFolder folder;
+    Video depth = eye_of();
+    depth.tracks = 2;
+    depth.adjust = [](AVStream& stream, int track) {
+        av_dict_set(&stream.metadata, "title", track == 0 ? "COLOR" : "DEPTH", 0);
+    };
+    write_video(folder.file("depth.mkv"), depth);
+    EXPECT_THAT(refusal(folder.file("depth.mkv")), HasSubstr("has a track that is called depth"));
     Video three = eye_of();
     three.tracks = 3;
     write_video(folder.file("three.mkv"), three);
