@@ -31,11 +31,23 @@ CalibrationText load(const std::string& path) {
     return file;
 }
 
+/// Refuses settings behind the name that say nothing about such a file, as they would not be applied.
+void check_settings(const CalibrationName& name, CalibrationFormat format) {
+    const bool brown = name.brown && format != CalibrationFormat::opencv && format != CalibrationFormat::ros;
+    if (brown || (name.pair && format != CalibrationFormat::kitti)) {
+        refuse_calibration(name.first, std::string("is ") + format_name(format) + ", for which " +
+                                           (brown ? "model=brown says nothing: it is for OpenCV and ROS"
+                                                  : "pair says nothing: it is for KITTI") +
+                                           ": take it out");
+    }
+}
+
 FileCalibration read_pair(const CalibrationName& name, int width, int height) {
     const CalibrationText first = load(name.first);
     const CalibrationText second = load(name.second);
     const CalibrationFormat format = calibration_format(first.path, first.text);
     const CalibrationFormat other = calibration_format(second.path, second.text);
+    check_settings(name, format);
     if (format == other && format == CalibrationFormat::ros) {
         return read_ros_calibration(first, second, width, height, name.brown);
     }
@@ -51,7 +63,9 @@ FileCalibration read_pair(const CalibrationName& name, int width, int height) {
 FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> pair, int width, int height) {
     const CalibrationText file = load(name.first);
     FileCalibration read;
-    switch (calibration_format(file.path, file.text)) {
+    const CalibrationFormat format = calibration_format(file.path, file.text);
+    check_settings(name, format);
+    switch (format) {
         case CalibrationFormat::factory:
             read.calibration = read_factory_conf(file.path, file.text, width, height);
             // Cameras with 18 mm are made.

@@ -16,6 +16,10 @@ void read_setting(CalibrationName& result, std::string_view setting, const std::
     const auto equals = std::min(setting.find('='), setting.size());
     const std::string_view key = setting.substr(0, equals);
     const std::string_view value = setting.substr(std::min(equals + 1, setting.size()));
+    if ((key == "unit" && result.unit_mm) || (key == "pair" && result.pair)) {
+        refuse_calibration(name,
+                           "found '" + base::printable(key) + "' twice behind the question mark; once is allowed");
+    }
     if (key == "unit" && millimetres_of_unit(value)) {
         result.unit_mm = millimetres_of_unit(value);
     } else if (key == "model" && value == "brown") {

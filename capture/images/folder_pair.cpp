@@ -174,7 +174,12 @@ std::optional<std::int64_t> time_of_name(std::string_view stem) {
 void take_times_of_names(ImageSequence& sequence) {
     std::vector<std::int64_t> times;
     for (const ImageSequence::Frame& frame : sequence.frames) {
-        const auto time = time_of_name(fs::path(frame.left).stem().string());
+        const ImageName name(fs::path(frame.left).filename().string());
+        // Beside other words a number is a time only where it is one since 1970.
+        constexpr std::size_t least_digits = 13;
+        const bool alone = name.number == name.stem;
+        const bool since_1970 = name.number.size() >= least_digits && name.number.front() != '0';
+        const auto time = alone || since_1970 ? time_of_name(name.number) : std::nullopt;
         if (!time || (!times.empty() && *time <= times.back())) {
             return;
         }

@@ -29,7 +29,8 @@ std::string unpaired_images(const std::string& right, std::size_t pairs);
 /// point is seconds. Nothing for other names.
 std::optional<std::int64_t> time_of_name(std::string_view stem);
 
-/// Takes the times of the frames from the names of their left images, where each is one and they rise.
+/// Takes the times of the frames from the names of their left images, where each is one, alone or beside other words as
+/// in left_1403636579763555584.png, and they rise.
 void take_times_of_names(ImageSequence& sequence);
 
 }  // namespace disparityd::capture

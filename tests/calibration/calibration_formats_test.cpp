@@ -270,7 +270,13 @@ TEST_F(Formats, UnitsAreAskedFor) {
     }
     EXPECT_THAT(refused("unit: parsec\n" + opencv_text(Rig())), HasSubstr("unit: found 'parsec'"));
     const std::string path = write("stereo.yml", opencv_text(Rig()));
-    EXPECT_THAT(refusal([&] { read_calibration(path + "?unit=inch", 640, 480); }), HasSubstr("'unit=inch'"));
+    for (const auto& [settings, said] : {std::pair("unit=inch", "'unit=inch'"),
+                                         {"unit=m&unit=cm", "'unit' twice"},
+                                         {"pair=grey", "is an OpenCV file, for which pair says nothing"}}) {
+        EXPECT_THAT(refusal([&] { read_calibration(path + "?" + settings, 640, 480); }), HasSubstr(said));
+    }
+    const std::string chain = write("camchain.yaml", camchain(Rig())) + "?model=brown";
+    EXPECT_THAT(refusal([&] { read_calibration(chain, 640, 480); }), HasSubstr("model=brown says nothing"));
     // A pair of ROS is in metres; one calibrated with a board in mm is not.
     const double baseline = Rectified(Rig()).baseline();
     const std::string pair =

@@ -139,6 +139,27 @@ TEST(FolderPair, NamesThatAreTimesAreTheTimes) {
                 ElementsAre("99.5.png 0 0 93", "100.25.png 750 31 124", "100.250000001.png 750 62 155"));
 }
 
+TEST(FolderPair, TimesMayStandBesideWords) {
+    const std::vector<std::string> numbers[] = {{"1712345678700000512", "1712345678750000512"},
+                                                {"1712345678.70", "1712345678.750000"},
+                                                {"1712345678700000", "1712345678750000"}};
+    for (const auto& stamps : numbers) {
+        const TemporaryFolder folder;
+        make_images(folder.file("left"), {"cam0_" + stamps[0] + "_l.png", "cam0_" + stamps[1] + "_l.png"}, 0);
+        make_images(folder.file("right"), {"cam1_" + stamps[0] + "_r.png", "cam1_" + stamps[1] + "_r.png"}, 3);
+        EXPECT_THAT(played(folder.file("")),
+                    ElementsAre("cam0_" + stamps[0] + "_l.png 0 0 93", "cam0_" + stamps[1] + "_l.png 50 31 124"));
+    }
+    for (const auto& counters : {std::pair("v1.0", "v1.5"), {"a_0000000000001", "a_0000000000002"}, {"b1", "b2"}}) {
+        const TemporaryFolder folder;
+        const std::vector<std::string> names{std::string(counters.first) + ".png",
+                                             std::string(counters.second) + ".png"};
+        make_images(folder.file("left"), names, 0);
+        make_images(folder.file("right"), names, 3);
+        EXPECT_THAT(played(folder.file("")), ElementsAre(names[0] + " 0 0 93", names[1] + " 100 31 124")) << "counted";
+    }
+}
+
 TEST(FolderPair, TimesOfNames) {
     EXPECT_EQ(time_of_name("1403636579763555584"), 1403636579763555584);
     EXPECT_EQ(time_of_name("1403636579763555"), 1403636579763555000);
