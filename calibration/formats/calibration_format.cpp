@@ -58,7 +58,13 @@ bool has_opencv_key(const Names& names) {
 }  // namespace
 
 CalibrationFormat calibration_format(const std::string& path, const std::string& text) {
-    if (text.starts_with("<?xml") || text.starts_with("<opencv_storage") || base::trim(text).starts_with('{')) {
+    const bool json = base::trim(text).starts_with('{');
+    if (json && text.find("\"distortion_model\"") != std::string::npos &&
+        (text.find("\"P\"") != std::string::npos || text.find("\"p\"") != std::string::npos ||
+         text.find("\"projection_matrix\"") != std::string::npos)) {
+        return CalibrationFormat::ros;
+    }
+    if (text.starts_with("<?xml") || text.starts_with("<opencv_storage") || json) {
         return CalibrationFormat::opencv;
     }
     if (text.find("\ncamera matrix") != std::string::npos) {

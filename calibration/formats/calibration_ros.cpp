@@ -72,6 +72,14 @@ public:
             fail(spelled(key) + ": has no data of " + (count == 0 ? "numbers" : base::counted(count, "number")) +
                  (data && data.IsSequence() ? ", found " + std::to_string(data.size()) : ""));
         }
+        const auto side = [&](const char* name) {
+            return base::parse_number(entry.IsMap() ? word_of(entry[name]) : std::string());
+        };
+        if (const auto rows = side("rows"), columns = side("cols");
+            rows && columns && *rows * *columns != static_cast<double>(data.size())) {
+            fail(spelled(key) + ": found " + base::number_text(*rows) + " rows and " + base::number_text(*columns) +
+                 " columns, and " + base::counted(data.size(), "number") + ": they contradict each other");
+        }
         std::vector<double> numbers;
         for (const YAML::Node& item : data) {
             const auto number = base::parse_number(word_of(item));
@@ -81,6 +89,19 @@ public:
             numbers.push_back(*number);
         }
         return numbers;
+    }
+
+    /// Refuses a message of a part of the image. 0 x 0 means all of it, too.
+    void check_region(int width, int height) const {
+        for (const auto& [side, whole] :
+             {std::pair("x_offset", 0), {"y_offset", 0}, {"width", width}, {"height", height}}) {
+            const YAML::Node roi = node("roi");
+            const auto found = base::parse_number(roi.IsMap() ? word_of(roi[side]) : std::string()).value_or(0);
+            if (found != 0 && found != whole) {
+                fail(std::string("roi ") + side + ": found " + base::number_text(found) + ", expected 0" +
+                     (whole == 0 ? "" : " or " + std::to_string(whole)) + ": give the calibration of whole images");
+            }
+        }
     }
 
     std::optional<std::string> text(const char* key) const {
@@ -102,21 +123,15 @@ private:
         return found == entries_.end() ? YAML::Node() : found->second.node;
     }
 
-    /// Refuses keys that are not known, and messages of a part of the image.
+    /// Refuses keys that are not known, and messages of images that are made smaller.
     void check_other(const std::string& name, const YAML::Node& value) const {
         const auto number = [](const YAML::Node& node) { return base::parse_number(word_of(node)).value_or(0); };
         if (name.starts_with("binning_")) {
             if (number(value) > 1) {
                 fail(name + ": found " + word_of(value) + ", expected 0 or 1: give the calibration of whole images");
             }
-        } else if (name == "roi" && value.IsMap()) {
-            for (const char* side : {"x_offset", "y_offset", "width", "height"}) {
-                if (number(value[side]) != 0) {
-                    fail(std::string("roi ") + side + ": found " + base::printable(word_of(value[side])) +
-                         ", expected 0: give the calibration of whole images");
-                }
-            }
-        } else if (name != "header" && name != "camera_name" && name != "distortion_model" && name != "camera_model") {
+        } else if (name != "header" && name != "roi" && name != "camera_name" && name != "distortion_model" &&
+                   name != "camera_model") {
             fail("has the key '" + base::printable(name) +
                  "', which is not known and would not be applied; allowed are image_width, image_height, "
                  "camera_name, camera_matrix, distortion_model, distortion_coefficients, rectification_matrix and "
@@ -154,6 +169,7 @@ void check_size(const CameraInfo& file, int width, int height) {
     if (found_width != width || found_height != height) {
         refuse_other_size(file.path(), std::to_string(found_width) + "x" + std::to_string(found_height), width, height);
     }
+    file.check_region(width, height);
 }
 
 /// Tells files of single cameras, and files in the wrong order.

@@ -109,10 +109,38 @@ TEST_F(Formats, RosMessagesAsText) {
         expect_rig(pair(false, whole), rig);
         expect_rig(pair(true, whole), rig);
         EXPECT_THAT(said("binning_y: 2\n"), HasSubstr("left.txt: binning_y: found 2, expected 0 or 1"));
-        EXPECT_THAT(said("roi:\n  x_offset: 64\n"), HasSubstr("roi x_offset: found 64, expected 0"));
+        EXPECT_THAT(said("roi:\n  x_offset: 64\n"), HasSubstr("roi x_offset: found 64, expected 0:"));
+        EXPECT_THAT(said("roi:\n  width: 64\n"),
+                    HasSubstr("roi width: found 64, expected 0 or " + std::to_string(rig.width)));
+        expect_rig(pair(false, "roi:\n  width: " + std::to_string(rig.width) + "\n"), rig);
         EXPECT_THAT(said("camera_matrix: [1]\n"), HasSubstr("K and camera_matrix are two names of the same"));
         EXPECT_THAT(said("xi: 1\n"), HasSubstr("'xi'"));
     }
+}
+
+TEST_F(Formats, RosMessagesAsJson) {
+    const Rig rig;
+    std::string name;
+    for (const int eye : {0, 1}) {
+        std::string text = ros_message(rig, eye, eye == 0 ? 0 : -Rectified(rig).baseline(), false);
+        text = with_other(text.substr(text.find("height")), "plumb_bob", "\"plumb_bob\"");
+        text.resize(text.rfind("---"));
+        std::string json = "{";
+        std::istringstream lines(text);
+        for (std::string line; std::getline(lines, line);) {
+            const auto colon = line.find(':');
+            json += (json.size() == 1 ? "\"" : ", \"") + line.substr(0, colon) + "\"" + line.substr(colon);
+        }
+        name += (eye == 0 ? "" : ",") + write(eye == 0 ? "left.json" : "right.json", json + "}\n");
+    }
+    expect_rig(name, rig);
+}
+
+TEST_F(Formats, ARosMatrixOfAnotherShapeThanItsNumbers) {
+    const std::string left = write("left.yaml", with_other(ros_text(Rig(), 0, 0), "cols: 5", "cols: 8"));
+    const std::string right = write("right.yaml", ros_text(Rig(), 1, -120));
+    EXPECT_THAT(refusal([&] { read_calibration(left + "," + right, 640, 480); }),
+                HasSubstr("distortion_coefficients: found 1 rows and 8 columns, and 5 numbers"));
 }
 
 TEST_F(Formats, MatricesAsListsOfRows) {
