@@ -301,7 +301,8 @@ TEST_F(Formats, UnitsAreAskedFor) {
     for (const auto& [settings, said] : {std::pair("unit=inch", "'unit=inch'"),
                                          {"unit=m&unit=cm", "'unit' twice"},
                                          {"pair=grey", "is an OpenCV file, for which pair says nothing"}}) {
-        EXPECT_THAT(refusal([&] { read_calibration(path + "?" + settings, 640, 480); }), HasSubstr(said));
+        const std::string name = path + "?" + settings;
+        EXPECT_THAT(refusal([&] { read_calibration(name, 640, 480); }), HasSubstr(said));
     }
     const std::string chain = write("camchain.yaml", camchain(Rig())) + "?model=brown";
     EXPECT_THAT(refusal([&] { read_calibration(chain, 640, 480); }), HasSubstr("model=brown says nothing"));
