@@ -101,7 +101,7 @@ std::string number_text(double value, const std::string& unit) {
     if (unit == "mm") {
         return fmt::format("{:.{}f} m", value / 1000, value < 1000 ? 3 : 2);
     }
-    return unit == "ratio" ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{} {}", value, unit);
+    return unit == "ratio" ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.1f} {}", value, unit);
 }
 
 std::string text_of(const Message& message, const FieldDescriptor& field) {
