@@ -17,6 +17,7 @@
 
 #include "clients/cpp/disparity_client.hpp"
 #include "obstacles/scan_options.h"
+#include "proto/products.h"
 #include "tests/daemon/daemon_fixture.h"
 
 namespace disparityd::test {
@@ -84,14 +85,19 @@ void expect_shifted_right_image(const disparity::Frame& frame) {
 }
 
 TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
-    const auto daemon =
-        start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"),
-                    {"--set", "rectify.colour=true", "--set", "match.depth_error=true", "--set", "rectify.right=true"});
-    disparity::SharedMemoryReader memory(shared_memory_name());
     disparity::Subscription all;
-    all.products = {disparity::Product::disparity, disparity::Product::confidence,  disparity::Product::depth,
-                    disparity::Product::left,      disparity::Product::left_colour, disparity::Product::depth_error,
-                    disparity::Product::right,     disparity::Product::right_colour};
+    std::vector<std::string> switches;
+    for (const proto::ProductFacts& product : proto::products) {
+        if (product.bytes_per_pixel == 0) {
+            continue;
+        }
+        all.products.push_back(static_cast<disparity::Product>(product.number));
+        if (!product.key.empty()) {
+            switches.insert(switches.end(), {"--set", std::string(product.key) + "=true"});
+        }
+    }
+    const auto daemon = start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"), switches);
+    disparity::SharedMemoryReader memory(shared_memory_name());
     disparity::SocketClient tcp(daemon->address("tcp:"));
     tcp.subscribe(all);
     all.compressed = true;

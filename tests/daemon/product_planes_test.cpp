@@ -43,7 +43,7 @@ TEST(ProductPlanes, KeySwitchesItsProductOn) {
         EXPECT_THAT(configured_products(with(product, true)), Contains(product.number)) << product.name;
         EXPECT_THAT(configured_products(with(product, false)), Not(Contains(product.number))) << product.name;
     }
-    EXPECT_EQ(switched, 6);
+    EXPECT_GE(switched, 6);
 }
 
 TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
