@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/match_fields.h"
+
 namespace disparityd {
 
 namespace {
@@ -26,51 +28,17 @@ std::string out_of_range(std::string_view option, int found, std::string_view al
     return std::string(option) + " = " + std::to_string(found) + ": allowed is " + std::string(allowed);
 }
 
-std::string outside(std::string_view option, int found, int least, int most) {
-    if (found >= least && found <= most) {
-        return {};
-    }
-    return out_of_range(option, found, std::to_string(least) + " to " + std::to_string(most));
-}
-
-std::string range_problem(const DisparityRange& range) {
-    if (range.count < 16 || range.count > 256 || range.count % 16 != 0) {
-        return out_of_range("disparities", range.count, "a multiple of 16, 16 to 256");
-    }
-    return outside("first disparity", range.first, -256, 256);
-}
-
-std::string sgm_problem(const SgmOptions& sgm) {
-    if (sgm.paths != 4 && sgm.paths != 8) {
-        return out_of_range("paths", sgm.paths, "4 or 8");
-    }
-    std::string p2 = outside("p2", sgm.p2, 2, 193);
-    if (!p2.empty()) {
-        return p2 + " (62 + p2 must fit a byte)";
-    }
-    const std::string p1 = outside("p1", sgm.p1, 1, sgm.p2 - 1);
-    if (!p1.empty()) {
-        return p1 + " (less than p2)";
-    }
-    const std::string slope = outside("p2 slope", sgm.p2_slope, 1, 8);
-    return slope.empty() ? outside("least p2", sgm.p2_min, 0, sgm.p2) : slope;
-}
-
-std::string post_problem(const PostOptions& post) {
-    if (post.median != 0 && post.median != 3 && post.median != 5) {
-        return out_of_range("median", post.median, "0 (off), 3 or 5");
-    }
-    if (post.guided_median != 0 && post.guided_median != 5 && post.guided_median != 7) {
-        return out_of_range("guided median", post.guided_median, "0 (off), 5 or 7");
-    }
-    for (const std::string& found :
-         {outside("uniqueness", post.uniqueness, 0, 99), outside("speckle size", post.speckle_size, 0, 1 << 26),
-          outside("speckle step", post.speckle_step, 0, 256), outside("least texture", post.min_texture, 0, 99)}) {
-        if (!found.empty()) {
-            return found;
+std::string number_problem(const MatchOptions& options) {
+    for (const MatchField& field : match_fields()) {
+        if (const int found = field.value(options); !field.allows(found)) {
+            return out_of_range(field.name, found, field.allowed());
         }
     }
-    return {};
+    const SgmOptions& sgm = options.sgm;
+    if (sgm.p1 >= sgm.p2) {
+        return out_of_range("p1", sgm.p1, "1 .. " + std::to_string(sgm.p2 - 1) + " (less than p2)");
+    }
+    return sgm.p2_min <= sgm.p2 ? std::string() : out_of_range("p2_min", sgm.p2_min, "0 .. " + std::to_string(sgm.p2));
 }
 
 }  // namespace
@@ -154,13 +122,7 @@ std::string validate(const MatchOptions& options) {
     if (options.cost != CensusCost::census_9x7 && options.cost != CensusCost::census_7x5_gradient) {
         return "unknown matching cost: allowed are census-9x7 and census-7x5+gradient";
     }
-    for (const std::string& found :
-         {range_problem(options.range), sgm_problem(options.sgm), post_problem(options.post)}) {
-        if (!found.empty()) {
-            return found;
-        }
-    }
-    return {};
+    return number_problem(options);
 }
 
 }  // namespace disparityd

@@ -20,6 +20,7 @@
 #include "daemon/config/config_keys.h"
 #include "daemon/config/socket_address.h"
 #include "daemon/config/toml_text.h"
+#include "kernels/match_fields.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -250,12 +251,17 @@ std::vector<std::string> notes_on(const Config& config, const std::vector<Assign
     }
     std::string keys;
     std::string where;
-    for (const char* const key :
-         {"preset", "paths", "p1", "p2", "adaptive_p2", "p2_slope", "p2_min", "calibrated_confidence"}) {
+    const auto look = [&](std::string_view key) {
         const std::string found = where_set(assignments, "match", key, "");
         if (!found.empty()) {
             keys += (keys.empty() ? "" : ", ") + std::string(key);
             where = where.empty() ? found : where;
+        }
+    };
+    look("preset");
+    for (const MatchField& field : match_fields()) {
+        if (field.is_of_sgm()) {
+            look(field.name);
         }
     }
     if (!keys.empty()) {

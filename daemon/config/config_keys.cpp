@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/camera/camera_controls.h"
+#include "kernels/match_fields.h"
 #include "obstacles/gravity_ground.h"
 
 namespace disparityd::daemon {
@@ -136,32 +137,6 @@ ConfigKey number_key(std::string_view section, std::string_view name, double lea
             [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
 }
 
-/// Makes a key for a number of the obstacle scan's options, with the range that the scan allows.
-template <typename Field>
-ConfigKey scan_key(std::string_view section, std::string_view name, Field field) {
-    const auto rows = scan_fields();
-    const auto row = std::find_if(rows.begin(), rows.end(), [name](const ScanField& one) { return one.name == name; });
-    if (row == rows.end()) {
-        throw std::logic_error("the table of the scan's options has no " + std::string(name));
-    }
-    if constexpr (std::is_same_v<decltype(field(std::declval<Config&>())), int&>) {
-        return range_key(section, name, static_cast<int>(row->least), static_cast<int>(row->most), field);
-    } else {
-        return number_key(section, name, row->least, row->most, field);
-    }
-}
-
-template <typename Field>
-ConfigKey one_of_key(std::string_view section, std::string_view name, std::initializer_list<int> numbers, Field field) {
-    const std::vector<int> list(numbers);
-    std::string allowed;
-    for (const int number : list) {
-        allowed += (allowed.empty() ? "" : " or ") + std::to_string(number);
-    }
-    return int_key(section, name, allowed, field,
-                   [list](std::int64_t number) { return std::find(list.begin(), list.end(), number) != list.end(); });
-}
-
 template <typename Enum, typename Field>
 ConfigKey name_key(std::string_view section, std::string_view name,
                    std::initializer_list<std::pair<std::string_view, Enum>> names, Field field) {
@@ -242,6 +217,50 @@ bool is_socket_path(const std::string& text) {
     return text.size() < 108;
 }
 
+/// Makes the key of a number or switch of matching.
+ConfigKey match_key(const MatchField& row) {
+    if (const auto* const flag = std::get_if<bool& (*)(MatchOptions&)>(&row.field)) {
+        return bool_key("match", row.name, [of = *flag](Config& config) -> bool& { return of(config.match.options); });
+    }
+    return int_key(
+        "match", row.name, row.allowed(),
+        [of = std::get<int& (*)(MatchOptions&)>(row.field)](Config& config) -> int& {
+            return of(config.match.options);
+        },
+        [&row](std::int64_t number) { return row.allows(number); });
+}
+
+/// Makes the key of an option of the obstacle scan.
+ConfigKey scan_key(const ScanField& row) {
+    return std::visit(
+        [&row](auto member) {
+            const auto field = [member](Config & config) -> auto& {
+                return config.scan.options.*member;
+            };
+            using Value = std::remove_reference_t<decltype(ScanOptions().*member)>;
+            if constexpr (std::is_same_v<Value, int>) {
+                return range_key("scan", row.name, static_cast<int>(row.least), static_cast<int>(row.most), field);
+            } else if constexpr (std::is_same_v<Value, double>) {
+                return number_key("scan", row.name, row.least, row.most, field);
+            } else if constexpr (std::is_same_v<Value, GroundMode>) {
+                return name_key<GroundMode>("scan", row.name,
+                                            {{"fitted", GroundMode::fitted},
+                                             {"configured", GroundMode::configured},
+                                             {"gravity", GroundMode::gravity}},
+                                            field);
+            } else {
+                return text_key("scan", row.name, "\"\" or " + std::string(scan::sensor_axes_form), field,
+                                are_sensor_axes);
+            }
+        },
+        row.field);
+}
+
+/// The one that the errors of depths follow from, too.
+bool of_match(const ScanField& field) {
+    return field.name == "subpixel_error_px";
+}
+
 // Shorthand for the way from the configuration to a field.
 #define FIELD(member)         \
     [](Config & c) -> auto& { \
@@ -290,55 +309,22 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
         FIELD(match.options.cost)));
     keys.push_back(
         text_key("match", "backend", "\"auto\" or the name of a back end", FIELD(match.backend), is_not_empty));
-    keys.push_back(range_key("match", "d_min", -256, 256, FIELD(match.options.range.first)));
-    keys.push_back(int_key("match", "disparities", "a multiple of 16, 16 .. 256", FIELD(match.options.range.count),
-                           [](std::int64_t n) { return n >= 16 && n <= 256 && n % 16 == 0; }));
-    keys.push_back(one_of_key("match", "paths", {8, 4}, FIELD(match.options.sgm.paths)));
-    keys.push_back(range_key("match", "p1", 1, 192, FIELD(match.options.sgm.p1)));
-    keys.push_back(range_key("match", "p2", 2, 193, FIELD(match.options.sgm.p2)));
-    keys.push_back(bool_key("match", "adaptive_p2", FIELD(match.options.sgm.adaptive_p2)));
-    keys.push_back(range_key("match", "p2_slope", 1, 8, FIELD(match.options.sgm.p2_slope)));
-    keys.push_back(range_key("match", "p2_min", 0, 193, FIELD(match.options.sgm.p2_min)));
-    keys.push_back(bool_key("match", "calibrated_confidence", FIELD(match.options.sgm.calibrated_confidence)));
-    keys.push_back(bool_key("match", "subpixel", FIELD(match.options.post.subpixel)));
-    keys.push_back(range_key("match", "uniqueness", 0, 99, FIELD(match.options.post.uniqueness)));
-    keys.push_back(bool_key("match", "local_extrema", FIELD(match.options.post.local_extrema)));
-    keys.push_back(bool_key("match", "left_right_check", FIELD(match.options.post.left_right_check)));
-    keys.push_back(one_of_key("match", "median", {0, 3, 5}, FIELD(match.options.post.median)));
-    keys.push_back(range_key("match", "speckle_size", 0, 1000000, FIELD(match.options.post.speckle_size)));
-    keys.push_back(range_key("match", "speckle_step", 0, 256, FIELD(match.options.post.speckle_step)));
-    keys.push_back(range_key("match", "min_texture", 0, 99, FIELD(match.options.post.min_texture)));
-    keys.push_back(bool_key("match", "interpolate", FIELD(match.options.post.interpolate)));
-    keys.push_back(one_of_key("match", "guided_median", {0, 5, 7}, FIELD(match.options.post.guided_median)));
+    for (const MatchField& field : match_fields()) {
+        keys.emplace_back(match_key(field));
+    }
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
     keys.push_back(bool_key("match", "depth_error", FIELD(match.depth_error)));
-    keys.push_back(scan_key("match", "subpixel_error_px", FIELD(match.subpixel_error_px)));
+    const auto error = std::find_if(scan_fields().begin(), scan_fields().end(), of_match);
+    keys.push_back(number_key("match", "subpixel_error_px", error->least, error->most, FIELD(match.subpixel_error_px)));
 }
 
 void add_scan_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("scan", "enabled", FIELD(scan.enabled)));
-    keys.push_back(scan_key("scan", "sectors", FIELD(scan.options.sectors)));
-    keys.push_back(scan_key("scan", "from_deg", FIELD(scan.options.from_deg)));
-    keys.push_back(scan_key("scan", "to_deg", FIELD(scan.options.to_deg)));
-    keys.push_back(scan_key("scan", "camera_height_m", FIELD(scan.options.camera_height_m)));
-    keys.push_back(scan_key("scan", "pitch_deg", FIELD(scan.options.pitch_deg)));
-    keys.push_back(scan_key("scan", "roll_deg", FIELD(scan.options.roll_deg)));
-    keys.push_back(scan_key("scan", "yaw_deg", FIELD(scan.options.yaw_deg)));
-    keys.push_back(scan_key("scan", "camera_ahead_m", FIELD(scan.options.camera_ahead_m)));
-    keys.push_back(scan_key("scan", "camera_left_m", FIELD(scan.options.camera_left_m)));
-    keys.push_back(name_key<GroundMode>(
-        "scan", "ground",
-        {{"fitted", GroundMode::fitted}, {"configured", GroundMode::configured}, {"gravity", GroundMode::gravity}},
-        FIELD(scan.options.ground)));
-    keys.push_back(text_key("scan", "imu_axes", "\"\" or " + std::string(scan::sensor_axes_form),
-                            FIELD(scan.options.imu_axes), are_sensor_axes));
-    keys.push_back(scan_key("scan", "low_m", FIELD(scan.options.low_m)));
-    keys.push_back(scan_key("scan", "high_m", FIELD(scan.options.high_m)));
-    keys.push_back(scan_key("scan", "min_m", FIELD(scan.options.min_m)));
-    keys.push_back(scan_key("scan", "max_m", FIELD(scan.options.max_m)));
-    keys.push_back(scan_key("scan", "object_m", FIELD(scan.options.object_m)));
-    keys.push_back(scan_key("scan", "max_error_m", FIELD(scan.options.max_error_m)));
-    keys.push_back(scan_key("scan", "min_confidence", FIELD(scan.options.min_confidence)));
+    for (const ScanField& field : scan_fields()) {
+        if (!of_match(field)) {
+            keys.emplace_back(scan_key(field));
+        }
+    }
 }
 
 void add_output_keys(std::vector<ConfigKey>& keys) {

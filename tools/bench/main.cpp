@@ -33,7 +33,7 @@ struct BenchArguments {
     tools::MatchArguments match;
     std::optional<int> rounds;
     std::optional<double> seconds;
-    std::optional<bool> roofline;
+    std::optional<int> roofline;
     bool markdown = false;
 };
 
@@ -126,7 +126,7 @@ private:
         const Contestants contestants = line_up(pair, selection_, options, pools_);
         const std::vector<Measurement> measurements = alternate(pair, contestants, patience_);
         print_measurements(measurements, arguments_.markdown, text());
-        if (arguments_.roofline.value_or(true) && !tools::interrupted()) {
+        if (arguments_.roofline.value_or(1) != 0 && !tools::interrupted()) {
             roofline_.print(measurements, options, arguments_.markdown, text());
         }
         text() << std::flush;

@@ -13,12 +13,19 @@ namespace disparityd::tools {
 
 CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value, int least, int most,
                          const std::string& description) {
-    const auto take = [&value, name, least, most](const std::string& text) {
+    return add_integer(
+        app, name, value, [least, most](int number) { return number >= least && number <= most; },
+        "a whole number from " + std::to_string(least) + " to " + std::to_string(most), description);
+}
+
+CLI::Option* add_integer(CLI::App& app, const std::string& name, std::optional<int>& value,
+                         const std::function<bool(int)>& allows, const std::string& allowed,
+                         const std::string& description) {
+    const auto take = [&value, name, allows, allowed](const std::string& text) {
         int number = 0;
         const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-        if (error != std::errc() || end != text.data() + text.size() || number < least || number > most) {
-            throw CLI::ValidationError(name, "found '" + text + "', allowed: a whole number from " +
-                                                 std::to_string(least) + " to " + std::to_string(most));
+        if (error != std::errc() || end != text.data() + text.size() || !allows(number)) {
+            throw CLI::ValidationError(name, "found '" + text + "', allowed: " + allowed);
         }
         value = number;
     };
@@ -54,7 +61,7 @@ CLI::Option* add_choice(CLI::App& app, const std::string& name, std::string& val
     return app.add_option_function<std::string>(name, take, description + ": " + list)->type_name("WORD");
 }
 
-CLI::Option* add_switch(CLI::App& app, const std::string& name, std::optional<bool>& value,
+CLI::Option* add_switch(CLI::App& app, const std::string& name, std::optional<int>& value,
                         const std::string& description) {
     const auto take = [&value](std::int64_t count) { value = count > 0; };
     return app.add_flag_function("--" + name + ",!--no-" + name, take, description);

@@ -2,9 +2,12 @@
 #include "tools/ctl/describe.h"
 
 #include <cmath>
+#include <type_traits>
+#include <variant>
 
 #include "capture/camera/camera_problem.h"
 #include "capture/pixel_format.h"
+#include "kernels/match_fields.h"
 
 namespace disparityd::tools {
 namespace {
@@ -107,54 +110,33 @@ Json to_json(const calibration::DepthRange& range) {
 }
 
 Json to_json(const MatchOptions& options) {
-    Json json{{"method", disparityd::to_string(options.method)},
-              {"d_min", options.range.first},
-              {"disparities", options.range.count}};
+    Json json{{"method", disparityd::to_string(options.method)}};
     if (options.method != Method::sad) {
         json["cost"] = disparityd::to_string(options.cost);
     }
-    if (options.method == Method::sgm) {
-        json["paths"] = options.sgm.paths;
-        json["p1"] = options.sgm.p1;
-        json["p2"] = options.sgm.p2;
-        json["adaptive_p2"] = options.sgm.adaptive_p2;
-        json["p2_slope"] = options.sgm.p2_slope;
-        json["p2_min"] = options.sgm.p2_min;
-        json["calibrated_confidence"] = options.sgm.calibrated_confidence;
+    for (const MatchField& field : match_fields()) {
+        if (!field.is_of_sgm() || options.method == Method::sgm) {
+            const int value = field.value(options);
+            json[std::string(field.name)] = field.is_switch() ? Json(value != 0) : Json(value);
+        }
     }
-    json.update({{"subpixel", options.post.subpixel},
-                 {"local_extrema", options.post.local_extrema},
-                 {"uniqueness", options.post.uniqueness},
-                 {"left_right_check", options.post.left_right_check},
-                 {"median", options.post.median},
-                 {"speckle_size", options.post.speckle_size},
-                 {"speckle_step", options.post.speckle_step},
-                 {"min_texture", options.post.min_texture},
-                 {"interpolate", options.post.interpolate},
-                 {"guided_median", options.post.guided_median}});
     return json;
 }
 
 Json to_json(const ScanOptions& options) {
-    return {{"sectors", options.sectors},
-            {"from_deg", options.from_deg},
-            {"to_deg", options.to_deg},
-            {"camera_height_m", options.camera_height_m},
-            {"pitch_deg", options.pitch_deg},
-            {"roll_deg", options.roll_deg},
-            {"yaw_deg", options.yaw_deg},
-            {"camera_ahead_m", options.camera_ahead_m},
-            {"camera_left_m", options.camera_left_m},
-            {"ground", to_string(options.ground)},
-            {"imu_axes", options.imu_axes},
-            {"low_m", options.low_m},
-            {"high_m", options.high_m},
-            {"min_m", options.min_m},
-            {"max_m", options.max_m},
-            {"object_m", options.object_m},
-            {"max_error_m", options.max_error_m},
-            {"min_confidence", options.min_confidence},
-            {"subpixel_error_px", options.subpixel_error_px}};
+    Json json;
+    for (const ScanField& field : scan_fields()) {
+        json[std::string(field.name)] = std::visit(
+            [&options](auto member) -> Json {
+                if constexpr (std::is_same_v<decltype(member), GroundMode ScanOptions::*>) {
+                    return to_string(options.*member);
+                } else {
+                    return options.*member;
+                }
+            },
+            field.field);
+    }
+    return json;
 }
 
 }  // namespace disparityd::tools

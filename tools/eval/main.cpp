@@ -106,9 +106,9 @@ std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments) {
 MatchOptions options_for(const EvalArguments& arguments, Method method, int disparities) {
     MatchOptions options = arguments.match.options(method, disparities);
     if (arguments.paper) {
-        options.post.subpixel = arguments.match.subpixel().value_or(false);
-        options.post.interpolate = arguments.match.interpolate().value_or(true);
-        options.post.min_texture = arguments.match.min_texture().value_or(0);
+        options.post.subpixel = arguments.match.given("subpixel").value_or(0) != 0;
+        options.post.interpolate = arguments.match.given("interpolate").value_or(1) != 0;
+        options.post.min_texture = arguments.match.given("min_texture").value_or(0);
     }
     return options;
 }

@@ -16,6 +16,7 @@
 #include "calibration/rectification.h"
 #include "daemon/config/config.h"
 #include "daemon/config/config_keys.h"
+#include "kernels/match_fields.h"
 #include "kernels/pair_matcher.h"
 #include "obstacles/gravity_ground.h"
 #include "obstacles/obstacle_scanner.h"
@@ -146,8 +147,10 @@ bool has_effect(const ConfigKey& key, const Compute& compute) {
 TEST(ConfigEffect, EveryOptionOfTheMatcherChangesItsResult) {
     int keys = 0;
     for (const ConfigKey& key : config_keys()) {
-        const bool of_matcher = key.name != "backend" && key.name != "depth" && key.name != "depth_error" &&
-                                key.name != "subpixel_error_px";
+        const auto rows = match_fields();
+        const bool of_matcher =
+            key.name == "preset" || key.name == "method" || key.name == "cost" ||
+            std::any_of(rows.begin(), rows.end(), [&key](const MatchField& row) { return row.name == key.name; });
         if (key.section == "match" && of_matcher) {
             EXPECT_TRUE(has_effect(key, [&](const Config& config) { return matched(config.match.options); }))
                 << full_name(key) << " changes nothing";

@@ -87,6 +87,34 @@ TEST(ExampleFile, EveryKeyHasAComment) {
     }
 }
 
+TEST(ExampleFile, CommentsSayWhichNumbersAreAllowed) {
+    std::istringstream lines(read_file(DISPARITYD_EXAMPLE_CONFIG));
+    std::string section;
+    std::string comment;  // above the key, and above keys that follow without one of their own
+    bool commented = false;
+    std::map<std::string, std::string> comments;
+    for (std::string line; std::getline(lines, line);) {
+        const auto equals = line.find(" = ");
+        if (line.starts_with('[')) {
+            section = line.substr(1, line.find(']') - 1);
+        } else if (line.starts_with("# ")) {
+            comment = (commented ? comment + ' ' : "") + line.substr(2);
+        } else if (equals != std::string::npos) {
+            const std::size_t begin = line.starts_with('#') ? 1 : 0;
+            comments[section + '.' + line.substr(begin, equals - begin)] = comment;
+        }
+        commented = line.starts_with("# ");
+    }
+    int numbers = 0;
+    for (const daemon::ConfigKey& key : daemon::config_keys()) {
+        if (std::holds_alternative<std::int64_t>(key.example) || std::holds_alternative<double>(key.example)) {
+            EXPECT_THAT(comments[full_name(key)], HasSubstr(key.allowed)) << full_name(key);
+            ++numbers;
+        }
+    }
+    EXPECT_GT(numbers, 40);
+}
+
 TEST(Config, ReadsValuesOfEveryType) {
     const daemon::Config config = daemon::parse_config(R"(
 [source]
@@ -263,7 +291,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"method",
                 "[match]\nmethod = \"sgbm\"\n",
                 {"[match] method", "found \"sgbm\"", "\"sgm\" or \"census\" or \"sad\""}},
-        BadCase{"paths", "[match]\npaths = 6\n", {"[match] paths", "found 6", "8 or 4"}},
+        BadCase{"paths", "[match]\npaths = 6\n", {"[match] paths", "found 6", "4 or 8"}},
         BadCase{"p1_above_p2",
                 "[match]\np1 = 60\np2 = 50\n",
                 {"my.toml:2:1:", "[match] p1", "found 60", "less than p2, which is 50"}},
