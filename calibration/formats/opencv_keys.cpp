@@ -174,7 +174,8 @@ bool check_entry(const OpencvStorage& file, const std::string& path, const std::
     const std::string plain = plain_name(name);
     const bool shape = contains(shape_lists, plain);
     if (shape || contains(size_lists, plain)) {
-        const auto found = file.numbers(name);
+        auto found = file.numbers(name);
+        found = found ? found : base::parse_numbers(file.word(name), " xX,");  // "1280x720"
         if (!found || !(found->size() == 2 || (shape && found->size() == 3))) {
             refuse_size(file, path, name, shape ? "height and width" : "width and height");
         }

@@ -257,13 +257,18 @@ TEST_F(Formats, NothingIsIgnored) {
 TEST_F(Formats, TheSizeUnderEveryUsualKeyIsCompared) {
     const Rig rig;
     const std::string text = with_other(opencv_text(rig), size_lines(rig), "");
-    for (const char* size : {"image_size: [ 1280, 960 ]\n", "Size: [1280, 960]\n", "imageSize: [ 1280, 960 ]\n",
-                             "resolution: [ 1280, 960 ]\n", "img_shape: [ 960, 1280 ]\n",
-                             "frame_width: 1280\nframe_height: 960\n", "imageWidth: 1280\nimageHeight: 960\n"}) {
+    for (const char* size :
+         {"image_size: [ 1280, 960 ]\n", "Size: [1280, 960]\n", "imageSize: [ 1280, 960 ]\n",
+          "resolution: [ 1280, 960 ]\n", "img_shape: [ 960, 1280 ]\n", "frame_width: 1280\nframe_height: 960\n",
+          "imageWidth: 1280\nimageHeight: 960\n", "resolution: 1280x960\n", "image_size: \"1280, 960\"\n",
+          "size:\n  rows: 1\n  cols: 2\n  dt: i\n  data: [ 1280, 960 ]\n"}) {
         EXPECT_THAT(refused(size + text), AllOf(HasSubstr("1280x960"), HasSubstr("640x480"))) << size;
     }
     EXPECT_THAT(refused("image_width: 1280\n" + text), AllOf(HasSubstr("1280"), HasSubstr("640x480")));
     expect_rig(write("stereo.yml", "img_shape: [ 480, 640, 3 ]\n" + text), rig);
+    expect_rig(write("stereo.yml", "resolution: 640 x 480\n" + text), rig);
+    EXPECT_THAT(refused("resolution: HD720\n" + text),
+                HasSubstr("resolution: found 'HD720', expected width and height"));
     expect_rig(write("stereo.yml", text), rig);
     // Without any, the principal points tell a file for images of twice the size.
     const std::string path = write("stereo.yml", text);
