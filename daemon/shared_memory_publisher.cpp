@@ -18,6 +18,8 @@ constexpr std::chrono::milliseconds heartbeat_interval{250};
 /// thread that is busy elsewhere. Another thread wakes the rest.
 constexpr int woken_at_once = 32;
 
+static_assert(product_count <= proto::shm_max_planes, "all products may be served at the same time");
+
 proto::ShmLayout to_shm(const StreamLayout& layout) {
     proto::ShmLayout shm;
     shm.width = layout.geometry.width;

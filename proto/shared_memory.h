@@ -14,10 +14,13 @@
 namespace disparityd::proto {
 
 inline constexpr std::uint64_t shm_magic = 0x3159545241505344ULL;  // "DSPARTY1"
-/// Version 2 has at least one record; all else is version 1, which every reader knows.
+/// Version 3 has more than shm_first_planes planes, version 2 at least one record; all else is version 1, which every
+/// reader knows.
 inline constexpr std::uint32_t shm_version = 1;
 inline constexpr std::uint32_t shm_version_with_records = 2;
-inline constexpr std::uint32_t shm_max_planes = 8;
+inline constexpr std::uint32_t shm_version_with_more_planes = 3;
+inline constexpr std::uint32_t shm_first_planes = 8;
+inline constexpr std::uint32_t shm_max_planes = 16;
 
 /// Values equal those of Product in disparity.proto.
 struct ShmPlane {
@@ -39,7 +42,7 @@ struct ShmHeader {
     std::uint64_t payload_offset;  ///< of the payload within a slot
     std::uint32_t width;
     std::uint32_t height;
-    ShmPlane planes[shm_max_planes];
+    ShmPlane planes[shm_first_planes];
 
     /// Differs for each new object (restart, reload): readers must map again. 0 = the daemon has closed this object.
     alignas(64) std::atomic<std::uint32_t> generation;
@@ -50,6 +53,9 @@ struct ShmHeader {
     /// CLOCK_MONOTONIC in ns, which a running daemon renews at least twice a second.
     std::atomic<std::int64_t> heartbeat_ns;
     std::atomic<std::uint32_t> writer_pid;
+
+    /// The planes after the first ones, as constant as these. Readers of before end here.
+    alignas(64) ShmPlane more_planes[shm_max_planes - shm_first_planes];
 };
 
 struct ShmSlot {
@@ -67,7 +73,8 @@ static_assert(sizeof(FrameInfo) % 8 == 0, "copied in words of 8 bytes");
 // The offsets that docs/protocol.md gives to other languages.
 static_assert(offsetof(ShmHeader, planes) == 64 && sizeof(ShmPlane) == 24 && offsetof(ShmHeader, generation) == 256 &&
               offsetof(ShmHeader, published) == 260 && offsetof(ShmHeader, published_total) == 264 &&
-              offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280);
+              offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280 &&
+              offsetof(ShmHeader, more_planes) == 320);
 static_assert(offsetof(ShmSlot, published_ns) == 8 && offsetof(ShmSlot, frame) == 64);
 
 }  // namespace disparityd::proto

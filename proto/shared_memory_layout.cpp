@@ -60,9 +60,11 @@ std::uint64_t plane_bytes(const ShmView& view, const ShmPlane& plane) {
 
 /// Whether everything that the offsets reach lies inside the object. No sum in it can overflow.
 bool inside(const ShmView& view, std::uint64_t header_bytes) {
+    const std::uint64_t min_header =
+        view.plane_count > shm_first_planes ? sizeof(ShmHeader) : offsetof(ShmHeader, more_planes);
     const bool aligned =
         view.slots_offset % alignment == 0 && view.slot_stride % alignment == 0 && view.payload_offset % alignment == 0;
-    if (!aligned || header_bytes < sizeof(ShmHeader) || view.slots_offset < header_bytes ||
+    if (!aligned || header_bytes < min_header || view.slots_offset < header_bytes ||
         view.slots_offset > view.total_bytes || view.payload_offset < sizeof(ShmSlot) ||
         view.payload_offset > view.slot_stride ||
         view.slot_stride > (view.total_bytes - view.slots_offset) / view.slot_count) {
@@ -99,10 +101,10 @@ std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, Sh
         shm_magic) {
         return "was not made by disparityd";
     }
-    if (const std::uint32_t version = load(header.version);
-        version != shm_version && version != shm_version_with_records) {
+    const std::uint32_t version = load(header.version);
+    if (version < shm_version || version > shm_version_with_more_planes) {
         return "has layout version " + std::to_string(version) + ", this program knows " + std::to_string(shm_version) +
-               " and " + std::to_string(shm_version_with_records) +
+               " to " + std::to_string(shm_version_with_more_planes) +
                ": use the client library that came with the daemon";
     }
     view.total_bytes = load(header.total_bytes);
@@ -113,8 +115,12 @@ std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, Sh
     view.width = load(header.width);
     view.height = load(header.height);
     view.plane_count = load(header.plane_count);
-    for (std::uint32_t i = 0; i < shm_max_planes; ++i) {
-        const ShmPlane& plane = header.planes[i];
+    const std::uint32_t max_planes = version < shm_version_with_more_planes ? shm_first_planes : shm_max_planes;
+    if (const std::string wrong = out_of_range("plane count", view.plane_count, 0, max_planes); !wrong.empty()) {
+        return "is damaged: " + wrong;
+    }
+    for (std::uint32_t i = 0; i < view.plane_count; ++i) {
+        const ShmPlane& plane = plane_at(header, i);
         view.planes[i] = {load(plane.product), load(plane.bytes_per_pixel), load(plane.offset), load(plane.bytes)};
     }
     if (view.total_bytes > object_bytes) {

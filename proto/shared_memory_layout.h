@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -51,6 +52,12 @@ std::string check_header(const ShmHeader& header, std::uint64_t object_bytes, Sh
 /// of each record, plane_count, width, height and slot_count. Throws std::invalid_argument when they are outside the
 /// limits of check_header().
 void lay_out(ShmView& view);
+
+/// Returns the place of a plane, of 0 .. shm_max_planes - 1, in a header.
+template <class Header>
+auto& plane_at(Header& header, std::size_t index) {
+    return index < shm_first_planes ? header.planes[index] : header.more_planes[index - shm_first_planes];
+}
 
 inline const ShmSlot& slot_at(const ShmHeader& header, const ShmView& view, std::uint64_t index) {
     const auto* base = reinterpret_cast<const std::uint8_t*>(&header);

@@ -215,9 +215,10 @@ private:
 
     void fill(const ShmView& view, std::uint32_t generation) {
         auto* header = new (memory_) ShmHeader{};
-        header->version = std::any_of(view.planes.begin(), view.planes.begin() + view.plane_count, is_record)
-                              ? shm_version_with_records
-                              : shm_version;
+        const auto* const end = view.planes.begin() + view.plane_count;
+        header->version = view.plane_count > shm_first_planes                ? shm_version_with_more_planes
+                          : std::any_of(view.planes.begin(), end, is_record) ? shm_version_with_records
+                                                                             : shm_version;
         header->header_bytes = sizeof(ShmHeader);
         header->total_bytes = view.total_bytes;
         header->slot_count = view.slot_count;
@@ -227,7 +228,9 @@ private:
         header->payload_offset = view.payload_offset;
         header->width = view.width;
         header->height = view.height;
-        std::copy(view.planes.begin(), view.planes.end(), header->planes);
+        for (std::size_t i = 0; i < view.planes.size(); ++i) {
+            plane_at(*header, i) = view.planes[i];
+        }
         header->generation.store(generation, std::memory_order_relaxed);
         header->heartbeat_ns.store(monotonic_ns(), std::memory_order_relaxed);
         header->writer_pid.store(static_cast<std::uint32_t>(::getpid()), std::memory_order_relaxed);

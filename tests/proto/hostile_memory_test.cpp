@@ -89,6 +89,24 @@ TEST_F(HostileMemory, EachDamagedFieldIsRefused) {
     }
 }
 
+TEST_F(HostileMemory, MorePlanesNeedTheirVersionAndHeader) {
+    for (std::uint32_t product = 10; layout_.planes.size() < 9; ++product) {
+        layout_.planes.push_back({product, 1});
+    }
+    const std::vector<std::pair<const char*, std::function<void(proto::ShmHeader&)>>> cases{
+        {"version", [](auto& h) { h.version = 1; }},
+        {"header_bytes", [](auto& h) { h.header_bytes = 320; }},
+        {"plane_count", [](auto& h) { h.plane_count = 17; }},
+        {"plane bytes", [](auto& h) { h.more_planes[0].bytes = 1ULL << 40; }},
+    };
+    for (const auto& [what, change] : cases) {
+        proto::SharedMemoryWriter writer(name_, layout_);
+        EXPECT_EQ(refusal(), "accepted");
+        damage(change);
+        EXPECT_THAT(refusal(), testing::HasSubstr("is damaged")) << what;
+    }
+}
+
 TEST_F(HostileMemory, VersionIsNamed) {
     proto::SharedMemoryWriter writer(name_, layout_);
     damage([](auto& h) { h.version = 77; });

@@ -285,6 +285,21 @@ TEST_F(SharedMemory, PublishRefusesPlanesThatAreNotOfTheLayout) {
     EXPECT_EQ(got.read(reader, 0ms), Result::frame);
 }
 
+TEST_F(SharedMemory, MorePlanesThanVersion1Has) {
+    layout_ = pattern::layout(64, 32);
+    for (std::uint32_t product = 10; layout_.planes.size() < proto::shm_max_planes; ++product) {
+        layout_.planes.push_back({product, 1});
+        proto::SharedMemoryWriter writer(name_, layout_);
+        proto::ShmReader reader(name_);
+        publish(writer, product);
+        Collected got;
+        ASSERT_EQ(got.read(reader, 0ms), Result::frame);
+        expect_frame(got, product);
+    }
+    layout_.planes.push_back({100, 1});
+    EXPECT_THROW(proto::SharedMemoryWriter(name_, layout_), std::invalid_argument);
+}
+
 TEST_F(SharedMemory, NamesAndLayoutsOutsideTheLimitsAreRefused) {
     for (const std::string name : {"", "a/b", "..\n", "a b", "\xc3\xa4"}) {
         EXPECT_THROW(proto::SharedMemoryWriter(name, layout_), std::invalid_argument) << name;
