@@ -304,7 +304,7 @@ typedef struct disparity_sensor_sample {
 
 /** Waits for samples and writes them into an array of `capacity` elements of sample_bytes each; pass
  * sizeof(disparity_sensor_sample). *count: how many there are now. The next call writes those without room. The newest
- * 8 frames that arrive meanwhile are kept for disparity_socket_read(). Returns DISPARITY_FRAME when there are samples,
+ * frame that arrives meanwhile is kept for disparity_socket_read(). Returns DISPARITY_FRAME when there are samples,
  * else as disparity_socket_read(). */
 DISPARITY_API int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sample* samples,
                                                 size_t sample_bytes, size_t capacity, size_t* count, int timeout_ms);
