@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/start_thread.h"
 
+#include <initializer_list>
 #include <stdexcept>
 
 #include <pthread.h>
@@ -33,6 +34,19 @@ bool is_there_room(std::size_t bytes) {
 }
 
 }  // namespace
+
+SignalsBlocked::SignalsBlocked() {
+    sigset_t blocked;
+    sigfillset(&blocked);
+    for (const int kept : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGABRT, SIGSYS, SIGPROF}) {
+        sigdelset(&blocked, kept);
+    }
+    pthread_sigmask(SIG_BLOCK, &blocked, &before_);
+}
+
+SignalsBlocked::~SignalsBlocked() {
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+}
 
 void refuse_thread(const std::string& reason) {
     const std::size_t stack = stack_bytes();

@@ -1,14 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <csignal>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
-#include "base/signals_blocked.h"
-
 namespace disparityd::base {
+
+/// Blocks in the calling thread, as long as it lives, the signals that others send to a process, such as SIGTERM. Those
+/// of a fault (SIGSEGV and its like) and of a profiler (SIGPROF) stay as they are. A thread that starts meanwhile
+/// inherits this for all its life: so only the thread that waits for signals is ever interrupted by one.
+class SignalsBlocked {
+public:
+    SignalsBlocked();
+    ~SignalsBlocked();
+    SignalsBlocked(const SignalsBlocked&) = delete;
+    SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+private:
+    sigset_t before_{};
+};
 
 /// Throws std::runtime_error with one line for people: the system starts no more threads for this `reason`, or has no
 /// memory for the stack of another one, which it reports as the same.

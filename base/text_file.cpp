@@ -7,7 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/words.h"
 
 namespace disparityd::base {

@@ -15,7 +15,7 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "capture/camera/control_overrides.h"
+#include "capture/camera/camera_controls.h"
 #include "daemon/build_reason.h"
 #include "daemon/config/config.h"
 #include "daemon/engine.h"

@@ -7,7 +7,6 @@
 #include <boost/asio/thread_pool.hpp>
 #include <boost/system/system_error.hpp>
 
-#include "base/signals_blocked.h"
 #include "base/start_thread.h"
 #include "daemon/ends_alone.h"
 

@@ -16,7 +16,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "proto/descriptor.h"
 #include "proto/futex.h"
 #include "proto/mapping.h"
 #include "proto/monotonic_clock.h"

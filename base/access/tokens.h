@@ -5,9 +5,14 @@
 #include <string_view>
 #include <vector>
 
-#include "base/access/right.h"
-
 namespace disparityd::base {
+
+/// What somebody may do. Each right contains those before it.
+enum class Right : unsigned char {
+    none,
+    view,     ///< frames, status
+    control,  ///< recordings, camera controls
+};
 
 /// The tokens that a program knows, and the right that each gives.
 class Tokens {

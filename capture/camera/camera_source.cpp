@@ -9,18 +9,17 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "capture/camera/camera_controls.h"
 #include "capture/camera/camera_identity.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_recovery.h"
-#include "capture/camera/control_overrides.h"
 #include "capture/camera/eye_joiner.h"
 #include "capture/camera/frame_counter.h"
 #include "capture/camera/video_stream.h"
 #include "capture/sensors/sensor_reader.h"
 #include "capture/source_condition.h"
-#include "capture/usb/plugged_cameras.h"
+#include "capture/usb/usb_camera.h"
 
 namespace disparityd::capture {
 namespace {

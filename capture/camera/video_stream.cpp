@@ -8,7 +8,7 @@
 
 #include <linux/videodev2.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 
 namespace disparityd::capture {
 

@@ -8,7 +8,7 @@
 #include <linux/usb/video.h>
 #include <linux/uvcvideo.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 
 namespace disparityd::capture {
 

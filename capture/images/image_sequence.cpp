@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/file_kind.h"
 #include "base/number_text.h"
 #include "base/text_file.h"

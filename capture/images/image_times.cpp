@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/message_text.h"
 #include "base/text_file.h"
 #include "base/words.h"

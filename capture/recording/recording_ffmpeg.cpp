@@ -11,7 +11,7 @@ extern "C" {
 #include <cstdarg>
 #include <mutex>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 
 namespace disparityd::capture {
 namespace {

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/file_lock.h"
 
 namespace disparityd::capture {

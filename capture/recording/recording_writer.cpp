@@ -13,7 +13,7 @@ extern "C" {
 #include <span>
 #include <stdexcept>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
 #include "calibration/calibration_identity.h"

@@ -6,7 +6,7 @@
 #include <cerrno>
 #include <utility>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "capture/sensors/sensor_report.h"
 
 namespace disparityd::capture {

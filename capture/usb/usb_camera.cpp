@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "base/number_text.h"
 #include "capture/usb/sysfs.h"
 
 namespace disparityd::capture {
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -31,6 +31,25 @@ void read_usb(const fs::path& folder, UsbCamera& camera) {
 }
 
 }  // namespace
+
+bool PluggedCameras::note(const std::vector<UsbCamera>& cameras, Clock::time_point now) {
+    std::vector<Plugged> plugged;
+    bool came = false;
+    for (const UsbCamera& camera : cameras) {
+        const Clock::time_point since = this->since(camera);
+        const bool known = since != Clock::time_point::min();
+        came = came || !known;
+        plugged.push_back({camera, known ? since : now});
+    }
+    plugged_ = std::move(plugged);
+    return came;
+}
+
+PluggedCameras::Clock::time_point PluggedCameras::since(const UsbCamera& camera) const {
+    const auto known = std::find_if(plugged_.begin(), plugged_.end(),
+                                    [&](const Plugged& p) { return same_plugging(p.camera, camera); });
+    return known == plugged_.end() ? Clock::time_point::min() : known->since;
+}
 
 std::string UsbCamera::model() const {
     const ZedCamera* known = zed();

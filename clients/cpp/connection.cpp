@@ -3,16 +3,50 @@
 
 #include <algorithm>
 #include <exception>
+#include <fstream>
 #include <random>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
-#include "clients/cpp/token_file.h"
+#include <sys/stat.h>
+
 #include "proto/monotonic_clock.h"
 #include "proto/text.h"
 
 namespace disparity {
 namespace {
+
+/// Reads a token: of the first line that is neither empty nor begins with #, the last word. A line of the daemon's
+/// file, "view TOKEN", will do. An empty path gives an empty token. Throws std::invalid_argument with one line when the
+/// file cannot be read or holds none, and when every user may read it.
+std::string read_token(const std::string& path) {
+    if (path.empty()) {
+        return {};
+    }
+    struct stat facts {};
+    const bool found = ::stat(path.c_str(), &facts) == 0;
+    if (found && !S_ISREG(facts.st_mode) && !S_ISDIR(facts.st_mode)) {  // a pipe would be waited for
+        throw std::invalid_argument(path + ": the file with the token is not a regular file, allowed: a regular file");
+    }
+    std::ifstream file(path);
+    if (!found || !file || S_ISDIR(facts.st_mode)) {
+        throw std::invalid_argument(path + ": the file with the token cannot be read");
+    }
+    if ((facts.st_mode & (S_IROTH | S_IWOTH)) != 0) {
+        throw std::invalid_argument(path + ": every user may read the token; chmod o-rw " + path);
+    }
+    constexpr const char* blanks = " \t\r";
+    std::string line;
+    while (std::getline(file, line)) {
+        line.erase(line.find_last_not_of(blanks) + 1);
+        if (!line.empty() && line.front() != '#') {
+            return line.substr(line.find_last_of(blanks) + 1);
+        }
+    }
+    throw std::invalid_argument(path + ": holds no token; write one into its first line");
+}
 
 namespace proto = disparityd::proto;
 namespace v1 = disparityd::v1;

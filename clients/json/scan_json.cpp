@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clients/json/scan_json.h"
 
-#include "clients/json/scan_words.h"
-
 namespace disparityd::json {
 namespace {
 

@@ -14,7 +14,7 @@
 
 #include <unistd.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/message_text.h"
 #include "base/text_file.h"
 #include "daemon/config/config_keys.h"

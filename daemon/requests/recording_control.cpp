@@ -11,7 +11,6 @@
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
 
-#include "base/error_text.h"
 #include "base/failure_text.h"
 #include "base/message_text.h"
 #include "base/out_of_memory.h"

@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "daemon/config/socket_address.h"
 #include "daemon/log.h"
 

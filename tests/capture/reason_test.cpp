@@ -10,7 +10,6 @@
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
-#include "base/error_text.h"
 #include "base/failure_text.h"
 #include "base/text_file.h"
 #include "capture/camera/camera_problem.h"

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/scan_bins.h"
+#include "kernels/scan_counts.h"
 #include "obstacles/band.h"
 #include "obstacles/scan_geometry.h"
 #include "tests/kernels/support.h"

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/eval/fair_table.h"
-#include "tools/eval/median.h"
+#include "tools/eval/means.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scene.h"

@@ -17,7 +17,6 @@
 #include "tools/images/colour_map.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
-#include "tools/images/legend.h"
 #include "tools/images/picture.h"
 
 namespace disparityd::images {

@@ -7,7 +7,7 @@
 
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/progress.h"
-#include "tools/eval/median.h"
+#include "tools/eval/means.h"
 
 namespace disparityd::bench {
 namespace {

@@ -12,7 +12,7 @@
 #include <openssl/x509v3.h>
 
 #include "base/text_file.h"
-#include "tools/certificates/new_file.h"
+#include "tools/certificates/certificate_files.h"
 #include "tools/certificates/pem.h"
 
 namespace disparityd::tools {

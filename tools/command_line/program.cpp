@@ -4,7 +4,10 @@
 #include <csignal>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,11 +20,32 @@
 #include "base/program_end.h"
 #include "base/version.h"
 #include "base/words.h"
-#include "tools/command_line/plain_help.h"
 #include "tools/command_line/printable_output.h"
 
 namespace disparityd::tools {
 namespace {
+
+class PlainFormatter : public CLI::Formatter {
+public:
+    std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+        std::string name = CLI::Formatter::make_option_name(option, is_positional);
+        constexpr std::string_view value_of_opposite = "{false}";
+        if (const auto at = name.find(value_of_opposite); at != std::string::npos) {
+            name.erase(at, value_of_opposite.size());
+        }
+        return name;
+    }
+};
+
+/// Prints --help of the program and its sub-commands as people write options: "--median, --no-median" and not CLI11's
+/// "--median,--no-median{false}".
+void use_plain_help(CLI::App& app) {
+    const auto formatter = std::make_shared<PlainFormatter>();
+    app.formatter(formatter);
+    for (CLI::App* const command : app.get_subcommands({})) {
+        command->formatter(formatter);
+    }
+}
 
 std::string program = "disparityctl";
 

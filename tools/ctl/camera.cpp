@@ -8,7 +8,6 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 namespace {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <memory>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -14,6 +19,7 @@
 #include "base/words.h"
 #include "calibration/depth_range.h"
 #include "calibration/empty_result/empty_result.h"
+#include "capture/frame_source.h"
 #include "capture/images/image_sequence.h"
 #include "kernels/large_buffer.h"
 #include "obstacles/scan_stage.h"
@@ -23,23 +29,91 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/dataset_range.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/limited_source.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/process_output.h"
 #include "tools/ctl/process_report.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
+#include "tools/datasets/announced_range.h"
 #include "tools/images/disparity_file.h"
 
 namespace disparityd::tools {
 namespace {
+
+/// Ends a source after a number of frames. Threads as FrameSource.
+class LimitedSource final : public capture::FrameSource {
+public:
+    LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames);
+
+    const capture::SourceInfo& info() const override { return info_; }
+    Next next(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline) override;
+    void give_back(const capture::RawFrame& frame) noexcept override { source_->give_back(frame); }
+    void interrupt() noexcept override { source_->interrupt(); }
+
+private:
+    std::unique_ptr<capture::FrameSource> source_;
+    capture::SourceInfo info_;
+    std::uint64_t left_;
+};
+
+LimitedSource::LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames)
+    : source_(std::move(source)), info_(source_->info()), left_(frames) {
+    info_.frame_count = std::min(info_.frame_count.value_or(frames), frames);
+}
+
+capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
+                                               std::chrono::steady_clock::time_point deadline) {
+    if (left_ == 0) {
+        return Next::end;
+    }
+    const Next got = source_->next(frame, deadline);
+    if (got == Next::frame) {
+        --left_;
+    }
+    return got;
+}
+
+constexpr int candidates_step = 16, most_candidates = 256;
+
+std::string candidates(int first, int count) {
+    return std::to_string(first) + " to " + std::to_string(first + count - 1) + " px";
+}
+
+/// Returns how many candidates are searched where the command line says nothing: as many as the files of a dataset ask
+/// for (tools/datasets/announced_range.h), else `usual`. A note tells of it, and of a range that does not reach as far
+/// as these files say. `calibration` is the file given instead of the source's own; empty: none.
+int dataset_disparities(const std::string& source, const std::string& calibration, const MatchArguments& match,
+                        int usual) {
+    auto announced = datasets::range_of_images(source);
+    if (!calibration.empty()) {
+        const auto of_calibration = datasets::range_of_calibration(calibration);
+        announced = of_calibration ? of_calibration : announced;
+    }
+    if (!announced) {
+        return usual;
+    }
+    const int first = match.d_min();
+    const double needed = std::ceil((std::floor(announced->largest) + 1 - first) / candidates_step) * candidates_step;
+    const int taken = static_cast<int>(std::clamp(needed, double{candidates_step}, double{most_candidates}));
+    const int searched = match.disparities().value_or(taken);
+    if (searched < needed) {
+        print_note(announced->origin + ", more than is searched: " + candidates(first, searched) +
+                   "; what is nearer is not measured" +
+                   (match.disparities() && taken > searched ? "; --disparities " + std::to_string(taken) +
+                                                                  (taken < needed ? " reaches farther" : " reaches it")
+                                                            : ""));
+    } else if (!match.disparities() && taken != usual) {
+        print_note(announced->origin + ": " + candidates(first, taken) + " are searched");
+    }
+    return taken;
+}
 
 constexpr int default_disparities = 64;
 

@@ -15,7 +15,6 @@
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
-#include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 namespace {

@@ -15,7 +15,6 @@
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
-#include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"

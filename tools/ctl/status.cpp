@@ -10,7 +10,6 @@
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 namespace {

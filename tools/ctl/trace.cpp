@@ -6,14 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/words.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/output_file.h"
-#include "tools/ctl/status_message.h"
 #include "tools/ctl/trace_json.h"
 
 namespace disparityd::tools {

@@ -1,21 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
 #include <stdexcept>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "clients/cpp/disparity_client.hpp"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
-#include "tools/ctl/latency_window.h"
-#include "tools/ctl/no_frame.h"
 
 namespace disparityd::tools {
 namespace {
+
+/// Collects the latencies and losses of the frames of one interval.
+class LatencyWindow {
+public:
+    void add(const disparity::Frame& frame);
+
+    struct Summary {
+        std::uint64_t frames = 0;
+        double p50_ms = 0;  ///< 0 when there were no frames
+        double p99_ms = 0;
+        std::uint64_t dropped = 0;  ///< lost before the daemon published
+        std::uint64_t skipped = 0;  ///< published, but not read here
+    };
+    /// Returns the summary of all frames added since the call before.
+    Summary take();
+
+private:
+    std::vector<std::int64_t> ages_ns_;
+    std::uint64_t dropped_ = 0;
+    std::uint64_t skipped_ = 0;
+};
+
+/// Returns the smallest value that at least `percent` of all values do not exceed.
+double percentile_ms(const std::vector<std::int64_t>& sorted_ns, std::size_t percent) {
+    if (sorted_ns.empty()) {
+        return 0;
+    }
+    const std::size_t rank = (sorted_ns.size() * percent + 99) / 100;
+    return static_cast<double>(sorted_ns[std::max<std::size_t>(rank, 1) - 1]) / 1e6;
+}
+
+void LatencyWindow::add(const disparity::Frame& frame) {
+    ages_ns_.push_back(frame.age_ns);
+    dropped_ += frame.dropped_before;
+    skipped_ += frame.skipped;
+}
+
+LatencyWindow::Summary LatencyWindow::take() {
+    std::sort(ages_ns_.begin(), ages_ns_.end());
+    const Summary summary{ages_ns_.size(), percentile_ms(ages_ns_, 50), percentile_ms(ages_ns_, 99), dropped_,
+                          skipped_};
+    ages_ns_.clear();
+    dropped_ = 0;
+    skipped_ = 0;
+    return summary;
+}
 
 using std::chrono::steady_clock;
 

@@ -8,8 +8,13 @@
 
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
+#include "tools/eval/matcher_result.h"
 
 namespace disparityd::eval {
+
+/// Matches a rectified pair (grey or BGR, equal sizes) `repeat` times. Throws as Backend::create does.
+MatcherResult run_ours(const Backend& backend, const MatchOptions& options, const cv::Mat& left, const cv::Mat& right,
+                       Parallel& workers, int repeat);
 
 /// A rectified pair on its way through a matcher: owns what FrameView refers to. One thread at a time.
 class FrameBuffers {

@@ -5,11 +5,16 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
+#include "calibration/empty_result/empty_result.h"
 #include "capture/scene/scene_source.h"
 #include "pipeline/worker_pool.h"
 #include "tools/command_line/interrupt.h"
@@ -18,15 +23,13 @@
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
 #include "tools/eval/confidence/reliability_report.h"
-#include "tools/eval/empty_scene.h"
-#include "tools/eval/error_picture.h"
 #include "tools/eval/eval_arguments.h"
-#include "tools/eval/fair_opencv.h"
 #include "tools/eval/fair_table.h"
+#include "tools/eval/frame_buffers.h"
 #include "tools/eval/halves.h"
+#include "tools/eval/matcher_result.h"
 #include "tools/eval/noise.h"
 #include "tools/eval/opencv_matcher.h"
-#include "tools/eval/our_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
@@ -37,10 +40,94 @@
 #include "tools/eval/summary.h"
 #include "tools/eval/thin_widths.h"
 #include "tools/eval/wins.h"
+#include "tools/images/colour_map.h"
 #include "tools/images/image_file.h"
+#include "tools/images/picture.h"
 
 namespace disparityd::eval {
 namespace {
+
+cv::Mat luma_of(const cv::Mat& image) {
+    cv::Mat converted = image;
+    if (image.channels() == 3) {
+        cv::cvtColor(image, converted, cv::COLOR_BGR2GRAY);
+    }
+    return converted;
+}
+
+Plane<const std::uint8_t> view_of(const cv::Mat& image) {
+    return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
+}
+
+/// One line for people where hardly a pixel of the scene was measured, with the likely cause; empty otherwise, and of
+/// results without confidences.
+std::string empty_scene_note(const Scene& scene, const MatcherResult& result) {
+    if (result.confidence.empty()) {
+        return {};
+    }
+    const cv::Mat left = luma_of(scene.left), right = luma_of(scene.right);
+    empty_result::EmptyResult counted(result.range);
+    counted.add(view_of(left), view_of(right), {result.confidence.data(), result.width, result.height, result.width});
+    const std::string note = counted.note(std::nullopt);
+    return note.empty() ? note : scene.name + ": " + note;
+}
+
+const cv::Vec3b wrong(40, 40, 230);
+const cv::Vec3b wrong_and_occluded(30, 150, 240);
+const cv::Vec3b rejected(200, 110, 30);
+const cv::Vec3b no_truth(24, 70, 16);
+constexpr double level_of_one_px = 160;
+
+cv::Vec3b grey_of(double error) {
+    return cv::Vec3b::all(static_cast<std::uint8_t>(std::lround(error * level_of_one_px)));
+}
+
+cv::Vec3b judge(float disparity, float truth, bool occluded) {
+    if (!std::isfinite(truth)) {
+        return no_truth;
+    }
+    if (!std::isfinite(disparity)) {
+        return rejected;
+    }
+    const float error = std::abs(disparity - truth);
+    if (error > 1.0F) {
+        return occluded ? wrong_and_occluded : wrong;
+    }
+    return grey_of(error);
+}
+
+cv::Mat error_legend(int height) {
+    return images::colour_legend(height, "error",
+                                 {{grey_of(0), "0 px"},
+                                  {grey_of(0.5), "0.5 px"},
+                                  {grey_of(1), "1 px"},
+                                  {wrong, "over 1 px"},
+                                  {wrong_and_occluded, "over 1 px, occluded"},
+                                  {rejected, "rejected"},
+                                  {no_truth, "no ground truth"}});
+}
+
+/// Left image, coloured disparity, then where it is wrong: grey by error up to 1 px (black = none), red beyond 1 px,
+/// orange beyond 1 px but occluded, blue rejected, dark green without truth; then the scale of the
+/// disparity's colours and a legend of the errors'.
+cv::Mat error_picture(const Scene& scene, const MatcherResult& result) {
+    const images::FloatMap disparity = images::to_float(result.map());
+    cv::Mat errors(result.height, result.width, CV_8UC3);
+    for (int y = 0; y < result.height; ++y) {
+        for (int x = 0; x < result.width; ++x) {
+            const auto i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(result.width) + static_cast<std::size_t>(x);
+            const bool occluded = !scene.non_occluded.empty() && scene.non_occluded[i] == 0;
+            errors.at<cv::Vec3b>(y, x) = judge(disparity.at(x, y), scene.truth.at(x, y), occluded);
+        }
+    }
+    // The range that covers the truth: the same colours for every method, so that their pictures can be compared.
+    const images::ColourScale scale = images::whole_range(result.range);
+    const cv::Mat bar = images::scale_bar(result.height, scale, {});
+    const cv::Mat all = images::picture(scene.left, result.map(), scale, {});
+    const cv::Mat left_and_disparity = all(cv::Rect(0, 0, 2 * result.width, result.height));
+    return images::side_by_side({left_and_disparity, errors, bar, error_legend(result.height)});
+}
 
 std::vector<Method> methods_of(const EvalArguments& arguments) {
     std::vector<Method> methods;
@@ -417,6 +504,7 @@ int evaluate(EvalArguments arguments) {
 }
 
 }  // namespace
+
 }  // namespace disparityd::eval
 
 int main(int argc, char** argv) {

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command_line/table.h"
-#include "tools/eval/rounded_number.h"
 
 namespace disparityd::eval {
 namespace {

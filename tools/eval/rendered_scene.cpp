@@ -13,7 +13,6 @@
 #include "capture/scene/scene_camera.h"
 #include "capture/scene/scene_options.h"
 #include "capture/scene/scene_render.h"
-#include "capture/scene/scene_truth.h"
 #include "kernels/reference/steps.h"
 
 namespace disparityd::eval {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/eval/scene_to_judge.h"
+#include "tools/eval/scene.h"
 
 namespace disparityd::eval {
 

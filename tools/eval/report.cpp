@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command_line/table.h"
-#include "tools/eval/rounded_number.h"
+#include "tools/eval/means.h"
 
 namespace disparityd::eval {
 namespace {

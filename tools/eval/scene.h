@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,17 @@ Scene read_scene(const datasets::DatasetScene& files, double scale);
 /// The smallest multiple of 16, 16 .. 256, of candidates 0, 1, ... that reach every known disparity and the bound
 /// `ndisp` (0 = none is given).
 int covering_disparities(const images::FloatMap& truth, int ndisp);
+
+/// A scene before it is in memory.
+struct SceneToJudge {
+    std::string name;
+    int disparities = 0;  ///< number of candidates; 0 = as the scene needs
+    std::function<Scene()> read;
+};
+
+/// Returns a scene of which there are files; `scale` as read_scene() takes it.
+inline SceneToJudge scene_of_files(const datasets::DatasetScene& files, int disparities, double scale) {
+    return {files.name, disparities, [files, scale] { return read_scene(files, scale); }};
+}
 
 }  // namespace disparityd::eval

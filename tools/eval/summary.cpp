@@ -12,7 +12,7 @@
 
 #include "base/number_text.h"
 #include "tools/command_line/table.h"
-#include "tools/eval/rounded_number.h"
+#include "tools/eval/means.h"
 
 namespace disparityd::eval {
 namespace {

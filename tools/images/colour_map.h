@@ -2,8 +2,12 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
+
+#include "tools/images/disparity_map.h"
 
 namespace disparityd::images {
 
@@ -21,5 +25,21 @@ struct ColourScale {
 
 /// The colour of a disparity.
 cv::Vec3b colour_of(double disparity, const ColourScale& scale);
+
+/// A bar of colours with px labels and, where the metric is known, distances in m; below it the colour of rejected
+/// pixels. It has `height` rows, or more where its text needs them.
+cv::Mat scale_bar(int height, const ColourScale& scale, const Metric& metric);
+
+/// A colour (BGR) and what it means.
+struct LegendRow {
+    cv::Vec3b colour;
+    std::string meaning;
+};
+
+/// The rows below a heading. It has `height` rows of pixels, or more where its text needs them.
+cv::Mat colour_legend(int height, const std::string& heading, const std::vector<LegendRow>& rows);
+
+/// BGR pictures beside each other, their upper edges on one line; lower ones are filled up with the background.
+cv::Mat side_by_side(const std::vector<cv::Mat>& parts);
 
 }  // namespace disparityd::images

@@ -13,7 +13,7 @@
 #include <locale>
 #include <stdexcept>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::images {

@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "capture/images/image_files.h"
 
 namespace disparityd::images {

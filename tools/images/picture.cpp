@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "tools/images/legend.h"
+#include "tools/images/colour_map.h"
 
 namespace disparityd::images {
 

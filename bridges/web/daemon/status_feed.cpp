@@ -27,7 +27,7 @@ std::shared_ptr<const v1::Status> ask(disparity::Client& client) {
 }
 
 /// Returns what the daemon serves. While it prepares its first source it does not know.
-std::vector<disparity::Product> products_of(const v1::Status& status) {
+std::vector<disparity::Product> served_products(const v1::Status& status) {
     std::vector<disparity::Product> products;
     for (const int product : status.products()) {
         products.push_back(static_cast<disparity::Product>(product));
@@ -81,7 +81,7 @@ void StatusFeed::serve() {
     do {
         if (steady_clock::now() >= next) {
             state.status = ask(client);
-            state.products = products_of(*state.status);
+            state.products = served_products(*state.status);
             on_state_(state);
             next = steady_clock::now() + interval;
         }

@@ -1,17 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/foxglove/encoded_frame.h"
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 
 #include "bridges/web/foxglove/camera_info_message.h"
+#include "bridges/web/foxglove/cdr_writer.h"
 #include "bridges/web/foxglove/image_messages.h"
 #include "bridges/web/foxglove/laser_scan_message.h"
+#include "bridges/web/foxglove/message_header.h"
 #include "bridges/web/foxglove/point_cloud_message.h"
-#include "bridges/web/foxglove/transform_message.h"
 
 namespace disparityd::foxglove {
 namespace {
+
+/// Returns a tf2_msgs/msg/TFMessage that turns camera_frame (z up) into left_frame (z ahead), so that a viewer shows
+/// points upright.
+Bytes optical_transform(std::int64_t realtime_ns) {
+    CdrWriter cdr(192);
+    cdr.length(1);
+    write_header(cdr, realtime_ns, camera_frame);
+    cdr.text(left_frame);
+    cdr.f64_array(std::array{0.0, 0.0, 0.0});         // both are in the same place
+    cdr.f64_array(std::array{-0.5, 0.5, -0.5, 0.5});  // x, y, z, w: a third of a turn about (-1, 1, -1)
+    return cdr.take();
+}
 
 using disparity::Frame;
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,11 +12,26 @@
 #include "bridges/web/foxglove/channels.h"
 #include "bridges/web/foxglove/client_text.h"
 #include "bridges/web/foxglove/encoded_frame.h"
-#include "bridges/web/foxglove/server_text.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 
 namespace disparityd::foxglove {
+
+// The texts of the server. They are JSON; bytes from outside that are not UTF-8 are replaced.
+
+/// What the server tells of itself.
+struct ServerFacts {
+    std::string name;             ///< "disparityd"
+    std::string version;          ///< "1.2.3"
+    std::string session_id = {};  ///< the same for all connections of one server, another one after its restart
+};
+
+enum class Level { info = 0, warning = 1, error = 2 };
+
+std::string server_info_text(const ServerFacts& facts);
+std::string status_text(Level level, std::string_view message);
+std::string advertise_text(std::span<const ChannelFacts> channels);
+std::string unadvertise_text(std::span<const Channel> channels);
 
 /// Subprotocols of WebSocket that a viewer may ask for. They are the same protocol; the server takes the first one of
 /// the viewer's that is here.

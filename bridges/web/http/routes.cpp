@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/http/routes.h"
 
+#include <algorithm>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 
-#include "bridges/web/daemon/frame_request.h"
+#include "bridges/web/daemon/hub.h"
 #include "bridges/web/foxglove/message_schemas.h"
 #include "bridges/web/http/page_files.h"
 #include "bridges/web/images/colours.h"
@@ -18,6 +22,68 @@
 #include "clients/json/message_json.h"
 
 namespace disparityd::web {
+namespace {
+
+/// Waits for one frame with these products, for a snapshot. The network's thread calls it.
+class FrameRequest : public Listener, public std::enable_shared_from_this<FrameRequest> {
+public:
+    using Answer = std::function<void(std::shared_ptr<const LiveFrame>)>;
+
+    /// Calls `answer` once, with the first frame that has all the `needed` products, or with nullptr after 3 s. Frames
+    /// have the `welcome` ones, too, where the daemon serves them.
+    static void start(boost::asio::io_context& network, Hub& hub, std::set<disparity::Product> needed,
+                      const std::set<disparity::Product>& welcome, Answer answer);
+
+    void on_frame(const std::shared_ptr<const LiveFrame>& frame) override;
+    void on_state(const DaemonState&) override {}
+    void on_sensors(const disparity::SensorBatch&) override {}
+    Wants wants() const override;
+
+private:
+    FrameRequest(boost::asio::io_context& network, Hub& hub) : hub_(hub), timer_(network) {}
+    void finish(const std::shared_ptr<const LiveFrame>& frame);
+
+    Hub& hub_;
+    boost::asio::steady_timer timer_;
+    std::set<disparity::Product> needed_;
+    std::set<disparity::Product> wanted_;
+    Answer answer_;
+};
+
+void FrameRequest::start(boost::asio::io_context& network, Hub& hub, std::set<disparity::Product> needed,
+                         const std::set<disparity::Product>& welcome, Answer answer) {
+    constexpr std::chrono::seconds patience{3};
+    const std::shared_ptr<FrameRequest> request(new FrameRequest(network, hub));
+    request->wanted_ = needed;
+    request->wanted_.insert(welcome.begin(), welcome.end());
+    request->needed_ = std::move(needed);
+    request->answer_ = std::move(answer);
+    request->timer_.expires_after(patience);
+    // The timer keeps the request alive.
+    request->timer_.async_wait([request](const boost::system::error_code&) { request->finish(nullptr); });
+    hub.add(request);
+}
+
+void FrameRequest::on_frame(const std::shared_ptr<const LiveFrame>& frame) {
+    const auto has = [&](disparity::Product product) { return frame->frame.plane(product) != nullptr; };
+    if (std::all_of(needed_.begin(), needed_.end(), has)) {
+        finish(frame);
+    }
+}
+
+Wants FrameRequest::wants() const {
+    return answer_ ? Wants{wanted_, false} : Wants{};
+}
+
+void FrameRequest::finish(const std::shared_ptr<const LiveFrame>& frame) {
+    if (const Answer answer = std::exchange(answer_, nullptr)) {
+        timer_.cancel();
+        hub_.update_wants();
+        answer(frame);
+    }
+}
+
+}  // namespace
 
 namespace http = boost::beast::http;
 using disparity::Product;

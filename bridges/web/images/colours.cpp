@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/planes.h"
 
 namespace disparityd::web {
 namespace {

@@ -12,8 +12,8 @@
 #include <opencv2/imgproc.hpp>
 #include <zlib.h>
 
-#include "bridges/web/frames/depth.h"
 #include "bridges/web/frames/jpeg.h"
+#include "bridges/web/frames/planes.h"
 #include "bridges/web/images/colours.h"
 
 namespace disparityd::web {

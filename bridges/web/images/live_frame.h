@@ -7,11 +7,18 @@
 #include <string>
 
 #include "bridges/web/foxglove/encoded_frame.h"
-#include "bridges/web/images/depth_grid.h"
 #include "bridges/web/images/image_view.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::web {
+
+/// A part of the depth image for a cloud of points: pixel (i, j) is that at (i * step, j * step) of the whole image.
+struct DepthGrid {
+    int step = 1;
+    int width = 0;
+    int height = 0;
+    std::shared_ptr<const std::string> bytes;  ///< u16, mm; 0 = unknown, 65535 = too far; zlib's format
+};
 
 /// A frame of the daemon on its way to the connections. `frame` does not change any more.
 struct LiveFrame {

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/planes.h"
 
 namespace disparityd::web {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/version.h"
-#include "bridges/web/frames/depth.h"
+#include "bridges/web/frames/planes.h"
 #include "clients/json/message_json.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"

@@ -1,17 +1,169 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/metrics/prometheus_text.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <google/protobuf/message.h>
 
-#include "bridges/web/metrics/exposition.h"
+#include "proto/text.h"
 
 namespace disparityd::web {
 namespace {
+
+/// A label of a sample. The value may be any bytes.
+struct Label {
+    std::string_view name;
+    std::string_view value;
+};
+
+/// Writes Prometheus' text format 0.0.4: metric by metric, each with its help and type before its samples. Names and
+/// helps are the program's own and must be as the format wants them; values of labels come from anywhere and are
+/// escaped.
+class Exposition {
+public:
+    using Labels = std::initializer_list<Label>;
+
+    /// Begins a metric of several samples.
+    void begin(std::string_view name, std::string_view type, std::string_view help);
+    void sample(Labels labels, double value);
+    void sample(Labels labels, std::uint64_t value);
+
+    /// Writes a metric of one sample without labels.
+    void gauge(std::string_view name, std::string_view help, double value);
+    void counter(std::string_view name, std::string_view help, std::uint64_t value);
+
+    /// Writes a gauge that is 1, for what its labels say.
+    void info(std::string_view name, std::string_view help, Labels labels);
+
+    /// Writes a gauge for each of `states`, and for "other": 1 for the one that is `now`, else 0. A state that is not
+    /// among them is the "other" one: a newer daemon may have it.
+    void states(std::string_view name, std::string_view help, std::span<const std::string_view> states,
+                std::string_view now);
+
+    /// Writes one histogram of the metric that was begun: `up_to` counts what is at most as large as each of `bounds`,
+    /// `count` all.
+    void histogram(Labels labels, std::span<const double> bounds, std::span<const std::uint64_t> up_to,
+                   std::uint64_t count, double sum);
+
+    std::string take() { return std::move(text_); }
+
+private:
+    void put_name(std::string_view suffix, Labels labels, const Label* last);
+    void line(std::string_view suffix, Labels labels, const Label* last, std::string_view value);
+
+    std::string text_;
+    std::string name_;
+};
+
+std::string number(double value) {
+    if (std::isnan(value)) {
+        return "NaN";
+    }
+    if (std::isinf(value)) {
+        return value > 0 ? "+Inf" : "-Inf";
+    }
+    return fmt::format("{}", value);
+}
+
+/// Returns a label's value as it stands between quotes: valid UTF-8 on one line.
+std::string escaped(std::string_view value) {
+    std::string out;
+    for (const char byte : proto::to_valid_utf8(value)) {
+        switch (byte) {
+            case '\\': out += "\\\\"; break;
+            case '"': out += "\\\""; break;
+            case '\n': out += "\\n"; break;
+            // Other control characters mean nothing in a name, and parsers differ about them.
+            default: out += static_cast<unsigned char>(byte) < 0x20 || byte == 0x7f ? '?' : byte;
+        }
+    }
+    return out;
+}
+
+void Exposition::begin(std::string_view name, std::string_view type, std::string_view help) {
+    name_ = name;
+    text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
+}
+
+void Exposition::sample(Labels labels, double value) {
+    line("", labels, nullptr, number(value));
+}
+
+void Exposition::sample(Labels labels, std::uint64_t value) {
+    line("", labels, nullptr, fmt::format("{}", value));
+}
+
+void Exposition::gauge(std::string_view name, std::string_view help, double value) {
+    begin(name, "gauge", help);
+    sample({}, value);
+}
+
+void Exposition::counter(std::string_view name, std::string_view help, std::uint64_t value) {
+    begin(name, "counter", help);
+    sample({}, value);
+}
+
+void Exposition::info(std::string_view name, std::string_view help, Labels labels) {
+    begin(name, "gauge", help);
+    sample(labels, std::uint64_t{1});
+}
+
+void Exposition::states(std::string_view name, std::string_view help, std::span<const std::string_view> states,
+                        std::string_view now) {
+    begin(name, "gauge", help);
+    const auto put = [this](std::string_view state, bool is) { sample({{"state", state}}, std::uint64_t{is}); };
+    for (const std::string_view state : states) {
+        put(state, state == now);
+    }
+    put("other", std::find(states.begin(), states.end(), now) == states.end());
+}
+
+void Exposition::histogram(Labels labels, std::span<const double> bounds, std::span<const std::uint64_t> up_to,
+                           std::uint64_t count, double sum) {
+    for (std::size_t i = 0; i < std::min(bounds.size(), up_to.size()); ++i) {
+        const std::string bound = number(bounds[i]);
+        const Label last{"le", bound};
+        line("_bucket", labels, &last, fmt::format("{}", up_to[i]));
+    }
+    const Label all{"le", "+Inf"};
+    line("_bucket", labels, &all, fmt::format("{}", count));
+    line("_sum", labels, nullptr, number(sum));
+    line("_count", labels, nullptr, fmt::format("{}", count));
+}
+
+void Exposition::put_name(std::string_view suffix, Labels labels, const Label* last) {
+    text_ += name_;
+    text_ += suffix;
+    char before = '{';
+    const auto put = [&](const Label& label) {
+        text_ += fmt::format("{}{}=\"{}\"", before, label.name, escaped(label.value));
+        before = ',';
+    };
+    for (const Label& label : labels) {
+        put(label);
+    }
+    if (last != nullptr) {
+        put(*last);
+    }
+    text_ += before == ',' ? "}" : "";
+}
+
+void Exposition::line(std::string_view suffix, Labels labels, const Label* last, std::string_view value) {
+    put_name(suffix, labels, last);
+    text_ += ' ';
+    text_ += value;
+    text_ += '\n';
+}
 
 using namespace std::string_view_literals;
 

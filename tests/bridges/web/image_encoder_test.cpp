@@ -11,7 +11,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <zlib.h>
 
-#include "bridges/web/frames/depth.h"
 #include "bridges/web/frames/planes.h"
 #include "bridges/web/images/colours.h"
 #include "bridges/web/images/snapshot.h"

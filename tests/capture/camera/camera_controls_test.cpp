@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "capture/camera/camera_source.h"
-#include "capture/camera/control_overrides.h"
 #include "capture/camera/zed_controls.h"
 #include "tests/capture/camera/fake_camera.h"
 

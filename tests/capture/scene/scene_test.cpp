@@ -7,7 +7,6 @@
 #include "capture/frame_source.h"
 #include "capture/scene/scene_options.h"
 #include "capture/scene/scene_render.h"
-#include "capture/scene/scene_truth.h"
 #include "tests/capture/images/image_fixture.h"
 
 namespace disparityd::capture {

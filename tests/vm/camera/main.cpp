@@ -1,22 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A stereo camera for tests, on the kernel's virtual USB controller. See usage().
+
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include <poll.h>
+#include <sys/socket.h>
 
+#include "tests/vm/camera/camera_model.h"
 #include "tests/vm/camera/command_socket.h"
 #include "tests/vm/camera/commands.h"
-#include "tests/vm/camera/virtual_port.h"
+#include "tests/vm/camera/file_descriptor.h"
+
+using namespace simulated_camera;
 
 namespace {
 
-using namespace simulated_camera;
+const std::string controller = "/sys/devices/platform/vhci_hcd.0";
+
+// The kernel's enum usb_device_speed.
+int speed_number(Link link) {
+    return link == Link::usb3 ? 5 : 3;
+}
+
+// Lines of the status are: hub (hs or ss), port, state, and more; state 4 is a port without device.
+int find_free_port(Link link) {
+    std::ifstream status(controller + "/status");
+    if (!status) {
+        throw std::runtime_error(controller + "/status: not there; load the kernel module vhci-hcd");
+    }
+    const std::string wanted = link == Link::usb3 ? "ss" : "hs";
+    std::string line;
+    while (std::getline(status, line)) {
+        std::istringstream words(line);
+        std::string hub;
+        int port = 0;
+        int state = 0;
+        if (words >> hub >> port >> state && hub == wanted && state == 4) {
+            return port;
+        }
+    }
+    throw std::runtime_error("no free " + wanted + " port of the virtual USB controller");
+}
+
+/// Plugs a device into a free port of the kernel's virtual USB controller (module vhci-hcd): gives back the device's
+/// end of a connection that speaks USB/IP. Closing it unplugs. Throws std::runtime_error without such a controller or
+/// port.
+FileDescriptor plug_into_virtual_port(Link link) {
+    int ends[2];
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+        throw std::runtime_error("no socket pair for a virtual USB port");
+    }
+    FileDescriptor device_end(ends[0]);
+    const FileDescriptor host_end(ends[1]);
+    constexpr int device_number = 1 << 16 | 2;  // bus 1, device 2; the kernel only shows it
+    std::ofstream attach(controller + "/attach");
+    attach << find_free_port(link) << ' ' << host_end.get() << ' ' << device_number << ' ' << speed_number(link)
+           << std::flush;
+    if (!attach) {
+        throw std::runtime_error(controller + "/attach: the kernel refuses a device there");
+    }
+    return device_end;
+}
 
 void usage() {
     std::printf(

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
+#include <iterator>
 #include <numeric>
+#include <stdexcept>
+
+#include "tests/vm/camera/test_pattern.h"
 
 namespace simulated_camera {
-
 namespace {
 
 // The header of a payload (UVC 1.1, 2.4.3.3), in its shortest form: length and flags, no clock.
@@ -25,6 +29,29 @@ bool take_one(int& count) {
 }
 
 }  // namespace
+
+FrameFeed::FrameFeed(const std::string& file) : from_file_(!file.empty()) {
+    if (!from_file_) {
+        return;
+    }
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw std::runtime_error(file + ": cannot be read");
+    }
+    file_.assign(std::istreambuf_iterator<char>(stream), {});
+}
+
+std::span<const std::uint8_t> FrameFeed::frame(std::uint32_t number, std::size_t frame_bytes) {
+    const std::size_t frames_in_file = file_.size() / frame_bytes;
+    if (frames_in_file > 0) {
+        return std::span(file_).subspan(number % frames_in_file * frame_bytes, frame_bytes);
+    }
+    made_.assign(frame_bytes, 0);
+    if (!from_file_) {
+        fill_pattern(number, made_);
+    }
+    return made_;
+}
 
 VideoStream::VideoStream(FrameFeed& feed, Faults& faults, StreamCounters& counters, UsbIpConnection& host)
     : feed_(feed), faults_(faults), counters_(counters), host_(host) {}

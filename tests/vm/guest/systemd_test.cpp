@@ -2,30 +2,177 @@
 //
 // The unit and the udev rules as they are installed, under Debian's systemd and udev, with a camera that goes and
 // comes.
+
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 #include "tests/vm/guest/camera_process.h"
-#include "tests/vm/guest/reading_program.h"
-#include "tests/vm/guest/system_unit.h"
 #include "tests/vm/guest/waiting.h"
 
 namespace vm_guest {
 namespace {
+
+/// What a program said and how it ended.
+struct Said {
+    int status = -1;
+    std::string text;  ///< standard output and error
+};
+
+/// A unit of the guest's systemd.
+class SystemUnit {
+public:
+    explicit SystemUnit(std::string name) : name_(std::move(name)) {}
+
+    /// systemctl VERB UNIT
+    Said order(const std::string& verb) const { return run_system_program({"systemctl", verb, name_}); }
+
+    /// Such as "ActiveState", "StatusText", "MainPID".
+    std::string property(const std::string& property) const;
+    int main_process() const { return std::stoi(property("MainPID")); }
+
+    /// Whether its status line comes to hold the text.
+    bool comes_to_say(const std::string& text) const;
+
+    /// What a failed test shows.
+    std::string journal() const {
+        return run_system_program({"journalctl", "--no-pager", "-n", "40", "-u", name_}).text;
+    }
+
+private:
+    std::string name_;
+};
+
+/// Runs a program of /usr/bin with the system's own libraries and waits for its end.
+Said run_system_program(std::vector<std::string> arguments) {
+    const std::string program = "/usr/bin/" + arguments.front();
+    std::vector<char*> pointers;
+    for (std::string& each : arguments) {
+        pointers.push_back(each.data());
+    }
+    pointers.push_back(nullptr);
+    std::array<int, 2> pipe{};
+    if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
+        throw std::runtime_error("no pipe");
+    }
+    const pid_t process = ::fork();
+    if (process == 0) {
+        ::unsetenv("LD_LIBRARY_PATH");
+        ::dup2(pipe[1], STDOUT_FILENO);
+        ::dup2(pipe[1], STDERR_FILENO);
+        ::execv(program.c_str(), pointers.data());
+        ::_exit(127);
+    }
+    ::close(pipe[1]);
+    Said said;
+    std::array<char, 4096> part{};
+    for (ssize_t got = 0; (got = ::read(pipe[0], part.data(), part.size())) > 0;) {
+        said.text.append(part.data(), static_cast<std::size_t>(got));
+    }
+    ::close(pipe[0]);
+    int status = 0;
+    ::waitpid(process, &status, 0);
+    said.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return said;
+}
+
+std::string SystemUnit::property(const std::string& property) const {
+    std::string text = run_system_program({"systemctl", "show", "--value", "-p", property, name_}).text;
+    while (!text.empty() && text.back() == '\n') {
+        text.pop_back();
+    }
+    return text;
+}
+
+bool SystemUnit::comes_to_say(const std::string& text) const {
+    return eventually([&] { return property("StatusText").find(text) != std::string::npos; });
+}
+
+/// A program in the background that prints a line for each frame that it reads; ended with the object.
+class ReadingProgram {
+public:
+    /// The first argument is the program's path. Programs of the guest's own /usr find their libraries themselves.
+    explicit ReadingProgram(std::vector<std::string> arguments);
+    ~ReadingProgram();
+    ReadingProgram(const ReadingProgram&) = delete;
+    ReadingProgram& operator=(const ReadingProgram&) = delete;
+
+    /// Whether two more lines come from now on: the first may be of a frame that was read before.
+    bool goes_on() const;
+
+    /// All that it has printed, errors too.
+    std::string said() const;
+
+private:
+    std::string file_;
+    pid_t process_ = -1;
+};
+
+ReadingProgram::ReadingProgram(std::vector<std::string> arguments) {
+    static std::atomic<int> programs{0};
+    file_ = "/tmp/said" + std::to_string(++programs);
+    std::vector<char*> pointers;
+    for (std::string& each : arguments) {
+        pointers.push_back(each.data());
+    }
+    pointers.push_back(nullptr);
+    process_ = ::fork();
+    if (process_ == 0) {
+        if (arguments.front().starts_with("/usr/")) {
+            ::unsetenv("LD_LIBRARY_PATH");
+        }
+        const int out = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        ::dup2(out, STDOUT_FILENO);
+        ::dup2(out, STDERR_FILENO);
+        ::execv(pointers.front(), pointers.data());
+        ::_exit(127);
+    }
+}
+
+ReadingProgram::~ReadingProgram() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+}
+
+bool ReadingProgram::goes_on() const {
+    const auto lines = [this] {
+        const std::string text = said();
+        return std::count(text.begin(), text.end(), '\n');
+    };
+    const auto before = lines();
+    // An interpreter that reads its modules takes long under emulation.
+    return eventually([&] { return lines() >= before + 2; }, 4 * patience);
+}
+
+std::string ReadingProgram::said() const {
+    std::ostringstream text;
+    text << std::ifstream(file_).rdbuf();
+    return text.str();
+}
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
@@ -276,4 +423,5 @@ TEST_F(Systemd, StopIsCleanAndLeavesNothing) {
 }
 
 }  // namespace
+
 }  // namespace vm_guest

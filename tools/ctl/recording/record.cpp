@@ -1,36 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include "base/failure_text.h"
+#include "base/start_thread.h"
 #include "base/words.h"
 #include "capture/recording/recorder.h"
 #include "capture/recording/recording_writer.h"
+#include "clients/cpp/disparity_client.hpp"
+#include "proto/disparity.pb.h"
 #include "proto/record_message.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
-#include "tools/ctl/no_frame.h"
 #include "tools/ctl/output_file.h"
-#include "tools/ctl/recording/stop_recording.h"
 #include "tools/ctl/source_arguments.h"
-#include "tools/ctl/status_message.h"
 
 namespace disparityd::tools {
 namespace {
+
+/// Signals within this time count as one: timeout(1) sends two.
+constexpr std::chrono::milliseconds one_signal{200};
+/// Passes between a further signal and the end of the program: the request leaves in this time.
+constexpr std::chrono::seconds last_moment{1};
+constexpr std::chrono::milliseconds look_interval{50};
+
+/// Ends the program soon after a further signal, as long as this lives. A daemon that has the request obeys, whether
+/// somebody waits for the answer or not.
+class EndedByAnotherSignal {
+public:
+    explicit EndedByAnotherSignal(std::string note)
+        : note_(std::move(note)), thread_(base::start_thread([this] { watch(); })) {}
+    ~EndedByAnotherSignal() {
+        {
+            const std::lock_guard lock(mutex_);
+            done_ = true;
+        }
+        changed_.notify_all();
+        thread_.join();
+    }
+    EndedByAnotherSignal(const EndedByAnotherSignal&) = delete;
+    EndedByAnotherSignal& operator=(const EndedByAnotherSignal&) = delete;
+
+private:
+    void watch() {
+        std::unique_lock lock(mutex_);
+        changed_.wait_for(lock, one_signal, [this] { return done_; });
+        const int before = interruptions();
+        while (!done_ && interruptions() == before) {
+            changed_.wait_for(lock, look_interval);
+        }
+        if (!changed_.wait_for(lock, last_moment, [this] { return done_; })) {
+            print_note(note_);
+            std::_Exit(exit_interrupted);
+        }
+    }
+
+    const std::string note_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    bool done_ = false;
+    std::thread thread_;
+};
+
+/// Asks the daemon to end its recording and waits until the file is closed. A signal that comes meanwhile
+/// (catch_interrupts() with SecondSignal::is_kept) hastens this: the request is sent, and the program ends within a
+/// second with exit_interrupted and a note, which names `stop`, the command for a daemon that has not done it.
+/// Throws std::runtime_error with one line where the daemon refuses or does not answer in a minute.
+v1::RecordStatus stop_recording_at_once(disparity::SocketClient& client, const std::string& stop) {
+    std::optional<EndedByAnotherSignal> hastened;
+    try {
+        hastened.emplace("the daemon was told to stop recording and has not answered yet; if it goes on: " + stop);
+    } catch (const std::exception&) {
+        // Where no thread can be started, nothing hastens the stop.
+    }
+    return stop_daemon_recording(client);
+}
 
 using std::chrono::steady_clock;
 

@@ -9,9 +9,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "base/error_text.h"
+#include "base/failure_text.h"
 #include "base/file_lock.h"
-#include "clients/json/scan_words.h"
+#include "clients/json/scan_json.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/output_file.h"
 

@@ -7,7 +7,6 @@
 
 #include "base/message_text.h"
 #include "clients/json/scan_json.h"
-#include "clients/json/scan_words.h"
 #include "tools/command_line/table.h"
 
 namespace disparityd::tools {

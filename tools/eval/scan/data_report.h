@@ -9,7 +9,7 @@
 #include "obstacles/scan_geometry.h"
 #include "obstacles/scan_options.h"
 #include "tools/datasets/dataset.h"
-#include "tools/eval/scene_to_judge.h"
+#include "tools/eval/scene.h"
 
 namespace disparityd::eval {
 
