@@ -33,6 +33,12 @@ KernelInput any_input(Random& random, const KernelCase& kernel) {
                   : kind == 1 ? pick(random, 1, 40)
                               : pick(random, 1, 220);
     input.height = pick(random, 1, 12);
+    // Steps take little time: rows longer than what is worked on at once, and enough rows for several bands.
+    if (kernel.name.starts_with("steps/") && pick(random, 0, 9) == 0) {
+        input.width = pick(random, 505, 1040);
+    } else if (kernel.name.starts_with("steps/") && pick(random, 0, 4) == 0) {
+        input.height = pick(random, 13, 120);
+    }
     input.options = any_options(random, kernel);
     return input;
 }

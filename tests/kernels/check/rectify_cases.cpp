@@ -2,49 +2,39 @@
 // Rectification from every pixel format, with maps and without.
 #include "kernels/cpu/step_kernels.h"
 #include "tests/kernels/check/kernel_case.h"
+#include "tests/kernels/rectify/rectify_inputs.h"
 
 namespace disparityd::test {
 namespace {
 
-/// A captured frame and maps into it: smooth as a camera's, or, hostile, mostly inside, some across the borders, some
-/// far outside.
+/// A captured frame and maps into it: as a camera's, or, hostile, of any kind, into a frame of any size.
 struct RectifyData {
     RectifyData(const KernelInput& from, PixelFormat format, bool mapped)
         : input(from),
           random(from.seed),
-          eye_width((from.width + 5) / 2 * 2),
-          bytes(noise(random, 2 * eye_width * bytes_per_pixel(format) + 5, from.height + 3)),
-          xy(2 * from.width, from.height),
-          fraction(from.width, from.height) {
-        raw = {bytes.plane().data, format, eye_width, bytes.height(), bytes.width()};
-        for (int y = 0; y < input.height; ++y) {
-            for (int x = 0; x < input.width; ++x) {
-                set_map(x, y);
+          any_size(from.hostile && mapped),
+          source(random, format, any_size ? 2 * pick(random, 1, 150) : (from.width + 5) / 2 * 2,
+                 any_size ? pick(random, 1, 90) : from.height + 3),
+          left(random, from.width, from.height, source.raw),
+          right(random, from.width, from.height, source.raw),
+          eye(from.hostile && pick(random, 0, 1) == 0 ? Eye::left : Eye::right) {
+        if (!input.hostile) {
+            for (int y = 0; y < input.height; ++y) {
+                for (int x = 0; x < input.width; ++x) {
+                    right.set(x, y, x + x / 100 + 3 * x % 32 / 32.0, y + (3 * x / 32 + y) % 32 / 32.0);
+                }
             }
         }
-        const RectifyMap map{std::as_const(xy).plane(), std::as_const(fraction).plane()};
-        rectifier = {mapped, map, map, 1, 2};
-    }
-
-    void set_map(int x, int y) {
-        const bool far = input.hostile && pick(random, 0, 19) == 0;
-        const int spread = input.hostile ? 3 : 0;
-        xy.at(2 * x, y) = static_cast<std::int16_t>(far ? pick(random, -32768, 32767) : x + pick(random, -spread, 3));
-        xy.at(2 * x + 1, y) =
-            static_cast<std::int16_t>(far ? pick(random, -32768, 32767) : y + pick(random, -spread, spread));
-        fraction.at(x, y) = static_cast<std::uint16_t>(input.hostile ? pick(random, 0, 1023) : (3 * x + 40 * y) & 1023);
-        if (!input.hostile) {
-            xy.at(2 * x, y) = static_cast<std::int16_t>(x + x / 100);
-        }
+        rectifier = {mapped, left.view(), right.view(), input.hostile ? pick(random, 0, 4) : 1,
+                     input.hostile ? pick(random, 0, 3) : 2};
     }
 
     KernelInput input;
     Random random;
-    int eye_width;
-    Image<std::uint8_t> bytes;
-    Image<std::int16_t> xy;
-    Image<std::uint16_t> fraction;
-    RawImage raw;
+    bool any_size;
+    Source source;
+    Map left, right;
+    Eye eye;
     Rectifier rectifier;
     RunBuffers buffers;
 };
@@ -56,8 +46,8 @@ KernelCase rectify_case(const std::string& name, PixelFormat format, bool mapped
         const auto out = data->buffers.result<std::uint8_t>((colour ? 3 : 1) * input.width, input.height);
         const auto run = [=, &steps] {
             over_parts(data->input, [&](Rows rows) {
-                colour ? steps.rectify_colour(data->raw, Eye::right, data->rectifier, out, rows)
-                       : steps.rectify(data->raw, Eye::right, data->rectifier, out, rows);
+                colour ? steps.rectify_colour(data->source.raw, data->eye, data->rectifier, out, rows)
+                       : steps.rectify(data->source.raw, data->eye, data->rectifier, out, rows);
             });
         };
         return KernelRun{

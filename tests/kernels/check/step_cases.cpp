@@ -8,6 +8,7 @@
 #include "obstacles/band.h"
 #include "obstacles/scan_geometry.h"
 #include "tests/kernels/check/kernel_case.h"
+#include "tests/kernels/post/post_inputs.h"
 
 namespace disparityd::test {
 namespace {
@@ -20,27 +21,39 @@ struct StepData {
     DisparityRange range() const { return input.options.range; }
     std::int16_t invalid() const { return invalid_disparity(range()); }
 
+    Size size() const { return {input.width, input.height}; }
+
     /// Disparities as winner-takes-all and checks leave them: patches with some noise and holes.
     Image<std::int16_t> disparities() {
+        if (input.hostile) {
+            return test::disparities(random, size(), range());
+        }
         Image<std::int16_t> image(input.width, input.height);
-        const int noise = input.hostile ? pick(random, 0, 40) : 4;
-        const int holes = input.hostile ? 30 * pick(random, 0, 3) : 10;
         int patch = 16 * range().first;
         for (std::int16_t& value : image.pixels()) {
             if (pick(random, 0, 14) == 0) {
                 patch = 16 * (range().first + pick(random, 0, range().count - 1));
             }
-            value = static_cast<std::int16_t>(patch + pick(random, -noise, noise));
-            value = pick(random, 0, 99) < holes ? invalid() : value;
+            value = static_cast<std::int16_t>(patch + pick(random, -4, 4));
+            value = pick(random, 0, 99) < 10 ? invalid() : value;
         }
         return image;
     }
-    /// Winners in whole pixels; of the right image some pixels have none.
+    /// Winners in whole pixels; of the right image, and of hostile left ones, some pixels have none.
     Image<std::int16_t> winners(bool right) {
         Image<std::int16_t> image(input.width, input.height);
-        const int spread = input.hostile && pick(random, 0, 1) == 0 ? 2 : range().count - 1;
-        for (std::int16_t& value : image.pixels()) {
-            value = static_cast<std::int16_t>(range().first + pick(random, right ? -1 : 0, spread));
+        if (input.hostile) {
+            image = test::winners(random, size(), range());
+        } else {
+            for (std::int16_t& value : image.pixels()) {
+                value = static_cast<std::int16_t>(range().first + pick(random, -1, range().count - 1));
+            }
+        }
+        const int last = range().first + range().count - 1;
+        if (!right && (!input.hostile || pick(random, 0, 1) == 0)) {
+            for (std::int16_t& value : image.pixels()) {
+                value = static_cast<std::int16_t>(std::clamp<int>(value, range().first, last));
+            }
         }
         return image;
     }
@@ -57,9 +70,29 @@ struct StepData {
         return image;
     }
 
+    /// Disparities of which any share is rejected.
+    Image<std::int16_t> with_holes() {
+        Image<std::int16_t> image = disparities();
+        const int percent = input.hostile ? pick(random, 0, 100) : 0;
+        for (std::int16_t& value : image.pixels()) {
+            value = pick(random, 1, 100) <= percent ? invalid() : value;
+        }
+        return image;
+    }
+
+    /// Who computes bands of a frame: one, or, hostile, several in a shuffled order.
+    Parallel& workers() {
+        if (input.hostile && !several) {
+            several = std::make_unique<ShuffledWorkers>(pick(random, 1, 3), input.seed);
+        }
+        return several ? static_cast<Parallel&>(*several) : serial;
+    }
+
     KernelInput input;
     Random random;
     RunBuffers buffers;
+    Serial serial;
+    std::unique_ptr<ShuffledWorkers> several;
 };
 
 using Data = std::shared_ptr<StepData>;
@@ -132,15 +165,19 @@ Bound bind_speckle(const Data& data, const FrameSteps& steps_to_run) {
     const auto disparity = data->buffers.result<std::int16_t>(data->input.width, data->input.height);
     const auto scratch =
         data->buffers.memory<std::byte>(steps_to_run.speckle_scratch(data->input.width, data->input.height));
-    const int least = data->input.hostile ? pick(data->random, 1, 60) : 100;
-    const int step = data->input.hostile ? pick(data->random, 0, 40) : 16;
-    const int texture = !with_texture ? 0 : data->input.hostile ? pick(data->random, 1, 30) : 2;
-    const auto left = std::make_shared<Image<std::uint8_t>>(data->guide());
-    const auto right = std::make_shared<Image<std::uint8_t>>(data->guide());
+    const bool hostile = data->input.hostile;
+    const int least = hostile ? pick(data->random, 1, pick(data->random, 0, 1) == 0 ? 8 : 400) : 100;
+    const int step = !hostile ? 16 : pick(data->random, 0, 9) == 0 ? 70000 : pick(data->random, 0, 60);
+    const int texture = !with_texture ? 0 : hostile ? pick(data->random, 1, 30) : 2;
+    const auto pair = std::make_shared<TexturedPair>(data->random, data->size());
+    if (!hostile) {
+        pair->left = data->guide();
+        pair->right = data->guide();
+    }
     return {[=](const FrameSteps& steps) {
-                Serial one;
-                steps.speckle(disparity, {data->invalid(), least, step, texture, left->plane(), right->plane()},
-                              scratch, one);
+                steps.speckle(disparity,
+                              {data->invalid(), least, step, texture, pair->left.plane(), pair->right.plane()}, scratch,
+                              data->workers());
             },
             put_back(data->disparities(), disparity)};
 }
@@ -163,10 +200,9 @@ Bound bind_interpolate(const Data& data, const FrameSteps& steps_to_run) {
     const auto scratch =
         data->buffers.memory<std::byte>(steps_to_run.interpolate_scratch(data->input.width, data->input.height));
     return {[=](const FrameSteps& steps) {
-                Serial one;
-                steps.interpolate(disparity, right->plane(), data->range(), scratch, one);
+                steps.interpolate(disparity, right->plane(), data->range(), scratch, data->workers());
             },
-            put_back(data->disparities(), disparity)};
+            put_back(data->with_holes(), disparity)};
 }
 
 Bound bind_depth(const Data& data, const FrameSteps&) {
@@ -174,8 +210,7 @@ Bound bind_depth(const Data& data, const FrameSteps&) {
     const auto depth = data->buffers.result<std::uint16_t>(data->input.width, data->input.height);
     DepthScale scale{672000, 3};
     if (data->input.hostile) {
-        scale = {pick(data->random, 0, 3) * std::int64_t{1} * pick(data->random, 0, 100000000),
-                 pick(data->random, -3000, 3000)};
+        scale = any_scale(data->random);
     }
     return {[=](const FrameSteps& steps) {
                 over_parts(data->input,
@@ -247,13 +282,12 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
 
 Bound bind_depth_error(const Data& data, const FrameSteps&) {
     const auto disparity = std::make_shared<Image<std::int16_t>>(data->disparities());
-    const auto confidence =
-        std::make_shared<Image<std::uint8_t>>(noise(data->random, data->input.width, data->input.height));
+    const auto confidence = std::make_shared<Image<std::uint8_t>>(
+        noise(data->random, data->input.width, data->input.height, 0, pick(data->random, 0, 1) == 0 ? 1 : 255));
     const auto error = data->buffers.result<std::uint16_t>(data->input.width, data->input.height);
     DepthErrorScale scale = depth_error_scale(672000, 3, 64);
     if (data->input.hostile) {
-        scale = depth_error_scale(pick(data->random, 0, 3) * std::int64_t{1} * pick(data->random, 0, 100000000),
-                                  pick(data->random, -3000, 3000), pick(data->random, 1, 1024));
+        scale = any_error_scale(data->random);
     }
     return {[=](const FrameSteps& steps) {
                 over_parts(data->input, [&](Rows rows) {

@@ -17,6 +17,7 @@ struct Size {
     explicit Size(Random& random)
         : width(pick(random, 1, pick(random, 0, 2) == 0 ? 40 : 300)),
           height(pick(random, 1, pick(random, 0, 4) == 0 ? 120 : 30)) {}
+    Size(int of_width, int of_height) : width(of_width), height(of_height) {}
     int width, height;
 };
 
