@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
 #include "base/words.h"
 #include "calibration/board/board.h"
-#include "calibration/board/luma_pair.h"
 #include "calibration/formats/calibration_formats.h"
 #include "capture/images/image_sequence.h"
+#include "kernels/raw_image.h"
+#include "kernels/reference/steps.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
@@ -23,6 +26,31 @@
 
 namespace disparityd::tools {
 namespace {
+
+/// Owns the luma of both eyes of a raw frame, not rectified.
+class LumaPair {
+public:
+    explicit LumaPair(const RawImage& raw);
+
+    Plane<const std::uint8_t> left() const { return {left_.data(), width_, height_, width_}; }
+    Plane<const std::uint8_t> right() const { return {right_.data(), width_, height_, width_}; }
+
+private:
+    int width_;
+    int height_;
+    std::vector<std::uint8_t> left_;
+    std::vector<std::uint8_t> right_;
+};
+
+LumaPair::LumaPair(const RawImage& raw)
+    : width_(raw.eye_width),
+      height_(raw.height),
+      left_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
+      right_(left_.size()) {
+    const Rectifier as_it_is;
+    reference::rectify(raw, Eye::left, as_it_is, {left_.data(), width_, height_, width_}, {0, height_});
+    reference::rectify(raw, Eye::right, as_it_is, {right_.data(), width_, height_, width_}, {0, height_});
+}
 
 constexpr int default_views = 20;
 
@@ -125,7 +153,7 @@ public:
         if (frame_number_++ % static_cast<std::uint64_t>(arguments_.every.value_or(1)) != 0) {
             return;
         }
-        const calibration::LumaPair eyes(frame.image);
+        const LumaPair eyes(frame.image);
         const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
         if (!view) {
             say(frame,
