@@ -43,30 +43,6 @@ struct Said {
     std::string text;  ///< standard output and error
 };
 
-/// A unit of the guest's systemd.
-class SystemUnit {
-public:
-    explicit SystemUnit(std::string name) : name_(std::move(name)) {}
-
-    /// systemctl VERB UNIT
-    Said order(const std::string& verb) const { return run_system_program({"systemctl", verb, name_}); }
-
-    /// Such as "ActiveState", "StatusText", "MainPID".
-    std::string property(const std::string& property) const;
-    int main_process() const { return std::stoi(property("MainPID")); }
-
-    /// Whether its status line comes to hold the text.
-    bool comes_to_say(const std::string& text) const;
-
-    /// What a failed test shows.
-    std::string journal() const {
-        return run_system_program({"journalctl", "--no-pager", "-n", "40", "-u", name_}).text;
-    }
-
-private:
-    std::string name_;
-};
-
 /// Runs a program of /usr/bin with the system's own libraries and waits for its end.
 Said run_system_program(std::vector<std::string> arguments) {
     const std::string program = "/usr/bin/" + arguments.front();
@@ -99,6 +75,30 @@ Said run_system_program(std::vector<std::string> arguments) {
     said.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     return said;
 }
+
+/// A unit of the guest's systemd.
+class SystemUnit {
+public:
+    explicit SystemUnit(std::string name) : name_(std::move(name)) {}
+
+    /// systemctl VERB UNIT
+    Said order(const std::string& verb) const { return run_system_program({"systemctl", verb, name_}); }
+
+    /// Such as "ActiveState", "StatusText", "MainPID".
+    std::string property(const std::string& property) const;
+    int main_process() const { return std::stoi(property("MainPID")); }
+
+    /// Whether its status line comes to hold the text.
+    bool comes_to_say(const std::string& text) const;
+
+    /// What a failed test shows.
+    std::string journal() const {
+        return run_system_program({"journalctl", "--no-pager", "-n", "40", "-u", name_}).text;
+    }
+
+private:
+    std::string name_;
+};
 
 std::string SystemUnit::property(const std::string& property) const {
     std::string text = run_system_program({"systemctl", "show", "--value", "-p", property, name_}).text;
