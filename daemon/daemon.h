@@ -84,6 +84,7 @@ private:
     void tick();
     void watch_source();
     void watch_memory();
+    void watch_load();
     void watch_freed_memory();
     void watch_matcher();
     void watch_threads();

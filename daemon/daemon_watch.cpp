@@ -38,6 +38,7 @@ void Daemon::tick() {
     recording_.check();
     watch_source();
     watch_memory();
+    watch_load();
     watch_freed_memory();
     watch_matcher();
     watch_threads();
@@ -98,6 +99,13 @@ void Daemon::watch_memory() {
     const auto current = engine();
     if (current && current->check_memory()) {
         log_info(current->notices().back());
+    }
+}
+
+void Daemon::watch_load() {
+    const auto current = engine();
+    if (const std::string line = current ? current->check_load() : std::string(); !line.empty()) {
+        log_warning(line);
     }
 }
 

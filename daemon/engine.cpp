@@ -123,15 +123,19 @@ std::optional<int> subpixel_error(const Config& config) {
                : std::nullopt;
 }
 
+/// Returns whether the newest frame wins; `live`: what the source is.
+bool newest_wins(const Config& config, bool live) {
+    return config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
+}
+
 pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const std::vector<ConfiguredStage>& stages) {
-    const bool newest_wins =
-        config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
-    pipeline::PipelineConfig made{.policy = newest_wins ? pipeline::Policy::live : pipeline::Policy::replay,
-                                  .slots = config.pipeline.slots,
-                                  .depth = config.match.depth,
-                                  .left_colour = config.rectify.colour,
-                                  .right_colour = config.rectify.colour && config.rectify.right,
-                                  .depth_error = subpixel_error(config)};
+    pipeline::PipelineConfig made{
+        .policy = newest_wins(config, live) ? pipeline::Policy::live : pipeline::Policy::replay,
+        .slots = config.pipeline.slots,
+        .depth = config.match.depth,
+        .left_colour = config.rectify.colour,
+        .right_colour = config.rectify.colour && config.rectify.right,
+        .depth_error = subpixel_error(config)};
     for (const ConfiguredStage& added : stages) {
         made.stages.push_back(added.stage.get());
     }
@@ -151,6 +155,7 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
       stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height)),
       layout_(make_layout(config, rectifications_->factory(), stages_)),
+      load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count),
       geometry_(layout_.geometry) {
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
@@ -419,6 +424,9 @@ std::vector<std::string> Engine::notices() const {
     if (!memory_notice_.empty()) {
         notices.push_back(memory_notice_);
     }
+    if (!load_notice_.empty()) {
+        notices.push_back(load_notice_);
+    }
     return notices;
 }
 
@@ -443,6 +451,19 @@ bool Engine::check_memory() {
     const std::lock_guard lock(mutex_);
     memory_notice_ = huge_page_notice(huge_pages());
     return !memory_notice_.empty();
+}
+
+std::string Engine::check_load() {
+    if (!started_ || !newest_wins(config_, source().live)) {
+        return {};
+    }
+    const pipeline::PipelineStatus status = pipeline_->status();
+    std::string line = load_.check(status.captured, status.published, steady_clock::now());
+    if (!line.empty()) {
+        const std::lock_guard lock(mutex_);
+        load_notice_ = line;
+    }
+    return line;
 }
 
 std::string Engine::workers() const {

@@ -12,6 +12,7 @@
 
 #include "capture/frame_source.h"
 #include "daemon/config/config.h"
+#include "daemon/load_watch.h"
 #include "daemon/measured_watch.h"
 #include "daemon/memory_bounds.h"
 #include "daemon/published_frame.h"
@@ -91,6 +92,10 @@ public:
     /// when that has left a notice. One thread.
     bool check_memory();
 
+    /// Returns, once, that matching is slower than the source, which stays as a notice (LoadWatch); else an empty text.
+    /// The same thread.
+    std::string check_load();
+
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
 
@@ -136,8 +141,10 @@ private:
     bool first_frame_ = true;
     std::atomic<std::int64_t> last_activity_ns_{0};
     bool memory_checked_ = false;  ///< of the thread that calls check_memory()
-    mutable std::mutex mutex_;     ///< the two below
+    LoadWatch load_;               ///< of the same
+    mutable std::mutex mutex_;     ///< the three below
     std::string memory_notice_;
+    std::string load_notice_;
     proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };

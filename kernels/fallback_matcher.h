@@ -23,6 +23,7 @@ public:
     const MatcherConfig& config() const override { return first_->config(); }
     std::size_t scratch_bytes() const override { return first_->scratch_bytes(); }
     std::span<const StageInfo> stages() const override { return first_->stages(); }
+    bool computes_on_workers() const override { return first_->computes_on_workers(); }
     /// Lets std::invalid_argument through: that is the caller's mistake, on every back end. Throws std::runtime_error
     /// when the second matcher cannot be made either; the next call tries again.
     void run(int stage, const FrameView& frame, Parallel& workers,
@@ -55,6 +56,7 @@ public:
     const MatcherConfig& config() const override { return matcher_->config(); }
     std::size_t scratch_bytes() const override { return matcher_->scratch_bytes(); }
     std::span<const StageInfo> stages() const override { return matcher_->stages(); }
+    bool computes_on_workers() const override { return matcher_->computes_on_workers(); }
     void run(int stage, const FrameView& frame, Parallel& workers,
              std::span<std::chrono::nanoseconds> step_times) override {
         matcher_->run(stage, frame, workers, step_times);

@@ -97,6 +97,9 @@ public:
     virtual void run(int stage, const FrameView& frame, Parallel& workers,
                      std::span<std::chrono::nanoseconds> step_times) = 0;
 
+    /// Returns whether run() does its work in the calling thread and the workers; false: a device does it.
+    virtual bool computes_on_workers() const { return true; }
+
     /// One line on what went wrong and was made good, such as a lost device whose work another back end has taken over;
     /// empty as long as all is well. From any thread.
     virtual std::string trouble() const { return {}; }

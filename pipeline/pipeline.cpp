@@ -2,6 +2,7 @@
 #include "pipeline/pipeline.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "base/failure_text.h"
 #include "base/start_thread.h"
+#include "pipeline/admission.h"
 #include "pipeline/capture_stage.h"
 #include "pipeline/depth_stage.h"
 #include "pipeline/stage_queue.h"
@@ -19,6 +21,9 @@ namespace disparityd::pipeline {
 using std::chrono::steady_clock;
 
 namespace {
+
+/// Index of step_names_: from capture until the first stage begins.
+constexpr std::size_t wait_start = 1;
 
 void name_this_thread(std::string_view stage) {
     // The kernel allows 15 characters.
@@ -76,6 +81,15 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
             stages_, step_names_.size()));
         slots_.back()->view.rectifier = &slots_.back()->rectifier;
         free_slots_->put_back(slots_.back().get());
+    }
+    // A device has queues of its own, which it keeps full.
+    if (config.policy == Policy::live && matcher.computes_on_workers()) {
+        const bool after_matching = std::any_of(stages_.begin(), stages_.end(), [](const AddedStage* stage) {
+            return stage->place() == StagePlace::after_matching;
+        });
+        const std::size_t stages = matcher.stages().size();
+        admission_ = std::make_unique<Admission>(stages + 1, after_matching ? stages + 1 : stages,
+                                                 static_cast<std::size_t>(config.slots), workers.workers());
     }
     capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
                                                     std::move(raw_tap), *traced_[0].track, traced_[0].name);
@@ -194,7 +208,7 @@ void Pipeline::add_steps(const PipelineConfig& config) {
         depth_stage_ = std::make_unique<DepthStage>(matcher_.config());
         stages_.push_back(depth_stage_.get());
     }
-    step_names_.emplace_back("capture");
+    step_names_ = {"capture", "wait-start"};
     for (const StageInfo& stage : matcher_.stages()) {
         first_step_.push_back(step_names_.size());
         step_names_.insert(step_names_.end(), stage.steps.begin(), stage.steps.end());
@@ -204,6 +218,7 @@ void Pipeline::add_steps(const PipelineConfig& config) {
     }
     add(StagePlace::after_matching, before_sink_);
     add(StagePlace::record, before_sink_);
+    step_names_.emplace_back("wait-between");
 }
 
 void Pipeline::add(StagePlace place, std::vector<Added>& to) {
@@ -268,15 +283,36 @@ void Pipeline::stage_loop(std::size_t stage) {
         {
             const TraceSpan span(*traced_[stage + 1].track, TraceKind::wait_room, traced_[stage + 1].name);
             next.reserve(heartbeat);
+            if (stage == 0 && admission_) {
+                admission_->wait(heartbeat);
+            }
         }
         slot = take(stage + 1);
         if (slot != nullptr) {
+            if (stage == 0) {
+                slot->step_times[wait_start] = steady_clock::now() - slot->captured - slot->step_times[0];
+                times_[wait_start].record(slot->step_times[wait_start]);
+            }
+            begins(stage);
             work(stage, *slot);
+            ends(stage);
         } else {
             finished_[stage + 1].store(true, std::memory_order_relaxed);
         }
         put(next, slot);
     } while (slot != nullptr);
+}
+
+void Pipeline::begins(std::size_t stage) {
+    if (admission_) {
+        admission_->begins(stage, steady_clock::now());
+    }
+}
+
+void Pipeline::ends(std::size_t stage) {
+    if (admission_) {
+        admission_->ends(stage, steady_clock::now());
+    }
 }
 
 /// Waits for the next slot of the queue in front of a thread.
@@ -322,6 +358,7 @@ void Pipeline::work(std::size_t stage, FrameSlot& slot) {
             waiting.emplace(*traced.track, TraceKind::wait_slot, traced.name, slot.raw.sequence);
             const WorkerPool::ComputeSlot compute_slot(workers_);
             waiting.reset();
+            begins(stage);
             trace_work = {slot.raw.sequence, traced.name};
             const TraceSpan span(*traced.track, TraceKind::work, traced.name, slot.raw.sequence);
             matcher_.run(static_cast<int>(stage), depth_stage_ ? without_depth(slot.view) : slot.view, workers_, times);
@@ -349,9 +386,11 @@ void Pipeline::publish_loop() {
     const std::size_t thread = heartbeats_.size() - 1;
     name_this_thread(thread_name(thread));
     while (FrameSlot* slot = take(thread)) {
+        begins(thread - 1);
         if (!run_added(before_sink_, thread, *slot) || !publish(*slot)) {
             abandoned_.fetch_add(1, std::memory_order_release);
         }
+        ends(thread - 1);
         free_slots_->put_finished(slot);
     }
     finished_[thread].store(true, std::memory_order_relaxed);
@@ -402,6 +441,8 @@ void Pipeline::run_added(const Added& added, const Traced& traced, FrameSlot& sl
 bool Pipeline::publish(const FrameSlot& slot) {
     const TraceSpan span(*traced_.back().track, TraceKind::work, traced_.back().name, slot.raw.sequence);
     const auto start = steady_clock::now();
+    const auto worked = std::accumulate(slot.step_times.begin(), slot.step_times.end() - 1, steady_clock::duration());
+    times_[step_names_.size() - 1].record(std::max(start - slot.captured - worked, steady_clock::duration()));
     // Counted first: a client that has received a frame reads a status that counts it.
     published_.fetch_add(1, std::memory_order_release);
     rate_.tick(start);

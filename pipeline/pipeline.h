@@ -31,6 +31,7 @@
 namespace disparityd::pipeline {
 
 // Declared only: their header brings the library of the lock-free queues.
+class Admission;
 class CaptureStage;
 class DepthStage;
 class FreeSlots;
@@ -110,7 +111,8 @@ public:
     PipelineStatus status() const;
 
     /// Returns the names of the times in FrameSlot::step_times in the order in which a frame passes them: "capture",
-    /// the matcher's steps and added stages; "depth" where stages after matching leave it to the pipeline.
+    /// "wait-start" (for the cores), the matcher's steps and added stages, "depth" where stages after matching leave it
+    /// to the pipeline, "wait-between" (in front of stages and for workers, in all).
     const std::vector<std::string>& steps() const;
 
     /// Returns the name of a stage thread whose last heartbeat is older than `limit`; empty when there is none. A
@@ -157,6 +159,8 @@ private:
     FrameSlot* take(std::size_t thread);
     void put(StageQueue& queue, FrameSlot* slot);
     void work(std::size_t stage, FrameSlot& slot);
+    void begins(std::size_t stage);  ///< of the threads after capture
+    void ends(std::size_t stage);
     void trace_steps(std::size_t stage, const FrameSlot& slot, const Period& work);
     void publish_loop();
     /// Runs stages in the thread of that number; false: one failed, and so does the pipeline.
@@ -186,6 +190,7 @@ private:
     std::unique_ptr<FreeSlots> free_slots_;
     std::vector<std::unique_ptr<StageQueue>> queues_;  ///< in front of each matcher stage, and of publish
     std::unique_ptr<CaptureStage> capture_stage_;
+    std::unique_ptr<Admission> admission_;  ///< null: frames begin as soon as there is room
 
     std::atomic<bool> stopping_{false};
     std::atomic<bool> failed_{false};

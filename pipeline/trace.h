@@ -23,7 +23,7 @@ enum class TraceKind : std::uint8_t {
     awake,        ///< a worker has no task and waits awake for the next one
     wait_source,  ///< for the source's next frame
     wait_frame,   ///< for a frame in the queue
-    wait_room,    ///< for room in the next queue, or for a slot
+    wait_room,    ///< for room in the next queue, for a slot, or until the cores are free for a new frame
     wait_slot,    ///< for the right to compute
     queued,       ///< a frame lies in the queue in front of a stage
 };

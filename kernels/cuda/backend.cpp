@@ -26,6 +26,7 @@ public:
     // What travels from stage to stage are the planes of the rectified pair.
     std::size_t scratch_bytes() const override { return 0; }
     std::span<const StageInfo> stages() const override { return stages_; }
+    bool computes_on_workers() const override { return false; }
 
     void run(int stage, const FrameView& frame, Parallel& workers,
              std::span<std::chrono::nanoseconds> step_times) override {

@@ -159,7 +159,8 @@ TEST(AddedStages, OneBeforeMatchingChangesWhatIsMatched) {
     for (int i = 0; i < 50; ++i) {
         EXPECT_EQ(disparities[static_cast<std::size_t>(i)], i + 100);
     }
-    EXPECT_THAT(names_of(status), ElementsAre("capture", "rectify", "brighter", "dsi", "wta", "publish", "total"));
+    EXPECT_THAT(names_of(status), ElementsAre("capture", "wait-start", "rectify", "brighter", "dsi", "wta",
+                                              "wait-between", "publish", "total"));
     EXPECT_EQ(status.steps[2].time.count, 50U);
 }
 
@@ -185,8 +186,8 @@ TEST(AddedStages, DepthFollowsFromWhatOneAfterMatchingLeaves) {
     };
     const auto status = run({.depth_error = 64, .stages = {&guard}}, source, sink, matcher_hook);
     EXPECT_EQ(published, 50);
-    EXPECT_THAT(names_of(status),
-                ElementsAre("capture", "rectify", "dsi", "wta", "far-guard", "depth", "publish", "total"));
+    EXPECT_THAT(names_of(status), ElementsAre("capture", "wait-start", "rectify", "dsi", "wta", "far-guard", "depth",
+                                              "wait-between", "publish", "total"));
     EXPECT_EQ(status.steps[5].time.count, 50U);
 }
 
@@ -238,8 +239,8 @@ TEST(AddedStages, RunInTheOrderOfTheirPlaces) {
     std::vector<double> means;
     const auto status = run({.stages = {&mean, &guard, &brighter}}, source,
                             [&means](const FrameSlot& slot) { means.push_back(Mean::of(slot, 0).mean); });
-    EXPECT_THAT(names_of(status), ElementsAre("capture", "rectify", "brighter", "dsi", "wta", "far-guard", "depth",
-                                              "mean", "publish", "total"));
+    EXPECT_THAT(names_of(status), ElementsAre("capture", "wait-start", "rectify", "brighter", "dsi", "wta", "far-guard",
+                                              "depth", "mean", "wait-between", "publish", "total"));
     ASSERT_THAT(means, SizeIs(20));
     EXPECT_EQ(means.back(), 100 + 9.5);
 }

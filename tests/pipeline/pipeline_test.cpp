@@ -168,11 +168,15 @@ TEST(Pipeline, ReplayKeepsEveryFrameInOrder) {
     EXPECT_EQ(status.dropped, 0U);
     EXPECT_TRUE(status.ended);
     EXPECT_EQ(status.error, "");
-    ASSERT_EQ(status.steps.size(), 6U);
+    ASSERT_EQ(status.steps.size(), 8U);
     EXPECT_EQ(status.steps[0].name, "capture");
-    EXPECT_EQ(status.steps[2].name, "dsi");
-    EXPECT_EQ(status.steps[2].time.count, 200U);
-    EXPECT_EQ(status.steps[5].name, "total");
+    EXPECT_EQ(status.steps[1].name, "wait-start");
+    EXPECT_EQ(status.steps[3].name, "dsi");
+    EXPECT_EQ(status.steps[5].name, "wait-between");
+    EXPECT_EQ(status.steps[7].name, "total");
+    for (const PipelineStatus::Step& step : status.steps) {
+        EXPECT_EQ(step.time.count, 200U) << step.name;
+    }
     chain.pipeline.stop();
     EXPECT_EQ(source.out(), 0U);
     EXPECT_EQ(source.wrong_returns(), 0);
@@ -191,6 +195,39 @@ TEST(Pipeline, AStatusOfTheEndCountsEveryFrame) {
         }
         ASSERT_EQ(status.published, 3U) << "run " << run;
     }
+}
+
+// One that waited behind another would be older than the newest by then.
+TEST(Pipeline, OneWorkerBeginsTheNewestFrameWhenItIsDoneWithTheOneBefore) {
+    std::counting_semaphore<> gate(0);
+    std::binary_semaphore entered(0);
+    std::vector<std::pair<int, std::uint8_t>> runs;
+    fakes::Source source;
+    fakes::Matcher matcher([&](int stage, const FrameView& view) {
+        runs.emplace_back(stage, stage == 0 ? view.raw.data[0] : 0);
+        entered.release();
+        gate.acquire();
+    });
+    Chain chain({.policy = Policy::live, .slots = 4}, source, matcher, 1);
+    chain.pipeline.start();
+    source.push(0);
+    entered.acquire();
+    gate.release();
+    entered.acquire();  // the second stage has the first frame, and the first stage would be free
+    for (std::uint64_t i = 1; i < 6; ++i) {
+        source.push(i);
+        while (chain.pipeline.status().captured <= i) {
+            std::this_thread::yield();
+        }
+    }
+    EXPECT_EQ(runs.size(), 2U);
+    source.end();
+    gate.release(100);
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    ASSERT_GE(runs.size(), 4U);
+    EXPECT_EQ(runs[2], std::pair(0, std::uint8_t{5}));
+    EXPECT_EQ(chain.pipeline.status().published, 2U);
+    EXPECT_EQ(chain.pipeline.status().dropped, 4U);
 }
 
 // With the matcher held, live frames pile up; the newest must win and every loss be counted.

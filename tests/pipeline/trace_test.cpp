@@ -132,7 +132,9 @@ struct TracedRun {
                           [this](const FrameSlot& slot) {
                               published.push_back({slot.raw.sequence, slot.view.disparity.at(0, 0)});
                               for (std::size_t i = 1; i < slot.step_times.size(); ++i) {
-                                  step_ns[pipeline_steps[i]] += slot.step_times[i].count();
+                                  if (pipeline_steps[i].rfind("wait-", 0) != 0) {
+                                      step_ns[pipeline_steps[i]] += slot.step_times[i].count();
+                                  }
                               }
                           });
         pipeline_steps = pipeline.steps();

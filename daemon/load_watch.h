@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace disparityd::daemon {
+
+/// Notices when matching takes longer than the source's frames are apart, so that frames are dropped all the time. One
+/// thread.
+class LoadWatch {
+public:
+    using Time = std::chrono::steady_clock::time_point;
+
+    /// As configured: the size of the frames, and how many disparities are searched.
+    LoadWatch(int width, int height, int disparities) : width_(width), height_(height), disparities_(disparities) {}
+
+    /// `captured`, `published`: frames since the start. Returns, once, a line for people with the number of disparities
+    /// or the size that would fit, when more than one of twenty frames is dropped for 30 s; else an empty text.
+    std::string check(std::uint64_t captured, std::uint64_t published, Time now);
+
+private:
+    struct Window {
+        Time begin;
+        std::uint64_t captured = 0;
+        std::uint64_t published = 0;
+    };
+
+    std::string line(double captured_rate, double published_rate) const;
+
+    const int width_;
+    const int height_;
+    const int disparities_;
+    std::optional<Window> window_;
+    int overloaded_ = 0;  ///< windows in a row
+    bool told_ = false;
+};
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/load_watch.h"
+
+#include <gtest/gtest.h>
+
+namespace disparityd::daemon {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Frames of 60/s that come to a daemon which matches some of them.
+struct Load {
+    std::string pass(std::chrono::seconds time, double matched_rate) {
+        std::string told;
+        for (auto passed = 0s; passed < time; passed += 1s) {
+            now += 1s;
+            captured += 60;
+            published += matched_rate;
+            told += watch.check(captured, static_cast<std::uint64_t>(published), now);
+        }
+        return told;
+    }
+
+    LoadWatch watch{1280, 720, 128};
+    LoadWatch::Time now{1h};
+    std::uint64_t captured = 0;
+    double published = 0;
+};
+
+TEST(LoadWatch, SaysOnceWhatWouldFit) {
+    Load load;
+    EXPECT_EQ(load.pass(30s, 32), "");
+    EXPECT_EQ(load.pass(1s, 32),
+              "matching is slower than the source: 60.0 frames/s come, 32.0 are matched, the others are dropped: about "
+              "[match] disparities = 48 would fit, or [rectify] width = 880 and height = 496");
+    EXPECT_EQ(load.pass(100s, 32), "");
+}
+
+TEST(LoadWatch, AShortTroubleIsNoMatter) {
+    Load load;
+    EXPECT_EQ(load.pass(30s, 60), "");
+    EXPECT_EQ(load.pass(9s, 10), "");
+    EXPECT_EQ(load.pass(60s, 58), "");
+}
+
+TEST(LoadWatch, NothingIsSaidOfASourceThatStandsStill) {
+    Load load;
+    EXPECT_EQ(load.pass(60s, 0), "") << "its frames are not matched at all: something else is wrong";
+}
+
+TEST(LoadWatch, WhereNoNumberOfDisparitiesFitsTheSizeIsNamed) {
+    LoadWatch watch(672, 376, 16);
+    std::string told;
+    for (int second = 0; second < 40; ++second) {
+        told += watch.check(static_cast<std::uint64_t>(100 * second), static_cast<std::uint64_t>(20 * second),
+                            LoadWatch::Time(1s * second));
+    }
+    EXPECT_EQ(
+        told,
+        "matching is slower than the source: 100.0 frames/s come, 20.0 are matched, the others are dropped: about "
+        "[rectify] width = 280 and height = 152 would fit");
+}
+
+}  // namespace
+}  // namespace disparityd::daemon
