@@ -42,6 +42,19 @@ struct DisparityLayout {
     std::size_t bytes() const { return static_cast<std::size_t>(candidates()); }
 };
 
+/// Bytes from one row to the next of arrays whose rows are walked side by side: at least `size`. Rows of whole pages
+/// (an image of 1280 x 128 disparities has them) would compete for the same few lines of the first-level cache, and a
+/// load seems to depend on every store that is whole pages away.
+constexpr std::size_t spread_pitch(std::size_t size) {
+    constexpr std::size_t page = 4096;
+    constexpr std::size_t shift = 832;
+    const std::size_t beyond = size % page;
+    if (beyond >= shift && beyond <= page - shift) {
+        return size;
+    }
+    return size + (shift + page - beyond) % page;
+}
+
 /// Least cost that is out of reach of all others: 62 (largest cost) + 63 (largest P2), and a little. Kernels for a
 /// larger P2 see to padding themselves.
 constexpr std::uint8_t padding_cost = 128;

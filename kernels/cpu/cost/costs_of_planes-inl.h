@@ -113,8 +113,8 @@ private:
             for (int i = 0; i < count * registers; ++i) {
                 V& c = cost[i / registers][i % registers];
                 const std::ptrdiff_t of_register = at + i * static_cast<std::ptrdiff_t>(hn::MaxLanes(Tag()));
-                hn::Store(c, tag_, with.keep_new + of_register);
-                const V other = hn::Load(tag_, with.other + of_register);
+                const V other = in_register(hn::Load(tag_, with.other + of_register));
+                hn::Store(c, tag_, with.keep_new + of_register);  // perhaps in the place of `other`
                 c = hn::AverageRound(hn::AverageRound(other, c), hn::Load(tag_, with.here + of_register));
             }
         }

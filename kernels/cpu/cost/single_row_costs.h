@@ -16,9 +16,9 @@ public:
     SingleRowCosts() = default;
     /// In bytes() of memory, aligned to 64.
     SingleRowCosts(const MatchGeometry& geometry, std::uint8_t* memory)
-        : row_bytes_(geometry.row_bytes()), memory_(memory) {}
+        : row_bytes_(spread_pitch(geometry.row_bytes())), memory_(memory) {}
 
-    static std::size_t bytes(const MatchGeometry& geometry) { return rows * geometry.row_bytes(); }
+    static std::size_t bytes(const MatchGeometry& geometry) { return rows * spread_pitch(geometry.row_bytes()); }
 
     /// For the next frame.
     void forget() { held_.fill(nothing); }
@@ -28,21 +28,22 @@ public:
     /// The costs of row y: biased like all matching costs, candidates outside the image and padding undefined.
     const std::uint8_t* of(int y) const { return memory_ + place(y) * row_bytes_; }
 
-    /// Where to put those of row y, which counts as there from now on. Three rows side by side have a place each.
+    /// Where to put those of row y, which counts as there from now on. Two rows side by side have a place each: a row
+    /// takes that of the one on the other side of its neighbour.
     std::uint8_t* put(int y) {
         held_[place(y)] = y;
         return memory_ + place(y) * row_bytes_;
     }
 
 private:
-    static constexpr std::size_t rows = 3;
+    static constexpr std::size_t rows = 2;
     static constexpr int nothing = -1;
 
     static std::size_t place(int y) { return static_cast<std::size_t>(y) % rows; }
 
     std::size_t row_bytes_ = 0;
     std::uint8_t* memory_ = nullptr;
-    std::array<int, rows> held_ = {nothing, nothing, nothing};
+    std::array<int, rows> held_ = {nothing, nothing};
 };
 
 }  // namespace disparityd::cpu

@@ -29,8 +29,8 @@ std::size_t scratch_count_for(std::size_t volumes, std::size_t scratch_bytes) {
 
 SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernels, const SgmOptions& options,
                          bool keep_costs)
-    : costs_row_(geometry.row_bytes()),
-      sums_row_(geometry.row_bytes() * static_cast<std::size_t>(kernels.sum_bytes)),
+    : costs_row_(spread_pitch(geometry.row_bytes())),
+      sums_row_(spread_pitch(geometry.row_bytes() * static_cast<std::size_t>(kernels.sum_bytes))),
       candidates_(kernels.layout.bytes()),
       path_pixels_(static_cast<std::size_t>(geometry.width + 2 * path_guard)),
       path_array_(spread(path_pixels_ * candidates_)),
