@@ -103,6 +103,10 @@ public:
     /// own since.
     MemoryBounds memory() const;
 
+    /// Matches a few frames of noise. Returns a line for people with the time that one takes, and where the source's
+    /// are less apart, what would fit. Before start().
+    std::string work();
+
     /// One line for people: the distances that are measured (calibration/depth_range.h). Empty as long as a camera is
     /// waited for whose calibration is unknown.
     std::string distances() const;

@@ -36,10 +36,11 @@ std::string LoadWatch::check(std::uint64_t captured, std::uint64_t published, Ti
         return {};
     }
     told_ = true;
-    return line(captured_rate, published_rate);
+    return slower_than_the_source(captured_rate, published_rate, width_, height_, disparities_);
 }
 
-std::string LoadWatch::line(double captured_rate, double published_rate) const {
+std::string slower_than_the_source(double captured_rate, double published_rate, int width, int height,
+                                   int disparities) {
     constexpr double spare = 0.9;  // nobody's work is the same for each frame
     const double share = spare * published_rate / captured_rate;
     constexpr int step = 16;
@@ -47,10 +48,10 @@ std::string LoadWatch::line(double captured_rate, double published_rate) const {
     std::string line = fmt::format(
         "matching is slower than the source: {:.1f} frames/s come, {:.1f} are matched, the others are dropped",
         captured_rate, published_rate);
-    const int fewer = static_cast<int>(share * disparities_) / step * step;
+    const int fewer = static_cast<int>(share * disparities) / step * step;
     const auto side = [&](int length) { return static_cast<int>(std::sqrt(share) * length) / 8 * 8; };
-    const std::string smaller = std::min(side(width_), side(height_)) >= least_side
-                                    ? fmt::format("[rectify] width = {} and height = {}", side(width_), side(height_))
+    const std::string smaller = std::min(side(width), side(height)) >= least_side
+                                    ? fmt::format("[rectify] width = {} and height = {}", side(width), side(height))
                                     : "";
     if (fewer >= step) {
         line += fmt::format(": about [match] disparities = {} would fit", fewer);

@@ -8,6 +8,10 @@
 
 namespace disparityd::daemon {
 
+/// Returns a line for people: so many frames per second come and are matched, and about which number of disparities or
+/// size (of these as configured) would fit.
+std::string slower_than_the_source(double captured_rate, double published_rate, int width, int height, int disparities);
+
 /// Notices when matching takes longer than the source's frames are apart, so that frames are dropped all the time. One
 /// thread.
 class LoadWatch {
@@ -27,8 +31,6 @@ private:
         std::uint64_t captured = 0;
         std::uint64_t published = 0;
     };
-
-    std::string line(double captured_rate, double published_rate) const;
 
     const int width_;
     const int height_;

@@ -43,7 +43,8 @@ int run(int argc, char** argv) {
 #endif
     if (line->check) {
         // Building an engine finds what the text of a configuration cannot show.
-        const disparityd::daemon::Engine would_run(config, {}, {});
+        disparityd::daemon::Engine would_run(config, {}, {});
+        const std::string work = would_run.work();
         disparityd::daemon::client_access(config);
         disparityd::daemon::client_tls(config);
         print_notes(config.notes);
@@ -51,6 +52,7 @@ int run(int argc, char** argv) {
             print_notes({distances});
         }
         const disparityd::daemon::MemoryBounds memory = would_run.memory();
+        print_notes({work});
         std::printf("disparityd: %s\n", memory.text().c_str());
         if (const std::string warning = memory.warning(disparityd::base::memory_room()); !warning.empty()) {
             print_notes({warning});

@@ -123,7 +123,12 @@ TEST_F(RefusalTest, CheckOnlyChecks) {
     EXPECT_EQ(good->wait_for_exit(), 0);
     EXPECT_THAT(good->output(),
                 AllOf(StartsWith("disparityd: note: nothing nearer than "), HasSubstr(" m needs "),
-                      HasSubstr("at 5 m a step of 1/16 px is "), EndsWith("disparityd: the configuration is valid\n")));
+                      HasSubstr("at 5 m a step of 1/16 px is "), HasSubstr("ms a frame of noise here\n"),
+                      HasSubstr("memory at most: "), EndsWith("disparityd: the configuration is valid\n")));
+    const auto slow = start(config_text("scene:vga@100?width=320&height=176&loop=8", 640, 352),
+                            {"--check", "--set", "match.backend=reference", "--set", "match.method=sgm"});
+    EXPECT_EQ(slow->wait_for_exit(), 0);
+    EXPECT_THAT(slow->output(), HasSubstr("matching is slower than the source: 100.0 frames/s come, "));
     // Neither a camera that is not there nor another daemon at the same addresses is the configuration's fault.
     const auto other = start_ready(config_text());
     EXPECT_EQ(start(config_text(), {"--check", "--source", "v4l2:hd720@30?serial=1"})->wait_for_exit(), 0);
