@@ -459,7 +459,8 @@ std::string Engine::check_load() {
         return {};
     }
     const pipeline::PipelineStatus status = pipeline_->status();
-    std::string line = load_.check(status.captured, status.published, steady_clock::now());
+    // Damaged frames come and are not matched, which is no matter of load.
+    std::string line = load_.check(status.published + status.dropped, status.published, steady_clock::now());
     if (!line.empty()) {
         const std::lock_guard lock(mutex_);
         load_notice_ = line;

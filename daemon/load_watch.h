@@ -10,7 +10,7 @@ namespace disparityd::daemon {
 
 /// Returns a line for people: so many frames per second come and are matched, and about which number of disparities or
 /// size (of these as configured) would fit.
-std::string slower_than_the_source(double captured_rate, double published_rate, int width, int height, int disparities);
+std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities);
 
 /// Notices when matching takes longer than the source's frames are apart, so that frames are dropped all the time. One
 /// thread.
@@ -21,15 +21,16 @@ public:
     /// As configured: the size of the frames, and how many disparities are searched.
     LoadWatch(int width, int height, int disparities) : width_(width), height_(height), disparities_(disparities) {}
 
-    /// `captured`, `published`: frames since the start. Returns, once, a line for people with the number of disparities
-    /// or the size that would fit, when more than one of twenty frames is dropped for 30 s; else an empty text.
-    std::string check(std::uint64_t captured, std::uint64_t published, Time now);
+    /// Takes the numbers of frames since the start: those that came to be matched, and those that were. Returns, once,
+    /// a line for people with the number of disparities or the size that would fit, when more than one of twenty frames
+    /// is dropped for 30 s; else an empty text.
+    std::string check(std::uint64_t came, std::uint64_t matched, Time now);
 
 private:
     struct Window {
         Time begin;
-        std::uint64_t captured = 0;
-        std::uint64_t published = 0;
+        std::uint64_t came = 0;
+        std::uint64_t matched = 0;
     };
 
     const int width_;

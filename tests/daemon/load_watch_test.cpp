@@ -14,17 +14,17 @@ struct Load {
         std::string told;
         for (auto passed = 0s; passed < time; passed += 1s) {
             now += 1s;
-            captured += 60;
-            published += matched_rate;
-            told += watch.check(captured, static_cast<std::uint64_t>(published), now);
+            came += 60;
+            matched += matched_rate;
+            told += watch.check(came, static_cast<std::uint64_t>(matched), now);
         }
         return told;
     }
 
     LoadWatch watch{1280, 720, 128};
     LoadWatch::Time now{1h};
-    std::uint64_t captured = 0;
-    double published = 0;
+    std::uint64_t came = 0;
+    double matched = 0;
 };
 
 TEST(LoadWatch, SaysOnceWhatWouldFit) {
