@@ -31,11 +31,16 @@ std::vector<std::string> words(std::string_view text) {
     }
 }
 
-/// Appends the words of a list, and of the lists in it.
-void add_words(const YAML::Node& list, std::vector<std::string>& words) {
+/// Appends the words of a list, and of the lists in it, as far as a matrix has places: lists that name each other may
+/// stand for more than any memory holds.
+void add_words(const YAML::Node& list, std::vector<std::string>& words, bool of_rows = true) {
+    constexpr std::size_t enough = 64 * 64;
     for (const YAML::Node& item : list) {
-        if (item.IsSequence()) {
-            add_words(item, words);
+        if (words.size() > enough) {
+            return;
+        }
+        if (of_rows && item.IsSequence()) {
+            add_words(item, words, false);
         } else {
             words.push_back(word_of(item));
         }

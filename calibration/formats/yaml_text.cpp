@@ -24,19 +24,43 @@ std::string without_header(std::string_view text) {
     return result;
 }
 
+/// Returns whether something follows a line that ends a document which has something. Such lines begin with "---" in
+/// all of YAML. The library's own reader of all documents does not end for each damaged text.
+bool has_several_documents(std::string_view text) {
+    bool has_content = false;
+    bool ended = false;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        const bool marker = line.starts_with("---") && (line.size() == 3 || base::trim(line.substr(3, 1)).empty());
+        if (marker) {
+            ended = has_content;
+            line.remove_prefix(3);
+        }
+        const std::string_view content = base::trim(line);
+        if (content.empty() || content == "..." || content[0] == '#' || content[0] == '%') {
+            continue;
+        }
+        if (ended) {
+            return true;
+        }
+        has_content = true;
+    }
+    return false;
+}
+
 }  // namespace
 
 YAML::Node read_yaml_map(const std::string& path, std::string_view text, const std::string& kind) {
     YAML::Node root;
     try {
-        for (const YAML::Node& document : YAML::LoadAll(without_header(text))) {
-            if (root.IsMap() && !document.IsNull()) {
-                refuse_calibration(path,
-                                   "holds several documents, with --- between them; expected one: keep the one "
-                                   "that is meant");
-            }
-            root = root.IsMap() ? root : document;
+        const std::string whole = without_header(text);
+        if (has_several_documents(whole)) {
+            refuse_calibration(
+                path, "holds several documents, with --- between them; expected one: keep the one that is meant");
         }
+        root = YAML::Load(whole);
     } catch (const YAML::Exception& error) {
         refuse_calibration(path, "line " + std::to_string(error.mark.line + 1) + ": is a damaged " + kind);
     }

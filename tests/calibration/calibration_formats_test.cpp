@@ -250,7 +250,21 @@ TEST_F(Formats, NothingIsIgnored) {
         }
     }
     EXPECT_THAT(refused("%YAML:1.0\n---\n" + text + "---\nxi: 1.5\n"), HasSubstr("several documents"));
+    // A library that reads all documents finds one after the other here, for ever.
+    EXPECT_THAT(refused("%YAML:1.0\n---\n,\n"), HasSubstr("damaged"));
+    // Ten lists of ten lists of ten lists ...
+    std::string bomb = "a0: &a0 [1, 1, 1, 1, 1, 1, 1, 1, 1, 1]\n";
+    for (int i = 1; i < 12; ++i) {
+        const std::string before = "*a" + std::to_string(i - 1);
+        bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + before;
+        for (int j = 1; j < 10; ++j) {
+            bomb += ", " + before;
+        }
+        bomb += "]\n";
+    }
+    EXPECT_THAT(refused("%YAML:1.0\n---\n" + bomb + text), HasSubstr("'a0'"));
     // What says nothing about the geometry is taken.
+    expect_rig(write("stereo.yml", "%YAML:1.0\n---\n# ends as messages of ROS do\n" + text + "---\n"), rig);
     expect_rig(write("stereo.yml", "rms: 0.2\nsquare_size: 25\nboard_width: 9\ncalibration_time: now\n" + text), rig);
 }
 
