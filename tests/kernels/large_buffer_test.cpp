@@ -59,7 +59,21 @@ std::size_t resident_pages(const LargeBuffer& buffer) {
     return static_cast<std::size_t>(std::count_if(pages.begin(), pages.end(), [](auto held) { return held & 1; }));
 }
 
+/// Returns whether the system says that it has given memory and has not: an emulator of processors does.
+bool system_only_says_so() {
+    constexpr int populate_write = 23;
+    void* const memory = mmap(nullptr, page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    unsigned char held = 0;
+    const bool said = madvise(memory, page, populate_write) == 0;
+    mincore(memory, page, &held);
+    munmap(memory, page);
+    return said && (held & 1) == 0;
+}
+
 TEST(LargeBuffer, AllThatAreThereGetTheirMemoryAtOnce) {
+    if (system_only_says_so()) {
+        GTEST_SKIP() << "an emulator does not pass on what is asked of memory";
+    }
     const LargeBuffer large(3 * large_page + 5000), small(5 * page);
     large.data()[7] = std::byte{42};
     EXPECT_LT(resident_pages(small), 5U);
