@@ -12,8 +12,7 @@ Admission::Admission(std::size_t stages, std::size_t computing, std::size_t fram
 
 void Admission::begins(std::size_t stage, Time now) {
     const std::lock_guard lock(mutex_);
-    const auto frame =
-        std::find_if(frames_.begin(), frames_.end(), [&](const Frame& each) { return each.stage == stage; });
+    const auto frame = oldest_of(stage);
     if (frame != frames_.end()) {
         frame->begun = now;
     } else {
@@ -24,8 +23,7 @@ void Admission::begins(std::size_t stage, Time now) {
 void Admission::ends(std::size_t stage, Time now) {
     {
         const std::lock_guard lock(mutex_);
-        const auto frame =
-            std::find_if(frames_.begin(), frames_.end(), [&](const Frame& each) { return each.stage == stage; });
+        const auto frame = oldest_of(stage);
         constexpr int followed = 8;
         Duration& average = durations_[stage];
         const Duration taken = now - *frame->begun;
@@ -36,6 +34,10 @@ void Admission::ends(std::size_t stage, Time now) {
         }
     }
     moved_.notify_one();
+}
+
+std::vector<Admission::Frame>::iterator Admission::oldest_of(std::size_t stage) {
+    return std::find_if(frames_.begin(), frames_.end(), [&](const Frame& each) { return each.stage == stage; });
 }
 
 std::optional<Admission::Time> Admission::opens(Time now) const {

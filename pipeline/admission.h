@@ -47,6 +47,8 @@ private:
         std::optional<Time> begun;
     };
 
+    /// The next two: under the lock.
+    std::vector<Frame>::iterator oldest_of(std::size_t stage);
     std::optional<Time> opens_locked(Time now) const;
 
     const std::size_t computing_;

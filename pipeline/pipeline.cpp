@@ -25,6 +25,11 @@ namespace {
 /// Index of step_names_: from capture until the first stage begins.
 constexpr std::size_t wait_start = 1;
 
+bool any_after_matching(const std::vector<AddedStage*>& stages) {
+    return std::any_of(stages.begin(), stages.end(),
+                       [](const AddedStage* stage) { return stage->place() == StagePlace::after_matching; });
+}
+
 void name_this_thread(std::string_view stage) {
     // The kernel allows 15 characters.
     pthread_setname_np(pthread_self(), std::string(stage.substr(0, 15)).c_str());
@@ -84,11 +89,8 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
     }
     // A device has queues of its own, which it keeps full.
     if (config.policy == Policy::live && matcher.computes_on_workers()) {
-        const bool after_matching = std::any_of(stages_.begin(), stages_.end(), [](const AddedStage* stage) {
-            return stage->place() == StagePlace::after_matching;
-        });
         const std::size_t stages = matcher.stages().size();
-        admission_ = std::make_unique<Admission>(stages + 1, after_matching ? stages + 1 : stages,
+        admission_ = std::make_unique<Admission>(stages + 1, any_after_matching(stages_) ? stages + 1 : stages,
                                                  static_cast<std::size_t>(config.slots), workers.workers());
     }
     capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
@@ -201,10 +203,7 @@ void Pipeline::join() {
 /// Finds the steps that a frame passes, in order, and the added stages among them.
 void Pipeline::add_steps(const PipelineConfig& config) {
     stages_ = config.stages;
-    const bool changed = std::any_of(stages_.begin(), stages_.end(), [](const AddedStage* stage) {
-        return stage->place() == StagePlace::after_matching;
-    });
-    if (changed && (config.depth || config.depth_error)) {
+    if (any_after_matching(stages_) && (config.depth || config.depth_error)) {
         depth_stage_ = std::make_unique<DepthStage>(matcher_.config());
         stages_.push_back(depth_stage_.get());
     }

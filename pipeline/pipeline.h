@@ -30,8 +30,8 @@
 
 namespace disparityd::pipeline {
 
-// Declared only: their header brings the library of the lock-free queues.
 class Admission;
+// Declared only: their header brings the library of the lock-free queues.
 class CaptureStage;
 class DepthStage;
 class FreeSlots;

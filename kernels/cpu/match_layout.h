@@ -42,17 +42,24 @@ struct DisparityLayout {
     std::size_t bytes() const { return static_cast<std::size_t>(candidates()); }
 };
 
-/// Bytes from one row to the next of arrays whose rows are walked side by side: at least `size`. Rows of whole pages
-/// (an image of 1280 x 128 disparities has them) would compete for the same few lines of the first-level cache, and a
-/// load seems to depend on every store that is whole pages away.
+/// What is walked side by side begins at places of a page that lie so far apart. In whole pages (an image of 1280 x 128
+/// disparities has such rows) it would compete for the same few lines of the first-level cache, and a load seems to
+/// depend on every store that is whole pages away.
+constexpr std::size_t spread_page = 4096;
+constexpr std::size_t spread_shift = 832;
+
+/// Returns the bytes from one array of `size` bytes to the next.
+constexpr std::size_t spread(std::size_t size) {
+    return (size + spread_page - 1) / spread_page * spread_page + spread_shift;
+}
+
+/// Returns the bytes from one row of `size` bytes to the next; as they are many, no more than it takes.
 constexpr std::size_t spread_pitch(std::size_t size) {
-    constexpr std::size_t page = 4096;
-    constexpr std::size_t shift = 832;
-    const std::size_t beyond = size % page;
-    if (beyond >= shift && beyond <= page - shift) {
-        return size;
+    const std::size_t beyond = size % spread_page;
+    if (beyond < spread_shift) {
+        return spread(size - beyond);
     }
-    return size + (shift + page - beyond) % page;
+    return beyond > spread_page - spread_shift ? spread(size) : size;
 }
 
 /// Least cost that is out of reach of all others: 62 (largest cost) + 63 (largest P2), and a little. Kernels for a

@@ -11,14 +11,6 @@ namespace disparityd::cpu {
 
 namespace {
 
-// Arrays that are walked side by side: each starts at another place in a page, or they would compete for the same few
-// lines of the first-level cache (an image of 1280 x 128 disparities has rows of whole pages).
-std::size_t spread(std::size_t size) {
-    constexpr std::size_t page = 4096;
-    constexpr std::size_t shift = 832;
-    return (size + page - 1) / page * page + shift;
-}
-
 // Beside volumes of gigabytes there may be more.
 std::size_t scratch_count_for(std::size_t volumes, std::size_t scratch_bytes) {
     const std::size_t memory = (std::size_t{32} << 20) + volumes / 64;
