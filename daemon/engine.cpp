@@ -455,12 +455,13 @@ bool Engine::check_memory() {
 }
 
 std::string Engine::check_load() {
-    if (!started_ || !newest_wins(config_, source().live)) {
-        return {};
+    const auto now = steady_clock::now();
+    if (!started_ || !newest_wins(config_, source().live) || !load_.is_due(now)) {
+        return {};  // a status adds up all histograms
     }
     const pipeline::PipelineStatus status = pipeline_->status();
     // Damaged frames come and are not matched, which is no matter of load.
-    std::string line = load_.check(status.published + status.dropped, status.published, steady_clock::now());
+    std::string line = load_.check(status.published + status.dropped, status.published, now);
     if (!line.empty()) {
         const std::lock_guard lock(mutex_);
         load_notice_ = line;

@@ -16,14 +16,16 @@ constexpr int windows_in_a_row = 3;
 
 }  // namespace
 
+bool LoadWatch::is_due(Time now) const {
+    return !told_ && (!window_ || now >= window_->begin + window_length);
+}
+
 std::string LoadWatch::check(std::uint64_t came, std::uint64_t matched, Time now) {
-    if (told_) {
+    if (!is_due(now)) {
         return {};
     }
     if (!window_) {
         window_ = {now, came, matched};
-    }
-    if (now < window_->begin + window_length) {
         return {};
     }
     const double seconds = std::chrono::duration<double>(now - window_->begin).count();

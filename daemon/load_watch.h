@@ -21,6 +21,9 @@ public:
     /// As configured: the size of the frames, and how many disparities are searched.
     LoadWatch(int width, int height, int disparities) : width_(width), height_(height), disparities_(disparities) {}
 
+    /// Returns whether check() would look at the numbers now: it does so at intervals, and no more once it has told.
+    bool is_due(Time now) const;
+
     /// Takes the numbers of frames since the start: those that came to be matched, and those that were. Returns, once,
     /// a line for people with the number of disparities or the size that would fit, when more than one of twenty frames
     /// is dropped for 30 s; else an empty text.

@@ -312,7 +312,9 @@ void ClientSession::answer(const Answer& answer) {
     if (!answer.refusal.empty()) {
         send_error(answer.refusal, false);
     }
-    outbox().hold(answer.held);
+    if (answer.held) {  // what an answer before holds may still be waiting
+        outbox().hold(answer.held);
+    }
     for (const v1::Envelope& message : answer.messages) {
         send(message);
     }
