@@ -214,7 +214,7 @@ private:
     std::uint16_t* column(int x) const { return columns_ + static_cast<std::ptrdiff_t>(x) * candidates; }
 
     // Entry width - 1 - x is candidate 0 of pixel x: its residue is one less at each pixel of a group.
-    static constexpr int pixels_at_once = residues_per_group<stride>;
+    static constexpr int pixels_at_once = stride % 4 == 0 ? 4 : stride % 3 == 0 ? 3 : 2;
 
     void move_columns(const std::uint8_t* left_gained, const std::uint8_t* left_lost, const std::uint8_t* right_gained,
                       const std::uint8_t* right_lost) {
@@ -230,13 +230,13 @@ private:
             const std::uint16_t* right = right_rows_.entry(width - 1 - x);
             std::uint16_t* sums = column(x);
             DISPARITYD_UNROLL
-            for (int first = 0; first < stride; first += residues_per_group<stride>) {
+            for (int first = 0; first < stride; first += pixels_at_once) {
                 move_group(left + x, right + first * Right::pitch, sums + first * lanes);
             }
         }
     }
 
-    // A residue group of a group of pixels: what residue q has at a pixel, residue q + 1 has at the next one.
+    // As many residues of a group of pixels: what residue q has at a pixel, residue q + 1 has at the next one.
     static HWY_INLINE void move_group(const std::uint16_t* left, const std::uint16_t* right, std::uint16_t* sums) {
         constexpr int earlier = pixels_at_once - 1;
         V there[earlier + pixels_at_once];

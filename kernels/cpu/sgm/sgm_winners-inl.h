@@ -8,6 +8,8 @@
 #define DISPARITYD_CPU_SGM_SGM_WINNERS_INL_H_
 #endif
 
+#include <type_traits>
+
 #include "kernels/cpu/sgm/path_offsets-inl.h"
 #include "kernels/cpu/sgm/path_variant.h"
 #include "kernels/cpu/winner/packed_argmin-inl.h"
@@ -29,9 +31,16 @@ class SgmWinners {
     static constexpr int max_sum = paths * (62 + (variant.any_p2 ? 193 : max_byte_p2));
     static_assert(max_sum <= largest_sum);
 
+    // Where a register is half of what the processor has, its words fill a whole one.
+    static constexpr bool wide =
+        HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3 && lanes == 32 && registers > 1 && !variant.any_p2;
+    using KeyWords = std::conditional_t<wide, hn::Rebind<std::uint16_t, Tag>, Words>;
+    static constexpr int key_stride = wide ? registers : stride;
+
     // Sums of up to 1000 leave 6 bits for the index of a candidate.
     static constexpr int packed_index_bits = 6;
-    static constexpr bool packed = !variant.any_p2 && PackedGroups<Words, stride, packed_index_bits>::possible;
+    static constexpr bool packed = !variant.any_p2 && PackedGroups<KeyWords, key_stride, packed_index_bits>::possible;
+    static_assert(packed || !wide);
     static_assert(variant.any_p2 || max_sum < (no_key >> packed_index_bits));
 
 public:
@@ -39,8 +48,15 @@ public:
                        const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
         Minima minima;
         if constexpr (packed) {
-            const auto keys = [=](int x, W* to) { keys_of(x, down, up, costs, to); };
-            PackedArgmin<Words, stride, packed_index_bits, paths * bias>(geometry).run(keys, minima, out.right_winner);
+            const auto keys = [=](int x, hn::Vec<KeyWords>* to) {
+                if constexpr (wide) {
+                    wide_keys_of(x, down, up, costs, to);
+                } else {
+                    keys_of(x, down, up, costs, to);
+                }
+            };
+            PackedArgmin<KeyWords, key_stride, packed_index_bits, paths * bias>(geometry).run(keys, minima,
+                                                                                              out.right_winner);
         } else {
             const auto keys = [=](int x, int count, auto take) HWY_ATTR {
                 for (int i = 0; i < count; ++i) {
@@ -75,6 +91,20 @@ private:
             // 512 C: the odd byte leaves the word by itself.
             out[r] = hn::Add(sum.even, hn::ShiftLeft<packed_index_bits + path_shift>(c));
             out[r + registers] = hn::Add(sum.odd, hn::ShiftLeft<packed_index_bits + path_shift - 8>(hn::And(c, high)));
+        }
+    }
+
+    // The same where keys are `wide`: the words of a register in their order.
+    static HWY_INLINE void wide_keys_of(int x, const std::uint8_t* down, const std::uint8_t* up,
+                                        const std::uint8_t* costs, hn::Vec<KeyWords>* out) {
+        const KeyWords words;
+        const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const auto words_at = [=](const std::uint8_t* from)
+                                      HWY_ATTR { return hn::PromoteTo(words, hn::Load(Tag(), from + at + r * lanes)); };
+            const auto sum = hn::Add(words_at(down), words_at(up));
+            out[r] = hn::ShiftLeft<packed_index_bits>(hn::Add(sum, hn::ShiftLeft<path_shift>(words_at(costs))));
         }
     }
 

@@ -33,7 +33,58 @@ inline void mirror(const std::uint8_t* from, int count, std::uint8_t* to) {
     }
 }
 
-/// Lane i of out[r] is from[registers * i + r]. `registers` is 1, 2, 3 or 4 times a power of two.
+/// Which byte of block `source` is byte i of block r of what load_split() gives, for values of `size` bytes; 0x80:
+/// none.
+template <int registers, int size>
+struct SplitPlaces {
+    alignas(16) std::uint8_t of[registers][registers][16] = {};
+
+    constexpr SplitPlaces() {
+        for (int r = 0; r < registers; ++r) {
+            for (int i = 0; i < 16; ++i) {
+                const int byte = (registers * (i / size) + r) * size + i % size;
+                for (int source = 0; source < registers; ++source) {
+                    of[r][source][i] = static_cast<std::uint8_t>(byte / 16 == source ? byte % 16 : 0x80);
+                }
+            }
+        }
+    }
+};
+template <int registers, int size>
+inline constexpr SplitPlaces<registers, size> split_places;
+
+/// load_split() for any number of registers, block by block.
+template <int registers, class Tag>
+HWY_INLINE void load_split_blocks(Tag tag, const hn::TFromD<Tag>* from, hn::Vec<Tag>* out) {
+    constexpr int size = sizeof(hn::TFromD<Tag>);
+    constexpr std::size_t lanes = hn::MaxLanes(Tag());
+    if constexpr (lanes * size > 16) {
+        const hn::Half<Tag> half;
+        hn::Vec<decltype(half)> lower[registers];
+        hn::Vec<decltype(half)> upper[registers];
+        load_split_blocks<registers>(half, from, lower);
+        load_split_blocks<registers>(half, from + registers * lanes / 2, upper);
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            out[r] = hn::Combine(tag, upper[r], lower[r]);
+        }
+    } else {
+        const hn::FixedTag<std::uint8_t, 16> bytes;
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            auto taken = hn::Zero(bytes);
+            DISPARITYD_UNROLL
+            for (int source = 0; source < registers; ++source) {
+                const auto block = hn::BitCast(bytes, hn::LoadU(tag, from + source * lanes));
+                const auto places = hn::Load(bytes, split_places<registers, size>.of[r][source]);
+                taken = hn::Or(taken, hn::TableLookupBytesOr0(block, places));
+            }
+            out[r] = hn::BitCast(tag, taken);
+        }
+    }
+}
+
+/// Lane i of out[r] is from[registers * i + r].
 template <int registers, class Tag>
 HWY_INLINE void load_split(Tag tag, const hn::TFromD<Tag>* from, hn::Vec<Tag>* out) {
     if constexpr (registers == 1) {
@@ -44,6 +95,8 @@ HWY_INLINE void load_split(Tag tag, const hn::TFromD<Tag>* from, hn::Vec<Tag>* o
         hn::LoadInterleaved3(tag, from, out[0], out[1], out[2]);
     } else if constexpr (registers == 4) {
         hn::LoadInterleaved4(tag, from, out[0], out[1], out[2], out[3]);
+    } else if constexpr (registers % 2 != 0) {
+        load_split_blocks<registers>(tag, from, out);
     } else {
         constexpr int half = registers / 2;
         hn::Vec<Tag> first[half];

@@ -34,7 +34,12 @@ auto with_registers(Tag tag, int registers, Use use) {
             return use(tag, Constant<16>());
         }
         if (registers > 8) {
-            return use(tag, Constant<12>());
+            return registers <= 10 ? use(tag, Constant<10>()) : use(tag, Constant<12>());
+        }
+    }
+    if constexpr (lanes == 32) {
+        if (registers == 5) {
+            return use(tag, Constant<5>());
         }
     }
     if constexpr (lanes <= 32) {
@@ -44,7 +49,8 @@ auto with_registers(Tag tag, int registers, Use use) {
     }
 }
 
-/// Few disparities use a part of a register only.
+/// Few disparities use a part of a register only. So do those that would leave half of a whole one empty: three
+/// registers of 32 lanes are worked on faster than two of 64, five faster than three.
 template <class Use>
 auto with_layout(int disparities, Use use) {
     const hn::CappedTag<std::uint8_t, 16> sixteen;
@@ -59,6 +65,12 @@ auto with_layout(int disparities, Use use) {
     if constexpr (lanes > 32) {
         if (disparities <= 32) {
             return use(thirty_two, Constant<1>());
+        }
+        if (disparities > 64 && disparities <= 96) {
+            return use(thirty_two, Constant<3>());
+        }
+        if (disparities > 128 && disparities <= 160) {
+            return use(thirty_two, Constant<5>());
         }
     }
     return with_registers(whole, (disparities + lanes - 1) / lanes, use);

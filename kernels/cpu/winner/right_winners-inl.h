@@ -36,8 +36,10 @@ class RightWinnersInMemory {
     using V = hn::Vec<Tag>;
     using Argmin = RunningArgmin<Tag, stride>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    static constexpr int group_size = residues_per_group<stride>;
-    static constexpr int groups = stride / group_size;
+    using Groups = ResidueGroups<stride>;
+    static constexpr int groups = Groups::count;
+    static constexpr int group_size = Groups::largest;
+    static constexpr int smaller_size = Groups::size(groups - 1);
 
 public:
     /// What stays in registers for a block: least keys of groups that are not complete yet, by their last residue.
@@ -71,8 +73,12 @@ public:
     HWY_INLINE void add(const V* keys, int i, State& state) {
         DISPARITYD_UNROLL
         for (int group = 0; group < groups; ++group) {
+            const V* of_group = keys + Groups::begin(group);
+            V* least = state.least[group];
             Argmin argmin = entering(group, i);
-            argmin.update(min_of_group<group_size>(keys + group * group_size, state.least[group]), group);
+            argmin.update(Groups::size(group) == group_size ? min_of_group<group_size>(of_group, least)
+                                                            : min_of_group<smaller_size>(of_group, least),
+                          group);
             Waiting& waits = waiting_[group][i + group_size];
             hn::Store(argmin.sum, Tag(), waits.sums);
             hn::Store(argmin.candidate, Tag(), waits.candidates);
@@ -104,17 +110,18 @@ public:
     /// candidate k of the last pixel.
     void rest(int count, std::uint16_t* winners) const {
         for (int group = 0; group < groups; ++group) {
-            for (int q = 0; q < group_size; ++q) {
+            const int size = Groups::size(group);
+            for (int q = 0; q < size; ++q) {
                 alignas(64) std::uint16_t of_lanes[lanes];
-                if (q == group_size - 1) {
+                if (q == size - 1) {
                     std::copy_n(waiting_[group][count - 1 + group_size].candidates, lanes, of_lanes);
                 } else {
-                    Argmin argmin = entering(group, count - 1 + (group_size - 1 - q));
+                    Argmin argmin = entering(group, count - 1 + (size - 1 - q));
                     argmin.update(state_.least[group][q], group);
                     hn::Store(argmin.candidate, Tag(), of_lanes);
                 }
                 for (int lane = 0; lane < lanes; ++lane) {
-                    winners[stride * lane + group * group_size + q] = of_lanes[lane];
+                    winners[stride * lane + Groups::begin(group) + q] = of_lanes[lane];
                 }
             }
         }
@@ -131,7 +138,7 @@ private:
     // those of the lane below; not by a load that is moved by a lane, since that would wait until the stores before it
     // have left the core.
     HWY_INLINE Argmin entering(int group, int i) const {
-        const Waiting& waits = waiting_[(group + groups - 1) % groups][i];
+        const Waiting& waits = waiting_[(group + groups - 1) % groups][i + group_size - Groups::size(group)];
         const V sum = hn::Load(Tag(), waits.sums);
         const V candidate = hn::Load(Tag(), waits.candidates);
         if (group > 0) {
@@ -151,7 +158,7 @@ class RightWinnersInRegisters {
     using V = hn::Vec<Tag>;
     using Argmin = RunningArgmin<Tag, stride>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    static_assert(residues_per_group<stride> == stride);
+    static_assert(ResidueGroups<stride>::count == 1);
 
 public:
     /// What stays in registers for a block.

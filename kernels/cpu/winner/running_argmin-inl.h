@@ -11,6 +11,8 @@
 #define DISPARITYD_CPU_WINNER_RUNNING_ARGMIN_INL_H_
 #endif
 
+#include <algorithm>
+
 #include "kernels/cpu/winner/candidate_layout.h"
 #include "kernels/cpu/winner/second_best-inl.h"
 
@@ -23,15 +25,27 @@ constexpr std::uint16_t index_mask = (1 << index_bits) - 1;
 /// Sums whose keys are in order, below that of none.
 constexpr int largest_sum = (no_key >> index_bits) - 1;
 
+/// How the residues are grouped: evenly, or the first groups have one more than the last.
 template <int stride>
-constexpr int residues_per_group = stride % 4 == 0   ? 4
-                                   : stride % 3 == 0 ? 3
-                                                     : 2;
+struct ResidueGroups {
+    static constexpr int count = (stride + 3) / 4;
+    static constexpr int largest = (stride + count - 1) / count;
+
+    static constexpr int begin(int group) { return group * (stride / count) + std::min(group, stride % count); }
+    static constexpr int size(int group) { return begin(group + 1) - begin(group); }
+    static constexpr int of(int q) {
+        int group = 0;
+        while (begin(group + 1) <= q) {
+            ++group;
+        }
+        return group;
+    }
+};
 
 /// Returns the index of a residue in its group.
 template <int stride>
 constexpr std::uint16_t index_of_residue(int q) {
-    return static_cast<std::uint16_t>(q % residues_per_group<stride>);
+    return static_cast<std::uint16_t>(q - ResidueGroups<stride>::begin(ResidueGroups<stride>::of(q)));
 }
 
 /// Of sums that are shifted by `index_bits` already.
@@ -78,7 +92,7 @@ private:
     static HWY_INLINE V candidate_of(V key, int group) {
         using Layout = CandidateLayout<stride, lanes>;
         const hn::RebindToSigned<Tag> numbers;
-        const auto first = hn::Load(numbers, Layout::numbers.at + group * residues_per_group<stride> * lanes);
+        const auto first = hn::Load(numbers, Layout::numbers.at + ResidueGroups<stride>::begin(group) * lanes);
         return hn::Add(hn::BitCast(Tag(), first), hn::And(key, hn::Set(Tag(), index_mask)));
     }
 };

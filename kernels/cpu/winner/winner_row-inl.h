@@ -31,7 +31,8 @@ class WinnerSearch {
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
     static constexpr int candidates = stride * lanes;
     static constexpr int at_once = 32;
-    static constexpr bool one_group = residues_per_group<stride> == stride;
+    using Groups = ResidueGroups<stride>;
+    static constexpr bool one_group = Groups::count == 1;
     // The winner's lane is looked for in the bits of a comparison, and its key has the index of the residue.
     static constexpr bool by_lane = one_group && masks_are_bits;
     using Right =
@@ -89,12 +90,11 @@ private:
     }
 
     HWY_INLINE void min_by_lane(int i, const V* keys) {
-        constexpr int group_size = residues_per_group<stride>;
-        V least[stride / group_size];
+        V least[Groups::count];
         DISPARITYD_UNROLL
         for (int q = 0; q < stride; ++q) {
-            V& of_group = least[q / group_size];
-            of_group = q % group_size == 0 ? keys[q] : hn::Min(of_group, keys[q]);
+            V& of_group = least[Groups::of(q)];
+            of_group = index_of_residue<stride>(q) == 0 ? keys[q] : hn::Min(of_group, keys[q]);
         }
         if constexpr (one_group) {
             hn::Store(least[0], tag_, least_ + i * lanes);
@@ -102,7 +102,7 @@ private:
         }
         Argmin argmin(least[0]);
         DISPARITYD_UNROLL
-        for (int group = 1; group < stride / group_size; ++group) {
+        for (int group = 1; group < Groups::count; ++group) {
             argmin.update(least[group], group);
         }
         hn::Store(argmin.sum, tag_, least_ + i * lanes);
