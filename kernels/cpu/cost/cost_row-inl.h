@@ -9,10 +9,52 @@
 
 #include <cstddef>
 
+#include "kernels/cpu/match_layout.h"
 #include "kernels/cpu/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
+
+/// Which candidate each lane of a register holds.
+template <int registers, int lanes>
+struct CandidateOfLane {
+    alignas(64) std::uint8_t in[registers][lanes] = {};
+
+    constexpr CandidateOfLane() {
+        for (int k = 0; k < registers * lanes; ++k) {
+            in[k % registers][k / registers] = static_cast<std::uint8_t>(k);
+        }
+    }
+};
+template <int registers, int lanes>
+inline constexpr CandidateOfLane<registers, lanes> candidate_of_lane;
+
+/// The least that each candidate of a pixel may cost: nothing, or `padding_cost` and the bias of all costs past the
+/// last of `count` candidates.
+template <class Tag, int registers>
+class LeastCosts {
+    using V = hn::Vec<Tag>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
+
+public:
+    LeastCosts(int count, int bias) : padded_(count != registers * lanes) {
+        const Tag tag;
+        const V last = hn::Set(tag, static_cast<std::uint8_t>(count - 1));
+        const V padding = hn::Set(tag, static_cast<std::uint8_t>(bias + padding_cost));
+        DISPARITYD_UNROLL
+        for (int r = 0; r < registers; ++r) {
+            const V k = hn::Load(tag, candidate_of_lane<registers, lanes>.in[r]);
+            hn::Store(hn::IfThenElse(hn::Eq(hn::Max(k, last), last), hn::Zero(tag), padding), tag, of_[r]);
+        }
+    }
+
+    bool are_some() const { return padded_; }
+    HWY_INLINE V at(int r) const { return hn::Load(Tag(), of_[r]); }
+
+private:
+    bool padded_;
+    alignas(64) std::uint8_t of_[registers][lanes];
+};
 
 /// A row of costs, `registers` vectors for each pixel, and perhaps its copy past the caches.
 template <class Tag, int registers>

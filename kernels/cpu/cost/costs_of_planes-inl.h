@@ -69,11 +69,18 @@ class CostsOfPlanes {
 
 public:
     /// How many pixels the loops take at once.
-    static constexpr int at_once = registers <= 2 ? 4 : registers <= 4 ? 2 : 1;
-    /// How many pixels that are streamed fill whole lines, if they begin with one.
+    static constexpr int at_once = registers <= 2                     ? 4
+                                   : registers == 3 && many_registers ? 4
+                                   : registers <= 4                   ? 2
+                                   : registers == 5 && many_registers ? 3
+                                                                      : 1;
+    /// How many pixels that are streamed fill whole lines, if they begin with one (three of five registers: but for
+    /// half a line).
     static constexpr int pixels_of_lines = at_once;
 
-    CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const Row& out, const Averaged& with = {})
+    /// Costs at least `least`, which stays where it is, or what they are if it is null.
+    CostsOfPlanes(const MatchGeometry& geometry, const CensusRow& census, const Row& out,
+                  const LeastCosts<Tag, registers>* least, const Averaged& with = {})
         : width_(geometry.width),
           bias_(static_cast<std::uint8_t>(geometry.cost_bias)),
           left_pitch_(geometry.census.left_pitch),
@@ -81,6 +88,7 @@ public:
           right_part_(geometry.census.right_part),
           census_(census),
           out_(out),
+          least_(least),
           with_(with) {}
 
     /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
@@ -116,6 +124,13 @@ private:
                 const V other = in_register(hn::Load(tag_, with.other + of_register));
                 hn::Store(c, tag_, with.keep_new + of_register);  // perhaps in the place of `other`
                 c = hn::AverageRound(hn::AverageRound(other, c), hn::Load(tag_, with.here + of_register));
+            }
+        }
+        if (least_ != nullptr) {
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count * registers; ++i) {
+                V& c = cost[i / registers][i % registers];
+                c = hn::Max(c, least_->at(i % registers));
             }
         }
         out.template store<streaming>(*cost, count * registers, x);
@@ -185,6 +200,7 @@ private:
     std::ptrdiff_t right_part_;
     CensusRow census_;
     Row out_;
+    const LeastCosts<Tag, registers>* least_;
     Averaged with_;
 };
 

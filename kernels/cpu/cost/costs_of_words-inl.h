@@ -74,11 +74,14 @@ public:
     /// How many pixels that are streamed fill whole lines; 0: they come in another order.
     static constexpr int pixels_of_lines = sizeof(V) == cache_line ? 1 : 0;
 
-    CostsOfWords(const MatchGeometry& geometry, const CensusRow& census, const CostRow<Tag, 1>& out)
+    /// Costs at least `least`, or what they are if it is null.
+    CostsOfWords(const MatchGeometry& geometry, const CensusRow& census, const CostRow<Tag, 1>& out,
+                 const LeastCosts<Tag, 1>* least)
         : left_(reinterpret_cast<const std::uint64_t*>(census.left)),
           right_(reinterpret_cast<const std::uint64_t*>(census.right)),
           width_(geometry.width),
           bias_(hn::Set(Tag(), static_cast<std::uint8_t>(geometry.cost_bias))),
+          least_(least == nullptr ? hn::Zero(Tag()) : least->at(0)),
           out_(out) {}
 
     /// Of pixels [x, end); `next` is called for every `at_once` of them that are whole groups.
@@ -110,7 +113,7 @@ private:
         for (int i = 0; i < count; ++i) {
             const int pixel = last - i * words;
             const V packed = differing(of_right + i, hn::Set(Words(), left_[pixel]));
-            const V cost = hn::Add(in_order(packed), bias_);
+            const V cost = hn::Max(hn::Add(in_order(packed), bias_), least_);
             out_.template store<streaming>(&cost, 1, pixel);
         }
     }
@@ -133,6 +136,7 @@ private:
     const std::uint64_t* right_;
     int width_;
     V bias_;
+    V least_;
     CostRow<Tag, 1> out_;
 };
 #endif

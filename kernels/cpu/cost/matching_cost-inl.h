@@ -29,7 +29,6 @@ class MatchingCostRow {
     using V = hn::Vec<Tag>;
     using Costs = CostsOfPixels<Tag, registers, Cost>;
     static constexpr int lanes = static_cast<int>(hn::MaxLanes(Tag()));
-    static constexpr int candidates = registers * lanes;
     static constexpr int at_once = Costs::at_once;
 
 public:
@@ -40,9 +39,11 @@ public:
         : geometry_(geometry),
           next_(next),
           out_(costs, streamed),
-          pixels_(geometry, census, out_, with...),
-          padded_(geometry.range.count != candidates),
+          least_(geometry.range.count, geometry.cost_bias),
+          pixels_(geometry, census, out_, least_.are_some() ? &least_ : nullptr, with...),
           bias_(static_cast<std::uint8_t>(geometry.cost_bias)) {}
+    MatchingCostRow(const MatchingCostRow&) = delete;
+    MatchingCostRow& operator=(const MatchingCostRow&) = delete;
 
     /// Not in line: within the loops around it, its own find too few registers.
     HWY_NOINLINE void run() const {
@@ -58,7 +59,7 @@ public:
             right.portion();
         };
         if constexpr (Costs::pixels_of_lines > 0) {
-            if (out_.has_copy() && !padded_) {
+            if (out_.has_copy()) {
                 const int first_streamed = std::min(rounded_up(first, Costs::pixels_of_lines), end);
                 pixels_.template between<false>(0, first_streamed, next);
                 pixels_.template between<true>(first_streamed, end, next);
@@ -71,26 +72,13 @@ public:
         pixels_.template between<false>(0, width, next);
         set_outside<false>(0, first);
         set_outside<false>(end, width);
-        if (padded_) {
-            set_padding();
-        }
         if (out_.has_copy()) {
             out_.stream(width);
         }
     }
 
 private:
-    std::uint8_t biased(int cost) const { return static_cast<std::uint8_t>(bias_ + cost); }
-    std::uint8_t outside() const { return biased(Cost::outside); }
-
-    /// Which candidate each lane of register r holds.
-    V candidate(int r) const {
-        alignas(64) std::uint8_t k[lanes];
-        for (int lane = 0; lane < lanes; ++lane) {
-            k[lane] = static_cast<std::uint8_t>(registers * lane + r);
-        }
-        return hn::Load(tag_, k);
-    }
+    std::uint8_t outside() const { return static_cast<std::uint8_t>(bias_ + Cost::outside); }
 
     /// Candidates outside the right image, of pixels [x, end).
     template <bool streaming>
@@ -100,7 +88,7 @@ private:
         V k[registers];
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            k[r] = candidate(r);
+            k[r] = hn::Load(tag_, candidate_of_lane<registers, lanes>.in[r]);
         }
         for (; x < end; ++x) {
             const int first = std::clamp(x - (width - 1) - range.first, 0, range.count);
@@ -110,6 +98,7 @@ private:
             for (int r = 0; r < registers; ++r) {
                 cost[r] = hn::Load(tag_, out_.at(x, r));
                 cost[r] = first == last ? hn::Set(tag_, outside()) : keep(cost[r], k[r], first, last);
+                cost[r] = hn::Max(cost[r], least_.at(r));
             }
             out_.template store<streaming>(cost, registers, x);
         }
@@ -122,31 +111,12 @@ private:
         return hn::IfThenElse(hn::Eq(hn::Max(from_first, limit), limit), cost, hn::Set(tag_, outside()));
     }
 
-    /// Lanes past the last candidate.
-    void set_padding() const {
-        const V last = hn::Set(tag_, static_cast<std::uint8_t>(geometry_.range.count - 1));
-        V least[registers];
-        DISPARITYD_UNROLL
-        for (int r = 0; r < registers; ++r) {
-            const V k = candidate(r);
-            const auto inside = hn::Eq(hn::Max(k, last), last);
-            least[r] = hn::IfThenElse(inside, hn::Zero(tag_), hn::Set(tag_, biased(padding_cost)));
-        }
-        for (int x = 0; x < geometry_.width; ++x) {
-            DISPARITYD_UNROLL
-            for (int r = 0; r < registers; ++r) {
-                std::uint8_t* at = out_.at(x, r);
-                hn::Store(hn::Max(least[r], hn::Load(tag_, at)), tag_, at);
-            }
-        }
-    }
-
     const Tag tag_{};
     const MatchGeometry& geometry_;
     CensusRow next_;
     CostRow<Tag, registers> out_;
+    LeastCosts<Tag, registers> least_;
     Costs pixels_;
-    bool padded_;
     std::uint8_t bias_;
 };
 
@@ -169,7 +139,7 @@ void matching_cost(const MatchGeometry& geometry, CensusPlanes<const std::uint8_
         for (const int row : {y, other}) {
             if (!single->has(row)) {
                 const CostRow<Tag, registers> to(single->put(row), nullptr);
-                const CostsOfPlanes<Tag, registers, Cost, false> alone(geometry, census(row), to);
+                const CostsOfPlanes<Tag, registers, Cost, false> alone(geometry, census(row), to, nullptr);
                 alone.template between<false>(0, geometry.width, [] {});
             }
         }

@@ -26,10 +26,9 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const S
     : options_(options),
       kernels_(kernels),
       geometry_(geometry_for(kernels_, width, height, options.range)),
-      keep_costs_(options.range.count == kernels_.layout.candidates()),
       // Half of the cache is what one program can hope for on a machine that does other things too.
-      stream_(keep_costs_ && kernels.streams && 2 * bytes_of_volumes() > cache_bytes),
-      memory_(geometry_, kernels_, options.sgm, keep_costs_) {}
+      stream_(kernels.streams && 2 * bytes_of_volumes() > cache_bytes),
+      memory_(geometry_, kernels_, options.sgm) {}
 
 std::size_t SgmSweeps::bytes_of_volumes() const {
     return geometry_.row_bytes() * static_cast<std::size_t>((1 + kernels_.sum_bytes) * geometry_.height);
@@ -97,8 +96,8 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScra
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
         SweepRow& row = sweep_rows[i];
-        std::uint8_t* kept = keep_costs_ ? memory_.costs(y) : nullptr;
-        std::uint8_t* costs = stream_ || kept == nullptr ? scratch.costs[i] : kept;
+        std::uint8_t* kept = memory_.costs(y);
+        std::uint8_t* costs = stream_ ? scratch.costs[i] : kept;
         matching_cost(frame, rows, i, scratch, costs, stream_ ? kept : nullptr);
         row.costs = costs;
         row.sums = memory_.sums(y);
@@ -111,7 +110,7 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
     const SweepRows rows = frame.plan.rows_of(group);
     const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, Store::keep};
     // Until the other sweep has stored all its costs, it is better to compute them again than to wait.
-    const bool costs_kept = keep_costs_ && frame.progress.all_sums_are_stored();
+    const bool costs_kept = frame.progress.all_sums_are_stored();
     SweepRow sweep_rows[max_rows_at_once];
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
@@ -123,7 +122,7 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
         row.sums = scratch.sums[i];
         set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
         row.prefetch[0] = memory_.sums(y);
-        row.prefetch[1] = keep_costs_ ? memory_.costs(row_ahead(frame, rows, i)) : nullptr;
+        row.prefetch[1] = memory_.costs(row_ahead(frame, rows, i));
     }
     aggregate(frame, group, pass, sweep_rows, rows.count);
     frame.progress.wait_for_sums();

@@ -53,7 +53,6 @@ private:
     MatchOptions options_;
     SgmKernels kernels_;
     MatchGeometry geometry_;
-    bool keep_costs_;  // else they are computed again in the second part
     bool stream_;
     SweepMemory memory_;
 };

@@ -19,8 +19,7 @@ std::size_t scratch_count_for(std::size_t volumes, std::size_t scratch_bytes) {
 
 }  // namespace
 
-SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernels, const SgmOptions& options,
-                         bool keep_costs)
+SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernels, const SgmOptions& options)
     : costs_row_(spread_pitch(geometry.row_bytes())),
       sums_row_(spread_pitch(geometry.row_bytes() * static_cast<std::size_t>(kernels.sum_bytes))),
       candidates_(kernels.layout.bytes()),
@@ -34,7 +33,7 @@ SweepMemory::SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernel
                                          (spread(costs_row_) + spread(sums_row_) +
                                           (adaptive_ ? 4 * round_up_to_cache_line(path_pixels_) : 0))),
       sums_(sums_row_ * static_cast<std::size_t>(geometry.height)),
-      costs_(keep_costs ? costs_row_ * static_cast<std::size_t>(geometry.height) : 0),
+      costs_(costs_row_ * static_cast<std::size_t>(geometry.height)),
       paths_(2 * path_bytes_),
       p2_row_(path_pixels_) {
     scratch_count_ = static_cast<int>(scratch_count_for(sums_.size() + costs_.size(), scratch_bytes_));

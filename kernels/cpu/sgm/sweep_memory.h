@@ -23,8 +23,7 @@ struct WorkerScratch {
 /// The memory of both sweeps, all of it allocated once.
 class SweepMemory {
 public:
-    /// `keep_costs`: there is a volume of matching costs too.
-    SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernels, const SgmOptions& options, bool keep_costs);
+    SweepMemory(const MatchGeometry& geometry, const SgmKernels& kernels, const SgmOptions& options);
 
     /// Rows of the volumes.
     std::uint8_t* sums(int y) const { return row_of(sums_, sums_row_, y); }
