@@ -23,15 +23,23 @@ struct Aggregation {
     // Elsewhere Highway has plain stores in their place.
     static constexpr bool streams = HWY_ARCH_X86;
 
-    template <int count, bool streaming>
+    template <int count, bool streaming, PathVariant of = variant>
     static void steps_of_rows(const MatchGeometry& geometry, const SweepPass& pass, const PathRow& previous_row,
                               const SweepRow* rows, SweepSteps steps, std::uint8_t* state) {
-        PathRows<Tag, registers, count, streaming, variant>(geometry, pass, previous_row)
+        PathRows<Tag, registers, count, streaming, of>(geometry, pass, previous_row)
             .run(rows, pass.direction < 0, steps, state);
     }
 
     static void aggregate(const MatchGeometry& geometry, const SweepPass& pass, const PathRow& previous_row,
                           const SweepRow* rows, int count, SweepSteps steps, std::uint8_t* state) {
+        if constexpr (variant.may_add()) {
+            if (rows[0].others != nullptr) {
+                const auto steps_of = count == rows_at_once ? steps_of_rows<rows_at_once, false, variant.adding()>
+                                                            : steps_of_rows<1, false, variant.adding()>;
+                steps_of(geometry, pass, previous_row, rows, steps, state);
+                return;
+            }
+        }
         if (count == rows_at_once) {
             if constexpr (streams) {
                 if (pass.store == Store::stream) {

@@ -51,6 +51,7 @@ public:
         V least;
         const std::uint8_t* costs;
         std::uint8_t* sums;
+        const std::uint8_t* others;
         const std::uint8_t* prefetch[2];
         std::ptrdiff_t prefetch_step;
         const std::uint8_t* p2_rows[4];
@@ -74,6 +75,7 @@ public:
         const std::ptrdiff_t first = from_right ? static_cast<std::ptrdiff_t>(width_ - 1) * candidates : 0;
         state.costs = row.costs + first;
         state.sums = row.sums + first * variant.sum_bytes();
+        state.others = variant.adds ? row.others + first : nullptr;
         state.prefetch_step = row.prefetch[0] == nullptr ? 1 : variant.sum_bytes();
         state.prefetch[0] = row.prefetch[0] == nullptr ? state.costs : row.prefetch[0] + first * variant.sum_bytes();
         state.prefetch[1] = row.prefetch[1] == nullptr ? state.costs : row.prefetch[1] + first;
@@ -249,7 +251,8 @@ private:
                 sums.set(r, m[r]);
             } else {
                 m[r] = hn::SaturatedAdd(m[r], limit);
-                sums.set(r, hn::Sub(m[r], sum_bias));
+                const V sum = hn::Sub(m[r], sum_bias);
+                sums.set(r, variant.adds ? hn::Add(sum, hn::Load(tag_, state.others + offset)) : sum);
             }
             state.along[r] = path_cost(m[r], cost[r]);
             least = r == 0 ? state.along[r] : hn::Min(least, state.along[r]);
@@ -262,7 +265,9 @@ private:
         if constexpr (variant.u16_sums) {
             prefetch_to_second_level(state.prefetch[0] + offset * state.prefetch_step + cache_line);
         }
-        prefetch_to_second_level(state.prefetch[1] + offset);
+        if constexpr (!variant.adds) {  // winners ask for costs there
+            prefetch_to_second_level(state.prefetch[1] + offset);
+        }
     }
 
     const Tag tag_{};

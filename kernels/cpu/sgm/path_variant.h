@@ -8,8 +8,13 @@ struct PathVariant {
     bool diagonals = true;  ///< 8 paths, else the 4 along rows and columns
     bool any_p2 = false;    ///< P2 up to 193; else up to 63
     bool u16_sums = false;  ///< the sums of a sweep are words, else bytes
+    bool adds = false;      ///< to the sums that the other sweep left
 
     constexpr int sum_bytes() const { return u16_sums ? 2 : 1; }
+
+    /// Whether the sums of both sweeps fit a byte together: of four paths they are 4 * 63 = 252 at most.
+    constexpr bool may_add() const { return !diagonals && !u16_sums; }
+    constexpr PathVariant adding() const { return {diagonals, any_p2, u16_sums, true}; }
 };
 
 /// 8 paths while four of them add up to 4 * 63 = 252 at most.

@@ -57,8 +57,16 @@ constexpr int max_sweep_state = 2 * (2 * max_disparities + 64);
 struct SweepRow {
     const std::uint8_t* costs = nullptr;   ///< matching costs of the row
     std::uint8_t* sums = nullptr;          ///< out: sum of L - C over the paths of the sweep
+    const std::uint8_t* others = nullptr;  ///< what the other sweep left there; when not null, it is added to `sums`
     const std::uint8_t* p2_rows[4] = {};   ///< P2 by position, of PathRow's paths and of the one along the row
     const std::uint8_t* prefetch[2] = {};  ///< rows of sums and of costs that are needed soon; used when not null
+};
+
+/// Sums of L - C over paths, for winners.
+struct SumRows {
+    const std::uint8_t* sums = nullptr;        ///< of one sweep; where `adds_sums`, of both
+    const std::uint8_t* others = nullptr;      ///< of the other sweep, unless `adds_sums`
+    const std::uint8_t* next_costs = nullptr;  ///< where `adds_sums`: costs of a row that are needed soon
 };
 
 enum class Store : std::uint8_t {
@@ -81,6 +89,7 @@ struct SgmKernels {
     int rows_at_once = 1;         ///< how many rows aggregate() likes to be given; it takes 1 to this many
     bool streams = false;         ///< there are stores past the caches
     bool averages_costs = false;  ///< over rows: matching_cost() wants SingleRowCosts
+    bool adds_sums = false;       ///< aggregate() takes SweepRow::others, and winner() wants them added
 
     /// Strides and sizes of census planes.
     CensusLayout (*census_layout)(int width, DisparityLayout layout);
@@ -99,9 +108,9 @@ struct SgmKernels {
     /// Adaptive P2 of one row of the left image: SweepRow::p2_rows (to be rounded up to whole vectors).
     void (*adaptive_p2)(const MatchGeometry& geometry, int direction, const SgmOptions& options,
                         const std::uint8_t* row, const std::uint8_t* previous_row, std::uint8_t* const* p2_rows);
-    /// Winners of one row: S = down + up + C once for each path.
-    void (*winner)(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
-                   const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out);
+    /// Winners of one row: S = the sums of both sweeps + C once for each path.
+    void (*winner)(const MatchGeometry& geometry, const PostOptions& options, const SumRows& sums,
+                   const std::uint8_t* costs, const WinnerRow& out);
 };
 
 /// What rows of a frame of this size are for these kernels, matching costs as their paths want them.

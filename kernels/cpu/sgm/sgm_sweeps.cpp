@@ -109,6 +109,9 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScra
 void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const {
     const SweepRows rows = frame.plan.rows_of(group);
     const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, Store::keep};
+    if (kernels_.adds_sums) {
+        frame.progress.wait_for_sums();
+    }
     // Until the other sweep has stored all its costs, it is better to compute them again than to wait.
     const bool costs_kept = frame.progress.all_sums_are_stored();
     SweepRow sweep_rows[max_rows_at_once];
@@ -121,15 +124,16 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
         }
         row.sums = scratch.sums[i];
         set_p2_rows(frame, pass.direction, y, scratch.p2_rows[i], row);
-        row.prefetch[0] = memory_.sums(y);
+        row.others = kernels_.adds_sums ? memory_.sums(y) : nullptr;
+        row.prefetch[0] = memory_.sums(kernels_.adds_sums ? row_ahead(frame, rows, i) : y);
         row.prefetch[1] = memory_.costs(row_ahead(frame, rows, i));
     }
     aggregate(frame, group, pass, sweep_rows, rows.count);
     frame.progress.wait_for_sums();
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
-        kernels_.winner(geometry_, options_.post, memory_.sums(y), sweep_rows[i].sums, sweep_rows[i].costs,
-                        frame.results.row(y));
+        const SumRows sums{sweep_rows[i].sums, memory_.sums(y), memory_.costs(row_ahead(frame, rows, i))};
+        kernels_.winner(geometry_, options_.post, sums, sweep_rows[i].costs, frame.results.row(y));
     }
 }
 

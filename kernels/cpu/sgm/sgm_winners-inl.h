@@ -12,6 +12,7 @@
 
 #include "kernels/cpu/sgm/path_offsets-inl.h"
 #include "kernels/cpu/sgm/path_variant.h"
+#include "kernels/cpu/simd/prefetch-inl.h"
 #include "kernels/cpu/winner/packed_argmin-inl.h"
 #include "kernels/cpu/winner/winner_row-inl.h"
 
@@ -44,15 +45,16 @@ class SgmWinners {
     static_assert(variant.any_p2 || max_sum < (no_key >> packed_index_bits));
 
 public:
-    static void winner(const MatchGeometry& geometry, const PostOptions& options, const std::uint8_t* down,
-                       const std::uint8_t* up, const std::uint8_t* costs, const WinnerRow& out) {
+    static void winner(const MatchGeometry& geometry, const PostOptions& options, const SumRows& sums,
+                       const std::uint8_t* costs, const WinnerRow& out) {
         Minima minima;
         if constexpr (packed) {
             const auto keys = [=](int x, hn::Vec<KeyWords>* to) {
+                ask_for_costs(sums, x);
                 if constexpr (wide) {
-                    wide_keys_of(x, down, up, costs, to);
+                    wide_keys_of(x, sums, costs, to);
                 } else {
-                    keys_of(x, down, up, costs, to);
+                    keys_of(x, sums, costs, to);
                 }
             };
             PackedArgmin<KeyWords, key_stride, packed_index_bits, paths * bias>(geometry).run(keys, minima,
@@ -61,7 +63,8 @@ public:
             const auto keys = [=](int x, int count, auto take) HWY_ATTR {
                 for (int i = 0; i < count; ++i) {
                     W key[stride];
-                    indexed_keys_of(x + i, down, up, costs, key);
+                    ask_for_costs(sums, x + i);
+                    indexed_keys_of(x + i, sums, costs, key);
                     take(i, key);
                 }
             };
@@ -78,15 +81,24 @@ private:
         W odd;
     };
 
+    static HWY_INLINE void ask_for_costs(const SumRows& sums, int x) {
+        if constexpr (variant.may_add()) {
+            const std::uint8_t* next = sums.next_costs + static_cast<std::ptrdiff_t>(x) * candidates;
+            DISPARITYD_UNROLL
+            for (int i = 0; i < candidates; i += static_cast<int>(cache_line)) {
+                prefetch_to_second_level(next + i);
+            }
+        }
+    }
+
     // Keys of PackedArgmin: 64 S of pixel x. C and so S still have their bias.
-    static HWY_INLINE void keys_of(int x, const std::uint8_t* down, const std::uint8_t* up, const std::uint8_t* costs,
-                                   W* out) {
+    static HWY_INLINE void keys_of(int x, const SumRows& sums, const std::uint8_t* costs, W* out) {
         const Words words;
         const auto high = hn::Set(words, std::uint16_t{0xff00});
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            const Pair sum = sums<packed_index_bits>(down + at, up + at, r);
+            const Pair sum = shifted_sums<packed_index_bits>(sums, at, r);
             const auto c = hn::BitCast(words, hn::Load(Tag(), costs + at + r * lanes));
             // 512 C: the odd byte leaves the word by itself.
             out[r] = hn::Add(sum.even, hn::ShiftLeft<packed_index_bits + path_shift>(c));
@@ -95,29 +107,30 @@ private:
     }
 
     // The same where keys are `wide`: the words of a register in their order.
-    static HWY_INLINE void wide_keys_of(int x, const std::uint8_t* down, const std::uint8_t* up,
-                                        const std::uint8_t* costs, hn::Vec<KeyWords>* out) {
+    static HWY_INLINE void wide_keys_of(int x, const SumRows& sums, const std::uint8_t* costs, hn::Vec<KeyWords>* out) {
         const KeyWords words;
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
             const auto words_at = [=](const std::uint8_t* from)
                                       HWY_ATTR { return hn::PromoteTo(words, hn::Load(Tag(), from + at + r * lanes)); };
-            const auto sum = hn::Add(words_at(down), words_at(up));
+            auto sum = words_at(sums.sums);
+            if constexpr (!variant.may_add()) {
+                sum = hn::Add(sum, words_at(sums.others));
+            }
             out[r] = hn::ShiftLeft<packed_index_bits>(hn::Add(sum, hn::ShiftLeft<path_shift>(words_at(costs))));
         }
     }
 
     // Keys of WinnerSearch, of C without its bias.
-    static HWY_INLINE void indexed_keys_of(int x, const std::uint8_t* down, const std::uint8_t* up,
-                                           const std::uint8_t* costs, W* out) {
+    static HWY_INLINE void indexed_keys_of(int x, const SumRows& sums, const std::uint8_t* costs, W* out) {
         constexpr int cost_shift = index_bits + path_shift;
         const Words words;
         const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(x) * candidates;
         const auto all_bias = hn::Set(Tag(), std::uint8_t{bias});
         DISPARITYD_UNROLL
         for (int r = 0; r < registers; ++r) {
-            const Pair sum = sums<index_bits>(down + at * variant.sum_bytes(), up + at * variant.sum_bytes(), r);
+            const Pair sum = shifted_sums<index_bits>(sums, at * variant.sum_bytes(), r);
             const auto c = hn::Sub(hn::Load(Tag(), costs + at + r * lanes), all_bias);
             const W even = hn::Add(sum.even, shifted_bytes<false, cost_shift>(words, c));
             const W odd = hn::Add(sum.odd, shifted_bytes<true, cost_shift>(words, c));
@@ -126,21 +139,26 @@ private:
         }
     }
 
-    /// 2^shift times what both sweeps left for register r of the pixel that begins there.
+    /// 2^shift times what both sweeps left for register r of the pixel that begins at byte `at`.
     template <int shift>
-    static HWY_INLINE Pair sums(const std::uint8_t* down, const std::uint8_t* up, int r) {
+    static HWY_INLINE Pair shifted_sums(const SumRows& sums, std::ptrdiff_t at, int r) {
         const Words words;
         if constexpr (variant.u16_sums) {
-            const auto of_residue = [&](int q) {
-                const int at = q * (lanes / 2);
-                return hn::ShiftLeft<shift>(hn::Add(hn::Load(words, reinterpret_cast<const std::uint16_t*>(down) + at),
-                                                    hn::Load(words, reinterpret_cast<const std::uint16_t*>(up) + at)));
+            const auto words_of = [&](const std::uint8_t* row, int q) HWY_ATTR {
+                return hn::Load(words, reinterpret_cast<const std::uint16_t*>(row + at) + q * (lanes / 2));
+            };
+            const auto of_residue = [&](int q) HWY_ATTR {
+                return hn::ShiftLeft<shift>(hn::Add(words_of(sums.sums, q), words_of(sums.others, q)));
             };
             return {of_residue(r), of_residue(registers + r)};
         } else {
-            const auto a = in_register(hn::Load(Tag(), down + r * lanes));
-            const auto b = in_register(hn::Load(Tag(), up + r * lanes));
-            return {sum_of_bytes<false, shift>(words, a, b), sum_of_bytes<true, shift>(words, a, b)};
+            const auto a = in_register(hn::Load(Tag(), sums.sums + at + r * lanes));
+            if constexpr (variant.may_add()) {
+                return {shifted_bytes<false, shift>(words, a), shifted_bytes<true, shift>(words, a)};
+            } else {
+                const auto b = in_register(hn::Load(Tag(), sums.others + at + r * lanes));
+                return {sum_of_bytes<false, shift>(words, a, b), sum_of_bytes<true, shift>(words, a, b)};
+            }
         }
     }
 };

@@ -19,6 +19,7 @@ template <PathVariant variant>
 SgmKernels for_variant(int disparities, SgmKernels kernels) {
     return with_layout(disparities, [&](auto tag, auto registers) {
         kernels.sum_bytes = variant.sum_bytes();
+        kernels.adds_sums = variant.may_add();
         kernels.cost_bias = variant.any_p2 ? 0 : cost_bias;
         kernels.rows_at_once = Aggregation<decltype(tag), registers(), variant>::rows_at_once;
         kernels.aggregate = Aggregation<decltype(tag), registers(), variant>::aggregate;

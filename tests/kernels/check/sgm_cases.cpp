@@ -197,8 +197,8 @@ KernelRun bind_winner(const KernelInput& input, std::int64_t target) {
     return {[layout, rows, out, input, row_bytes] {
                 for (int y = 0; y < input.height; ++y) {
                     const std::size_t at = static_cast<std::size_t>(y) * row_bytes;
-                    layout->kernels.winner(layout->geometry, input.options.post, &rows[0][at], &rows[1][at],
-                                           &rows[2][at], out.row(y));
+                    const cpu::SumRows sums{&rows[1][at], &rows[0][at], nullptr};
+                    layout->kernels.winner(layout->geometry, input.options.post, sums, &rows[2][at], out.row(y));
                 }
             },
             {},
