@@ -43,7 +43,7 @@ TEST(ReactionTimes, CountFromTheCaptureOfTheFirstFrameWithThePole) {
 
 TEST(ReactionTimes, ADroppedFrameCountsAsWaiting) {
     Client client;
-    for (const std::uint64_t i : {0, 1, 2, 3, 4, 5, 7, 9, 10}) {  // 8 is the first with a pole
+    for (const std::uint64_t i : {0U, 1U, 2U, 3U, 4U, 5U, 7U, 9U, 10U}) {  // 8 is the first with a pole
         client.see(i, 30 * ms, i % 5 >= 3);
     }
     EXPECT_THAT(client.times.result().reactions_ns, ElementsAre(129 * ms));

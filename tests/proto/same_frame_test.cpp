@@ -60,7 +60,7 @@ template <typename AnyFrame>
 std::string describe_metres(const char* way, const AnyFrame& f) {
     std::vector<float> places;
     std::vector<std::uint8_t> colours;
-    for (const std::uint32_t step : {1, 3}) {
+    for (const std::uint32_t step : {1U, 3U}) {
         const disparity::Points points = f.points(step).value();
         for (const disparity::Point& point : points.points) {
             places.insert(places.end(), {point.x, point.y, point.z});

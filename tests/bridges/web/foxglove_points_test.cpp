@@ -68,8 +68,8 @@ TEST(FoxglovePoints, APointLiesWhereItsPixelShowsIt) {
 
 TEST(FoxglovePoints, WhatHasNoPlaceIsNan) {
     const Cloud cloud = cloud_in(point_cloud(test::grey_frame(), all));
-    for (const std::size_t pixel : {0, 1}) {  // rejected, too far
-        for (const std::size_t field : {0, 1, 2}) {
+    for (const std::size_t pixel : {0U, 1U}) {  // rejected, too far
+        for (const std::size_t field : {0U, 1U, 2U}) {
             EXPECT_TRUE(std::isnan(cloud.value(pixel, field))) << pixel;
         }
     }
