@@ -51,6 +51,12 @@ private:
     alignas(64) std::int16_t sums_[front + max_side + back];
 };
 
+/// Highway's own would be written to memory each time.
+struct LaneNumbers {
+    alignas(64) std::int32_t of[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+};
+inline constexpr LaneNumbers lane_numbers;
+
 class TextureVotes {
     using Numbers = hn::ScalableTag<std::int32_t>;
     using Halves = hn::Rebind<std::int16_t, Numbers>;
@@ -63,9 +69,7 @@ public:
     /// Finds the votes of row y; `disparity` holds its pixels.
     void find(int y, const PaddedRow& disparity, std::int16_t invalid) {
         sums_.load(right_, y);
-        for (int x = 0; x < right_.width; x += lanes) {
-            hn::Store(difference(sums_.at(x), 1), Numbers(), right_gradients_ + x);
-        }
+        set_right_gradients();
         sums_.load(left_, y);
         for (int first = 0; first < left_.width; first += 64) {
             std::uint64_t confirmed = 0;
@@ -107,11 +111,28 @@ private:
         return word_of(bytes) & ((std::uint64_t{1} << lanes) - 1);
     }
 
-    // Of the last pixel beyond the image's sides.
-    HWY_INLINE V right_gradient(V x) const {
+    // A gather takes longer than all else here: one finds a pixel's gradient and that of the next, which fit 16 bits
+    // each.
+    void set_right_gradients() {
         const Numbers tag;
-        const V inside = hn::Min(hn::Max(x, hn::Zero(tag)), hn::Set(tag, right_.width - 1));
-        return hn::GatherIndex(tag, right_gradients_, inside);
+        std::int32_t* pairs = right_gradients_ + 1;
+        for (int x = 0; x < right_.width; x += lanes) {
+            const V own = hn::And(difference(sums_.at(x), 1), hn::Set(tag, 0xffff));
+            hn::StoreU(hn::Or(own, hn::ShiftLeft<16>(difference(sums_.at(x + 1), 1))), tag, pairs + x);
+        }
+        const auto twice = [](std::int32_t pair) {
+            const auto own = static_cast<std::uint32_t>(pair) & 0xffff;
+            return static_cast<std::int32_t>(own << 16 | own);
+        };
+        pairs[-1] = twice(pairs[0]);
+        pairs[right_.width - 1] = twice(pairs[right_.width - 1]);
+    }
+
+    // Of x and of x + 1, of the last pixel beyond the image's sides: the first in the lower half.
+    HWY_INLINE V right_gradients(V x) const {
+        const Numbers tag;
+        const V inside = hn::Min(hn::Max(x, hn::Set(tag, -1)), hn::Set(tag, right_.width - 1));
+        return hn::GatherIndex(tag, right_gradients_ + 1, inside);
     }
 
     HWY_INLINE void add_votes(int x, const std::int16_t* disparity, std::int16_t invalid, int bit,
@@ -130,9 +151,10 @@ private:
             return;
         }
         const V whole = hn::ShiftRight<4>(hn::Add(d16, hn::Set(tag, 15)));
-        const V match = hn::Sub(hn::Iota(tag, x), whole);
-        const V other = right_gradient(match);
-        const V next = right_gradient(hn::Add(match, hn::Set(tag, 1)));
+        const V match = hn::Sub(hn::Add(hn::Load(tag, lane_numbers.of), hn::Set(tag, x)), whole);
+        const V pair = right_gradients(match);
+        const V other = hn::ShiftRight<16>(hn::ShiftLeft<16>(pair));
+        const V next = hn::ShiftRight<16>(pair);
         const V between = hn::Min(hn::Max(gradient, hn::Min(other, next)), hn::Max(other, next));
         const V apart = hn::Abs(hn::Sub(gradient, between));
         const std::uint64_t refuting = bits_of(hn::Gt(hn::Add(apart, apart), steep));
@@ -143,7 +165,7 @@ private:
     Plane<const std::uint8_t> left_;
     Plane<const std::uint8_t> right_;
     ColumnSums sums_;
-    alignas(64) std::int32_t right_gradients_[max_side + 64];
+    alignas(64) std::int32_t right_gradients_[1 + max_side + 64];  // from the pixel left of the image on
     RowBits confirmed_;
     RowBits refuted_;
 };
