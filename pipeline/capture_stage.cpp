@@ -10,14 +10,15 @@ namespace disparityd::pipeline {
 using std::chrono::steady_clock;
 
 CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, TraceTrack& trace,
-                           std::uint16_t trace_name)
+                           RectificationSchedule& rectifications, Pipeline::RawTap raw_tap,
+                           std::function<bool()> wanted, TraceTrack& trace, std::uint16_t trace_name)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
       first_stage_(first_stage),
       rectifications_(rectifications),
       raw_tap_(std::move(raw_tap)),
+      wanted_(std::move(wanted)),
       trace_(trace),
       trace_name_(trace_name) {}
 
@@ -31,6 +32,10 @@ void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<
             return;
         }
         if (result == CaptureResult::nothing) {
+            continue;
+        }
+        if (wanted_ && !wanted_()) {
+            give_back(pending.frame, counters_.unwanted);
             continue;
         }
         TraceSpan work(trace_, TraceKind::work, trace_name_);
@@ -70,9 +75,7 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
     pending.up = gravity_.up_at(frame.monotonic_ns);
     frame.sensors = {};  // their memory ends before the frame does
     if ((frame.flags & capture::frame_flag_corrupt) != 0) {
-        counters_.damaged.fetch_add(1, std::memory_order_release);
-        ++lost_;
-        source_.give_back(frame);
+        give_back(frame, counters_.damaged);
         return CaptureResult::nothing;
     }
     return CaptureResult::frame;
@@ -142,9 +145,9 @@ FrameSlot* CaptureStage::slot_for_newest(PendingFrame& pending, Heartbeat& heart
     }
 }
 
-void CaptureStage::drop(const capture::RawFrame& frame) {
+void CaptureStage::give_back(const capture::RawFrame& frame, std::atomic<std::uint64_t>& counter) {
     source_.give_back(frame);
-    counters_.dropped.fetch_add(1, std::memory_order_release);
+    counter.fetch_add(1, std::memory_order_release);
     ++lost_;
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -24,11 +25,12 @@ public:
         std::atomic<std::uint64_t> dropped{0};
         std::atomic<std::uint64_t> lost{0};
         std::atomic<std::uint64_t> damaged{0};
+        std::atomic<std::uint64_t> unwanted{0};
     };
 
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
-                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, TraceTrack& trace,
-                 std::uint16_t trace_name);
+                 RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::function<bool()> wanted,
+                 TraceTrack& trace, std::uint16_t trace_name);
 
     /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
@@ -50,7 +52,8 @@ private:
     FrameSlot* slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping);
     FrameSlot* slot_for_newest(PendingFrame& pending, Heartbeat& heartbeat, const std::atomic<bool>& stopping,
                                bool& ended);
-    void drop(const capture::RawFrame& frame);
+    void drop(const capture::RawFrame& frame) { give_back(frame, counters_.dropped); }
+    void give_back(const capture::RawFrame& frame, std::atomic<std::uint64_t>& counter);
     void enqueue(FrameSlot* slot, PendingFrame&& pending);
 
     Policy policy_;
@@ -59,11 +62,12 @@ private:
     StageQueue& first_stage_;
     RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
+    const std::function<bool()> wanted_;
     GravityFilter gravity_;  ///< gets the samples of all captured frames
     TraceTrack& trace_;
     const std::uint16_t trace_name_;
     Counters counters_;
-    std::uint64_t lost_ = 0;  ///< frames lost since the last one that was enqueued
+    std::uint64_t lost_ = 0;  ///< frames that no longer come, since the last one that was enqueued
 };
 
 }  // namespace disparityd::pipeline

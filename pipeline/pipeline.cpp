@@ -93,8 +93,9 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         admission_ = std::make_unique<Admission>(stages + 1, any_after_matching(stages_) ? stages + 1 : stages,
                                                  static_cast<std::size_t>(config.slots), workers.workers());
     }
-    capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
-                                                    std::move(raw_tap), *traced_[0].track, traced_[0].name);
+    capture_stage_ =
+        std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
+                                       std::move(raw_tap), config.wanted, *traced_[0].track, traced_[0].name);
 }
 
 Pipeline::~Pipeline() {
@@ -149,6 +150,7 @@ PipelineStatus Pipeline::status() const {
     status.published = published_.load(std::memory_order_acquire);
     status.dropped = abandoned_.load(std::memory_order_acquire) + counters.dropped.load(std::memory_order_acquire);
     status.damaged = counters.damaged.load(std::memory_order_acquire);
+    status.unwanted = counters.unwanted.load(std::memory_order_acquire);
     status.captured = counters.captured.load(std::memory_order_relaxed);
     status.lost = counters.lost.load(std::memory_order_relaxed);
     status.rate = rate_.per_second(steady_clock::now());

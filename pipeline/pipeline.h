@@ -52,6 +52,9 @@ struct PipelineConfig {
     std::optional<int> depth_error = std::nullopt;
     /// Stages beside the matcher's, which outlive the pipeline. Those of one place run in this order.
     std::vector<AddedStage*> stages = {};
+    /// Asked in the capture thread for each frame that came: one that is not wanted is not processed. Must not block.
+    /// Empty: all are wanted.
+    std::function<bool()> wanted = {};
 };
 
 /// Counters since the start.
@@ -61,6 +64,7 @@ struct PipelineStatus {
     std::uint64_t dropped = 0;    ///< for newer ones by the live policy, or because the pipeline ended early
     std::uint64_t lost = 0;       ///< by the source: the sum of RawFrame::dropped_before
     std::uint64_t damaged = 0;    ///< frames that came flagged as damaged and were not processed
+    std::uint64_t unwanted = 0;   ///< frames that PipelineConfig::wanted refused
     bool ended = false;           ///< the source has ended and every frame was published
     std::string error;            ///< why the source, a stage or the sink ended early; empty = none did
     double rate = 0;              ///< published frames per second over the last seconds

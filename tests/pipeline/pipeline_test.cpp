@@ -293,6 +293,55 @@ TEST(Pipeline, LiveAccountsForEveryFrameUnderLoad) {
     EXPECT_EQ(source.out(), 0U);
 }
 
+// Counted in frames: the first one that comes after somebody wants frames is published.
+TEST(Pipeline, FramesThatNobodyWantsAreCapturedAndNotProcessed) {
+    std::atomic<bool> wanted{false};
+    std::atomic<int> begun{0};
+    std::atomic<int> tapped{0};
+    fakes::Source source;
+    fakes::Matcher matcher([&](int stage, const FrameView&) { begun += stage == 0 ? 1 : 0; });
+    Chain chain({.policy = Policy::live, .slots = 2, .wanted = [&] { return wanted.load(); }}, source, matcher, 1,
+                [&](const capture::RawFrame&) { ++tapped; });
+    chain.pipeline.start();
+    const auto status_when = [&](const std::function<bool(const PipelineStatus&)>& it_is_so) {
+        PipelineStatus status = chain.pipeline.status();
+        while (!it_is_so(status)) {
+            std::this_thread::yield();
+            status = chain.pipeline.status();
+        }
+        return status;
+    };
+    for (std::uint64_t sequence = 0; sequence < 10; ++sequence) {
+        source.push(sequence);
+    }
+    const PipelineStatus idle = status_when([](const PipelineStatus& now) { return now.unwanted == 10; });
+    EXPECT_EQ(idle.captured, 10U);
+    EXPECT_EQ(idle.published + idle.dropped + idle.damaged, 0U);
+    EXPECT_EQ(begun.load(), 0);
+    EXPECT_EQ(tapped.load(), 10) << "a recording gets them";
+    EXPECT_EQ(source.out(), 0U);
+    wanted = true;
+    source.push(10);
+    status_when([](const PipelineStatus& now) { return now.published == 1; });
+    wanted = false;
+    source.push(11);
+    source.push(12);
+    status_when([](const PipelineStatus& now) { return now.unwanted == 12; });
+    wanted = true;
+    source.push(13);
+    source.end();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    ASSERT_EQ(chain.sink.frames.size(), 2U);
+    EXPECT_EQ(chain.sink.frames[0].sequence, 10U);
+    EXPECT_EQ(chain.sink.frames[0].dropped_before, 10U);
+    EXPECT_EQ(chain.sink.frames[1].sequence, 13U);
+    EXPECT_EQ(chain.sink.frames[1].dropped_before, 2U);
+    EXPECT_EQ(begun.load(), 2);
+    EXPECT_EQ(chain.pipeline.status().dropped, 0U);
+    EXPECT_EQ(source.out(), 0U);
+    EXPECT_EQ(source.wrong_returns(), 0);
+}
+
 TEST(Pipeline, CorruptFramesAreCountedNotShown) {
     fakes::Source source;
     fakes::Matcher matcher;
