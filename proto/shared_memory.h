@@ -53,6 +53,9 @@ struct ShmHeader {
     /// CLOCK_MONOTONIC in ns, which a running daemon renews at least twice a second.
     std::atomic<std::int64_t> heartbeat_ns;
     std::atomic<std::uint32_t> writer_pid;
+    /// Frames up to this number, counted as published_total, are old: others came since that nobody wanted, and were
+    /// not published. A reader waits for a newer one.
+    std::atomic<std::uint64_t> outdated_total;
 
     /// The planes after the first ones, as constant as these. Readers of before end here.
     alignas(64) ShmPlane more_planes[shm_max_planes - shm_first_planes];
@@ -74,7 +77,7 @@ static_assert(sizeof(FrameInfo) % 8 == 0, "copied in words of 8 bytes");
 static_assert(offsetof(ShmHeader, planes) == 64 && sizeof(ShmPlane) == 24 && offsetof(ShmHeader, generation) == 256 &&
               offsetof(ShmHeader, published) == 260 && offsetof(ShmHeader, published_total) == 264 &&
               offsetof(ShmHeader, heartbeat_ns) == 272 && offsetof(ShmHeader, writer_pid) == 280 &&
-              offsetof(ShmHeader, more_planes) == 320);
+              offsetof(ShmHeader, outdated_total) == 288 && offsetof(ShmHeader, more_planes) == 320);
 static_assert(offsetof(ShmSlot, published_ns) == 8 && offsetof(ShmSlot, frame) == 64);
 
 }  // namespace disparityd::proto

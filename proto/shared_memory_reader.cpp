@@ -139,7 +139,7 @@ bool ShmReader::lives() const {
 
 ShmReader::Taken ShmReader::take_newest(const Take& take) {
     const std::uint64_t total = header_->published_total.load(std::memory_order_acquire);
-    if (total == last_total_ || total == 0) {
+    if (total == last_total_ || total <= header_->outdated_total.load(std::memory_order_acquire)) {
         return Taken::nothing_new;
     }
     const ShmSlot& slot = slot_at(*header_, view_, (total - 1) % view_.slot_count);

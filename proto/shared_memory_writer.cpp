@@ -376,4 +376,12 @@ void SharedMemoryWriter::heartbeat() {
     }
 }
 
+void SharedMemoryWriter::outdate() {
+    const std::lock_guard guard(mutex_);
+    if (header_ != nullptr) {
+        header_->outdated_total.store(header_->published_total.load(std::memory_order_acquire),
+                                      std::memory_order_release);
+    }
+}
+
 }  // namespace disparityd::proto

@@ -38,8 +38,9 @@ struct PlaneSource {
 
 /// Writes shared memory for the daemon. Owns the object /disparityd.<name> from construction to close().
 ///
-/// One thread at a time calls publish(), relayout() and close(). Any thread may call wake() and heartbeat() at any
-/// time. has_name() and restore() may run beside publish(); otherwise the thread that calls relayout() calls them.
+/// One thread at a time calls publish(), relayout() and close(). Any thread may call wake(), heartbeat() and
+/// outdate() at any time. has_name() and restore() may run beside publish(); otherwise the thread that calls relayout()
+/// calls them.
 class SharedMemoryWriter {
 public:
     /// Creates the object with mode 0640 and reserves all of its memory. Replaces an object that a daemon which no
@@ -70,6 +71,9 @@ public:
     /// Renews the heartbeat; call it at least twice a second.
     void heartbeat();
 
+    /// Tells readers that the frames so far are old: those that have not read them wait for a newer one.
+    void outdate();
+
     /// Replaces the object by one with another layout; readers map the new one. Throws as the constructor does; the old
     /// object then stays in use.
     void relayout(const ShmLayout& layout) { relayout(layout, slot_count_); }
@@ -95,7 +99,7 @@ private:
     std::uint32_t slot_count_;
     ShmLayout layout_;
     std::mutex publishing_;  ///< publish() against restore(); taken before the other one
-    std::mutex mutex_;       ///< which object is mapped: wake() and heartbeat() against relayout() and close()
+    std::mutex mutex_;       ///< which object is mapped: what any thread may call against relayout() and close()
     ShmHeader* header_ = nullptr;
     ShmView view_;
     dev_t device_ = 0;  ///< with inode_: a name that another daemon has taken over is left alone

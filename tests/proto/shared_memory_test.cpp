@@ -103,6 +103,24 @@ TEST_F(SharedMemory, FrameArrivesWholeAndOnce) {
     expect_frame(got, 19);
 }
 
+TEST_F(SharedMemory, AnOutdatedFrameIsNotReadAnyMore) {
+    proto::SharedMemoryWriter writer(name_, layout_);
+    proto::ShmReader before(name_);
+    Collected got;
+    publish(writer, 1);
+    ASSERT_EQ(got.read(before, 0ms), Result::frame);
+    publish(writer, 2);
+    writer.outdate();
+    proto::ShmReader after(name_);
+    EXPECT_EQ(got.read(before, 0ms), Result::timeout);
+    EXPECT_EQ(got.read(after, 0ms), Result::timeout);
+    publish(writer, 3);
+    for (proto::ShmReader* reader : {&before, &after}) {
+        ASSERT_EQ(got.read(*reader, 0ms), Result::frame);
+        expect_frame(got, 3);
+    }
+}
+
 TEST_F(SharedMemory, ABorrowedFrameIsWholeUntilTheRingComesRound) {
     constexpr std::uint32_t slots = 3;
     proto::SharedMemoryWriter writer(name_, layout_, slots);
