@@ -57,7 +57,7 @@ void BackgroundPairs::run() {
     constexpr int least_urgent = 19;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), least_urgent);
     while (!stopping_.load()) {
-        due_ = steady_clock::now() + interval_;
+        due_.store(steady_clock::now() + interval_, std::memory_order_relaxed);
         int before = busy;
         stage_.compare_exchange_strong(before, wanted, std::memory_order_acq_rel);
         stage_.wait(wanted, std::memory_order_acquire);

@@ -27,10 +27,11 @@ public:
     BackgroundPairs(const BackgroundPairs&) = delete;
     BackgroundPairs& operator=(const BackgroundPairs&) = delete;
 
-    /// Returns whether a pair is wanted. Publish thread. From then on until give() the thread waits: what belongs to
-    /// the pair may be left for the look.
+    /// Returns whether a pair is wanted. Any thread. From then on until the publish thread calls give() the thread
+    /// waits: what belongs to the pair may be left for the look.
     bool wants() const noexcept {
-        return stage_.load(std::memory_order_acquire) == wanted && std::chrono::steady_clock::now() >= due_;
+        return stage_.load(std::memory_order_acquire) == wanted &&
+               std::chrono::steady_clock::now() >= due_.load(std::memory_order_relaxed);
     }
 
     /// Copies the pair, after wants(). Publish thread. Allocates nothing.
@@ -51,8 +52,8 @@ private:
     const Look look_;
     std::atomic<int> stage_{busy};
     std::atomic<bool> stopping_{false};
+    std::atomic<std::chrono::steady_clock::time_point> due_{std::chrono::steady_clock::time_point()};
     // The publish thread owns these while the stage is `wanted`, else the other one.
-    std::chrono::steady_clock::time_point due_;
     std::vector<std::uint8_t> left_;
     std::vector<std::uint8_t> right_;
     std::thread thread_;

@@ -287,7 +287,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
                       recording_.offer(frame);
                       publish_sensors(frame, live);
                   },
-                  index);
+                  [this] { return wants_frames(); }, index);
     config_ = config;
     end_seen_ = false;
     std::shared_ptr<Engine> old = engine;
@@ -403,6 +403,16 @@ void Daemon::publish(const PublishedFrame& frame) {
         shared_memory_->publish(frame);
     }
     server_.publish(frame);
+}
+
+/// Called by the capture thread for each frame with [pipeline] on_demand.
+bool Daemon::wants_frames() {
+    const bool wanted =
+        server_.wants_frames() || recording_.is_recording() || (shared_memory_ && shared_memory_->has_reader());
+    if (!wanted && shared_memory_) {
+        shared_memory_->outdate();  // who opens it later is to get a frame of then
+    }
+    return wanted;
 }
 
 }  // namespace disparityd::daemon

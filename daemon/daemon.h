@@ -93,6 +93,7 @@ private:
     v1::Status status() const;
     std::shared_ptr<Engine> engine() const;
     void publish(const PublishedFrame& frame);
+    bool wants_frames();
     void publish_sensors(const capture::RawFrame& frame, bool live);
 
     const DaemonOptions options_;

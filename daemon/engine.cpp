@@ -129,6 +129,11 @@ bool newest_wins(const Config& config, bool live) {
     return config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
 }
 
+/// Returns whether frames that nobody wants are not matched. Of a replay every frame is published.
+bool on_demand(const Config& config, bool live) {
+    return config.pipeline.on_demand && live && newest_wins(config, live);
+}
+
 pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const std::vector<ConfiguredStage>& stages) {
     pipeline::PipelineConfig made{
         .policy = newest_wins(config, live) ? pipeline::Policy::live : pipeline::Policy::replay,
@@ -160,8 +165,12 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       geometry_(layout_.geometry) {
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
+    pipeline::PipelineConfig made = pipeline_config(config_, source().live, stages_);
+    if (on_demand(config_, source().live)) {
+        made.wanted = [this] { return wants_frame(); };
+    }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
-        pipeline_config(config_, source().live, stages_), *source_, *matcher_, workers_, *rectifications_,
+        made, *source_, *matcher_, workers_, *rectifications_,
         [this](const pipeline::FrameSlot& slot) { publish(slot); },
         [this](const capture::RawFrame& frame) {
             note_activity();
@@ -183,13 +192,14 @@ Engine::~Engine() {
     stop();
 }
 
-void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index) {
+void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::function<bool()> wanted, std::uint64_t first_index) {
     make_self_calibrator();
     measured_ = std::make_unique<MeasuredWatch>(static_cast<int>(layout_.geometry.width),
                                                 static_cast<int>(layout_.geometry.height), config_.match.options.range,
                                                 source().calibration);
     sink_ = std::move(sink);
     raw_ = std::move(raw);
+    wanted_ = std::move(wanted);
     next_index_ = first_index;
     note_activity();
     pipeline_->start();
@@ -226,6 +236,13 @@ void Engine::make_self_calibrator() {
 
 void Engine::note_activity() {
     last_activity_ns_.store(steady_clock::now().time_since_epoch().count(), std::memory_order_relaxed);
+}
+
+/// Capture thread. The self-calibration gets the frames that are due, so that its correction is right for who comes.
+bool Engine::wants_frame() {
+    const bool wanted = wanted_();
+    idle_.store(!wanted, std::memory_order_relaxed);
+    return wanted || (self_calibrator_ && self_calibrator_->wants());
 }
 
 void Engine::publish(const pipeline::FrameSlot& slot) {
@@ -288,6 +305,7 @@ const char* to_string(Engine::State state) {
     switch (state) {
         case Engine::State::waiting: return "waiting";
         case Engine::State::running: return "running";
+        case Engine::State::idle: return "idle";
         case Engine::State::ended: return "ended";
     }
     return "";
@@ -308,11 +326,14 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
-    const bool in_flight = status.captured > status.published + status.dropped + status.damaged;
+    const bool in_flight = status.captured > status.published + status.dropped + status.damaged + status.unwanted;
     if (!in_flight && silence > silence_limit) {
         return {State::waiting,
                 fmt::format("no frame from the source for {:.0f} s", std::chrono::duration<double>(silence).count()),
                 false};
+    }
+    if (idle_.load(std::memory_order_relaxed)) {
+        return {State::idle, "nobody wants frames, so none is matched ([pipeline] on_demand)", false};
     }
     return {State::running, {}, false};
 }
@@ -366,6 +387,7 @@ void Engine::fill(v1::Status& status) const {
     status.set_dropped(now.dropped);
     status.set_lost(now.lost);
     status.set_damaged(now.damaged);
+    status.set_unwanted(now.unwanted);
     const capture::SourceCondition source = source_->condition();
     if (source.sensors) {
         *status.mutable_sensors() = to_message(*source.sensors);
@@ -391,6 +413,7 @@ void Engine::fill(v1::Status& status) const {
     totals.set_dropped(status.dropped());
     totals.set_lost(status.lost());
     totals.set_damaged(status.damaged());
+    totals.set_unwanted(status.unwanted());
     put_steps(totals, now.steps);
 }
 
@@ -412,6 +435,9 @@ std::vector<std::string> Engine::notices() const {
     if (source().synthetic) {
         notices.emplace_back(synthetic_notice);
     }
+    if (std::string note = on_demand_note(); !note.empty()) {
+        notices.push_back(std::move(note));
+    }
     const auto placement = workers_.placement();
     if (config_.pipeline.pin_workers && !placement.pinned) {
         notices.push_back("workers are " + placement.text);
@@ -429,6 +455,13 @@ std::vector<std::string> Engine::notices() const {
         notices.push_back(load_notice_);
     }
     return notices;
+}
+
+std::string Engine::on_demand_note() const {
+    return config_.pipeline.on_demand && !on_demand(config_, source().live)
+               ? "[pipeline] on_demand has no effect: every frame of a replay, or with [source] policy \"replay\", is "
+                 "matched"
+               : "";
 }
 
 bool Engine::source_changed() const {

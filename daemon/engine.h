@@ -50,9 +50,10 @@ public:
     /// Gets frames in the publish thread; see Pipeline.
     using Sink = std::function<void(const PublishedFrame&)>;
 
-    /// Starts the pipeline; frames are numbered from `first_index` on, and `raw` is called in the capture thread.
-    /// Throws std::runtime_error when the system starts no more threads.
-    void start(Sink sink, pipeline::Pipeline::RawTap raw, std::uint64_t first_index);
+    /// Starts the pipeline; frames are numbered from `first_index` on. `raw` is called in the capture thread. So is
+    /// `wanted` for each frame with [pipeline] on_demand: whether anybody wants it. Throws std::runtime_error when the
+    /// system starts no more threads.
+    void start(Sink sink, pipeline::Pipeline::RawTap raw, std::function<bool()> wanted, std::uint64_t first_index);
     void stop();
     bool stopped() const { return stopped_; }
 
@@ -64,7 +65,7 @@ public:
     /// Returns the workers for people: "2 workers, pinned, each to one of cores 0-1".
     std::string workers() const;
 
-    enum class State { waiting, running, ended };
+    enum class State { waiting, running, idle, ended };
     struct Condition {
         State state = State::waiting;
         std::string detail;   ///< one line for people
@@ -84,6 +85,9 @@ public:
     /// Fills in state, source, method, counters, step times and notices; leaves the rest of the message alone. Its
     /// totals are those of this engine; after stop() they are final.
     void fill(v1::Status& status) const;
+
+    /// Returns a line for people where [pipeline] on_demand is set and has no effect; else an empty text.
+    std::string on_demand_note() const;
 
     /// Returns what the user should know, such as workers without cores of their own, or small pages.
     std::vector<std::string> notices() const;
@@ -124,6 +128,7 @@ private:
     void note_rectification(const calibration::Rectification& used);
     void fill_self_calibration(v1::Status& status) const;
     void note_activity();
+    bool wants_frame();
 
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
@@ -139,6 +144,8 @@ private:
     std::unique_ptr<MeasuredWatch> measured_;          ///< null before start()
     Sink sink_;
     pipeline::Pipeline::RawTap raw_;
+    std::function<bool()> wanted_;
+    std::atomic<bool> idle_{false};  ///< the newest frame was wanted by nobody
     bool started_ = false;
     bool stopped_ = false;          ///< of the thread that calls stop()
     std::uint64_t next_index_ = 0;  ///< the publish thread's while it runs
@@ -153,7 +160,7 @@ private:
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 
-/// Returns "waiting", "running" or "ended".
+/// Returns "waiting", "running", "idle" or "ended".
 const char* to_string(Engine::State state);
 
 }  // namespace disparityd::daemon

@@ -31,6 +31,9 @@ public:
     SelfCalibrator(const SelfCalibrator&) = delete;
     SelfCalibrator& operator=(const SelfCalibrator&) = delete;
 
+    /// Returns whether a frame is due to be offered. Any thread.
+    bool wants() const noexcept { return pairs_.wants(); }
+
     /// Offers a finished frame; called in the publish thread. Allocates nothing.
     void offer(const pipeline::FrameSlot& slot) noexcept;
 

@@ -18,6 +18,9 @@ constexpr std::chrono::milliseconds heartbeat_interval{250};
 /// thread that is busy elsewhere. Another thread wakes the rest.
 constexpr int woken_at_once = 32;
 
+/// A reader that waits at least so often counts as one all the time.
+constexpr std::chrono::seconds longest_work_of_reader{2};
+
 static_assert(product_count <= proto::shm_max_planes, "all products may be served at the same time");
 
 proto::ShmLayout to_shm(const StreamLayout& layout) {
@@ -61,13 +64,26 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
     }
     writer_.publish(frame.info, std::span(planes).first(layout_.products.size()),
                     std::chrono::nanoseconds(frame.published.time_since_epoch()).count());
-    if (writer_.wake(woken_at_once) == woken_at_once) {
+    if (wake(woken_at_once) == woken_at_once) {
         {
             const std::lock_guard lock(mutex_);
             more_to_wake_ = true;
         }
         changed_.notify_one();
     }
+}
+
+int SharedMemoryPublisher::wake(int most) {
+    const int woken = writer_.wake(most);
+    if (woken > 0) {
+        reader_waited_.store(std::chrono::steady_clock::now(), std::memory_order_relaxed);
+    }
+    return woken;
+}
+
+bool SharedMemoryPublisher::has_reader() {
+    const auto waited = reader_waited_.load(std::memory_order_relaxed);
+    return std::chrono::steady_clock::now() < waited + longest_work_of_reader || wake(1) > 0;
 }
 
 void SharedMemoryPublisher::relayout(const StreamLayout& layout, std::uint32_t slots) {

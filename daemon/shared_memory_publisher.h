@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
@@ -27,6 +29,13 @@ public:
     /// Publishes a frame of the layout. One thread; allocates nothing.
     void publish(const PublishedFrame& frame);
 
+    /// Returns whether a reader waits for a frame, or has waited in the last two seconds: one that works on a frame
+    /// does not wait meanwhile. Wakes one that waits, which finds nothing new and waits again. Any thread.
+    bool has_reader();
+
+    /// Tells readers that the frames so far are old. Any thread.
+    void outdate() { writer_.outdate(); }
+
     /// Changes the layout and the number of slots, while no thread publishes. Does nothing when they are the same.
     /// Throws as proto::SharedMemoryWriter.
     void relayout(const StreamLayout& layout, std::uint32_t slots);
@@ -40,10 +49,13 @@ public:
 
 private:
     void keep_alive();
+    int wake(int most);
 
     StreamLayout layout_;
     std::uint32_t slots_;
     proto::SharedMemoryWriter writer_;
+    /// When a reader was last found waiting.
+    std::atomic<std::chrono::steady_clock::time_point> reader_waited_{std::chrono::steady_clock::time_point::min()};
     std::mutex mutex_;
     std::condition_variable changed_;
     bool more_to_wake_ = false;

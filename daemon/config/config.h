@@ -58,6 +58,7 @@ struct Config {
         int slots = 4;
         int workers = 0;  ///< 0 = one per core
         bool pin_workers = true;
+        bool on_demand = false;  ///< live sources only
     } pipeline;
 
     struct SharedMemory {

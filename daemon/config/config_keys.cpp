@@ -331,6 +331,7 @@ void add_output_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("pipeline", "slots", 2, 32, FIELD(pipeline.slots)));
     keys.push_back(range_key("pipeline", "workers", 0, 256, FIELD(pipeline.workers)));
     keys.push_back(bool_key("pipeline", "pin_workers", FIELD(pipeline.pin_workers)));
+    keys.push_back(bool_key("pipeline", "on_demand", FIELD(pipeline.on_demand)));
     keys.push_back(bool_key("shared_memory", "enabled", FIELD(shared_memory.enabled)));
     keys.push_back(text_key("shared_memory", "name", "1 .. 64 letters, digits, '-', '_' or '.'",
                             FIELD(shared_memory.name), is_object_name));

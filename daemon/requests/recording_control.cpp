@@ -300,6 +300,11 @@ v1::RecordStatus RecordingControl::status() const {
     return current();
 }
 
+bool RecordingControl::is_recording() const {
+    const std::lock_guard lock(mutex_);
+    return recorder_ != nullptr;
+}
+
 bool RecordingControl::is_recording_for(std::uint64_t client) const {
     const std::lock_guard lock(mutex_);
     return recorder_ && client_ == client;

@@ -71,6 +71,9 @@ public:
 
     v1::RecordStatus status() const;
 
+    /// Returns whether a recording runs.
+    bool is_recording() const;
+
     /// Returns whether a recording runs that this client has asked for.
     bool is_recording_for(std::uint64_t client) const;
 

@@ -92,6 +92,9 @@ public:
     /// thread.
     std::chrono::nanoseconds silence();
 
+    /// Returns whether a client has subscribed to products of frames. Any thread.
+    bool wants_frames() const { return clients_.wanted() != 0; }
+
     /// Returns how many clients have disconnected since the start. Any thread.
     std::uint64_t gone() const { return clients_.gone(); }
 

@@ -99,7 +99,8 @@ void print(const v1::Status& status) {
         print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
                                 " published, " + std::to_string(status.dropped()) + " dropped, " +
                                 std::to_string(status.lost()) + " lost by the source, " +
-                                std::to_string(status.damaged()) + " damaged");
+                                std::to_string(status.damaged()) + " damaged" +
+                                (status.unwanted() > 0 ? ", " + std::to_string(status.unwanted()) + " unwanted" : ""));
     }
     for (const json::Fact& fact : json::facts_of(status)) {
         print_row(fact.title, fact.text);

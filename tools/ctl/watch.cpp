@@ -34,6 +34,7 @@ public:
     Summary take();
 
 private:
+    bool first_ = true;
     std::vector<std::int64_t> ages_ns_;
     std::uint64_t dropped_ = 0;
     std::uint64_t skipped_ = 0;
@@ -50,7 +51,8 @@ double percentile_ms(const std::vector<std::int64_t>& sorted_ns, std::size_t per
 
 void LatencyWindow::add(const disparity::Frame& frame) {
     ages_ns_.push_back(frame.age_ns);
-    dropped_ += frame.dropped_before;
+    dropped_ += first_ ? 0 : frame.dropped_before;  // those before the first one were not for this program
+    first_ = false;
     skipped_ += frame.skipped;
 }
 

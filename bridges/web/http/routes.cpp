@@ -261,7 +261,8 @@ void Routes::respond(const Request& request, const std::string& peer, const Answ
         asked.error(http::status::forbidden, why);
     } else if (asked.path == "/healthz" && asked.is(http::verb::get)) {
         const DaemonState& state = place_.hub.state();
-        const bool runs = state.there && state.status && state.status->state() == "running";
+        const bool runs =
+            state.there && state.status && (state.status->state() == "running" || state.status->state() == "idle");
         const std::string reason = !state.there   ? state.why
                                    : state.status ? state.status->state()
                                                   : "asking the daemon";

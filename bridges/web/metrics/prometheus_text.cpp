@@ -171,7 +171,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-constexpr std::array daemon_states{"running"sv, "waiting"sv, "ended"sv, "stopping"sv};
+constexpr std::array daemon_states{"running"sv, "idle"sv, "waiting"sv, "ended"sv, "stopping"sv};
 constexpr std::array camera_states{"starting"sv,     "streaming"sv,      "absent"sv,       "stalled"sv,
                                    "busy"sv,         "no-permission"sv,  "old-firmware"sv, "usb2-link"sv,
                                    "mode-refused"sv, "no-calibration"sv, "changed"sv,      "failed"sv};

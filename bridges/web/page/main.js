@@ -263,7 +263,7 @@ function showProblem() {
   const wrong = problem()
   const state = link.link === 'open' ? message?.daemon === 'gone' ? 'daemon gone' : message?.status?.state ?? 'connecting'
     : { lost: 'no connection', token: 'token needed' }[link.link] ?? 'connecting'
-  showState(state, wrong?.tone ?? (state === 'running' ? 'good' : 'quiet'), wrong)
+  showState(state, wrong?.tone ?? (['running', 'idle'].includes(state) ? 'good' : 'quiet'), wrong)
   const why = whyNoPicture(wrong)
   left.say(why)
   right.say(why)

@@ -21,7 +21,7 @@ export function showState(state, tone, problem) {
 
 /** What is wrong with a daemon that answers, or null. */
 export function problemOf(status) {
-  if (status.state === 'running') return null
+  if (status.state === 'running' || status.state === 'idle') return null
   const camera = status.camera && status.camera.state !== 'streaming' ? `Camera ${status.camera.state.replace('-', ' ')}` : null
   const titles = { waiting: 'Waiting', ended: 'The source has ended', stopping: 'The daemon is stopping' }
   return { tone: 'warn', title: camera ?? titles[status.state] ?? status.state, text: status.detail || 'No frames come.' }
@@ -51,6 +51,7 @@ function countsOf(status) {
     ['Dropped', counted(status.dropped), loss(status.dropped), 'By the daemon: matching was slower than the camera'],
     ['Lost by source', counted(status.lost), loss(status.lost)],
     ['Damaged', counted(status.damaged), loss(status.damaged)],
+    ...(status.unwanted > 0 ? [['Unwanted', counted(status.unwanted), '', 'Came while nobody wanted frames: [pipeline] on_demand']] : []),
     ['Uptime', uptime(status.uptime_s)],
   ]
 }

@@ -19,6 +19,7 @@ void fill_totals(v1::Totals& totals) {
     totals.set_dropped(900);
     totals.set_lost(12);
     totals.set_damaged(3);
+    totals.set_unwanted(4);
     for (const std::uint32_t bound : {100U, 20000U, 1000000U}) {
         totals.add_bounds_us(bound);
     }
