@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/bench/step_work.h"
 
+#include <bit>
+
 #include "kernels/cpu/sgm/path_kernels.h"
-#include "kernels/selection_network.h"
 
 namespace disparityd::bench {
 namespace {
@@ -22,7 +23,10 @@ constexpr double winners_out = 2 + 2 + 1 + 2.0;  // winner, disparity, confidenc
 
 constexpr double exchange = 2 * 2.0;  // minimum and maximum of 16 bits
 constexpr double median3_exchanges = 19, median5_exchanges = 99;
-constexpr double likeness = 2 * 4.0;  // difference of two 16-bit intensities, compared, and the sample chosen
+// Of a sample: difference of two intensities, compared, and the sample chosen.
+constexpr double likeness = 3;
+// Of a bit of a sample: still chosen, set, and added up. A byte holds eight.
+constexpr double sample_bit = 4 / 8.0;
 
 /// Bytes of a sum of path costs of one of two sweeps.
 double sum_bytes(const MatchOptions& options) {
@@ -33,7 +37,8 @@ double aggregate_operations(const MatchOptions& options, double bytes_of_sum) {
     return options.sgm.paths * (path_operations + bytes_of_sum);
 }
 
-StepWork post_process(const PostOptions& post, double pixels) {
+StepWork post_process(const MatchOptions& options, double pixels) {
+    const PostOptions& post = options.post;
     StepWork work;
     if (post.left_right_check) {
         work.bytes += (2 + 2 + 2 + 2) * pixels;
@@ -53,10 +58,9 @@ StepWork post_process(const PostOptions& post, double pixels) {
     }
     if (post.guided_median > 0) {
         const int samples = post.guided_median * post.guided_median;
-        const auto exchanges = static_cast<double>(post.guided_median == 5 ? exchanges_for_median<25>.size()
-                                                                           : exchanges_for_median<49>.size());
+        const int bits = std::bit_width(16U * static_cast<unsigned>(options.range.count));
         work.bytes += (2 + 1 + 2) * pixels;
-        work.byte_operations += (exchange * exchanges + likeness * samples) * pixels;
+        work.byte_operations += (likeness + sample_bit * bits) * samples * pixels;
     }
     work.bytes += (2 + 1) * pixels;  // confidence of what was rejected
     work.byte_operations += 3 * pixels;
@@ -103,7 +107,7 @@ std::optional<StepWork> step_work(const std::string& step, const MatchOptions& o
             volume};
     }
     if (step == "post-process") {
-        return post_process(options.post, pixels);
+        return post_process(options, pixels);
     }
     return std::nullopt;
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Inputs that random ones of tests/kernels/check do not hit.
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 #include "tests/kernels/instruction_sets.h"
@@ -22,6 +24,20 @@ protected:
             ShuffledWorkers workers(count, 7);
             steps().speckle(found.plane(), {invalid, min_size, 1}, scratch, workers);
             EXPECT_TRUE(found.pixels() == expected.pixels()) << count << " workers";
+        }
+    }
+
+    // In parts of `rows` rows.
+    void expect_same_guided_medians(const Image<std::int16_t>& image, const Image<std::uint8_t>& guide,
+                                    std::int16_t invalid, int rows) {
+        for (const int size : {5, 7}) {
+            Image<std::int16_t> expected(image.width(), image.height()), found(image.width(), image.height());
+            reference::guided_median(image.plane(), guide.plane(), invalid, size, expected.plane(), expected.rows());
+            for (int y = 0; y < image.height(); y += rows) {
+                const Rows part{y, std::min(y + rows, image.height())};
+                steps().guided_median(image.plane(), guide.plane(), invalid, size, found.plane(), part);
+            }
+            EXPECT_TRUE(found.pixels() == expected.pixels()) << "size " << size << ", parts of " << rows << " rows";
         }
     }
 };
@@ -64,6 +80,29 @@ TEST_P(CpuPost, DepthErrorEqualsTheReferenceForEveryDisparityAtTheEdges) {
         steps().depth_error(all.plane(), measured.plane(), scale, found.plane(), all.rows());
         ASSERT_TRUE(found.pixels() == expected.pixels())
             << "round " << round << ", numerator " << scale.numerator << ", offset " << scale.offset16;
+    }
+}
+
+// Widths around registers and blocks of columns, parts of one row and more, disparities of every number of bits.
+TEST_P(CpuPost, GuidedMedianEqualsTheReferenceAtTheEdges) {
+    Random random(89);
+    const Image<std::int16_t> rejected(130, 9, -7);
+    const Image<std::uint8_t> dark(130, 9, 0);
+    expect_same_guided_medians(rejected, dark, -7, 9);
+    for (int bits = 0; bits <= 16; ++bits) {
+        for (const int width : {1, 2, 15, 64, 65, 127, 129, 257}) {
+            const int height = pick(random, 1, 20);
+            const int least = pick(random, -32768, 32768 - (1 << bits));
+            const auto invalid = static_cast<std::int16_t>(pick(random, least, least + (1 << bits) - 1));
+            Image<std::int16_t> image(width, height);
+            for (std::int16_t& value : image.pixels()) {
+                value = static_cast<std::int16_t>(pick(random, least, least + (1 << bits) - 1));
+            }
+            const Image<std::uint8_t> guide = noise(random, width, height, 0, pick(random, 0, 255));
+            expect_same_guided_medians(image, guide, invalid, 1);
+            expect_same_guided_medians(image, guide, static_cast<std::int16_t>(least - 1), pick(random, 2, 20));
+            ASSERT_FALSE(HasFailure()) << width << "x" << height << ", " << bits << " bits";
+        }
     }
 }
 
