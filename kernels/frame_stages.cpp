@@ -2,7 +2,6 @@
 #include "kernels/frame_stages.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -109,19 +108,16 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
 
 namespace {
 
-// Whether step 11 has enough to fill from.
-bool can_be_filled(Plane<const std::int16_t> disparity, std::int16_t invalid, Parallel& workers) {
-    std::atomic<std::uint64_t> measured{0};
-    parallel_rows(disparity.height, workers, [&](Rows rows) {
-        std::uint64_t of_rows = 0;
-        for (int y = rows.first; y < rows.last; ++y) {
-            const std::int16_t* row = disparity.row(y);
-            of_rows += static_cast<std::uint64_t>(disparity.width - std::count(row, row + disparity.width, invalid));
-        }
-        measured.fetch_add(of_rows, std::memory_order_relaxed);
-    });
-    return enough_to_fill_from(
-        measured, static_cast<std::uint64_t>(disparity.width) * static_cast<std::uint64_t>(disparity.height));
+// Whether step 11 has enough to fill from. Mostly a few rows tell, which is quicker than to wake workers.
+bool can_be_filled(Plane<const std::int16_t> disparity, std::int16_t invalid) {
+    const std::uint64_t pixels =
+        static_cast<std::uint64_t>(disparity.width) * static_cast<std::uint64_t>(disparity.height);
+    std::uint64_t measured = 0;
+    for (int y = 0; y < disparity.height && !enough_to_fill_from(measured, pixels); ++y) {
+        const std::int16_t* row = disparity.row(y);
+        measured += static_cast<std::uint64_t>(disparity.width - std::count(row, row + disparity.width, invalid));
+    }
+    return enough_to_fill_from(measured, pixels);
 }
 
 }  // namespace
@@ -130,7 +126,7 @@ bool can_be_filled(Plane<const std::int16_t> disparity, std::int16_t invalid, Pa
 void FrameStages::fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
     const PostOptions& post = config_.options.post;
     const Plane<std::int16_t> filtered = scratch.filtered(frame);
-    if (post.interpolate && can_be_filled(filtered, invalid_disparity(config_.options.range), workers)) {
+    if (post.interpolate && can_be_filled(filtered, invalid_disparity(config_.options.range))) {
         steps_.interpolate(filtered, scratch.right_winner(frame.scratch), config_.options.range,
                            scratch.work(frame.scratch), workers);
     }

@@ -180,50 +180,58 @@ public:
     void enter_bands(int pass) const {
         const int step = pass == 0 ? 1 : -1;
         NearestRow previous = rows_.row(entering(pass, pass == 0 ? 0 : bands_ - 1));
-        PaddedRow pixels;
         for (int i = 0; i < disparity_.height; ++i) {
             const int y = pass == 0 ? i : disparity_.height - 1 - i;
             const int next = y + step;
             const bool enters = next >= 0 && next < disparity_.height && next / rows_of_band != y / rows_of_band;
             const NearestRow now = rows_.row(enters ? entering(pass, next / rows_of_band) : in_work(pass, bands_, y));
-            carry_row(pixels, y, previous, now);
+            carry_row(y, previous, now);
             previous = now;
         }
     }
 
-    void fill_band(int band) const {
-        const int first = band * rows_of_band;
-        const int last = std::min(first + rows_of_band, disparity_.height);
+    /// One after the other, in the same memory: it stays in the cache.
+    void fill_bands(int first, int last) const {
         PaddedRow pixels;
-        for (int y = first; y < last; ++y) {
-            carry_row(pixels, y, rows_.row(y == first ? entering(0, band) : y - 1), rows_.row(y));
-        }
         FilledRow filled(invalid_);
         RightSupport support(range_);
+        for (int band = first; band < last; ++band) {
+            fill_band(band, first * rows_of_band, pixels, filled, support);
+        }
+    }
+
+private:
+    static constexpr int rows_of_band = 16;
+
+    // `memory`: the first of the rows of memory for what lies above its rows.
+    void fill_band(int band, int memory, PaddedRow& pixels, FilledRow& filled, RightSupport& support) const {
+        const int first = band * rows_of_band;
+        const int last = std::min(first + rows_of_band, disparity_.height);
+        const auto above = [&](int y) { return rows_.row(memory + y - first); };
+        for (int y = first; y < last; ++y) {
+            carry_row(y, y == first ? rows_.row(entering(0, band)) : above(y - 1), above(y));
+        }
         NearestRow previous = rows_.row(entering(1, band));
         for (int y = last - 1; y >= first; --y) {
             const NearestRow below = rows_.row(in_work(1, band, y));
-            carry_row(pixels, y, previous, below);
+            carry_row(y, previous, below);
+            pixels.load(disparity_.row(y), disparity_.width, invalid_);
             if (filled.any_rejected(pixels, disparity_.width)) {
                 support.row(right_winner_.row(y), disparity_.width);
-                filled.fill(pixels, disparity_.width, support.pixels(), rows_.row(y), below, disparity_.row(y));
+                filled.fill(pixels, disparity_.width, support.pixels(), above(y), below, disparity_.row(y));
             }
             previous = below;
         }
     }
 
-private:
-    static constexpr int rows_of_band = 32;
-
-    // Rows of memory: those of the image, what lies above each; then three for each band and pass, what enters it and
-    // two in work. Band number bands_ is the first phase, which goes through all of them: only its two in work are
-    // used.
+    // Rows of memory: as many as the image has, of which bands in work hold what lies above each of theirs; then three
+    // for each band and pass, what enters it and two in work. Band number bands_ is the first phase, which goes through
+    // all of them: only its two in work are used.
     int entering(int pass, int band) const { return disparity_.height + 3 * (passes * band + pass); }
     int in_work(int pass, int band, int y) const { return entering(pass, band) + 1 + y % 2; }
 
-    void carry_row(PaddedRow& pixels, int y, const NearestRow& previous, const NearestRow& now) const {
-        pixels.load(disparity_.row(y), disparity_.width, invalid_);
-        carry(pixels.pixels(), disparity_.width, invalid_, previous, now);
+    void carry_row(int y, const NearestRow& previous, const NearestRow& now) const {
+        carry(disparity_.row(y), disparity_.width, invalid_, previous, now);
     }
 
     Plane<std::int16_t> disparity_;
@@ -242,7 +250,10 @@ inline void interpolate(Plane<std::int16_t> disparity, Plane<const std::int16_t>
                         std::span<std::byte> scratch, Parallel& workers) {
     const Interpolation interpolation(disparity, right_winner, range, scratch);
     workers.for_each(Interpolation::passes, [&](int pass) { interpolation.enter_bands(pass); });
-    workers.for_each(interpolation.bands(), [&](int band) { interpolation.fill_band(band); });
+    const int bands = interpolation.bands();
+    const int parts = workers.workers() == 1 ? 1 : std::min(bands, 4 * workers.workers());
+    workers.for_each(parts,
+                     [&](int part) { interpolation.fill_bands(bands * part / parts, bands * (part + 1) / parts); });
 }
 
 }  // namespace disparityd::cpu::HWY_NAMESPACE

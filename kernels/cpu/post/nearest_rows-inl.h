@@ -49,16 +49,22 @@ private:
     std::ptrdiff_t stride_;
 };
 
-/// Carries `previous`, of the row that the pass comes from, on to `row`. `pixels`: disparities of the row, padded with
-/// rejected ones to whole vectors.
+/// Carries `previous`, of the row that the pass comes from, on to `row`. `pixels`: disparities of the row.
 inline void carry(const std::int16_t* pixels, int width, std::int16_t invalid_value, const NearestRow& previous,
                   const NearestRow& row) {
     const hn::ScalableTag<std::int16_t> tag;
     constexpr int lanes = static_cast<int>(hn::MaxLanes(tag));
     const auto invalid = hn::Set(tag, invalid_value);
+    alignas(64) std::int16_t last[lanes];
     int x = 0;
     for (; x < width; x += lanes) {
-        const auto own = hn::Load(tag, pixels + x);
+        const std::int16_t* from = pixels + x;
+        if (x + lanes > width) {
+            std::fill_n(last, lanes, invalid_value);
+            std::copy_n(from, width - x, last);
+            from = last;
+        }
+        const auto own = hn::LoadU(tag, from);
         const auto rejected = hn::Eq(own, invalid);
         for (int side = 0; side < 3; ++side) {
             const auto carried = hn::LoadU(tag, previous.sides[side] + x + side - 1);

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "hwy/highway.h"
+#include "kernels/cpu/simd/lanes-inl.h"
 #include "kernels/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -42,17 +42,19 @@ public:
 
 private:
     static constexpr int margin = 2 * max_disparities;  // as far as a candidate can lie outside
-    static constexpr int at_once = 512;
+    static constexpr int at_once = 128;
 
     // The marks of a right pixel at the place that its winner leads to.
     static constexpr std::uint8_t here = 1;
     static constexpr std::uint8_t right_of_here = 2;  // the candidate above the winner is in the range, too
     static constexpr std::uint8_t left_of_here = 4;
+    static constexpr std::uint8_t all_marks = here | right_of_here | left_of_here;
 
     void mark(const std::int16_t* right_winner, int x, int count) {
         alignas(64) std::int16_t places[at_once + lanes];
         alignas(64) std::int16_t marked[at_once + lanes];
         alignas(64) std::int16_t last[lanes];
+        auto all_or_none = hn::Eq(number(0), number(0));
         for (int i = 0; i < count; i += lanes) {
             const std::int16_t* from = right_winner + i;
             if (i + lanes > count) {
@@ -63,12 +65,22 @@ private:
             const V winner = hn::LoadU(Numbers(), from);
             const V marks = marks_of(winner);
             const V place = hn::Add(winner, hn::Iota(Numbers(), static_cast<std::int16_t>(margin + x + i)));
-            hn::Store(hn::IfThenZeroElse(hn::Eq(marks, hn::Zero(Numbers())), place), Numbers(), places + i);
+            const auto none = hn::Eq(marks, number(0));
+            all_or_none = hn::And(all_or_none, hn::Or(none, hn::Eq(marks, number(all_marks))));
+            hn::Store(hn::IfThenZeroElse(none, place), Numbers(), places + i);
             hn::Store(marks, Numbers(), marked + i);
         }
+        // All marks need not be added to what is there.
+        if (hn::AllTrue(Numbers(), all_or_none)) {
+            DISPARITYD_UNROLL
+            for (int i = 0; i < count; ++i) {
+                marks_[places[i]] = all_marks;
+            }
+            return;
+        }
         for (int i = 0; i < count; ++i) {
-            std::uint8_t& all = marks_[places[i]];
-            all = static_cast<std::uint8_t>(all | marked[i]);
+            std::uint8_t& marks = marks_[places[i]];
+            marks = static_cast<std::uint8_t>(marks | marked[i]);
         }
     }
 
