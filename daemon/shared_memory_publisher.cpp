@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds heartbeat_interval{250};
 /// thread that is busy elsewhere. Another thread wakes the rest.
 constexpr int woken_at_once = 32;
 
-/// A reader that waits at least so often counts as one all the time.
+/// A reader that does not lock the memory and waits at least so often counts as one all the time.
 constexpr std::chrono::seconds longest_work_of_reader{2};
 
 static_assert(product_count <= proto::shm_max_planes, "all products may be served at the same time");
@@ -83,7 +83,7 @@ int SharedMemoryPublisher::wake(int most) {
 
 bool SharedMemoryPublisher::has_reader() {
     const auto waited = reader_waited_.load(std::memory_order_relaxed);
-    return std::chrono::steady_clock::now() < waited + longest_work_of_reader || wake(1) > 0;
+    return writer_.has_reader() || std::chrono::steady_clock::now() < waited + longest_work_of_reader || wake(1) > 0;
 }
 
 void SharedMemoryPublisher::relayout(const StreamLayout& layout, std::uint32_t slots) {

@@ -29,8 +29,8 @@ public:
     /// Publishes a frame of the layout. One thread; allocates nothing.
     void publish(const PublishedFrame& frame);
 
-    /// Returns whether a reader waits for a frame, or has waited in the last two seconds: one that works on a frame
-    /// does not wait meanwhile. Wakes one that waits, which finds nothing new and waits again. Any thread.
+    /// Returns whether a reader has the memory open. One that does not lock it counts for two seconds after it has
+    /// waited for a frame: one that waits now is woken, finds nothing new and waits again. Any thread.
     bool has_reader();
 
     /// Tells readers that the frames so far are old. Any thread.

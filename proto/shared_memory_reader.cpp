@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -16,6 +17,7 @@
 #include "proto/futex.h"
 #include "proto/mapping.h"
 #include "proto/monotonic_clock.h"
+#include "proto/reader_lock.h"
 #include "proto/sequence_lock.h"
 #include "proto/shared_memory_owner.h"
 
@@ -54,6 +56,7 @@ ShmReader::ShmReader(const std::string& name, const Options& options)
 ShmReader::~ShmReader() = default;
 
 void ShmReader::unmap() {
+    file_.reset();
     memory_.reset();
     header_ = nullptr;
 }
@@ -65,9 +68,10 @@ bool ShmReader::no_daemon(const std::string& why) {
 
 bool ShmReader::map_current() {
     // Any user may have put anything under the name: the call follows no link and does not wait for a pipe.
-    const Descriptor file(::shm_open(object_name_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0));
+    auto file = std::make_unique<const Descriptor>(
+        ::shm_open(object_name_.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0));
     struct stat info {};
-    if (file.get() < 0 || ::fstat(file.get(), &info) != 0) {
+    if (file->get() < 0 || ::fstat(file->get(), &info) != 0) {
         return no_daemon(": " + reason_to_open(errno));
     }
     // Two objects that exist at the same time never share an inode number, and ours exists as long as it is mapped.
@@ -86,7 +90,7 @@ bool ShmReader::map_current() {
         throw std::runtime_error("shared memory " + object_name_ + " has " + std::to_string(bytes) +
                                  " bytes, its header alone has " + std::to_string(sizeof(ShmHeader)));
     }
-    const auto memory = std::make_shared<const Mapping>(file, bytes, PROT_READ);
+    const auto memory = std::make_shared<const Mapping>(*file, bytes, PROT_READ);
     if (!*memory) {
         throw std::runtime_error("shared memory " + object_name_ + ": cannot be mapped: " + std::strerror(errno));
     }
@@ -99,6 +103,8 @@ bool ShmReader::map_current() {
     if (generation == 0) {
         return no_daemon(": the daemon has closed it");
     }
+    hold_reader_lock(*file);
+    file_ = std::move(file);
     memory_ = memory;
     header_ = &header;
     device_ = info.st_dev;

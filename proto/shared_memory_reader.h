@@ -95,6 +95,7 @@ private:
 
     std::string object_name_;
     Options options_;
+    std::unique_ptr<const Descriptor> file_;  ///< of memory_; holds the lock of a reader
     std::shared_ptr<const Mapping> memory_;
     const ShmHeader* header_ = nullptr;  ///< the start of memory_
     dev_t device_ = 0;

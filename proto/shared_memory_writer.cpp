@@ -5,6 +5,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "proto/futex.h"
 #include "proto/mapping.h"
 #include "proto/monotonic_clock.h"
+#include "proto/reader_lock.h"
 #include "proto/sequence_lock.h"
 #include "proto/shared_memory_owner.h"
 
@@ -157,13 +159,16 @@ class NewObject {
 public:
     /// Creates the object, reserves and maps its memory, and fills its header in.
     NewObject(const std::string& object, const ShmView& view, std::uint32_t generation)
-        : object_(object), bytes_(view.total_bytes), temporary_(unguessable(object)) {
-        const Descriptor file(::shm_open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-        if (file.get() < 0) {
+        : object_(object),
+          bytes_(view.total_bytes),
+          temporary_(unguessable(object)),
+          file_(std::make_unique<const Descriptor>(
+              ::shm_open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600))) {
+        if (file_->get() < 0) {
             refuse(object_, "cannot be created", errno);
         }
         try {
-            reserve(file);
+            reserve(*file_);
             fill(view, generation);
         } catch (...) {
             ::shm_unlink(temporary_.c_str());
@@ -190,6 +195,8 @@ public:
     }
 
     const struct stat& info() const { return info_; }
+
+    std::unique_ptr<const Descriptor> release_file() { return std::move(file_); }
 
     /// Gives the mapping to the caller.
     ShmHeader* release() { return static_cast<ShmHeader*>(std::exchange(memory_, MAP_FAILED)); }
@@ -239,6 +246,7 @@ private:
     const std::string& object_;
     const std::size_t bytes_;
     const std::string temporary_;
+    std::unique_ptr<const Descriptor> file_;
     void* memory_ = MAP_FAILED;
     struct stat info_ {};
 };
@@ -277,6 +285,7 @@ std::string SharedMemoryWriter::create(const ShmLayout& layout) {
         const std::lock_guard publishing(publishing_);
         const std::lock_guard guard(mutex_);
         old = std::exchange(header_, made.release());
+        file_ = made.release_file();
         old_bytes = view_.total_bytes;
         view_ = view;
     }
@@ -318,6 +327,7 @@ void SharedMemoryWriter::close() {
         tell_readers_the_end(*header_);
         ::munmap(header_, view_.total_bytes);
         header_ = nullptr;
+        file_.reset();
     }
 }
 
@@ -374,6 +384,11 @@ void SharedMemoryWriter::heartbeat() {
     if (header_ != nullptr) {
         header_->heartbeat_ns.store(monotonic_ns(), std::memory_order_release);
     }
+}
+
+bool SharedMemoryWriter::has_reader() {
+    const std::lock_guard guard(mutex_);
+    return file_ && has_reader_lock(*file_);
 }
 
 void SharedMemoryWriter::outdate() {

@@ -4,6 +4,7 @@
 #include <climits>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include <sys/types.h>
 
+#include "proto/mapping.h"
 #include "proto/monotonic_clock.h"
 #include "proto/shared_memory_layout.h"
 
@@ -38,9 +40,9 @@ struct PlaneSource {
 
 /// Writes shared memory for the daemon. Owns the object /disparityd.<name> from construction to close().
 ///
-/// One thread at a time calls publish(), relayout() and close(). Any thread may call wake(), heartbeat() and
-/// outdate() at any time. has_name() and restore() may run beside publish(); otherwise the thread that calls relayout()
-/// calls them.
+/// One thread at a time calls publish(), relayout() and close(). Any thread may call wake(), heartbeat(),
+/// has_reader() and outdate() at any time. has_name() and restore() may run beside publish(); otherwise the thread that
+/// calls relayout() calls them.
 class SharedMemoryWriter {
 public:
     /// Creates the object with mode 0640 and reserves all of its memory. Replaces an object that a daemon which no
@@ -70,6 +72,9 @@ public:
 
     /// Renews the heartbeat; call it at least twice a second.
     void heartbeat();
+
+    /// Returns whether a reader has the object mapped. One that does not lock it (proto/reader_lock.h) is not seen.
+    bool has_reader();
 
     /// Tells readers that the frames so far are old: those that have not read them wait for a newer one.
     void outdate();
@@ -101,6 +106,7 @@ private:
     std::mutex publishing_;  ///< publish() against restore(); taken before the other one
     std::mutex mutex_;       ///< which object is mapped: what any thread may call against relayout() and close()
     ShmHeader* header_ = nullptr;
+    std::unique_ptr<const Descriptor> file_;  ///< of the object
     ShmView view_;
     dev_t device_ = 0;  ///< with inode_: a name that another daemon has taken over is left alone
     ino_t inode_ = 0;

@@ -8,9 +8,14 @@
 #include <thread>
 #include <vector>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
+#include "proto/futex.h"
+#include "proto/mapping.h"
+#include "proto/shared_memory.h"
 #include "proto/shared_memory_reader.h"
 
 namespace disparityd::daemon {
@@ -54,7 +59,10 @@ TEST_F(SharedMemoryPublisherTest, WakesMoreReadersThanThePublishingThreadDoes) {
     threads.reserve(readers);
     for (int i = 0; i < readers; ++i) {
         threads.emplace_back([&] {
-            proto::ShmReader reader(name_, only_when_woken());
+            // Looks by itself only after the time is up: whoever gets the frame was woken, or came after it.
+            proto::ShmReader::Options options;
+            options.check_every = 240s;
+            proto::ShmReader reader(name_, options);
             proto::FrameInfo head{};
             proto::BorrowedSlot slot;
             if (reader.borrow(head, slot, 120s) == proto::ShmReader::Result::frame) {
@@ -70,31 +78,36 @@ TEST_F(SharedMemoryPublisherTest, WakesMoreReadersThanThePublishingThreadDoes) {
     EXPECT_EQ(got.load(), readers);
 }
 
-// Frames pass as the capture thread asks for each of them: it is published or, when nobody waits, outdates those
-// before.
-TEST_F(SharedMemoryPublisherTest, AReaderThatWaitsGetsTheFrameForWhichItIsFoundWaiting) {
+TEST_F(SharedMemoryPublisherTest, KnowsOfAReaderThatNeverWaits) {
     EXPECT_FALSE(publisher_.has_reader());
-    frame_.info.publish_index = 1;
+    {
+        const proto::ShmReader first(name_);
+        const proto::ShmReader second(name_);
+        EXPECT_TRUE(publisher_.has_reader());
+    }
+    EXPECT_FALSE(publisher_.has_reader());
+    const proto::ShmReader late(name_);
+    StreamLayout other = one_product();
+    other.geometry.width = 2 * width;
+    publisher_.relayout(other, 4);
+    EXPECT_FALSE(publisher_.has_reader()) << "it has not mapped the new object yet";
+}
+
+// One that is written after docs/protocol.md, or the library of before, does not lock.
+TEST_F(SharedMemoryPublisherTest, KnowsOfAReaderThatWaitsWithoutALock) {
+    const proto::Descriptor file(::shm_open(publisher_.object_name().c_str(), O_RDONLY, 0));
+    ASSERT_GE(file.get(), 0);
+    const proto::Mapping memory(file, sizeof(proto::ShmHeader), PROT_READ);
+    ASSERT_TRUE(memory);
     publisher_.publish(frame_);
-    EXPECT_FALSE(publisher_.has_reader()) << "nobody waited for it";
-    publisher_.outdate();
-    std::atomic<std::uint64_t> read{0};
-    std::thread reader([&] {
-        proto::ShmReader memory(name_, only_when_woken());
-        proto::FrameInfo head{};
-        proto::BorrowedSlot slot;
-        if (memory.borrow(head, slot, 120s) == proto::ShmReader::Result::frame) {
-            read = head.publish_index;
-        }
-    });
+    EXPECT_FALSE(publisher_.has_reader()) << "nobody waited for the frame";
+    const auto& published = memory.start<const proto::ShmHeader>().published;
+    std::thread reader([&] { proto::futex_wait(published, published.load(), 120s); });
     while (!publisher_.has_reader()) {
         std::this_thread::yield();
     }
-    frame_.info.publish_index = 2;
-    publisher_.publish(frame_);
     reader.join();
-    EXPECT_EQ(read.load(), 2U);
-    EXPECT_TRUE(publisher_.has_reader()) << "it may work on the frame";
+    EXPECT_TRUE(publisher_.has_reader()) << "it may work on a frame";
 }
 
 }  // namespace
