@@ -32,7 +32,7 @@ struct GuidedBlock {
     int row(int band, int step) const { return rows.first + band * rows_of_band() + step; }
 };
 
-/// The disparities of a block, and of what lies around it.
+/// The disparities of some rows.
 struct GuidedValues {
     int least;
     int greatest;
@@ -41,7 +41,7 @@ struct GuidedValues {
     int bits() const { return std::bit_width(static_cast<unsigned>(greatest - least)); }
 };
 
-/// Of the rows around `rows`, as far as they lie in the image.
+/// Of `rows` as far as they lie in the image.
 inline GuidedValues values_between(Plane<const std::int16_t> disparity, std::int16_t invalid_value, Rows rows,
                                    int first_column, int last_column) {
     const hn::ScalableTag<std::int16_t> tag;
@@ -74,19 +74,28 @@ class GuidedSamples {
 public:
     GuidedSamples(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> guide, std::int16_t invalid,
                   const GuidedBlock& block)
-        : disparity_(disparity),
-          guide_(guide),
-          invalid_(invalid),
-          block_(block),
-          range_(values_between(disparity, invalid, {block.rows.first - radius, block.rows.last + radius},
-                                std::max(block.first_column - radius, 0),
-                                std::min(block.first_column + block.columns + radius, disparity.width))) {
-        for (int step = -radius; range_.any() && step < radius; ++step) {
+        : disparity_(disparity), guide_(guide), invalid_(invalid), block_(block) {
+        for (int band = 0; band < GuidedBlock::bands && block.row(band, 0) < block.rows.last; ++band) {
+            const int last = std::min(block.row(band + 1, 0), block.rows.last);
+            const GuidedValues values =
+                values_between(disparity, invalid, {block.row(band, 0) - radius, last + radius},
+                               std::max(block.first_column - radius, 0),
+                               std::min(block.first_column + block.columns + radius, disparity.width));
+            if (values.any()) {
+                least_[band] = static_cast<std::int16_t>(values.least);
+                bits_ = std::max(bits_, values.bits());
+            }
+        }
+        for (int step = -radius; any() && step < radius; ++step) {
             load(step);
         }
     }
 
-    const GuidedValues& range() const { return range_; }
+    /// Whether any pixel has a disparity.
+    bool any() const { return bits_ >= 0; }
+    /// Of what a disparity is more than the least one of its band.
+    int bits() const { return bits_; }
+    std::int16_t least(int band) const { return least_[band]; }
 
     /// To be called for step = 0, 1, ..
     void move_to(int step) { load(step + radius); }
@@ -131,7 +140,6 @@ private:
 
     void make_planes(int slot, int x) {
         const hn::Repartition<std::int16_t, PlaneTag> numbers;
-        const auto least = hn::Set(numbers, static_cast<std::int16_t>(range_.least));
         const auto invalid = hn::Set(numbers, invalid_);
         PlaneBits low[8];
         PlaneBits high[8];
@@ -143,6 +151,7 @@ private:
             const auto rejected = hn::ConcatEven(PlaneTag(), bytes(hn::VecFromMask(numbers, hn::Eq(second, invalid))),
                                                  bytes(hn::VecFromMask(numbers, hn::Eq(first, invalid))));
             measured = hn::Or(measured, hn::AndNot(rejected, bit_of(band)));
+            const auto least = hn::Set(numbers, least_[band]);
             const auto first_bytes = bytes(hn::Sub(first, least));
             const auto second_bytes = bytes(hn::Sub(second, least));
             low[band] = hn::ConcatEven(PlaneTag(), second_bytes, first_bytes);
@@ -150,7 +159,7 @@ private:
         }
         hn::StoreU(measured, PlaneTag(), &measured_[slot][x]);
         store_planes(low, 0, slot, x);
-        if (range_.bits() > 8) {
+        if (bits_ > 8) {
             store_planes(high, 8, slot, x);
         }
     }
@@ -173,7 +182,8 @@ private:
     Plane<const std::uint8_t> guide_;
     std::int16_t invalid_;
     GuidedBlock block_;
-    GuidedValues range_;
+    int bits_ = -1;
+    std::int16_t least_[GuidedBlock::bands] = {};
     std::int16_t values_[GuidedBlock::bands][stride];
     std::uint8_t intensities_[ring][GuidedBlock::bands][stride];
     std::uint8_t measured_[ring][stride];
@@ -189,7 +199,7 @@ class GuidedMedian {
 
 public:
     GuidedMedian(const GuidedSamples<radius>& samples, int step, int x)
-        : samples_(samples), step_(step), x_(x), bits_(samples.range().bits()) {}
+        : samples_(samples), step_(step), x_(x), bits_(samples.bits()) {}
 
     void find() {
         PlaneBits number[6];
@@ -201,6 +211,9 @@ public:
             above[i] = number[i + 1];
         }
         PlaneBits found = hn::Zero(PlaneTag());
+        for (int bit = bits_; bit < 16; ++bit) {
+            hn::Store(found, PlaneTag(), found_[bit]);
+        }
         for (int bit = bits_ - 1; bit >= 0; --bit) {
             bit == bits_ - 1 ? count_set<true>(bit, found, number) : count_set<false>(bit, found, number);
             found = take(number, above);
@@ -215,13 +228,14 @@ public:
             to_bytes(8);
         }
         const hn::Half<PlaneTag> half;
+        const std::int16_t least = samples_.least(band);
         const PlaneBits low = hn::Load(PlaneTag(), found_[band]);
         const PlaneBits high = hn::Load(PlaneTag(), found_[8 + band]);
         const PlaneBits measured = hn::And(hn::LoadU(PlaneTag(), samples_.measured(step_) + x_),
                                            hn::Set(PlaneTag(), static_cast<std::uint8_t>(1 << band)));
-        store_half(hn::LowerHalf(half, low), hn::LowerHalf(half, high), hn::LowerHalf(half, measured), invalid, out,
-                   count);
-        store_half(hn::UpperHalf(half, low), hn::UpperHalf(half, high), hn::UpperHalf(half, measured), invalid,
+        store_half(hn::LowerHalf(half, low), hn::LowerHalf(half, high), hn::LowerHalf(half, measured), least, invalid,
+                   out, count);
+        store_half(hn::UpperHalf(half, low), hn::UpperHalf(half, high), hn::UpperHalf(half, measured), least, invalid,
                    out + lanes / 2, count - lanes / 2);
     }
 
@@ -328,12 +342,13 @@ private:
     }
 
     template <class V>
-    HWY_INLINE void store_half(V low, V high, V measured, std::int16_t invalid, std::int16_t* out, int count) const {
+    static HWY_INLINE void store_half(V low, V high, V measured, std::int16_t least, std::int16_t invalid,
+                                      std::int16_t* out, int count) {
         const hn::Repartition<std::int16_t, PlaneTag> numbers;
         const hn::RebindToUnsigned<decltype(numbers)> words;
         const auto value =
             hn::BitCast(numbers, hn::Or(hn::PromoteTo(words, low), hn::ShiftLeft<8>(hn::PromoteTo(words, high))));
-        const auto disparity = hn::Add(value, hn::Set(numbers, static_cast<std::int16_t>(samples_.range().least)));
+        const auto disparity = hn::Add(value, hn::Set(numbers, least));
         const auto rejected = hn::Eq(hn::PromoteTo(numbers, measured), hn::Zero(numbers));
         const auto result = hn::IfThenElse(rejected, hn::Set(numbers, invalid), disparity);
         if (count >= lanes / 2) {
@@ -350,7 +365,7 @@ private:
     int x_;
     int bits_;
     alignas(64) std::uint8_t chosen_[side][side][lanes];
-    alignas(64) std::uint8_t found_[16][lanes] = {};  // planes of bits, then bytes
+    alignas(64) std::uint8_t found_[16][lanes];  // planes of bits, then bytes
 };
 
 template <int radius>
@@ -358,7 +373,7 @@ void guided_median_of_block(Plane<const std::int16_t> in, Plane<const std::uint8
                             const GuidedBlock& block, Plane<std::int16_t> out) {
     constexpr int lanes = static_cast<int>(hn::MaxLanes(PlaneTag()));
     GuidedSamples<radius> samples(in, guide, invalid, block);
-    if (!samples.range().any()) {
+    if (!samples.any()) {
         for (int y = block.rows.first; y < block.rows.last; ++y) {
             std::fill_n(out.row(y) + block.first_column, block.columns, invalid);
         }

@@ -31,7 +31,7 @@ public:
     explicit RightSupport(DisparityRange range) : first_(range.first), last_(range.first + range.count - 1) {}
 
     void row(const std::int16_t* right_winner, int width) {
-        std::fill_n(marks_, margin + width + margin, std::uint8_t{0});
+        std::fill_n(marks_ + margin - 1, width + 2, std::uint8_t{0});  // of those beyond, none is looked at
         for (int begin = 0; begin < width; begin += at_once) {
             mark(right_winner + begin, begin, std::min(at_once, width - begin));
         }
@@ -54,6 +54,7 @@ private:
         alignas(64) std::int16_t places[at_once + lanes];
         alignas(64) std::int16_t marked[at_once + lanes];
         alignas(64) std::int16_t last[lanes];
+        const V numbers = hn::Iota(Numbers(), 0);  // Highway writes them to memory each time
         auto all_or_none = hn::Eq(number(0), number(0));
         for (int i = 0; i < count; i += lanes) {
             const std::int16_t* from = right_winner + i;
@@ -64,7 +65,7 @@ private:
             }
             const V winner = hn::LoadU(Numbers(), from);
             const V marks = marks_of(winner);
-            const V place = hn::Add(winner, hn::Iota(Numbers(), static_cast<std::int16_t>(margin + x + i)));
+            const V place = hn::Add(winner, hn::Add(numbers, number(margin + x + i)));
             const auto none = hn::Eq(marks, number(0));
             all_or_none = hn::And(all_or_none, hn::Or(none, hn::Eq(marks, number(all_marks))));
             hn::Store(hn::IfThenZeroElse(none, place), Numbers(), places + i);
