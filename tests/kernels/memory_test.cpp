@@ -36,7 +36,7 @@ TEST(CountedMemory, Counts) {
 
 // What `disparities` take in registers, where these are largest.
 int with_padding(int disparities) {
-    const auto sizes = {16, 32, 64, 96, 128, 160, 192, 256};
+    const auto sizes = {16, 32, 64, 96, 128, 192, 256};
     return *std::find_if(sizes.begin(), sizes.end(), [&](int size) { return size >= disparities; });
 }
 

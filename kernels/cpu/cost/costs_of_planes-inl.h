@@ -69,13 +69,8 @@ class CostsOfPlanes {
 
 public:
     /// How many pixels the loops take at once.
-    static constexpr int at_once = registers <= 2                     ? 4
-                                   : registers == 3 && many_registers ? 4
-                                   : registers <= 4                   ? 2
-                                   : registers == 5 && many_registers ? 3
-                                                                      : 1;
-    /// How many pixels that are streamed fill whole lines, if they begin with one (three of five registers: but for
-    /// half a line).
+    static constexpr int at_once = registers <= (many_registers ? 3 : 2) ? 4 : registers <= 4 ? 2 : 1;
+    /// How many pixels that are streamed fill whole lines, if they begin with one.
     static constexpr int pixels_of_lines = at_once;
 
     /// Costs at least `least`, which stays where it is, or what they are if it is null.
