@@ -34,6 +34,7 @@ void FrameFlow::start(double max_rate) {
 }
 
 void FrameFlow::reads(std::int64_t now_ns) {
+    waited_ = false;
     if (working_) {
         work_ns_ = now_ns - given_ns_;
         working_ = false;
@@ -53,28 +54,31 @@ std::int64_t FrameFlow::patience_ns() const {
     return std::clamp(3 * std::max(way_ns_, round_trip_ns_), 5 * millisecond, 200 * millisecond);
 }
 
-/// Returns how many frames may be on their way while the program works. A frame that was sent with the credit of the
-/// one before needs the way there and back in between; where the link itself is what limits the rate, more frames would
-/// only wait on it for each other.
-std::uint32_t FrameFlow::ahead() const {
+/// Returns how many frames may be on order. The program orders when it begins to wait, as many as come before it waits
+/// again: an order that was sent while a frame is given would make that frame late. Where the link itself is what
+/// limits the rate, more frames would only wait on it for each other.
+std::uint32_t FrameFlow::wanted(bool waiting) const {
     const std::int64_t interval = interval_ns();
     if (interval == 0 || way_ns_ < 0) {
         return 1;
     }
     if (work_ns_ > interval) {
-        return 0;
+        return waiting ? 1 : 0;
     }
     const auto round_trip = static_cast<double>(round_trip_ns_);
     const double transfer = std::max(0.0, static_cast<double>(way_ns_) - round_trip / 2);
     const auto every = static_cast<double>(interval);
-    const double needed = transfer >= 0.9 * every ? 1 + std::floor(round_trip / transfer)
-                                                  : std::ceil((transfer + round_trip) / every + 0.25);
-    return static_cast<std::uint32_t>(std::clamp(needed, 1.0, double{most_ahead}));
+    const auto until_next_wait = static_cast<double>(waited_ ? work_ns_ : interval);
+    const double needed = transfer >= 0.9 * every
+                              ? 1 + std::floor(round_trip / transfer)
+                              : std::ceil((transfer + round_trip + until_next_wait) / every + 0.25) - (waiting ? 0 : 1);
+    return static_cast<std::uint32_t>(std::clamp(needed, 0.0, double{most_ahead}));
 }
 
 std::uint32_t FrameFlow::ask(bool waiting) {
-    const std::uint32_t wanted = std::max(ahead(), waiting ? 1U : 0U);
-    const std::uint32_t more = wanted > on_the_way_ ? wanted - on_the_way_ : 0;
+    waited_ = waited_ || waiting;
+    const std::uint32_t frames = wanted(waiting);
+    const std::uint32_t more = frames > on_the_way_ ? frames - on_the_way_ : 0;
     on_the_way_ += more;
     return more;
 }

@@ -7,9 +7,10 @@ namespace disparity {
 
 /// Decides how many frames may be on their way to a program, and whether one that has come is still fresh.
 ///
-/// A program that waits for frames has credit ahead, as much as the way to the daemon and back needs, so that a frame
-/// is sent when it is published. One that works longer than an interval has none while it works: it asks when it reads,
-/// and gets the daemon's newest. Pure arithmetic: the caller brings the times, in ns. One thread.
+/// A program that keeps up has a frame on order when the daemon publishes it, so that it is sent at once: it orders as
+/// it begins to wait, with as many more as its work and the way to the daemon and back need. One that works longer than
+/// an interval has none on order while it works, and gets the daemon's newest when it reads. Pure arithmetic: the
+/// caller brings the times, in ns. One thread.
 class FrameFlow {
 public:
     /// What is known of a frame that has come.
@@ -47,7 +48,7 @@ public:
     std::int64_t patience_ns() const;
 
 private:
-    std::uint32_t ahead() const;
+    std::uint32_t wanted(bool waiting) const;
 
     std::int64_t least_interval_ns_ = 0;  ///< of max_rate
     std::int64_t published_ns_ = 0;       ///< between two frames that the daemon publishes; 0 = not known
@@ -59,6 +60,7 @@ private:
     std::int64_t given_ns_ = 0;     ///< when the last frame was given
     std::int64_t work_ns_ = 0;      ///< how long the program worked on the last one
     bool working_ = false;          ///< on a frame that was given
+    bool waited_ = false;           ///< the program, since it began to read
     std::uint32_t on_the_way_ = 0;  ///< frames asked for that have not come
     std::uint32_t suspects_ = 0;    ///< of them, those that were asked for before one that was not fresh
     bool refused_ = false;          ///< the last frame was not fresh

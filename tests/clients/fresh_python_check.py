@@ -54,19 +54,25 @@ def reader(interval_ms, work_ms, way_ms=0, round_trip_ms=0):
 
 
 def check_credit():
-    """A program that keeps up has frames ahead, as many as the way needs; one that works longer has none."""
-    for interval, work, way, round_trip, ahead in (
-        (33, 10, 0, 0, 1),
-        (33, 40, 0, 0, 0),
-        (67, 40, 0, 0, 1),
-        (67, 100, 1, 1, 0),
-        (33, 5, 25, 40, 2),  # 20 ms of delay, small frames
-        (33, 5, 100, 1, 1),  # the link carries ten a second: more would wait for each other
+    """A program that keeps up orders when it waits, as many as its work and the way need; one that works longer orders
+    one then. A frame that lay there, for which it did not wait, is followed by an order at once."""
+    for interval, work, way, round_trip, ahead, waiting in (
+        (33, 10, 0, 0, 0, 1),
+        (33, 30, 0, 0, 1, 1),
+        (33, 40, 0, 0, 0, 1),
+        (67, 40, 0, 0, 0, 1),
+        (67, 100, 1, 1, 0, 1),
+        (33, 25, 25, 40, 2, 1),  # 20 ms of delay, small frames
+        (33, 5, 25, 40, 1, 1),
+        (33, 5, 100, 1, 1, 0),  # the link carries ten a second: more would wait for each other
     ):
         flow, on_order = reader(interval, work, way, round_trip)
         assert on_order == ahead, (interval, work, way, round_trip, on_order)
-        assert flow.ask(waiting=True) == int(ahead == 0), "one that waits has one on order"
-        assert flow.ask(waiting=True) == 0, "and not a second one"
+        assert flow.ask(waiting=True) == waiting, (interval, work, way, round_trip)
+        assert flow.ask(waiting=True) == 0, "and not once more"
+    flow, _ = reader(33, 10)
+    flow.reads(262 * MS)
+    assert see(flow, 8, 261, 262) and flow.ask(waiting=False) == 1
 
 
 def check_freshness():
@@ -75,7 +81,7 @@ def check_freshness():
     assert not see(flow, 9, 297, 297 + 40, unwatched_ms=40), "it lay longer"
     assert see(flow, 20, 660, 661), "the next one did not"
     # After a stop both frames that were on order are old; what is asked for then is given, however slow the link is now.
-    flow, on_order = reader(33, 5, 25, 40)
+    flow, on_order = reader(33, 25, 25, 40)
     assert on_order == 2
     assert not see(flow, 8, 300, 5300, unwatched_ms=5000)
     assert not see(flow, 9, 333, 5300, unwatched_ms=1)
@@ -220,40 +226,44 @@ def check_frames():
         assert frame.publish_index == 4 and frame.skipped == 1 and frame.age_ns >= 300 * MS, frame
 
 
-def check_clock_is_kept():
-    """What is known of the daemon's clock does not grow old in a program that never waits for a frame."""
-    sent, given, asked = threading.Semaphore(0), threading.Event(), threading.Event()
+def orders(frame_with_status):
+    """Returns what a daemon hears of a program that asks for the status and reads in turn, in a second and more. It is
+    sent a frame with each status, or against credit."""
+    heard, asked = [], threading.Event()
 
     def script(end):
         end.greet()
-        with contextlib.suppress(ConnectionError):  # the client leaves with a frame unread
-            serve(end)
-
-    def serve(end):
-        before = None  # so many questions came while the first read waited
         for index in itertools.count():
-            while end.credit == 0:
-                was_given = given.is_set()
-                if end.receive() is None:
-                    return
-                before = end.pings if was_given and before is None else before
-            end.credit -= 1
-            end.send_frame(index)
-            sent.release()
-            if before is not None and end.pings > before:
+            message = end.receive()
+            if end.pings > 1:  # the first one begins
                 asked.set()
+            if message is None:
+                return
+            is_status = message.HasField("status_request")
+            heard.append("status" if is_status else "ready")
+            if is_status == frame_with_status:
+                end.send_frame(index)
+            if is_status:
+                end.send(status=pb.Status())
 
     with daemon(script) as address, disparity.SocketClient(address) as client:
         client.subscribe([disparity.CONFIDENCE], max_rate=0.01)  # however slow this machine is, the program keeps up
-        assert client.read(PATIENCE) is not None
-        given.set()
-        sent.acquire()
         until = time.monotonic() + PATIENCE
         while not asked.is_set() and time.monotonic() < until:
-            assert sent.acquire(timeout=PATIENCE), "no credit ahead"
+            if frame_with_status:
+                client.status(PATIENCE)
             assert client.read(PATIENCE) is not None
-            time.sleep(0.001)
+            if not frame_with_status:
+                client.status(PATIENCE)
         assert asked.is_set(), "the clock was not asked for"
+    return heard
+
+
+def check_orders():
+    """A program that keeps up orders a frame when it waits. One that never waits orders the next one as it takes one, and
+    what is known of the daemon's clock does not grow old."""
+    assert orders(frame_with_status=False)[:6] == ["ready", "status"] * 3
+    assert orders(frame_with_status=True)[:6] == ["status", "ready"] * 3
 
 
 def check_return():
@@ -356,6 +366,6 @@ def check_addresses():
         raise AssertionError("connected to nobody")
 
 
-for check in (check_credit, check_freshness, check_clock, check_liveness, check_frames, check_clock_is_kept,
+for check in (check_credit, check_freshness, check_clock, check_liveness, check_frames, check_orders,
               check_return, check_end, check_one_user, check_addresses):
     check()

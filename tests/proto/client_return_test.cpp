@@ -286,43 +286,81 @@ TEST(ClientReturn, ADaemonThatAnswersIsNotLeft) {
     }
 }
 
-// A program that never waits for a frame: what is known of the daemon's clock must not grow old.
-TEST(ClientReturn, TheClockIsAskedForWhereAFrameIsAlwaysThere) {
-    std::atomic<std::uint64_t> sent{0};
-    std::atomic<bool> given{false};
-    std::atomic<bool> asked{false};
-    FakeDaemon daemon([&](ServerEnd& end) {
-        end.greet_with_clock();
-        bool counts = false;  // what was sent while the first read waited has come
-        v1::Envelope message;
-        while (end.receive(message)) {
-            if (message.has_ready()) {
-                counts = counts || given;
-                send_frame(end, sent);
-                ++sent;
-            } else if (message.has_ping()) {
-                asked = asked || counts;
-                v1::Envelope answer;
-                answer.mutable_pong()->set_client_ns(message.ping().client_ns());
-                answer.mutable_pong()->set_monotonic_ns(disparityd::proto::monotonic_ns());
-                end.send(answer);
-            }
-        }
-    });
-    disparity::SocketClient client(daemon.unix_address());
+void answer_status(ServerEnd& end) {
+    v1::Envelope answer;
+    answer.mutable_status()->set_state("running");
+    end.send(answer);
+}
+
+/// Frames that nobody can be too slow for, however busy the machine is.
+disparity::Subscription rare_frames() {
     disparity::Subscription subscription;
-    subscription.max_rate = 0.01;  // however slow this machine is, the program keeps up, and has credit ahead
-    client.subscribe(subscription);
-    disparity::Frame frame;
-    const auto deadline = std::chrono::steady_clock::now() + plenty;
-    while (!asked && std::chrono::steady_clock::now() < deadline) {
-        ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
-        given = true;
-        while (sent <= frame.publish_index + 1 && std::chrono::steady_clock::now() < deadline) {
-            std::this_thread::sleep_for(1ms);
+    subscription.max_rate = 0.01;
+    return subscription;
+}
+
+// An order that is sent while a frame is given makes that frame late.
+TEST(ClientReturn, AProgramThatKeepsUpOrdersAFrameWhenItWaits) {
+    std::string heard;
+    {
+        FakeDaemon daemon([&](ServerEnd& end) {
+            end.greet_with_clock();
+            std::uint64_t sent = 0;
+            v1::Envelope message;
+            while (end.receive(message)) {
+                if (message.has_ready()) {
+                    heard += "ready " + std::to_string(message.ready().frames()) + ", ";
+                    send_frame(end, sent++);
+                } else if (message.has_status_request()) {
+                    heard += "status, ";
+                    answer_status(end);
+                }
+            }
+        });
+        disparity::SocketClient client(daemon.unix_address());
+        client.subscribe(rare_frames());
+        disparity::Frame frame;
+        for (int i = 0; i < 3; ++i) {
+            ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
+            client.status(plenty);
+        }
+    }
+    EXPECT_EQ(heard, "ready 1, status, ready 1, status, ready 1, status, ");
+}
+
+// A program that never waits for a frame orders the next one as it takes one, and what is known of the daemon's clock
+// must not grow old.
+TEST(ClientReturn, WhereAFrameIsAlwaysThereTheNextIsOrderedAndTheClockAskedFor) {
+    std::string heard;
+    std::atomic<bool> asked{false};
+    {
+        FakeDaemon daemon([&](ServerEnd& end) {
+            end.greet_with_clock();
+            std::uint64_t sent = 0;
+            v1::Envelope message;
+            while (end.receive(message)) {
+                if (message.has_ready()) {
+                    heard += heard.size() < 100 ? "ready, " : "";
+                } else if (message.has_status_request()) {
+                    heard += heard.size() < 100 ? "status, " : "";
+                    send_frame(end, sent++);
+                    answer_status(end);
+                } else if (message.has_ping()) {
+                    asked = sent > 0;
+                }
+            }
+        });
+        disparity::SocketClient client(daemon.unix_address());
+        client.subscribe(rare_frames());
+        disparity::Frame frame;
+        const auto deadline = std::chrono::steady_clock::now() + plenty;
+        while (!asked && std::chrono::steady_clock::now() < deadline) {
+            client.status(plenty);
+            ASSERT_EQ(client.read(frame, plenty), ReadResult::frame);
         }
     }
     EXPECT_TRUE(asked);
+    EXPECT_THAT(heard, testing::StartsWith("status, ready, status, ready, status, ready, "));
 }
 
 // What the daemon said before it closed explains more than a broken connection.

@@ -67,9 +67,9 @@ class Arrival(typing.NamedTuple):
 class FrameFlow:
     """Is of one subscription at one connection, which begins with nothing on its way.
 
-    A program that waits for frames has credit ahead, as much as the way to the daemon and back needs, so that a frame is
-    sent when it is published. One that works longer than an interval has none while it works: it asks when it reads, and
-    gets the daemon's newest.
+    A program that keeps up has a frame on order when the daemon publishes it, so that it is sent at once: it orders as it
+    begins to wait, with as many more as its work and the way to the daemon and back need. One that works longer than an
+    interval has none on order while it works, and gets the daemon's newest when it reads.
     """
 
     def __init__(self, max_rate: float = 0.0) -> None:
@@ -80,12 +80,14 @@ class FrameFlow:
         self._round_trip = 0
         self._given: int | None = None  # when the program got the frame that it works on
         self._work = 0  # how long it worked on the last one
+        self._waited = False  # the program, since it began to read
         self._on_the_way = 0  # frames asked for that have not come
         self._suspects = 0  # of them, those that were asked for before one that was not fresh
         self._refused = False  # the last frame was not fresh
 
     def reads(self, now: int) -> None:
         """The program has begun to read."""
+        self._waited = False
         if self._given is not None:
             self._work, self._given = now - self._given, None
 
@@ -104,7 +106,8 @@ class FrameFlow:
     def ask(self, waiting: bool) -> int:
         """Returns how many frames the daemon may send more, and counts them as asked for. waiting: the program waits for
         one now."""
-        more = max(0, max(self._ahead(), int(waiting)) - self._on_the_way)
+        self._waited = self._waited or waiting
+        more = max(0, self._wanted(waiting) - self._on_the_way)
         self._on_the_way += more
         return more
 
@@ -140,18 +143,19 @@ class FrameFlow:
         self._suspects = self._on_the_way
         return False
 
-    def _ahead(self) -> int:
-        """Returns how many frames may be on their way while the program works. A frame that was sent with the credit of
-        the one before needs the way there and back in between; where the link itself is what limits the rate, more
-        frames would only wait on it for each other."""
+    def _wanted(self, waiting: bool) -> int:
+        """Returns how many frames may be on order. The program orders when it begins to wait, as many as come before it
+        waits again: an order that was sent while a frame is given would make that frame late. Where the link itself is
+        what limits the rate, more frames would only wait on it for each other."""
         interval = self.interval()
         if interval == 0 or self._way is None:
             return 1
         if self._work > interval:
-            return 0
+            return int(waiting)
         transfer = max(0.0, self._way - self._round_trip / 2)
         if transfer >= 0.9 * interval:
             needed = 1 + math.floor(self._round_trip / transfer)
         else:
-            needed = math.ceil((transfer + self._round_trip) / interval + 0.25)
-        return min(max(1, needed), _MOST_AHEAD)
+            until_next_wait = self._work if self._waited else interval
+            needed = math.ceil((transfer + self._round_trip + until_next_wait) / interval + 0.25) - int(not waiting)
+        return min(max(0, needed), _MOST_AHEAD)
