@@ -280,9 +280,9 @@ def check_return():
     def works(end):
         end.greet()
         numbers.append(end.hello.client_id)
-        end.await_credit()
-        end.send_frame(0)
-        end.receive()
+        with contextlib.suppress(ConnectionError):  # the client leaves with an order unanswered
+            while end.receive() is not None:  # a busy machine may let a frame grow old, which is ordered again
+                end.send_frame(0)
 
     with daemon(hangs, works) as address, disparity.SocketClient(address) as client:
         client.subscribe([disparity.CONFIDENCE])
