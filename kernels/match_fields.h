@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -10,6 +11,11 @@
 #include "kernels/options.h"
 
 namespace disparityd {
+
+/// What the configuration and command lines offer, in the order of their messages. to_string() has the names.
+inline constexpr std::array all_methods{Method::sgm, Method::census, Method::sad};
+inline constexpr std::array all_costs{CensusCost::census_9x7, CensusCost::census_7x5_gradient};
+inline constexpr std::array all_presets{Preset::paper, Preset::dense, Preset::obstacles};
 
 /// A row of the table of numbers and switches of matching, of which the configuration, command lines and JSON are made.
 struct MatchField {

@@ -15,15 +15,6 @@ constexpr std::array<std::string_view, 3> method_names = {"sad", "census", "sgm"
 constexpr std::array<std::string_view, 2> cost_names = {"census-9x7", "census-7x5+gradient"};
 constexpr std::array<std::string_view, 3> preset_names = {"paper", "dense", "obstacles"};
 
-template <typename Enum, std::size_t count>
-std::optional<Enum> with_name(const std::array<std::string_view, count>& names, std::string_view text) {
-    const auto* const found = std::find(names.begin(), names.end(), text);
-    if (found == names.end()) {
-        return std::nullopt;
-    }
-    return static_cast<Enum>(found - names.begin());
-}
-
 std::string out_of_range(std::string_view option, int found, std::string_view allowed) {
     return std::string(option) + " = " + std::to_string(found) + ": allowed is " + std::string(allowed);
 }
@@ -48,23 +39,17 @@ std::string_view to_string(Method method) {
 }
 
 std::optional<Method> method_from_name(std::string_view text) {
-    return with_name<Method>(method_names, text);
+    const auto* const found = std::find(method_names.begin(), method_names.end(), text);
+    return found == method_names.end() ? std::nullopt
+                                       : std::optional(static_cast<Method>(found - method_names.begin()));
 }
 
 std::string_view to_string(CensusCost cost) {
     return cost_names[static_cast<std::size_t>(cost)];
 }
 
-std::optional<CensusCost> census_cost_from_name(std::string_view text) {
-    return with_name<CensusCost>(cost_names, text);
-}
-
 std::string_view to_string(Preset preset) {
     return preset_names[static_cast<std::size_t>(preset)];
-}
-
-std::optional<Preset> preset_from_name(std::string_view text) {
-    return with_name<Preset>(preset_names, text);
 }
 
 MatchOptions default_options(Method method, DisparityRange range) {

@@ -26,8 +26,7 @@ enum class CensusCost : unsigned char {
     census_7x5_gradient,  ///< 30 bits and a horizontal gradient, averaged over three rows
 };
 
-std::string_view to_string(CensusCost cost);                        ///< "census-9x7", "census-7x5+gradient"
-std::optional<CensusCost> census_cost_from_name(std::string_view);  ///< the reverse; empty for any other text
+std::string_view to_string(CensusCost cost);  ///< "census-9x7", "census-7x5+gradient"
 
 struct SgmOptions {
     int paths = 8;                       ///< 8, or 4 (horizontal and vertical only)
@@ -72,8 +71,7 @@ enum class Preset : unsigned char {
     obstacles,  ///< measured disparities only, with as few inventions as possible
 };
 
-std::string_view to_string(Preset preset);                 ///< "paper", "dense", "obstacles"
-std::optional<Preset> preset_from_name(std::string_view);  ///< the reverse; empty for any other text
+std::string_view to_string(Preset preset);  ///< "paper", "dense", "obstacles"
 
 MatchOptions preset_options(Preset preset, DisparityRange range = {});
 

@@ -38,7 +38,7 @@ double value_of(const ScanField& field, const ScanOptions& options) {
         return options.*(*whole);
     }
     const auto* const real = std::get_if<double ScanOptions::*>(&field.field);
-    return real != nullptr ? options.*(*real) : field.least;
+    return real != nullptr ? options.*(*real) : field.min;
 }
 
 std::string number(double value) {
@@ -74,9 +74,9 @@ std::span<const ScanField> scan_fields() {
 std::string validate(const ScanOptions& options) {
     for (const ScanField& field : fields) {
         const double value = value_of(field, options);
-        if (!(value >= field.least && value <= field.most)) {  // not a number fails, too
-            return std::string(field.name) + " = " + number(value) + ": allowed is " + number(field.least) + " to " +
-                   number(field.most);
+        if (!(value >= field.min && value <= field.max)) {  // not a number fails, too
+            return std::string(field.name) + " = " + number(value) + ": allowed is " + number(field.min) + " to " +
+                   number(field.max);
         }
     }
     const bool field_of_view = options.from_deg == 0 && options.to_deg == 0;

@@ -74,8 +74,8 @@ struct ScanField {
     std::string_view name;  ///< as the configuration has it
     std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*, std::string ScanOptions::*>
         field;
-    double least = 0;  ///< of a number
-    double most = 0;
+    double min = 0;  ///< of a number
+    double max = 0;
 };
 
 /// Returns each option once, with the range of its numbers.

@@ -2,7 +2,7 @@
 #include "daemon/config/config_keys.h"
 
 #include <algorithm>
-#include <initializer_list>
+#include <array>
 #include <sstream>
 #include <stdexcept>
 #include <type_traits>
@@ -137,10 +137,21 @@ ConfigKey number_key(std::string_view section, std::string_view name, double lea
             [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
 }
 
+template <typename Enum>
+using Names = std::vector<std::pair<std::string_view, Enum>>;
+
+/// Returns the values with their names.
+template <typename Enum, std::size_t count>
+Names<Enum> names_of(const std::array<Enum, count>& values) {
+    Names<Enum> names;
+    for (const Enum value : values) {
+        names.emplace_back(to_string(value), value);
+    }
+    return names;
+}
+
 template <typename Enum, typename Field>
-ConfigKey name_key(std::string_view section, std::string_view name,
-                   std::initializer_list<std::pair<std::string_view, Enum>> names, Field field) {
-    const std::vector<std::pair<std::string_view, Enum>> list(names);
+ConfigKey name_key(std::string_view section, std::string_view name, const Names<Enum>& list, Field field) {
     std::string allowed;
     for (const auto& [word, _] : list) {
         allowed += (allowed.empty() ? "" : " or ") + in_quotes(word);
@@ -239,9 +250,9 @@ ConfigKey scan_key(const ScanField& row) {
             };
             using Value = std::remove_reference_t<decltype(ScanOptions().*member)>;
             if constexpr (std::is_same_v<Value, int>) {
-                return range_key("scan", row.name, static_cast<int>(row.least), static_cast<int>(row.most), field);
+                return range_key("scan", row.name, static_cast<int>(row.min), static_cast<int>(row.max), field);
             } else if constexpr (std::is_same_v<Value, double>) {
-                return number_key("scan", row.name, row.least, row.most, field);
+                return number_key("scan", row.name, row.min, row.max, field);
             } else if constexpr (std::is_same_v<Value, GroundMode>) {
                 return name_key<GroundMode>("scan", row.name,
                                             {{"fitted", GroundMode::fitted},
@@ -282,10 +293,11 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(text_key("source", "controls", "NAME=NUMBER with spaces between, or \"\"", FIELD(source.controls),
                             is_camera_settings));
     keys.push_back(range_key("source", "stall_ms", 200, 60000, FIELD(source.stall_ms)));
-    keys.push_back(name_key<PolicyChoice>(
-        "source", "policy",
-        {{"auto", PolicyChoice::automatic}, {"live", PolicyChoice::live}, {"replay", PolicyChoice::replay}},
-        FIELD(source.policy)));
+    keys.push_back(
+        name_key("source", "policy",
+                 Names<PolicyChoice>{
+                     {"auto", PolicyChoice::automatic}, {"live", PolicyChoice::live}, {"replay", PolicyChoice::replay}},
+                 FIELD(source.policy)));
     keys.push_back(range_key("rectify", "width", 0, 8192, FIELD(rectify.geometry.width)));
     keys.push_back(range_key("rectify", "height", 0, 8192, FIELD(rectify.geometry.height)));
     keys.push_back({"rectify", "region",
@@ -296,17 +308,13 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
 }
 
 void add_match_keys(std::vector<ConfigKey>& keys) {
-    keys.push_back(name_key<std::optional<Preset>>(
-        "match", "preset",
-        {{"none", std::nullopt}, {"paper", Preset::paper}, {"dense", Preset::dense}, {"obstacles", Preset::obstacles}},
-        FIELD(match.preset)));
-    keys.push_back(name_key<Method>("match", "method",
-                                    {{"sgm", Method::sgm}, {"census", Method::census}, {"sad", Method::sad}},
-                                    FIELD(match.options.method)));
-    keys.push_back(name_key<CensusCost>(
-        "match", "cost",
-        {{"census-9x7", CensusCost::census_9x7}, {"census-7x5+gradient", CensusCost::census_7x5_gradient}},
-        FIELD(match.options.cost)));
+    Names<std::optional<Preset>> presets{{"none", std::nullopt}};
+    for (const Preset preset : all_presets) {
+        presets.emplace_back(to_string(preset), preset);
+    }
+    keys.push_back(name_key("match", "preset", presets, FIELD(match.preset)));
+    keys.push_back(name_key("match", "method", names_of(all_methods), FIELD(match.options.method)));
+    keys.push_back(name_key("match", "cost", names_of(all_costs), FIELD(match.options.cost)));
     keys.push_back(
         text_key("match", "backend", "\"auto\" or the name of a back end", FIELD(match.backend), is_not_empty));
     for (const MatchField& field : match_fields()) {
@@ -315,7 +323,7 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("match", "depth", FIELD(match.depth)));
     keys.push_back(bool_key("match", "depth_error", FIELD(match.depth_error)));
     const auto error = std::find_if(scan_fields().begin(), scan_fields().end(), of_match);
-    keys.push_back(number_key("match", "subpixel_error_px", error->least, error->most, FIELD(match.subpixel_error_px)));
+    keys.push_back(number_key("match", "subpixel_error_px", error->min, error->max, FIELD(match.subpixel_error_px)));
 }
 
 void add_scan_keys(std::vector<ConfigKey>& keys) {

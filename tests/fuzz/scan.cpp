@@ -51,9 +51,9 @@ ScanOptions take_options(Numbers& numbers) {
         }
         const ScanField& field = fields[i];
         if (const auto* const whole = std::get_if<int ScanOptions::*>(&field.field)) {
-            options.*(*whole) = numbers.within(static_cast<int>(field.least), static_cast<int>(field.most));
+            options.*(*whole) = numbers.within(static_cast<int>(field.min), static_cast<int>(field.max));
         } else if (const auto* const real = std::get_if<double ScanOptions::*>(&field.field)) {
-            options.*(*real) = numbers.within(field.least, field.most);
+            options.*(*real) = numbers.within(field.min, field.max);
         } else if (std::holds_alternative<std::string ScanOptions::*>(field.field)) {
             options.imu_axes = numbers.byte() % 2 == 0 ? "ahead left up" : "right left up";
         } else {

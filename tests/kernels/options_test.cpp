@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "kernels/match_fields.h"
 #include "kernels/matcher.h"
 
 namespace disparityd {
@@ -11,7 +12,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(Options, MethodsHaveNames) {
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const Method method : all_methods) {
         EXPECT_EQ(method_from_name(to_string(method)), method);
     }
     EXPECT_EQ(to_string(Method::census), "census");
@@ -20,7 +21,7 @@ TEST(Options, MethodsHaveNames) {
 }
 
 TEST(Options, DefaultsAreFine) {
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const Method method : all_methods) {
         const MatchOptions options = default_options(method, {-16, 96});
         EXPECT_EQ(validate(options), "");
         EXPECT_EQ(options.method, method);
@@ -31,27 +32,21 @@ TEST(Options, DefaultsAreFine) {
 
 // A covered lens is unknown, whatever is chosen.
 TEST(Options, EveryDefaultAsksForTexture) {
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const Method method : all_methods) {
         EXPECT_GT(default_options(method).post.min_texture, 0) << to_string(method);
     }
-    for (const Preset preset : {Preset::paper, Preset::dense, Preset::obstacles}) {
+    for (const Preset preset : all_presets) {
         EXPECT_GT(preset_options(preset).post.min_texture, 0) << to_string(preset);
     }
 }
 
-TEST(Options, CostsAndPresetsHaveNames) {
-    for (const CensusCost cost : {CensusCost::census_9x7, CensusCost::census_7x5_gradient}) {
-        EXPECT_EQ(census_cost_from_name(to_string(cost)), cost);
-    }
-    for (const Preset preset : {Preset::paper, Preset::dense, Preset::obstacles}) {
-        EXPECT_EQ(preset_from_name(to_string(preset)), preset);
+TEST(Options, PresetsAreFine) {
+    for (const Preset preset : all_presets) {
         const MatchOptions options = preset_options(preset, {-16, 96});
         EXPECT_EQ(validate(options), "");
         EXPECT_EQ(options.range.first, -16);
         EXPECT_EQ(options.range.count, 96);
     }
-    EXPECT_FALSE(census_cost_from_name("census"));
-    EXPECT_FALSE(preset_from_name("Paper"));
 }
 
 struct Bad {
@@ -122,7 +117,7 @@ TEST(Backends, RefuseImpossibleSizes) {
 }
 
 TEST(Options, OnlySgmHasCalibratedConfidences) {
-    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+    for (const Method method : all_methods) {
         MatchOptions options = default_options(method);
         EXPECT_FALSE(calibrates_confidence(options));
         options.sgm.calibrated_confidence = true;

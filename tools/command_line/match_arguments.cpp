@@ -2,6 +2,7 @@
 #include "tools/command_line/match_arguments.h"
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <utility>
 
@@ -14,22 +15,25 @@
 namespace disparityd::tools {
 namespace {
 
-/// What `text`, given with an option, is the name of.
-template <typename Enum>
-Enum parse_name(const std::string& option, const std::string& text, std::optional<Enum> (*from_name)(std::string_view),
-                const std::string& allowed) {
-    if (const auto named = from_name(text)) {
-        return *named;
+/// Returns the one of `all` that `text`, given with an option, is the name of.
+template <typename Enum, std::size_t count>
+Enum parse_name(const std::string& option, const std::string& text, const std::array<Enum, count>& all) {
+    std::string allowed;
+    for (const Enum one : all) {
+        if (to_string(one) == text) {
+            return one;
+        }
+        allowed += (allowed.empty() ? "" : ", ") + std::string(to_string(one));
     }
     throw std::invalid_argument(option + ": found '" + text + "', allowed: " + allowed);
 }
 
 Preset parse_preset(const std::string& text) {
-    return parse_name("--preset", text, preset_from_name, "paper, dense, obstacles");
+    return parse_name("--preset", text, all_presets);
 }
 
 CensusCost parse_cost(const std::string& text) {
-    return parse_name("--cost", text, census_cost_from_name, "census-9x7, census-7x5+gradient");
+    return parse_name("--cost", text, all_costs);
 }
 
 /// Returns "--p2-slope" for "p2_slope".
@@ -122,7 +126,7 @@ std::string method_help() {
 }
 
 Method parse_method(const std::string& text) {
-    return parse_name("--method", text, method_from_name, "sgm, census, sad");
+    return parse_name("--method", text, all_methods);
 }
 
 std::string backend_help() {
