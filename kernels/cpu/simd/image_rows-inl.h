@@ -74,7 +74,7 @@ HWY_INLINE void load_split_blocks(Tag tag, const hn::TFromD<Tag>* from, hn::Vec<
         for (int r = 0; r < registers; ++r) {
             auto taken = hn::Zero(bytes);
             DISPARITYD_UNROLL
-            for (int source = 0; source < registers; ++source) {
+            for (std::size_t source = 0; source < registers; ++source) {
                 const auto block = hn::BitCast(bytes, hn::LoadU(tag, from + source * lanes));
                 const auto places = hn::Load(bytes, split_places<registers, size>.of[r][source]);
                 taken = hn::Or(taken, hn::TableLookupBytesOr0(block, places));
