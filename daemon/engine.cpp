@@ -523,8 +523,8 @@ std::string Engine::work() {
     if (rate <= 0 || seconds * rate <= 1 || !newest_wins(config_, source().live)) {
         return fmt::format("matching takes {:.1f} ms a frame of noise here", 1000 * seconds);
     }
-    return slower_than_the_source(rate, 1 / seconds, layout_.geometry.width, layout_.geometry.height,
-                                  config_.match.options.range.count);
+    return slower_than_the_source(rate, 1 / seconds, static_cast<int>(layout_.geometry.width),
+                                  static_cast<int>(layout_.geometry.height), config_.match.options.range.count);
 }
 
 std::string Engine::workers() const {

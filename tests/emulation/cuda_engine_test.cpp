@@ -50,8 +50,9 @@ Outcome outcome_of(const std::string& backend) {
         }
         arrived.notify_one();
     };
+    const auto always = [] { return true; };
     engine.start(
-        keep, [](const capture::RawFrame&) {}, 0);
+        keep, [](const capture::RawFrame&) {}, always, 0);
     {
         std::unique_lock lock(mutex);
         arrived.wait_for(lock, std::chrono::seconds(200), [&] { return outcome.numbers.size() == frames; });
