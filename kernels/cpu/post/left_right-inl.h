@@ -10,6 +10,7 @@
 #include <algorithm>
 
 #include "kernels/cpu/post/left_right_bytes-inl.h"
+#include "kernels/cpu/simd/lanes-inl.h"
 #include "kernels/reference/steps.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -68,7 +69,7 @@ private:
     /// too.
     HWY_INLINE V place(const std::int16_t* left_winner, int x) const {
         const V winner = hn::BitCast(Words(), hn::LoadU(Numbers(), left_winner + x));
-        return hn::Sub(hn::Iota(Words(), static_cast<std::uint16_t>(x)), winner);
+        return hn::Sub(numbers_from(Words(), static_cast<std::uint16_t>(x)), winner);
     }
 
     HWY_INLINE hn::Mask<Numbers> agree(const std::int16_t* left_winner, int x, hn::Vec<Numbers> right) const {

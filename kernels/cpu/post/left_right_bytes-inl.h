@@ -10,6 +10,7 @@
 
 #include <algorithm>
 
+#include "kernels/cpu/simd/lanes-inl.h"
 #include "kernels/cpu/simd/wide_tables-inl.h"
 #include "kernels/steps.h"
 
@@ -86,7 +87,7 @@ private:
     /// The right pixels' winners; entry 0 of the tables is the pixel that the last candidate of pixel x leads to.
     HWY_INLINE hn::Vec<Bytes> right_of(hn::Vec<Bytes> left, int x) const {
         const std::uint8_t* table = right_ + margin + x - (range_.first + range_.count - 1);
-        const hn::Vec<Bytes> index = hn::Sub(hn::Iota(Bytes(), static_cast<std::uint8_t>(range_.count + 1)), left);
+        const hn::Vec<Bytes> index = hn::Sub(numbers_from(Bytes(), static_cast<std::uint8_t>(range_.count + 1)), left);
         const hn::Vec<Bytes> near = look_up(hn::LoadU(Bytes(), table), hn::LoadU(Bytes(), table + lanes), index);
         if (range_.count <= lanes) {
             return near;

@@ -54,7 +54,6 @@ private:
         alignas(64) std::int16_t places[at_once + lanes];
         alignas(64) std::int16_t marked[at_once + lanes];
         alignas(64) std::int16_t last[lanes];
-        const V numbers = hn::Iota(Numbers(), 0);  // Highway writes them to memory each time
         auto all_or_none = hn::Eq(number(0), number(0));
         for (int i = 0; i < count; i += lanes) {
             const std::int16_t* from = right_winner + i;
@@ -65,7 +64,7 @@ private:
             }
             const V winner = hn::LoadU(Numbers(), from);
             const V marks = marks_of(winner);
-            const V place = hn::Add(winner, hn::Add(numbers, number(margin + x + i)));
+            const V place = hn::Add(winner, numbers_from(Numbers(), static_cast<std::int16_t>(margin + x + i)));
             const auto none = hn::Eq(marks, number(0));
             all_or_none = hn::And(all_or_none, hn::Or(none, hn::Eq(marks, number(all_marks))));
             hn::Store(hn::IfThenZeroElse(none, place), Numbers(), places + i);

@@ -12,6 +12,7 @@
 #include <cstdint>
 
 #include "kernels/cpu/post/row_bits-inl.h"
+#include "kernels/cpu/simd/lanes-inl.h"
 #include "kernels/texture.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -50,12 +51,6 @@ private:
     static constexpr int back = 128;
     alignas(64) std::int16_t sums_[front + max_side + back];
 };
-
-/// Highway's own would be written to memory each time.
-struct LaneNumbers {
-    alignas(64) std::int32_t of[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-};
-inline constexpr LaneNumbers lane_numbers;
 
 class TextureVotes {
     using Numbers = hn::ScalableTag<std::int32_t>;
@@ -151,7 +146,7 @@ private:
             return;
         }
         const V whole = hn::ShiftRight<4>(hn::Add(d16, hn::Set(tag, 15)));
-        const V match = hn::Sub(hn::Add(hn::Load(tag, lane_numbers.of), hn::Set(tag, x)), whole);
+        const V match = hn::Sub(numbers_from(tag, x), whole);
         const V pair = right_gradients(match);
         const V other = hn::ShiftRight<16>(hn::ShiftLeft<16>(pair));
         const V next = hn::ShiftRight<16>(pair);

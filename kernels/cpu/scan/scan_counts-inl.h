@@ -11,7 +11,7 @@
 #include <array>
 #include <cstdint>
 
-#include "hwy/highway.h"
+#include "kernels/cpu/simd/lanes-inl.h"
 #include "kernels/reference/steps.h"
 #include "kernels/scan_counts.h"
 #include "kernels/steps.h"
@@ -80,7 +80,7 @@ public:
             }
             if (x < begin) {
                 // The last vector overlaps the one before it: what that has counted is not counted again.
-                const Mask fresh = hn::Gt(hn::Iota(Numbers(), static_cast<std::int16_t>(x)), number(begin - 1));
+                const Mask fresh = hn::Gt(numbers_from(Numbers(), static_cast<std::int16_t>(x)), number(begin - 1));
                 known = hn::And(known, fresh);
                 counts = hn::And(counts, fresh);
             }

@@ -24,6 +24,26 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr bool many_registers = HWY_ARCH_ARM_A64 != 0 || HWY_TARGET <= HWY_AVX3;  // 32, not 16
 
+/// 0, 1, 2, .. for the lanes of the largest register.
+template <class T>
+struct LaneNumbers {
+    alignas(64) T of[64 / sizeof(T)] = {};
+
+    constexpr LaneNumbers() {
+        for (std::size_t i = 0; i < 64 / sizeof(T); ++i) {
+            of[i] = static_cast<T>(i);
+        }
+    }
+};
+template <class T>
+inline constexpr LaneNumbers<T> lane_numbers;
+
+/// first, first + 1, .. in the lanes. Highway's Iota() writes the numbers to memory and loads them again each time.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> numbers_from(Tag tag, hn::TFromD<Tag> first) {
+    return hn::Add(hn::Load(tag, lane_numbers<hn::TFromD<Tag>>.of), hn::Set(tag, first));
+}
+
 /// Lane i gets lane i - 1 of `v`; lane 0 gets the last lane of `edge`.
 template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V from_lane_below(Tag tag, V v, V edge) {
@@ -45,7 +65,7 @@ template <class Tag, class V = hn::Vec<Tag>>
 HWY_INLINE V from_lane_below_or_all(Tag tag, V v, V edge) {
 #if HWY_TARGET <= HWY_AVX3
     if constexpr (sizeof(hn::TFromD<Tag>) == 2 && hn::MaxLanes(Tag()) == 32) {
-        const V below = hn::Sub(hn::Iota(tag, 0), hn::Set(tag, std::uint16_t{1}));
+        const V below = numbers_from(tag, std::uint16_t{0xffff});
         return V{_mm512_mask_permutexvar_epi16(edge.raw, ~__mmask32{1}, below.raw, v.raw)};
     }
 #endif
