@@ -35,10 +35,11 @@ struct SensorDirection {
 
 /// A frame as an added stage gets it, valid during the call.
 struct StageFrame {
-    const FrameView& view;        ///< raw pixels and scratch are not for the stage
-    std::span<std::byte> memory;  ///< AddedStage::bytes_per_frame(), aligned to 64; holds what an earlier frame left
-    std::uint64_t sequence = 0;   ///< of the source; grows, but not always by 1
-    bool discontinuity = false;   ///< the source began anew: earlier frames have nothing to do with this one
+    const FrameView& view;          ///< raw pixels and scratch are not for the stage
+    std::span<std::byte> memory;    ///< AddedStage::bytes_per_frame(), aligned to 64; holds what an earlier frame left
+    std::uint64_t sequence = 0;     ///< of the source; grows, but not always by 1
+    std::int64_t monotonic_ns = 0;  ///< when it was captured; of a replay, as recorded
+    bool discontinuity = false;     ///< the source began anew: earlier frames have nothing to do with this one
     // The rectified left camera, px. f = 0: not known.
     double f = 0;
     double cx = 0;

@@ -429,6 +429,7 @@ void Pipeline::run_added(const Added& added, const Traced& traced, FrameSlot& sl
     added.stage->run({.view = slot.view,
                       .memory = slot.stage_memory[added.memory],
                       .sequence = slot.raw.sequence,
+                      .monotonic_ns = slot.raw.monotonic_ns,
                       .discontinuity = (slot.raw.flags & capture::frame_flag_discontinuity) != 0,
                       .f = used.f,
                       .cx = used.cx,
