@@ -23,16 +23,19 @@ ARROWS = {
     "calibration": {"base", "kernels"},
     "capture": {"base", "calibration", "kernels"},
     "obstacles": {"base", "kernels", "proto"},
+    "trust": {"kernels", "proto"},
     "pipeline": {"base", "calibration", "capture", "kernels"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "proto"},
-    "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto"},
-    "tools": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients"},
-    "lab": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "bridges", "tools"},
+    "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "trust"},
+    "tools": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "trust"},
+    "lab": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "bridges", "tools",
+            "trust"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.
-SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/scan.h"}}
+SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/scan.h"},
+        ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "usb": set()}

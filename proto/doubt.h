@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+/// Why a frame can be trusted less than others: the bits of Frame.doubts and what people are told of them. Step 15 of
+/// docs/algorithm.md says how they are found.
+namespace disparityd::proto {
+
+enum Doubt : std::uint32_t {
+    doubt_dark = 1,
+    doubt_saturated = 2,
+    doubt_blurred = 4,
+    doubt_dirty_eye = 8,
+    doubt_covered_eye = 16,
+    doubt_misaligned = 32,
+    doubt_too_near = 64,
+};
+
+struct DoubtFacts {
+    Doubt bit;
+    std::string_view name;     ///< one word for programs, "covered-eye"
+    std::string_view meaning;  ///< for people, without a full stop
+    std::string_view remedy;   ///< what to do, the same
+    bool alarm;                ///< somebody must mend it: it is told as an alarm
+};
+
+inline constexpr std::array doubts{
+    DoubtFacts{doubt_dark, "dark", "both eyes see hardly any light", "give light, or a longer exposure", false},
+    DoubtFacts{doubt_saturated, "saturated", "much of a picture is white", "shorten the exposure", false},
+    DoubtFacts{doubt_blurred, "blurred", "one eye sees less sharply than the other",
+               "clean its lens, look for condensation, or focus it", true},
+    DoubtFacts{doubt_dirty_eye, "dirty-eye", "a part of one eye stays dull where the other eye sees texture",
+               "clean its lens, and the window in front of it", true},
+    DoubtFacts{doubt_covered_eye, "covered-eye", "one eye sees nothing where the other sees texture",
+               "uncover it, or look for a failed image sensor", true},
+    DoubtFacts{doubt_misaligned, "misaligned", "the rows of both eyes do not fit",
+               "switch [self_calibration] on, or calibrate the camera anew", true},
+    DoubtFacts{doubt_too_near, "too-near", "something may be nearer than can be measured", "back off", false},
+};
+
+}  // namespace disparityd::proto

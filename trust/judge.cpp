@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trust/judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
+#include <numeric>
+#include <utility>
+
+#include "proto/doubt.h"
+
+namespace disparityd::trust {
+namespace {
+
+constexpr std::int64_t window_ns = 1'000'000'000;
+constexpr int least_frames = 10;
+constexpr int most_frames = 200;  // where the times of a source do not grow
+
+constexpr int white_level = 250;
+constexpr std::int64_t least_eye_texture = 120;  // mean of an eye
+constexpr int covered_factor = 36;
+
+constexpr std::int64_t least_fine_texture = 12;  // mean square over an eye, beyond the noise
+constexpr int windows_of_dirt = 3;
+constexpr int least_dirty_cells = 2;
+constexpr int least_regions_off = 3;
+
+/// Returns how many of the reduced image's pixels are darker than `level`.
+std::int64_t darker(const EyeTexture& eye, int level) {
+    return std::accumulate(eye.levels.begin(), eye.levels.begin() + level, std::int64_t{0});
+}
+
+bool is_dark(const EyeTexture& eye, int level) {
+    return 10 * darker(eye, level) > 9 * eye.reduced_pixels;
+}
+
+bool is_saturated(const EyeTexture& eye) {
+    return 4 * (eye.reduced_pixels - darker(eye, white_level)) > eye.reduced_pixels;
+}
+
+std::int64_t mean_texture(const EyeTexture& eye) {
+    return std::accumulate(eye.coarse.begin(), eye.coarse.end(), std::int64_t{0}) / cell_count;
+}
+
+/// Returns whether one eye shows hardly any texture where the other has some.
+bool one_is_covered(const EyeTexture& one, const EyeTexture& other) {
+    const auto [less, more] = std::minmax({mean_texture(one), mean_texture(other)});
+    return more >= least_eye_texture && less * covered_factor < more;
+}
+
+std::int64_t sum_beyond(const Cells<std::int64_t>& values, std::int64_t noise) {
+    return std::accumulate(
+        values.begin(), values.end(), std::int64_t{0},
+        [noise](std::int64_t sum, std::int64_t value) { return sum + std::max<std::int64_t>(value - noise, 0); });
+}
+
+/// Returns the share of the pixels that are measured, in 255ths, as every eighth of every eighth row tells.
+int measured_share(Plane<const std::uint8_t> confidence) {
+    constexpr int step = 8;
+    int measured = 0;
+    int all = 0;
+    for (int y = step / 2; y < confidence.height; y += step) {
+        for (int x = step / 2; x < confidence.width; x += step) {
+            measured += confidence.at(x, y) != 0 ? 1 : 0;
+            ++all;
+        }
+    }
+    return 255 * measured / all;
+}
+
+/// Returns the figure of docs/algorithm.md: all of it where three fifths are measured, less by each doubt.
+std::uint8_t trust_of(int measured, std::uint32_t doubts) {
+    constexpr int enough = 153;
+    constexpr std::array<std::pair<proto::Doubt, int>, 7> sixteenths{{{proto::doubt_dark, 8},
+                                                                      {proto::doubt_saturated, 12},
+                                                                      {proto::doubt_blurred, 8},
+                                                                      {proto::doubt_dirty_eye, 8},
+                                                                      {proto::doubt_covered_eye, 1},
+                                                                      {proto::doubt_misaligned, 6},
+                                                                      {proto::doubt_too_near, 12}}};
+    int trust = 255 * std::min(measured, enough) / enough;
+    for (const auto& [doubt, factor] : sixteenths) {
+        trust = (doubts & doubt) != 0 ? trust * factor / 16 : trust;
+    }
+    return static_cast<std::uint8_t>(std::max(trust, 1));
+}
+
+}  // namespace
+
+void Judge::Held::note(bool found) {
+    found_ = found ? found_ + 1 : 0;
+    missed_ = found ? 0 : missed_ + 1;
+    holds_ = found_ >= until_held_ || (holds_ && missed_ < until_over_);
+}
+
+Judge::Judge(int width, int height, const TrustOptions& options)
+    : options_(options),
+      rows_limit_(static_cast<int>(std::lround(options.rows_px * RowOffsets::unit))),
+      judged_(EyeMeter::fits(width, height)),
+      meters_{EyeMeter(width, height), EyeMeter(width, height)} {}
+
+Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
+    if (!judged_) {
+        return {};
+    }
+    if (anew) {
+        findings_ = {};
+    }
+    if (anew || window_.frames == 0 || time_ns < window_.began_ns) {
+        window_ = {};
+        window_.began_ns = time_ns;
+    }
+    meters_[left].measure(frame.left, eyes_[left]);
+    meters_[right].measure(frame.right, eyes_[right]);
+    const bool covered = one_is_covered(eyes_[left], eyes_[right]);
+    findings_.covered.note(covered);
+    ++window_.frames;
+    if (!covered) {
+        add_to_window(frame);
+    }
+    if ((time_ns - window_.began_ns >= window_ns && window_.frames >= least_frames) || window_.frames >= most_frames) {
+        close_window();
+        window_ = {};
+        window_.began_ns = time_ns;
+    }
+    const std::uint32_t found = doubts();
+    return {found, trust_of(measured_share(frame.confidence), found)};
+}
+
+std::uint32_t Judge::doubts() const {
+    const EyeTexture& one = eyes_[left];
+    const EyeTexture& other = eyes_[right];
+    std::uint32_t found = 0;
+    const auto add = [&found](proto::Doubt doubt, bool holds) { found |= holds ? doubt : 0U; };
+    add(proto::doubt_dark, is_dark(one, options_.dark_level) && is_dark(other, options_.dark_level));
+    add(proto::doubt_saturated, is_saturated(one) || is_saturated(other));
+    add(proto::doubt_covered_eye, findings_.covered.holds());
+    add(proto::doubt_blurred, findings_.blurred.holds());
+    add(proto::doubt_dirty_eye, findings_.dirty.holds());
+    add(proto::doubt_misaligned, findings_.misaligned.holds());
+    return found;
+}
+
+void Judge::add_to_window(const FrameView& frame) {
+    find_dull_cells(frame, eyes_[left], eyes_[right], cells_);
+    for (const EyeIndex eye : {left, right}) {
+        const Cells<CellState>& states = eye == left ? cells_.left : cells_.right;
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            window_.judged[eye][i] += states[i] != CellState::unknown ? 1 : 0;
+            window_.dull[eye][i] += states[i] == CellState::dull ? 1 : 0;
+            window_.fine[eye][i] += eyes_[eye].fine[i];
+        }
+    }
+    window_.rows.add(frame, turn_++);
+}
+
+void Judge::close_window() {
+    const bool blurred = find_blurred();
+    const bool dirty = find_dirty();
+    findings_.blurred.note(blurred);
+    findings_.dirty.note(dirty && !blurred);
+    findings_.misaligned.note(find_misaligned());
+}
+
+/// Noise is no texture: what the dullest cells of either eye have is taken off both.
+bool Judge::find_blurred() const {
+    const std::int64_t noise = std::min(low_value(window_.fine[left]), low_value(window_.fine[right]));
+    const auto [less, more] =
+        std::minmax({sum_beyond(window_.fine[left], noise), sum_beyond(window_.fine[right], noise)});
+    return more >= least_fine_texture * cell_count * window_.frames && 10 * less < 4 * more;
+}
+
+/// Counts for each cell the windows in a row in which it was dull most of the time.
+bool Judge::find_dirty() {
+    bool dirty = false;
+    for (const EyeIndex eye : {left, right}) {
+        int cells = 0;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(cell_count); ++i) {
+            const int judged = window_.judged[eye][i];
+            const bool dull = 2 * judged >= window_.frames && 5 * window_.dull[eye][i] >= 4 * judged;
+            int& windows = findings_.dull_windows[eye][i];
+            windows = dull ? std::min(windows + 1, windows_of_dirt) : 0;
+            cells += windows == windows_of_dirt ? 1 : 0;
+        }
+        dirty = dirty || cells >= least_dirty_cells;
+    }
+    return dirty;
+}
+
+/// A turned eye, or one of another focal length, fits in some regions.
+bool Judge::find_misaligned() const {
+    int off = 0;
+    int known = 0;
+    for (int region = 0; region < RowOffsets::regions; ++region) {
+        if (const auto median = window_.rows.median(region)) {
+            ++known;
+            off += std::abs(*median) >= rows_limit_ ? 1 : 0;
+        }
+    }
+    return off >= least_regions_off && 3 * off >= known;
+}
+
+}  // namespace disparityd::trust

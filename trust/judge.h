@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "kernels/matcher.h"
+#include "trust/dull_cells.h"
+#include "trust/eye_texture.h"
+#include "trust/row_offsets.h"
+
+namespace disparityd::trust {
+
+struct TrustOptions {
+    int dark_level = 20;    ///< dark: nine tenths of both pictures are darker than this grey level, 1 .. 255
+    double rows_px = 0.45;  ///< misaligned: the medians of row errors are beyond this, 0.1 .. 2.5
+};
+
+/// What is said of a frame.
+struct Verdict {
+    std::uint32_t doubts = 0;  ///< bits of proto::Doubt
+    std::uint8_t trust = 0;    ///< 1 .. 255, more is better; 0: the image is too small to be judged
+};
+
+/// Judges frames, step 15 of docs/algorithm.md. What shows in a single picture counts at once; a blurred or a dirty eye
+/// and rows that do not fit are decided over windows of a second. All memory is its own. One thread.
+class Judge {
+public:
+    /// The rectified size.
+    Judge(int width, int height, const TrustOptions& options);
+
+    /// `time_ns` is that of the frame's capture, on any clock. `anew`: earlier frames have nothing to do with it.
+    Verdict judge(const FrameView& frame, std::int64_t time_ns, bool anew);
+
+private:
+    enum EyeIndex : unsigned char { left, right };
+
+    /// Sums over the frames of a window.
+    struct Window {
+        std::int64_t began_ns = 0;
+        int frames = 0;
+        std::array<Cells<std::int64_t>, 2> fine{};
+        std::array<Cells<int>, 2> judged{};  ///< frames in which the state of a cell was known
+        std::array<Cells<int>, 2> dull{};
+        RowOffsets rows;
+    };
+
+    /// Something that must be found some times in a row before it holds, and missed some times before it is over.
+    class Held {
+    public:
+        Held(int until_held, int until_over) : until_held_(until_held), until_over_(until_over) {}
+        void note(bool found);
+        bool holds() const { return holds_; }
+
+    private:
+        int until_held_;
+        int until_over_;
+        int found_ = 0;
+        int missed_ = 0;
+        bool holds_ = false;
+    };
+
+    /// What is known of the eyes, from the frames since the source began.
+    struct Findings {
+        Held covered{5, 15};  // frames; the others: windows
+        Held blurred{2, 3};
+        Held dirty{1, 3};  // each of its cells for three windows
+        Held misaligned{2, 3};
+        std::array<Cells<int>, 2> dull_windows{};  ///< windows in a row in which a cell was dull
+    };
+
+    void add_to_window(const FrameView& frame);
+    void close_window();
+    bool find_blurred() const;
+    bool find_dirty();
+    bool find_misaligned() const;
+    std::uint32_t doubts() const;
+
+    TrustOptions options_;
+    int rows_limit_;  ///< 1/16 px
+    bool judged_;     ///< images of this size are
+    std::array<EyeMeter, 2> meters_;
+    std::array<EyeTexture, 2> eyes_{};
+    DullCells cells_;
+    Window window_;
+    Findings findings_;
+    std::uint32_t turn_ = 0;
+};
+
+}  // namespace disparityd::trust

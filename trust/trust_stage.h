@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+#include "kernels/added_stage.h"
+#include "trust/judge.h"
+
+namespace disparityd::trust {
+
+/// Judges each finished frame. Its memory of a frame is a Verdict.
+class TrustStage final : public AddedStage {
+public:
+    /// Width and height are those of the rectified image.
+    TrustStage(int width, int height, const TrustOptions& options) : judge_(width, height, options) {}
+
+    std::string_view name() const override { return "trust"; }
+    StagePlace place() const override { return StagePlace::record; }
+    bool depends_on_earlier_frames() const override { return true; }
+    std::size_t bytes_per_frame() const override { return sizeof(Verdict); }
+    void run(const StageFrame& frame, Parallel& workers) override;
+
+private:
+    Judge judge_;
+};
+
+/// Returns what a TrustStage has left in its memory of a frame.
+Verdict verdict_of(std::span<const std::byte> memory);
+
+}  // namespace disparityd::trust
