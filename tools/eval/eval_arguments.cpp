@@ -65,6 +65,18 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->excludes("--thin")
         ->excludes(opencv);
     arguments.scan_options.add_to(program)->needs("--scan");
+    program
+        .add_flag(
+            "--trust", arguments.trust,
+            "how many faulty eyes are named within 5 s, and what false alarms there are, instead. Of made sequences: "
+            "DATA is faults:SEED, whose seeds are SEED, SEED + 2 and so on; --repeat says how many of each fault, "
+            "default 30. The preset is obstacles unless --preset says otherwise")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes("--thin")
+        ->excludes("--scan")
+        ->excludes(opencv);
     tools::add_real(
         program, "--scale", arguments.scale, 0.001, 65535.0,
         "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");

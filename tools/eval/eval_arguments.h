@@ -31,6 +31,7 @@ struct EvalArguments {
     bool confidence = false;
     bool thin = false;
     bool scan = false;
+    bool trust = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;

@@ -39,6 +39,7 @@
 #include "tools/eval/subpixel.h"
 #include "tools/eval/summary.h"
 #include "tools/eval/thin_widths.h"
+#include "tools/eval/trust/trust_report.h"
 #include "tools/eval/wins.h"
 #include "tools/images/colour_map.h"
 #include "tools/images/image_file.h"
@@ -479,6 +480,20 @@ int evaluate_scans(const EvalArguments& arguments) {
     return tools::exit_done;
 }
 
+int evaluate_trust(const EvalArguments& arguments) {
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    constexpr int disparities = 64;
+    TrustEvaluation evaluation;
+    evaluation.seed = seed_of_faults(arguments.data);
+    evaluation.match =
+        options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
+    evaluation.backend = backends_of(arguments).front();
+    evaluation.sequences = arguments.repeat.value_or(evaluation.sequences);
+    report_trust(evaluation, workers, arguments.markdown);
+    return tools::exit_done;
+}
+
 int evaluate(EvalArguments arguments) {
     if (arguments.methods.empty()) {
         arguments.methods = {arguments.paper ? "all" : "sgm"};
@@ -496,6 +511,10 @@ int evaluate(EvalArguments arguments) {
     if (arguments.scan) {
         arguments.match.set_usual(Preset::obstacles);
         return evaluate_scans(arguments);
+    }
+    if (arguments.trust) {
+        arguments.match.set_usual(Preset::obstacles);
+        return evaluate_trust(arguments);
     }
     Evaluation evaluation(arguments);
     evaluation.run();
