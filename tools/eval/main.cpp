@@ -460,6 +460,14 @@ int evaluate_data_scans(const EvalArguments& arguments, Parallel& workers) {
     return tools::exit_done;
 }
 
+/// How made-up courses are matched and scanned.
+ScanSettings scan_settings(const EvalArguments& arguments) {
+    constexpr int disparities = 64;
+    const MatchOptions match =
+        options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
+    return {match, scan_options(arguments, match), backends_of(arguments).front()};
+}
+
 int evaluate_scans(const EvalArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
     const pipeline::WorkerPool::ComputeSlot slot(workers);
@@ -467,15 +475,11 @@ int evaluate_scans(const EvalArguments& arguments) {
     if (!seed) {
         return evaluate_data_scans(arguments, workers);
     }
-    constexpr int disparities = 64;
     ScanEvaluation evaluation;
+    evaluation.settings = scan_settings(arguments);
     evaluation.seed = *seed;
-    evaluation.match =
-        options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
-    evaluation.backend = backends_of(arguments).front();
     evaluation.courses_per_kind = arguments.repeat.value_or(evaluation.courses_per_kind);
     evaluation.pictures = arguments.pictures;
-    evaluation.scan = scan_options(arguments, evaluation.match);
     report_scans(evaluation, workers, arguments.markdown);
     return tools::exit_done;
 }

@@ -20,19 +20,24 @@ struct Point {
 
 /// What a surface looks like.
 struct Surface {
-    enum class Kind : std::uint8_t { rough, plain, striped };
+    /// striped: upright stripes; blinds: level ones; tiled: dark joints of a ground; a mirror and glass face along x.
+    enum class Kind : std::uint8_t { rough, plain, striped, blinds, chequered, tiled, mirror, glass };
     Kind kind = Kind::rough;
     double luma = 120;
     double contrast = 60;
-    double grain_m = 0.03;  ///< of the coarsest structure; the period of stripes
+    double grain_m = 0.03;  ///< of the coarsest structure; the period of what repeats
+    double share = 1;       ///< 0 .. 1: how much the kind is seen; the rest is rough
 };
 
-/// An upright box or cylinder, or a level wire.
+/// An upright box or cylinder, a wire across the way, a straight bar from its lower right to its upper left end, or a
+/// hole in level ground.
 struct Obstacle {
-    enum class Shape : std::uint8_t { box, post, wire };
+    enum class Shape : std::uint8_t { box, post, wire, bar, hole };
     Shape shape = Shape::box;
     Point centre;
-    Point half;  ///< box: half its sizes; post: x the radius, z half the height; wire: x the radius, y half its length
+    /// box and hole: half its sizes; post: x the radius, z half the height; wire: x the radius, y half its length; bar:
+    /// x the radius, y and z from the centre to its upper left end.
+    Point half;
     Surface surface;
 };
 
@@ -62,20 +67,37 @@ struct CourseCamera {
     double height_m = 0.3;
 };
 
+/// How an eye stands apart from where its calibration has it, or from where it is when the frame is taken.
+struct EyeError {
+    double ahead_m = 0;  ///< the robot has gone so far since
+    double yaw_deg = 0;  ///< and has turned left so far
+    double rows = 0;     ///< what it sees lies so many rows higher in the image
+    double focal = 1;    ///< factor of the focal length
+};
+
 /// Courses of every kind, `count` of each; those of the last kind are some frames long, one Course each. Other seeds
 /// give other courses.
 std::vector<Course> make_courses(std::uint32_t seed, int count);
+
+/// Courses with a box, a post, a thin pole and a farther box each, on which conditions are tried.
+std::vector<Course> make_base_courses(std::uint32_t seed, int count);
 
 /// What the left camera sees: for each pixel the nearest surface.
 struct CourseView {
     std::vector<std::uint8_t> left;
     std::vector<std::uint8_t> right;
     std::vector<std::int16_t> object;  ///< index of Course::obstacles; -1 ground, -2 wall, -3 nothing
-    std::vector<Point> point;          ///< in the robot's frame
+    std::vector<Point> point;          ///< in the robot's frame; of a hole, its edge in that direction
     std::vector<std::uint8_t> both;    ///< 1 where the right camera sees the point, too
 };
 
 /// Draws a course. The same everywhere but for the last digits of floating point.
 CourseView draw(const Course& course, const CourseCamera& camera);
+
+/// Fills in what is known of each pixel of the left image: all but the images.
+void add_truth(const Course& course, const CourseCamera& camera, CourseView& view);
+
+/// What arrives at one eye's sensor, row by row: grey levels without noise, light or limits.
+std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, bool right, const EyeError& error);
 
 }  // namespace disparityd::eval

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "tools/eval/scan/course.h"
+#include "tools/eval/scan/surface_luma.h"
 
 namespace disparityd::eval {
 namespace {
@@ -22,64 +23,39 @@ struct Hit {
     std::int16_t object = nothing_index;
 };
 
-std::uint32_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t seed) {
-    std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ULL ^
-                      static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fULL ^
-                      static_cast<std::uint64_t>(z) * 0x165667b19e3779f9ULL ^ seed;
-    h = (h ^ (h >> 29)) * 0xbf58476d1ce4e5b9ULL;
-    return static_cast<std::uint32_t>(h >> 32);
-}
-
-/// Smooth noise of one grain size, -1 .. 1.
-double noise(Point p, double grain, std::uint32_t seed) {
-    const std::array<double, 3> at{p.x / grain, p.y / grain, p.z / grain};
-    std::array<std::int64_t, 3> cell{};
-    std::array<double, 3> part{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        cell[i] = static_cast<std::int64_t>(std::floor(at[i]));
-        const double t = at[i] - static_cast<double>(cell[i]);
-        part[i] = t * t * (3 - 2 * t);
-    }
-    double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        const int dx = corner & 1;
-        const int dy = (corner >> 1) & 1;
-        const int dz = corner >> 2;
-        const double weight =
-            (dx != 0 ? part[0] : 1 - part[0]) * (dy != 0 ? part[1] : 1 - part[1]) * (dz != 0 ? part[2] : 1 - part[2]);
-        sum += weight * (hash(cell[0] + dx, cell[1] + dy, cell[2] + dz, seed) / 2147483648.0 - 1);
-    }
-    return sum;
-}
-
-/// The luma of a surface at a point. Structure that is finer than `pixel_m` is left out, as a lens does.
-double luma(const Surface& surface, Point p, double pixel_m, std::uint32_t seed) {
-    double value = 0;
-    if (surface.kind == Surface::Kind::striped) {
-        value = std::sin(2 * std::numbers::pi * (p.y + 0.37 * p.x) / surface.grain_m);
-    } else if (surface.kind == Surface::Kind::rough) {
-        double weight = 0.6;
-        for (double grain = surface.grain_m * 4; grain > std::max(pixel_m, 0.002); grain /= 2, weight *= 0.8) {
-            value += weight * noise(p, grain, seed);
-        }
-    }
-    return surface.luma + surface.contrast * value;
-}
-
-void meet_box(Point o, Point d, const Obstacle& box, std::int16_t index, Hit& hit) {
+/// The part of a ray, from 0 to `far`, that lies in a box; empty where near >= far.
+struct Inside {
     double near = 0;
-    double far = hit.distance;
+    double far = 0;
+};
+
+Inside inside_of(Point o, Point d, const Obstacle& box, double far) {
+    Inside inside{0, far};
     const std::array<std::array<double, 4>, 3> axes{{{o.x, d.x, box.centre.x, box.half.x},
                                                      {o.y, d.y, box.centre.y, box.half.y},
                                                      {o.z, d.z, box.centre.z, box.half.z}}};
     for (const auto& [from, step, middle, half] : axes) {
         const double a = (middle - half - from) / step;
         const double b = (middle + half - from) / step;
-        near = std::max(near, std::min(a, b));
-        far = std::min(far, std::max(a, b));
+        inside.near = std::max(inside.near, std::min(a, b));
+        inside.far = std::min(inside.far, std::max(a, b));
     }
-    if (near < far && near > 0) {
-        hit = {near, index};
+    return inside;
+}
+
+void meet_box(Point o, Point d, const Obstacle& box, std::int16_t index, Hit& hit) {
+    const Inside inside = inside_of(o, d, box, hit.distance);
+    if (inside.near < inside.far && inside.near > 0) {
+        hit = {inside.near, index};
+    }
+}
+
+/// A ray that meets the ground where a hole is ends at the hole's floor or at its far side.
+void fall_in_hole(Point o, Point d, const Obstacle& hole, std::int16_t index, Hit& hit) {
+    const double x = o.x + hit.distance * d.x - hole.centre.x;
+    const double y = o.y + hit.distance * d.y - hole.centre.y;
+    if (std::abs(x) < hole.half.x && std::abs(y) < hole.half.y) {
+        hit = {inside_of(o, d, hole, std::numeric_limits<double>::infinity()).far, index};
     }
 }
 
@@ -106,23 +82,49 @@ void meet_wire(Point o, Point d, const Obstacle& wire, std::int16_t index, Hit& 
     }
 }
 
-Hit cast(const Course& course, Point o, Point d) {
+void meet_bar(Point o, Point d, const Obstacle& bar, std::int16_t index, Hit& hit) {
+    const double half_length = std::hypot(bar.half.y, bar.half.z);
+    const double left = bar.half.y / half_length;
+    const double up = bar.half.z / half_length;
+    const double y = o.y - bar.centre.y;
+    const double z = o.z - bar.centre.z;
+    // Across the bar lie x and the direction at right angles to both.
+    const double t = to_cylinder(o.x - bar.centre.x, z * left - y * up, d.x, d.z * left - d.y * up, bar.half.x);
+    if (t > 0 && t < hit.distance && std::abs((y + t * d.y) * left + (z + t * d.z) * up) <= half_length) {
+        hit = {t, index};
+    }
+}
+
+/// `but_for`: an object that the ray goes through.
+Hit cast(const Course& course, Point o, Point d, std::int16_t but_for = nothing_index) {
     Hit hit;
     if (d.x > 0) {
         hit = {(course.wall_m - o.x) / d.x, wall_index};
     }
+    const Hit wall = hit;
     const double fall = d.z - course.slope_ahead * d.x - course.slope_left * d.y;
     const double above = o.z - course.slope_ahead * o.x - course.slope_left * o.y;
     if (fall < 0 && -above / fall < hit.distance) {
         hit = {-above / fall, ground_index};
     }
+    for (std::size_t i = 0; i < course.obstacles.size() && hit.object == ground_index; ++i) {
+        if (course.obstacles[i].shape == Obstacle::Shape::hole) {
+            fall_in_hole(o, d, course.obstacles[i], static_cast<std::int16_t>(i), hit);
+            hit = hit.distance < wall.distance ? hit : wall;
+        }
+    }
     for (std::size_t i = 0; i < course.obstacles.size(); ++i) {
         const Obstacle& obstacle = course.obstacles[i];
         const auto index = static_cast<std::int16_t>(i);
+        if (index == but_for) {
+            continue;
+        }
         switch (obstacle.shape) {
             case Obstacle::Shape::box: meet_box(o, d, obstacle, index, hit); break;
             case Obstacle::Shape::post: meet_post(o, d, obstacle, index, hit); break;
             case Obstacle::Shape::wire: meet_wire(o, d, obstacle, index, hit); break;
+            case Obstacle::Shape::bar: meet_bar(o, d, obstacle, index, hit); break;
+            case Obstacle::Shape::hole: break;
         }
     }
     return hit;
@@ -137,18 +139,23 @@ const Surface& surface_of(const Course& course, std::int16_t object) {
 /// One eye: its place and the directions of its rays in the robot's frame.
 class Eye {
 public:
-    Eye(const Course& course, const CourseCamera& camera, bool right) : camera_(camera) {
+    Eye(const Course& course, const CourseCamera& camera, bool right, const EyeError& error = {})
+        : camera_(camera), f_(camera.f * error.focal), rows_(error.rows) {
         const double pitch = course.pitch_deg * std::numbers::pi / 180;
         const double roll = course.roll_deg * std::numbers::pi / 180;
-        ahead_ = {std::cos(pitch), 0, -std::sin(pitch)};
-        left_ = {std::sin(pitch) * std::sin(roll), std::cos(roll), std::cos(pitch) * std::sin(roll)};
-        up_ = {std::sin(pitch) * std::cos(roll), -std::sin(roll), std::cos(pitch) * std::cos(roll)};
-        place = Point{0, 0, camera.height_m} + (right ? -camera.baseline_m : 0.0) * left_;
+        const double yaw = error.yaw_deg * std::numbers::pi / 180;
+        const auto turned = [yaw](Point p) {
+            return Point{p.x * std::cos(yaw) - p.y * std::sin(yaw), p.x * std::sin(yaw) + p.y * std::cos(yaw), p.z};
+        };
+        ahead_ = turned({std::cos(pitch), 0, -std::sin(pitch)});
+        left_ = turned({std::sin(pitch) * std::sin(roll), std::cos(roll), std::cos(pitch) * std::sin(roll)});
+        up_ = turned({std::sin(pitch) * std::cos(roll), -std::sin(roll), std::cos(pitch) * std::cos(roll)});
+        place = Point{error.ahead_m, 0, camera.height_m} + (right ? -camera.baseline_m : 0.0) * left_;
     }
 
     Point direction(double x, double y) const {
-        const double u = (x - (camera_.width - 1) / 2.0) / camera_.f;
-        const double v = (y - (camera_.height - 1) / 2.0) / camera_.f;
+        const double u = (x - (camera_.width - 1) / 2.0) / f_;
+        const double v = (y + rows_ - (camera_.height - 1) / 2.0) / f_;
         return ahead_ + (-u) * left_ + (-v) * up_;
     }
 
@@ -165,42 +172,102 @@ public:
 
 private:
     const CourseCamera& camera_;
+    double f_;
+    double rows_;
     Point ahead_, left_, up_;
 };
 
-double seen(const Course& course, const Eye& eye, const CourseCamera& camera, double x, double y) {
-    const Point direction = eye.direction(x, y);
-    const Hit hit = cast(course, eye.place, direction);
+/// A ray of light, traced back: where it is, where it comes from, and how far it has come since it was a ray of the
+/// camera, in lengths of the direction.
+struct Ray {
+    Point from;
+    Point direction;
+    double before = 0;
+};
+
+double seen(const Course& course, const CourseCamera& camera, const Ray& ray, std::int16_t but_for = nothing_index);
+
+/// What a ray that was sent back along x shows: the ground, what stands there, or the wall behind the robot, which
+/// looks as the one ahead.
+double reflected(const Course& course, const CourseCamera& camera, Ray ray, std::int16_t mirror) {
+    ray.direction.x = -ray.direction.x;
+    constexpr double behind_m = 3;
+    const double to_wall = (-behind_m - ray.from.x) / ray.direction.x;
+    if (cast(course, ray.from, ray.direction, mirror).distance < to_wall) {
+        return seen(course, camera, ray, mirror);
+    }
+    return luma(course.wall, ray.from + to_wall * ray.direction, (ray.before + to_wall) / camera.f, course.seed);
+}
+
+double seen(const Course& course, const CourseCamera& camera, const Ray& ray, std::int16_t but_for) {
+    const Hit hit = cast(course, ray.from, ray.direction, but_for);
     if (hit.object == nothing_index) {
         return 250;
     }
+    const Surface& surface = surface_of(course, hit.object);
+    const Ray on{ray.from + hit.distance * ray.direction, ray.direction, ray.before + hit.distance};
     const std::uint32_t seed = course.seed * 7919U + static_cast<std::uint32_t>(hit.object + 8);
-    return luma(surface_of(course, hit.object), eye.place + hit.distance * direction, hit.distance / camera.f, seed);
+    const double own = luma(surface, on.from, on.before / camera.f, seed);
+    // A ray that has met a mirror or glass already sees what the next one is made of.
+    if (but_for != nothing_index) {
+        return own;
+    }
+    constexpr double glass_reflects = 0.08;
+    const double reflects = surface.kind == Surface::Kind::mirror  ? surface.share
+                            : surface.kind == Surface::Kind::glass ? surface.share * glass_reflects
+                                                                   : 0;
+    const double passes = surface.kind == Surface::Kind::glass ? surface.share - reflects : 0;
+    return (1 - reflects - passes) * own + (reflects > 0 ? reflects * reflected(course, camera, on, hit.object) : 0) +
+           (passes > 0 ? passes * seen(course, camera, on, hit.object) : 0);
 }
 
-void draw_eye(const Course& course, const CourseCamera& camera, bool right, std::vector<std::uint8_t>& image) {
-    const Eye eye(course, camera, right);
+std::vector<std::uint8_t> with_grain(const std::vector<double>& luma, const Course& course, bool right) {
     std::mt19937 random(course.seed * 2 + (right ? 1 : 0));
     std::normal_distribution<double> grain(0, course.noise);
+    std::vector<std::uint8_t> image;
+    image.reserve(luma.size());
+    for (const double value : luma) {
+        const long level = std::lround(course.light * value + grain(random));
+        image.push_back(static_cast<std::uint8_t>(std::clamp(level, 0L, 255L)));
+    }
+    return image;
+}
+
+/// Where a ray enters a hole's opening on the level ground, seen from above.
+Point edge_of_hole(Point o, Point d, const Obstacle& hole) {
+    const double t = inside_of({o.x, o.y, hole.centre.z}, {d.x, d.y, 0}, hole, 1e9).near;
+    return {o.x + t * d.x, o.y + t * d.y, 0};
+}
+
+}  // namespace
+
+std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, bool right, const EyeError& error) {
+    const Eye eye(course, camera, right, error);
+    std::vector<double> image;
     image.reserve(static_cast<std::size_t>(camera.width * camera.height));
     for (int y = 0; y < camera.height; ++y) {
         for (int x = 0; x < camera.width; ++x) {
             double sum = 0;
             for (int i = 0; i < rays * rays; ++i) {
-                sum += seen(course, eye, camera, x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
+                const Point direction =
+                    eye.direction(x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
+                sum += seen(course, camera, {eye.place, direction});
             }
-            const double value = course.light * sum / (rays * rays) + grain(random);
-            image.push_back(static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L)));
+            image.push_back(sum / (rays * rays));
         }
     }
+    return image;
 }
-
-}  // namespace
 
 CourseView draw(const Course& course, const CourseCamera& camera) {
     CourseView view;
-    draw_eye(course, camera, false, view.left);
-    draw_eye(course, camera, true, view.right);
+    view.left = with_grain(draw_luma(course, camera, false, {}), course, false);
+    view.right = with_grain(draw_luma(course, camera, true, {}), course, true);
+    add_truth(course, camera, view);
+    return view;
+}
+
+void add_truth(const Course& course, const CourseCamera& camera, CourseView& view) {
     const Eye eye(course, camera, false);
     const Eye other(course, camera, true);
     for (int y = 0; y < camera.height; ++y) {
@@ -209,13 +276,16 @@ CourseView draw(const Course& course, const CourseCamera& camera) {
             const Hit hit = cast(course, eye.place, direction);
             view.object.push_back(hit.object);
             const Point point = eye.place + (hit.object == nothing_index ? 0.0 : hit.distance) * direction;
-            view.point.push_back(point);
+            const bool hole = hit.object >= 0 &&
+                              course.obstacles[static_cast<std::size_t>(hit.object)].shape == Obstacle::Shape::hole;
+            view.point.push_back(
+                hole ? edge_of_hole(eye.place, direction, course.obstacles[static_cast<std::size_t>(hit.object)])
+                     : point);
             // A ray from the other eye to the point has the length 1 there.
             const Hit seen_by_other = cast(course, other.place, point + (-1.0) * other.place);
             view.both.push_back(other.shows(point) && seen_by_other.distance > 0.99 ? 1 : 0);
         }
     }
-    return view;
 }
 
 }  // namespace disparityd::eval

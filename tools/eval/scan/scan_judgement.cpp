@@ -41,13 +41,18 @@ void add(Part& part, double distance, bool paired) {
     part.distances.push_back(distance);
 }
 
+bool is_hole(const Course& course, int object) {
+    return object >= 0 && course.obstacles[static_cast<std::size_t>(object)].shape == Obstacle::Shape::hole;
+}
+
 Truth truth_of(const Scan& scan, const ScanOptions& options, const CourseView& view, const Course& course) {
     Truth truth;
     truth.parts.resize(scan.sectors.size());
     for (std::size_t i = 0; i < view.object.size(); ++i) {
         const Point p = view.point[i];
         const double height = p.z - course.slope_ahead * p.x - course.slope_left * p.y;
-        if (view.object[i] == -1 || view.object[i] == -3 || height < options.low_m || height >= options.high_m) {
+        const bool in_band = height >= options.low_m && height < options.high_m;
+        if (view.object[i] == -1 || view.object[i] == -3 || !(in_band || is_hole(course, view.object[i]))) {
             continue;
         }
         const int sector = sector_at(scan, std::atan2(p.y, p.x) * 180 / std::numbers::pi);
@@ -67,7 +72,8 @@ bool has_to_be_shown(const Part& whole, const Course& course, int object, const 
     const double side = camera.f * options.object_m / whole.nearest;
     if (object >= 0) {
         const Obstacle& obstacle = course.obstacles[static_cast<std::size_t>(object)];
-        if (obstacle.shape != Obstacle::Shape::box && 2 * obstacle.half.x * camera.f / whole.nearest < 3) {
+        const bool thin = obstacle.shape != Obstacle::Shape::box && obstacle.shape != Obstacle::Shape::hole;
+        if (thin && 2 * obstacle.half.x * camera.f / whole.nearest < 3) {
             return false;
         }
     }

@@ -15,12 +15,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/number_text.h"
-#include "obstacles/obstacle_scanner.h"
 #include "obstacles/scan.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
-#include "tools/eval/frame_buffers.h"
 #include "tools/eval/scan/course.h"
+#include "tools/eval/scan/course_scanner.h"
 #include "tools/eval/scan/percent_text.h"
 #include "tools/eval/scan/scan_judgement.h"
 #include "tools/images/image_file.h"
@@ -81,58 +80,53 @@ cv::Mat scan_picture(const Scan& scan, const CourseView& view, const Course& cou
             plan.wedge(sector, distance, distance + most_m / 100, cv::Scalar(40, 40, 255));
         }
     }
-    const cv::Mat grey(camera.height, camera.width, CV_8UC1, const_cast<std::uint8_t*>(view.left.data()));
     cv::Mat left;
-    cv::cvtColor(grey, left, cv::COLOR_GRAY2BGR);
+    cv::cvtColor(image_of(view.left, camera), left, cv::COLOR_GRAY2BGR);
     cv::Mat both;
     cv::hconcat(left, plan.image, both);
     return both;
 }
 
-scan::Camera scan_camera(const CourseCamera& camera) {
-    const double k = 16 * camera.f * 1000 * camera.baseline_m;
-    return {camera.width,       camera.height, camera.f, (camera.width - 1) / 2.0, (camera.height - 1) / 2.0,
-            {std::lround(k), 0}};
-}
-
-/// Matches and scans courses of one camera.
+/// Scans courses of one camera.
 class CourseRunner {
 public:
     CourseRunner(const ScanEvaluation& evaluation, const CourseCamera& camera, Parallel& workers)
-        : evaluation_(evaluation),
-          camera_(camera),
-          workers_(workers),
-          matcher_(evaluation.backend->create({camera.width, camera.height, evaluation.match})) {}
+        : evaluation_(evaluation), camera_(camera), scanner_(evaluation.settings, camera, workers) {}
 
     ScanCounts run(const Course& course) {
         const CourseView view = draw(course, camera_);
-        const auto image = [&](const std::vector<std::uint8_t>& pixels) {
-            return cv::Mat(camera_.height, camera_.width, CV_8UC1, const_cast<std::uint8_t*>(pixels.data()));
-        };
-        FrameBuffers frame(*matcher_, image(view.left), image(view.right), workers_);
-        frame.match(workers_);
-        if (!course.sequel) {
-            scanner_.emplace(camera_.width, camera_.height, evaluation_.scan, fastest_frame_steps());
-        }
-        Scan scan = scanner_->empty_scan();
-        scanner_->scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan);
+        const ScanOptions& options = evaluation_.settings.scan;
+        const Scan& scan = scanner_.scan(image_of(view.left, camera_), image_of(view.right, camera_), course.sequel);
         if (!evaluation_.pictures.empty()) {
             std::string file = course.name + ".png";
             std::replace(file.begin(), file.end(), ' ', '-');
             images::write_png(evaluation_.pictures + '/' + file,
-                              scan_picture(scan, view, course, camera_, evaluation_.scan.low_m, evaluation_.scan.high_m,
-                                           course.wall_m));
+                              scan_picture(scan, view, course, camera_, options.low_m, options.high_m, course.wall_m));
         }
-        return judge(scan, evaluation_.scan, view, course, camera_, evaluation_.match.range.count);
+        return judge(scan, options, view, course, camera_, evaluation_.settings.match.range.count);
     }
 
 private:
     const ScanEvaluation& evaluation_;
     CourseCamera camera_;
-    Parallel& workers_;
-    std::unique_ptr<Matcher> matcher_;
-    std::optional<ObstacleScanner> scanner_;  ///< of this course and its sequels
+    CourseScanner scanner_;
 };
+
+std::optional<std::uint32_t> seed_of(const std::string& what, const std::vector<std::string>& data) {
+    const std::string prefix = what + ':';
+    const auto found =
+        std::find_if(data.begin(), data.end(), [&](const std::string& one) { return one.starts_with(prefix); });
+    if (found == data.end()) {
+        return std::nullopt;
+    }
+    const auto seed = base::parse_number(std::string_view(*found).substr(prefix.size()));
+    constexpr double most = 1000000;
+    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
+        throw std::invalid_argument("--scan: DATA: found '" + *found + "'" + (data.size() > 1 ? " beside others" : "") +
+                                    ", allowed: " + prefix + "SEED alone, SEED 0 .. 1000000, such as " + prefix + '1');
+    }
+    return static_cast<std::uint32_t>(*seed);
+}
 
 std::vector<std::string> line(const std::string& name, const ScanCounts& counts) {
     return {name,
@@ -152,19 +146,11 @@ std::vector<std::string> line(const std::string& name, const ScanCounts& counts)
 }  // namespace
 
 std::optional<std::uint32_t> seed_of_courses(const std::vector<std::string>& data) {
-    constexpr std::string_view prefix = "courses:";
-    const auto found =
-        std::find_if(data.begin(), data.end(), [&](const std::string& one) { return one.starts_with(prefix); });
-    if (found == data.end()) {
-        return std::nullopt;
-    }
-    const auto seed = base::parse_number(std::string_view(*found).substr(prefix.size()));
-    constexpr double most = 1000000;
-    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
-        throw std::invalid_argument("--scan: DATA: found '" + *found + "'" + (data.size() > 1 ? " beside others" : "") +
-                                    ", allowed: courses:SEED alone, SEED 0 .. 1000000, such as courses:1");
-    }
-    return static_cast<std::uint32_t>(*seed);
+    return seed_of("courses", data);
+}
+
+std::optional<std::uint32_t> seed_of_conditions(const std::vector<std::string>& data) {
+    return seed_of("conditions", data);
 }
 
 void report_scans(const ScanEvaluation& evaluation, Parallel& workers, bool markdown) {
