@@ -57,7 +57,10 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         .add_flag(
             "--scan", arguments.scan,
             "what obstacle scans show, instead. Of made-up courses: DATA is courses:SEED, other seeds give other "
-            "courses; --repeat says how many of each kind, default 8. Of scenes with ground truth and a calibration: "
+            "courses; --repeat says how many of each kind, default 8. Of courses in bad conditions: conditions:SEED, "
+            "--repeat courses in each condition at low, middle and high strength; odd seeds are to tune with, even "
+            "ones "
+            "to judge with; --output gets pictures of the conditions. Of scenes with ground truth and a calibration: "
             "against the scan that the true disparities give. The preset is obstacles unless --preset says otherwise")
         ->excludes(paper)
         ->excludes(fair)
@@ -77,6 +80,12 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->excludes("--thin")
         ->excludes("--scan")
         ->excludes(opencv);
+    program
+        .add_option("--condition", arguments.conditions,
+                    "of conditions:SEED only this condition, such as 'low light'; may be repeated; default all")
+        ->allow_extra_args(false)
+        ->type_name("NAME")
+        ->needs("--scan");
     tools::add_real(
         program, "--scale", arguments.scale, 0.001, 65535.0,
         "stored value per px of disparity, where the ground truth is 8-bit and its folder has no known name");

@@ -19,6 +19,7 @@ struct EvalArguments {
     std::vector<std::string> backends;
     tools::MatchArguments match;
     tools::ScanArguments scan_options;
+    std::vector<std::string> conditions;
     std::string pictures;
     std::optional<double> scale;
     std::optional<int> repeat;

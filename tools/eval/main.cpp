@@ -22,6 +22,7 @@
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
+#include "tools/eval/conditions/condition_report.h"
 #include "tools/eval/confidence/reliability_report.h"
 #include "tools/eval/eval_arguments.h"
 #include "tools/eval/fair_table.h"
@@ -471,6 +472,21 @@ ScanSettings scan_settings(const EvalArguments& arguments) {
 int evaluate_scans(const EvalArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
     const pipeline::WorkerPool::ComputeSlot slot(workers);
+    const std::optional<std::uint32_t> conditions_seed = seed_of_conditions(arguments.data);
+    if (!arguments.conditions.empty() && !conditions_seed) {
+        throw std::invalid_argument("--condition: found '" + arguments.data.front() +
+                                    "' as DATA, allowed: conditions:SEED, such as conditions:1");
+    }
+    if (conditions_seed) {
+        ConditionEvaluation evaluation;
+        evaluation.settings = scan_settings(arguments);
+        evaluation.seed = *conditions_seed;
+        evaluation.courses = arguments.repeat.value_or(evaluation.courses);
+        evaluation.names = arguments.conditions;
+        evaluation.pictures = arguments.pictures;
+        report_conditions(evaluation, workers, arguments.markdown);
+        return tools::exit_done;
+    }
     const std::optional<std::uint32_t> seed = seed_of_courses(arguments.data);
     if (!seed) {
         return evaluate_data_scans(arguments, workers);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "tools/eval/conditions/condition.h"
+#include "tools/eval/scan/course.h"
+
+namespace disparityd::eval {
+
+/// What stands in a course, and what is true of each pixel of its left image. The view has no images.
+struct TrueCourse {
+    Course course;
+    CourseView view;
+};
+
+/// A pair of images and what it shows.
+struct Taken {
+    EyePair images;
+    std::shared_ptr<const TrueCourse> truth;
+};
+
+/// One course in any condition. What stays the same is drawn once. One thread at a time.
+class CourseInConditions {
+public:
+    CourseInConditions(const Course& course, const CourseCamera& camera);
+
+    /// The course as it is, with a good sensor's noise.
+    Taken clean() const;
+
+    /// The course in a condition, by a strength that the course and the condition's name draw.
+    Taken in(const Condition& condition, Strength strength) const;
+
+private:
+    Light light() const;
+    EyePair images_before(double degrees, Draws& draws) const;
+
+    CourseCamera camera_;
+    std::shared_ptr<const TrueCourse> truth_;
+    std::array<cv::Mat, 2> luma_;
+};
+
+}  // namespace disparityd::eval
