@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "kernels/scan_counts.h"
+#include "obstacles/plane_search.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_geometry.h"
 
@@ -37,29 +37,14 @@ private:
         int x;
         double up, ahead, left;
     };
-    /// A pixel that may show the ground: its disparity n, and what that is per unit of the plane's three parameters.
-    struct Point {
-        float n, up, ahead, left;
-    };
-    /// n = p up + q ahead + t left on the plane: p = 1 / (h - height), q = p slope_ahead, t = p slope_left.
-    struct Parameters {
-        double p, q, t;
-    };
-
     void collect(const Pixels& pixels, const Geometry& geometry);
-    int score(const Parameters& plane, float tolerance, int best) const;
-    std::optional<Parameters> through(std::size_t a, std::size_t b, std::size_t c) const;
-    static std::optional<Parameters> least_squares(std::span<const Point> points, const Parameters& plane,
-                                                   float tolerance, int& inliers);
-    bool allowed(const Parameters& plane, double h) const;
+    static bool allowed(const PlaneSearch::Plane& plane, double h);
 
     int first_y_ = 0;  ///< the first row of the grid that may show the ground
     int step_y_ = 1;
     std::vector<Column> columns_;
     std::vector<double> slack_;  ///< by row and column of the grid: what slope and step allow at n = 0
-    std::vector<Point> points_;  ///< the first point_count_ of them count
-    std::size_t point_count_ = 0;
-    std::vector<Point> sample_;  ///< some of the points, evenly
+    PlaneSearch search_;
 };
 
 }  // namespace disparityd::scan
