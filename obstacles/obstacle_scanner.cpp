@@ -16,6 +16,12 @@ constexpr int hold_frames = 30;
 constexpr double same_height_m = 0.02;
 constexpr double same_slope = 0.0175;
 
+/// One frame of so many is asked for the floor: a mounting changes rarely.
+constexpr int floor_every = 8;
+/// A mounting that differs by less is not worth new tables.
+constexpr double same_mounting_m = 0.01;
+constexpr double same_mounting_deg = 0.5;
+
 const ScanOptions& checked(const ScanOptions& options) {
     if (const std::string wrong = validate(options); !wrong.empty()) {
         throw std::invalid_argument(wrong);
@@ -54,11 +60,13 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
                            const std::optional<CameraDirection>& up) {
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
-        decision_.set(geometry_);
-        ground_fit_.set(geometry_);
-        band_ground_.reset();
+        follow_geometry();
     }
-    if (!camera.metric()) {
+    find_mounting(pixels, camera, scan);
+    if (!camera.metric() || (options_.find_mounting && !mounted_)) {
+        scan.ground_source = GroundSource::configured;
+        scan.ground_age = 0;
+        scan.ground = {};
         std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
         return;
     }
@@ -76,6 +84,30 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     shift_->move(camera_sectors_, scan.sectors);
     scan.ground.height_m -=
         scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;
+}
+
+/// Computes what follows from the geometry.
+void ObstacleScanner::follow_geometry() {
+    decision_.set(geometry_);
+    ground_fit_.set(geometry_);
+    band_ground_.reset();
+}
+
+/// Looks for the floor in some of the frames, and takes the mounting that they show where it is asked for.
+void ObstacleScanner::find_mounting(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan) {
+    if (camera.metric() && --frames_until_floor_ < 0) {
+        frames_until_floor_ = floor_every - 1;
+        mounting_watch_.add(floor_finder_.find(pixels, camera, options_.subpixel_error_px));
+    }
+    scan.mounting = mounting_watch_.found();
+    if (!options_.find_mounting || !scan.mounting || !scan::is_usable(*scan.mounting, options_) ||
+        (mounted_ && scan::is_near(*scan.mounting, *mounted_, same_mounting_m, 0, same_mounting_deg))) {
+        return;
+    }
+    mounted_ = scan.mounting;
+    geometry_.mount(*mounted_);
+    follow_geometry();
+    ground_.reset();
 }
 
 void ObstacleScanner::find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan) {

@@ -7,6 +7,7 @@
 #include "kernels/scan_counts.h"
 #include "kernels/steps.h"
 #include "obstacles/band.h"
+#include "obstacles/floor_finder.h"
 #include "obstacles/ground_fit.h"
 #include "obstacles/origin_shift.h"
 #include "obstacles/scan.h"
@@ -35,6 +36,8 @@ public:
     const ScanOptions& options() const { return options_; }
 
 private:
+    void find_mounting(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan);
+    void follow_geometry();
     void find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan);
     void fit_ground(const scan::Pixels& pixels, Scan& scan);
 
@@ -46,6 +49,10 @@ private:
     scan::Counts counts_;
     scan::GroundFit ground_fit_;
     scan::SectorDecision decision_;
+    scan::FloorFinder floor_finder_;
+    scan::MountingWatch mounting_watch_;
+    int frames_until_floor_ = 0;              ///< that are not asked for the floor
+    std::optional<Mounting> mounted_;         ///< of geometry_, where it was found
     std::vector<ScanSector> camera_sectors_;  ///< around the camera, for shift_
     std::optional<GroundPlane> band_ground_;  ///< of band_, where that is computed
     std::optional<GroundPlane> ground_;       ///< the plane of the frame before, where one was fitted

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "proto/scan.h"
@@ -31,12 +32,22 @@ struct CameraDirection {
     friend bool operator==(const CameraDirection&, const CameraDirection&) = default;
 };
 
+/// How the left camera is mounted above the floor, in the words of ScanOptions.
+struct Mounting {
+    double height_m = 0;
+    double pitch_deg = 0;
+    double roll_deg = 0;
+
+    friend bool operator==(const Mounting&, const Mounting&) = default;
+};
+
 /// What an obstacle scan has found in one frame.
 struct Scan {
     GroundSource ground_source = GroundSource::configured;
     int ground_age = 0;  ///< frames since the plane was fitted
     GroundPlane ground;
-    std::vector<ScanSector> sectors;  ///< by bearing, the right-most first
+    std::optional<Mounting> mounting;  ///< that the floor of this frame and the ones before it shows
+    std::vector<ScanSector> sectors;   ///< by bearing, the right-most first
 };
 
 }  // namespace disparityd

@@ -94,6 +94,13 @@ void Geometry::set(const Camera& camera) {
     set_rises();
 }
 
+void Geometry::mount(const Mounting& mounting) {
+    options_.camera_height_m = mounting.height_m;
+    options_.pitch_deg = mounting.pitch_deg;
+    options_.roll_deg = mounting.roll_deg;
+    set(camera_);
+}
+
 void Geometry::set_limits() {
     const auto k = static_cast<double>(camera_.scale.k);
     const auto sixteenths = [](double value) { return static_cast<int>(std::clamp(std::ceil(value), 1.0, 32767.0)); };

@@ -73,6 +73,9 @@ public:
     /// Computes all tables for another camera of the same size.
     void set(const Camera& camera);
 
+    /// Computes all tables for another mounting of the same camera.
+    void mount(const Mounting& mounting);
+
     const Camera& camera() const { return camera_; }
     const ScanOptions& options() const { return options_; }
     const Rays& rays() const { return rays_; }

@@ -18,6 +18,7 @@ constexpr std::array fields{
     ScanField{"pitch_deg", &ScanOptions::pitch_deg, -45, 45},
     ScanField{"roll_deg", &ScanOptions::roll_deg, -45, 45},
     ScanField{"yaw_deg", &ScanOptions::yaw_deg, -180, 180},
+    ScanField{"find_mounting", &ScanOptions::find_mounting},
     ScanField{"camera_ahead_m", &ScanOptions::camera_ahead_m, -10, 10},
     ScanField{"camera_left_m", &ScanOptions::camera_left_m, -10, 10},
     ScanField{"ground", &ScanOptions::ground},

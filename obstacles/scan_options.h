@@ -46,6 +46,8 @@ struct ScanOptions {
     double pitch_deg = 0;          ///< positive: looks down; -45 .. 45
     double roll_deg = 0;           ///< positive: its right side is lower; -45 .. 45
     double yaw_deg = 0;            ///< positive: looks left; -180 .. 180
+    /// Height, pitch and roll are those that the floor in view shows; until one was seen, nothing is known.
+    bool find_mounting = false;
     // Bearings and distances are counted from the robot's origin, which the camera is so far ahead and left of.
     double camera_ahead_m = 0;
     double camera_left_m = 0;
@@ -72,7 +74,8 @@ inline constexpr int max_scan_sectors = static_cast<int>(proto::scan_max_sectors
 /// A row of the table of options.
 struct ScanField {
     std::string_view name;  ///< as the configuration has it
-    std::variant<int ScanOptions::*, double ScanOptions::*, GroundMode ScanOptions::*, std::string ScanOptions::*>
+    std::variant<int ScanOptions::*, double ScanOptions::*, bool ScanOptions::*, GroundMode ScanOptions::*,
+                 std::string ScanOptions::*>
         field;
     double min = 0;  ///< of a number
     double max = 0;

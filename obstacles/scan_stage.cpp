@@ -32,6 +32,11 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
     head.high_mm = limited<std::int16_t>(1000 * options.high_m);
     head.min_mm = limited<std::uint16_t>(1000 * options.min_m);
     head.max_mm = limited<std::uint16_t>(1000 * options.max_m);
+    if (scan.mounting) {
+        head.mounting_height_mm = limited<std::uint16_t>(1000 * scan.mounting->height_m);
+        head.mounting_pitch_cdeg = limited<std::int16_t>(100 * scan.mounting->pitch_deg);
+        head.mounting_roll_cdeg = limited<std::int16_t>(100 * scan.mounting->roll_deg);
+    }
     return head;
 }
 
@@ -41,11 +46,6 @@ ScanStage::ScanStage(int width, int height, const ScanOptions& options)
     : scanner_(width, height, options, fastest_frame_steps()),
       axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
       scan_(scanner_.empty_scan()) {}
-
-bool ScanStage::depends_on_earlier_frames() const {
-    // A fitted plane is held, and gravity is a mean over time.
-    return scanner_.options().ground != GroundMode::configured;
-}
 
 std::size_t ScanStage::bytes_per_frame() const {
     return proto::scan_bytes(scan_.sectors.size());
@@ -59,15 +59,23 @@ void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
                   up);
     gravity_unknown_.store(axes_ && scan_.ground_source != GroundSource::gravity, std::memory_order_relaxed);
     const proto::ScanHead head = head_of(scan_, scanner_.options());
+    seen_.store({head.mounting_height_mm, head.mounting_pitch_cdeg, head.mounting_roll_cdeg},
+                std::memory_order_relaxed);
     std::memcpy(frame.memory.data(), &head, sizeof head);
     std::memcpy(frame.memory.data() + sizeof head, scan_.sectors.data(), scan_.sectors.size() * sizeof(ScanSector));
 }
 
 std::string ScanStage::notice() const {
-    return gravity_unknown_.load(std::memory_order_relaxed)
-               ? "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last "
-                 "second, or one more than 30 degrees off; check [source] sensors and [scan] imu_axes"
-               : "";
+    if (gravity_unknown_.load(std::memory_order_relaxed)) {
+        return "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last "
+               "second, or one more than 30 degrees off; check [source] sensors and [scan] imu_axes";
+    }
+    const auto seen = seen_.load(std::memory_order_relaxed);
+    const std::optional<Mounting> mounting =
+        seen.height_mm == 0
+            ? std::nullopt
+            : std::optional(Mounting{seen.height_mm / 1000.0, seen.pitch_cdeg / 100.0, seen.roll_cdeg / 100.0});
+    return scan::mounting_notice(mounting, scanner_.options());
 }
 
 ScanRecord scan_record(std::span<const std::byte> memory) {

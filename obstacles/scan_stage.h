@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,10 +24,10 @@ public:
 
     std::string_view name() const override { return "scan"; }
     StagePlace place() const override { return StagePlace::record; }
-    bool depends_on_earlier_frames() const override;
+    bool depends_on_earlier_frames() const override { return true; }  // many frames show the mounting
     std::size_t bytes_per_frame() const override;
     void run(const StageFrame& frame, Parallel& workers) override;
-    /// Tells of a newest scan that wanted gravity and had to do without.
+    /// Tells of a newest scan that wanted gravity and had to do without, and of a floor that contradicts the mounting.
     std::string notice() const override;
 
 private:
@@ -34,6 +35,14 @@ private:
     std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
     Scan scan_;                             ///< of the frame that is being processed
     std::atomic<bool> gravity_unknown_{false};
+    /// Of the newest scan's head.
+    struct SeenMounting {
+        std::uint16_t height_mm = 0;
+        std::int16_t pitch_cdeg = 0;
+        std::int16_t roll_cdeg = 0;
+        std::uint16_t padding = 0;
+    };
+    std::atomic<SeenMounting> seen_{};
 };
 
 /// A scan's record.

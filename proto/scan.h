@@ -36,14 +36,17 @@ struct ScanHead {
     GroundSource ground;
     std::uint8_t reserved;  ///< 0
     std::uint16_t ground_age;
-    std::int16_t ground_mm;           ///< height of the ground's plane at the origin
-    std::int16_t ground_slope_ahead;  ///< of the plane along x, in 1/10000
-    std::int16_t ground_slope_left;   ///< along y
-    std::int16_t low_mm;              ///< obstacles are what lies between these heights above the ground's plane
-    std::int16_t high_mm;             ///< the upper one
-    std::uint16_t min_mm;             ///< the smallest distance that the scan reports
-    std::uint16_t max_mm;             ///< the largest one; farther obstacles and freedom are cut there
-    std::uint16_t reserved_words[5];  ///< 0
+    std::int16_t ground_mm;            ///< height of the ground's plane at the origin
+    std::int16_t ground_slope_ahead;   ///< of the plane along x, in 1/10000
+    std::int16_t ground_slope_left;    ///< along y
+    std::int16_t low_mm;               ///< obstacles are what lies between these heights above the ground's plane
+    std::int16_t high_mm;              ///< the upper one
+    std::uint16_t min_mm;              ///< the smallest distance that the scan reports
+    std::uint16_t max_mm;              ///< the largest one; farther obstacles and freedom are cut there
+    std::uint16_t mounting_height_mm;  ///< of the camera above the floor, as the floor in view shows; 0: not found
+    std::int16_t mounting_pitch_cdeg;  ///< likewise, 1/100 degree
+    std::int16_t mounting_roll_cdeg;
+    std::uint16_t reserved_words[2];  ///< 0
 };
 
 /// Ordered by bearing, the right-most first; sectors may leave gaps.

@@ -44,7 +44,7 @@ namespace {
 
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
                   sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
-                  sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 40 &&
+                  sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 52 &&
                   sizeof(disparity_scan_sector) == 40 && sizeof(disparity_point) == 16 &&
                   sizeof(disparity_client_options) == 24 + sizeof(disparity_connect_options),
               "part of the binary interface");
@@ -272,6 +272,10 @@ disparity_scan_info in_c(const disparity::Scan& from) {
     to.high_m = static_cast<float>(from.high_m);
     to.min_m = static_cast<float>(from.min_m);
     to.max_m = static_cast<float>(from.max_m);
+    const disparity::Mounting mounting = from.mounting.value_or(disparity::Mounting{});
+    to.mounting_height_m = static_cast<float>(mounting.height_m);
+    to.mounting_pitch_deg = static_cast<float>(mounting.pitch_deg);
+    to.mounting_roll_deg = static_cast<float>(mounting.roll_deg);
     return to;
 }
 

@@ -182,6 +182,9 @@ typedef struct disparity_scan_info {
     float high_m;             /**< the upper one */
     float min_m;              /**< nothing nearer is reported */
     float max_m;              /**< nothing beyond is reported */
+    float mounting_height_m;  /**< of the camera above the floor, as the floor in view shows; 0: not found */
+    float mounting_pitch_deg; /**< likewise; positive looks down */
+    float mounting_roll_deg;  /**< likewise; positive has its right side lower */
 } disparity_scan_info;
 
 /** Reads the obstacle scan of a frame. Fills the first info_bytes bytes of *info and writes up to `capacity` sectors of

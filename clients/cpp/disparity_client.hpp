@@ -130,6 +130,14 @@ enum class GroundSource : std::uint8_t {
     gravity = 3      ///< level, as the camera's inertial sensor says
 };
 
+/// How the left camera is mounted above the floor, as the floor in view shows: what the daemon's configuration calls
+/// camera_height_m, pitch_deg and roll_deg.
+struct Mounting {
+    double height_m = 0;
+    double pitch_deg = 0;
+    double roll_deg = 0;
+};
+
 /// An obstacle scan: by bearing, what is near. The frame of reference is the robot's: x ahead, y left, z up, the origin
 /// on the ground below the camera, or where the daemon's configuration puts it.
 struct Scan {
@@ -142,6 +150,7 @@ struct Scan {
     double high_m = 0;                               ///< the upper one
     double min_m = 0;                                ///< nothing nearer is reported
     double max_m = 0;                                ///< nothing beyond is reported
+    std::optional<Mounting> mounting;                ///< that the last seconds' floor shows; nothing: not found
     std::vector<ScanSector> sectors;                 ///< by bearing, the right-most first
 };
 

@@ -31,6 +31,10 @@ Scan scan_of(const proto::ScanHead& head) {
     scan.high_m = metres(head.high_mm);
     scan.min_m = metres(head.min_mm);
     scan.max_m = metres(head.max_mm);
+    if (head.mounting_height_mm != 0) {
+        scan.mounting = {metres(head.mounting_height_mm), head.mounting_pitch_cdeg / 100.0,
+                         head.mounting_roll_cdeg / 100.0};
+    }
     return scan;
 }
 

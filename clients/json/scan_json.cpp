@@ -28,6 +28,10 @@ Json to_json(const disparity::Scan& scan) {
                 {"height_m", scan.ground_height_m},
                 {"slope_ahead", scan.ground_slope_ahead},
                 {"slope_left", scan.ground_slope_left}}},
+              {"mounting", scan.mounting ? Json{{"height_m", scan.mounting->height_m},
+                                                {"pitch_deg", scan.mounting->pitch_deg},
+                                                {"roll_deg", scan.mounting->roll_deg}}
+                                         : Json()},
               {"low_m", scan.low_m},
               {"high_m", scan.high_m},
               {"min_m", scan.min_m},

@@ -253,6 +253,8 @@ ConfigKey scan_key(const ScanField& row) {
                 return range_key("scan", row.name, static_cast<int>(row.min), static_cast<int>(row.max), field);
             } else if constexpr (std::is_same_v<Value, double>) {
                 return number_key("scan", row.name, row.min, row.max, field);
+            } else if constexpr (std::is_same_v<Value, bool>) {
+                return bool_key("scan", row.name, field);
             } else if constexpr (std::is_same_v<Value, GroundMode>) {
                 return name_key<GroundMode>("scan", row.name,
                                             {{"fitted", GroundMode::fitted},

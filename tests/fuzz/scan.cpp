@@ -54,6 +54,8 @@ ScanOptions take_options(Numbers& numbers) {
             options.*(*whole) = numbers.within(static_cast<int>(field.min), static_cast<int>(field.max));
         } else if (const auto* const real = std::get_if<double ScanOptions::*>(&field.field)) {
             options.*(*real) = numbers.within(field.min, field.max);
+        } else if (const auto* const flag = std::get_if<bool ScanOptions::*>(&field.field)) {
+            options.*(*flag) = numbers.byte() % 2 == 1;
         } else if (std::holds_alternative<std::string ScanOptions::*>(field.field)) {
             options.imu_axes = numbers.byte() % 2 == 0 ? "ahead left up" : "right left up";
         } else {

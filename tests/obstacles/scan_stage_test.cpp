@@ -97,13 +97,38 @@ TEST_F(ScanStageTest, WithGravityASteadySensorIsNeeded) {
     EXPECT_NE(stage.notice(), "") << "it lies on its back";
 }
 
-TEST(ScanStage, DependsOnEarlierFramesUnlessTheGroundIsConfigured) {
-    for (const GroundMode ground : {GroundMode::configured, GroundMode::fitted, GroundMode::gravity}) {
-        ScanOptions options;
-        options.ground = ground;
-        options.imu_axes = "right down ahead";
-        EXPECT_EQ(ScanStage(160, 120, options).depends_on_earlier_frames(), ground != GroundMode::configured);
-    }
+TEST_F(ScanStageTest, TellsOfTheMountingThatTheFloorShows) {
+    const auto after = [&](ScanStage& stage, int frames) {
+        for (int i = 1; i < frames; ++i) {
+            record_of(stage);
+        }
+        return record_of(stage).head;
+    };
+    constexpr int until_found = 73;  // the first frame and each eighth after it, ten in all
+    ScanStage right(width, height, {});
+    EXPECT_EQ(after(right, until_found - 1).mounting_height_mm, 0);
+    EXPECT_NEAR(record_of(right).head.mounting_height_mm, 300, 5);
+    EXPECT_NEAR(record_of(right).head.mounting_pitch_cdeg, 0, 50);
+    EXPECT_NEAR(record_of(right).head.mounting_roll_cdeg, 0, 50);
+    EXPECT_EQ(right.notice(), "");
+    ScanOptions options;
+    options.camera_height_m = 1;
+    ScanStage wrong(width, height, options);
+    EXPECT_EQ(wrong.notice(), "");
+    after(wrong, until_found);
+    EXPECT_THAT(wrong.notice(), HasSubstr("a height of 0.30 m"));
+    options.find_mounting = true;
+    ScanStage found(width, height, options);
+    record_of(found);
+    EXPECT_THAT(found.notice(), HasSubstr("no floor has been seen"));
+    EXPECT_EQ(record_of(found).sectors[0], ScanSector{});
+    after(found, until_found);
+    EXPECT_EQ(found.notice(), "");
+    EXPECT_EQ(record_of(found).head.ground, GroundSource::fitted);
+}
+
+TEST(ScanStage, DependsOnEarlierFrames) {
+    EXPECT_TRUE(ScanStage(160, 120, ScanOptions{}).depends_on_earlier_frames());
 }
 
 }  // namespace

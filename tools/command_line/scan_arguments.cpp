@@ -50,6 +50,13 @@ GroundMode ground_mode(const std::string& setting, std::string_view value) {
     return *mode;
 }
 
+bool truth(const std::string& setting, std::string_view value) {
+    if (value != "true" && value != "false") {
+        refuse_setting(setting, "true or false");
+    }
+    return value == "true";
+}
+
 /// Stores the value of one KEY=VALUE.
 void apply_setting(const std::string& setting, ScanOptions& options) {
     const std::string_view text = setting;
@@ -65,6 +72,8 @@ void apply_setting(const std::string& setting, ScanOptions& options) {
         options.*(*whole) = whole_number(setting, value);
     } else if (const auto* const real = std::get_if<double ScanOptions::*>(&key->field)) {
         options.*(*real) = real_number(setting, value);
+    } else if (const auto* const flag = std::get_if<bool ScanOptions::*>(&key->field)) {
+        options.*(*flag) = truth(setting, value);
     } else if (const auto* const text_field = std::get_if<std::string ScanOptions::*>(&key->field)) {
         options.*(*text_field) = value;
     } else {

@@ -38,7 +38,10 @@ _HEAD = np.dtype(
         ("high_mm", "<i2"),
         ("min_mm", "<u2"),
         ("max_mm", "<u2"),
-        ("reserved_words", "<u2", 5),
+        ("mounting_height_mm", "<u2"),
+        ("mounting_pitch_cdeg", "<i2"),
+        ("mounting_roll_cdeg", "<i2"),
+        ("reserved_words", "<u2", 2),
     ]
 )
 _SECTOR = np.dtype(
@@ -57,6 +60,15 @@ _SECTOR = np.dtype(
 )
 
 
+@dataclasses.dataclass(frozen=True)
+class Mounting:
+    """How the left camera is mounted above the floor, in the words of the daemon's configuration."""
+
+    height_m: float
+    pitch_deg: float  # positive looks down
+    roll_deg: float  # positive has its right side lower
+
+
 @dataclasses.dataclass
 class Scan:
     """Has one element per sector in each array, by bearing, the right-most first. Lengths in metres, distances horizontal
@@ -73,6 +85,7 @@ class Scan:
     ground_slope_left: float
     band_m: tuple[float, float]  # obstacles lie between these two heights above the plane
     range_m: tuple[float, float]  # nothing is reported nearer than the first or beyond the second
+    mounting: typing.Optional[Mounting]  # that the floor of the last seconds shows; None: not found
     from_deg: npt.NDArray[np.float64]  # the right edge
     to_deg: npt.NDArray[np.float64]  # the left edge
     state: npt.NDArray[np.uint8]  # UNKNOWN, FREE up to free_m, or OCCUPIED at distance_m
@@ -83,6 +96,16 @@ class Scan:
     high_m: npt.NDArray[np.float64]  # its highest part
     pixels: npt.NDArray[np.int32]  # that show it
     confidence: npt.NDArray[np.uint8]  # mean of those pixels
+
+
+def _mounting(head: np.void) -> typing.Optional[Mounting]:
+    if head["mounting_height_mm"] == 0:
+        return None
+    return Mounting(
+        float(head["mounting_height_mm"]) / 1000,
+        float(head["mounting_pitch_cdeg"]) / 100,
+        float(head["mounting_roll_cdeg"]) / 100,
+    )
 
 
 def read_scan(data: bytes) -> Scan:
@@ -111,6 +134,7 @@ def read_scan(data: bytes) -> Scan:
         ground_slope_left=float(head["ground_slope_left"]) / 10000,
         band_m=(float(head["low_mm"]) / 1000, float(head["high_mm"]) / 1000),
         range_m=(float(head["min_mm"]) / 1000, float(head["max_mm"]) / 1000),
+        mounting=_mounting(head),
         from_deg=sectors["from_cdeg"] / 100,
         to_deg=sectors["to_cdeg"] / 100,
         state=sectors["state"].copy(),

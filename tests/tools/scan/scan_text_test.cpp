@@ -32,6 +32,14 @@ TEST(ScanText, SaysWhatIsNearest) {
                             "25 % free", "25 % unknown", "ground held from 3 frames ago"));
 }
 
+TEST(ScanText, SaysWhichMountingTheFloorShows) {
+    auto seen = reading();
+    EXPECT_TRUE(tools::scan_json(seen)["mounting"].is_null());
+    seen.scan.mounting = {1.204, 12.3, -0.5};
+    EXPECT_EQ(tools::scan_parts(seen).back(), "floor seen from 1.20 m, pitch 12.3, roll -0.5");
+    EXPECT_EQ(tools::scan_json(seen)["mounting"]["pitch_deg"], 12.3);
+}
+
 TEST(ScanText, SaysWhatIsWrong) {
     auto bad = reading();
     bad.age_ns = 2'500'000'000;

@@ -2,6 +2,7 @@
 //
 // `disparityctl scan` beside real daemons: with and without scans, ended, stopped, hanging, started again.
 #include <algorithm>
+#include <cstdio>
 #include <sstream>
 
 #include <fcntl.h>
@@ -29,7 +30,7 @@ protected:
           name_("dctl-scan-" + std::to_string(getpid())) {}
 
     void start(const std::vector<std::string>& settings, const std::string& more = {}) {
-        std::vector<std::string> words{"--source", "scene:vga@15?width=160&height=120&loop=8" + more, "--name", name_};
+        std::vector<std::string> words{"--source", "scene:vga@15?" + size_ + "&loop=8" + more, "--name", name_};
         std::vector<std::string> set{"socket.unix=" + socket_, "socket.tcp=", "match.disparities=32"};
         set.insert(set.end(), settings.begin(), settings.end());
         for (const std::string& setting : set) {
@@ -89,6 +90,7 @@ protected:
         }
     }
 
+    std::string size_ = "width=160&height=120";  ///< of an eye
     std::string socket_;
     std::string name_;
     std::unique_ptr<Program> daemon_;
@@ -262,6 +264,25 @@ TEST_F(ShowScansTest, NoScanFromBeforeIsShown) {
             EXPECT_THAT(json["why"].get<std::string>(), HasSubstr("the source has ended"));
         }
     }
+}
+
+// The rendered floor lies 1.15 m below the camera and is tilted by 1.7 and 2.3 degrees.
+TEST_F(ShowScansTest, PrintsTheMountingThatTheFloorShows) {
+    size_ = "width=320&height=240";
+    start({"scan.enabled=true"});
+    const Outcome outcome = run(DISPARITYCTL, arguments(Way::socket, {"--mounting"}));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    double height = 0;
+    double pitch = 0;
+    double roll = 0;
+    ASSERT_EQ(std::sscanf(outcome.out.c_str(), "[scan] camera_height_m = %lf pitch_deg = %lf roll_deg = %lf", &height,
+                          &pitch, &roll),
+              3)
+        << outcome.out;
+    EXPECT_NEAR(height, 1.15, 0.15);
+    EXPECT_NEAR(pitch, 1.7, 2.5);
+    EXPECT_NEAR(roll, -2.3, 2.5);
+    EXPECT_THAT(status()["notices"].dump(), HasSubstr("the floor contradicts the camera's mounting"));
 }
 
 }  // namespace

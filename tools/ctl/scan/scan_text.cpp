@@ -42,6 +42,11 @@ std::string ground_text(const disparity::Scan& scan) {
                                                         : word;
 }
 
+std::string mounting_text(const disparity::Mounting& mounting) {
+    return "floor seen from " + fixed(mounting.height_m, 2) + " m, pitch " + fixed(mounting.pitch_deg, 1) + ", roll " +
+           fixed(mounting.roll_deg, 1);
+}
+
 Json nearest_json(const ScanSummary& summary) {
     if (!summary.nearest) {
         return {};
@@ -96,6 +101,9 @@ std::vector<std::string> scan_parts(const ScanReading& reading) {
     parts.push_back(percent(seen.free) + " free");
     parts.push_back(percent(seen.unknown) + " unknown");
     parts.push_back(ground_text(reading.scan));
+    if (reading.scan.mounting) {
+        parts.push_back(mounting_text(*reading.scan.mounting));
+    }
     if ((reading.frame.flags & disparity::FrameFlags::synthetic) != 0) {
         parts.emplace_back("synthetic");
     }

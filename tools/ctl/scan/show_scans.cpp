@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "proto/disparity.pb.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/scan/rate_limit.h"
@@ -138,6 +140,7 @@ struct ShowScansArguments {
     bool plot = false;
     bool line = false;
     bool json = false;
+    bool mounting = false;
 };
 
 /// Notices when no scan comes, and asks why once a second.
@@ -177,6 +180,29 @@ std::unique_ptr<ScanView> view_of(const ShowScansArguments& arguments) {
         return radar_scan_view(arguments.radar);
     }
     return arguments.json ? json_scan_view() : line_scan_view();
+}
+
+/// Waits for scans that know the mounting, and prints it as the configuration has it.
+int show_mounting(const ShowScansArguments& arguments) {
+    constexpr std::chrono::seconds patience{30};
+    ScanFeed feed(arguments.daemon);
+    catch_interrupts();
+    const auto begin = ScanClock::now();
+    while (ScanClock::now() - begin < patience && !interrupted()) {
+        if (feed.next(std::chrono::milliseconds(100)) != ScanFeed::Got::scan) {
+            continue;
+        }
+        if (const auto& mounting = feed.reading().scan.mounting) {
+            std::cout << "[scan]\ncamera_height_m = " << fixed(mounting->height_m, 2)
+                      << "\npitch_deg = " << fixed(mounting->pitch_deg, 1)
+                      << "\nroll_deg = " << fixed(mounting->roll_deg, 1) << std::endl;
+            return exit_done;
+        }
+    }
+    throw std::runtime_error(interrupted() ? "stopped before a mounting was found"
+                                           : "no mounting was found in 30 s: the camera must see 15 % of its picture "
+                                             "as a floor with texture, which no "
+                                             "more than 6 % lie below, for 80 frames without a change");
 }
 
 int show_scans(const ShowScansArguments& arguments) {
@@ -234,6 +260,12 @@ void add_scan(CLI::App& program, Action& action) {
         .add_flag("--ascii", arguments->radar.ascii, "draw with ASCII only; the default where the locale has no UTF-8")
         ->excludes(line)
         ->excludes(json);
+    command
+        .add_flag("--mounting", arguments->mounting,
+                  "print the mounting that the floor in view shows, as lines of the configuration")
+        ->excludes(plot)
+        ->excludes(line)
+        ->excludes(json);
     add_real(command, "--range", arguments->radar.range_m, 0.5, 65,
              "metres that the plot shows; default: as much as the scans need")
         ->excludes(line)
@@ -247,8 +279,11 @@ void add_scan(CLI::App& program, Action& action) {
         "program misses scans and reads no old ones. Colours are left out where NO_COLOR is set. Ctrl-C ends it, exit\n"
         "status 0; 1 when the daemon makes no scans.\n"
         "Examples: disparityctl scan\n"
+        "          disparityctl scan --mounting\n"
         "          disparityctl scan --json | jq -c '[.age_ms, .nearest]'");
-    command.callback([arguments, &action] { action = [arguments] { return show_scans(*arguments); }; });
+    command.callback([arguments, &action] {
+        action = [arguments] { return arguments->mounting ? show_mounting(*arguments) : show_scans(*arguments); };
+    });
 }
 
 }  // namespace disparityd::tools
