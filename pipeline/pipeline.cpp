@@ -5,15 +5,19 @@
 #include <numeric>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include <pthread.h>
 
 #include "base/failure_text.h"
 #include "base/start_thread.h"
+#include "kernels/added_stage.h"
+#include "kernels/frame_stages.h"
+#include "kernels/parallel_rows.h"
+#include "kernels/steps.h"
 #include "pipeline/admission.h"
 #include "pipeline/capture_stage.h"
-#include "pipeline/depth_stage.h"
 #include "pipeline/stage_queue.h"
 
 namespace disparityd::pipeline {
@@ -40,6 +44,25 @@ FrameView without_depth(FrameView view) {
     view.depth_error = {};
     return view;
 }
+
+/// Computes depth and depth error, step 13 of docs/algorithm.md, from the disparities that stages after matching leave:
+/// in place of the matcher, with its bytes.
+class DepthStage final : public AddedStage {
+public:
+    explicit DepthStage(const MatcherConfig& config) : range_(config.options.range), height_(config.height) {}
+
+    std::string_view name() const override { return "depth"; }
+    StagePlace place() const override { return StagePlace::after_matching; }
+    bool depends_on_earlier_frames() const override { return false; }
+    void run(const StageFrame& frame, Parallel& workers) override {
+        parallel_rows(height_, workers,
+                      [&](Rows rows) { write_depth(fastest_frame_steps(), range_, frame.view, rows); });
+    }
+
+private:
+    DisparityRange range_;
+    int height_;
+};
 
 }  // namespace
 

@@ -33,7 +33,6 @@ namespace disparityd::pipeline {
 class Admission;
 // Declared only: their header brings the library of the lock-free queues.
 class CaptureStage;
-class DepthStage;
 class FreeSlots;
 class StageQueue;
 
@@ -179,7 +178,7 @@ private:
     WorkerPool& workers_;
     const Sink sink_;
 
-    std::unique_ptr<DepthStage> depth_stage_;  ///< where stages after matching change what depth follows from
+    std::unique_ptr<AddedStage> depth_stage_;  ///< where stages after matching change what depth follows from
     std::vector<AddedStage*> stages_;          ///< all added ones, depth_stage_ last
     std::vector<Added> before_matching_;
     std::vector<Added> before_sink_;

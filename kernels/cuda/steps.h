@@ -4,14 +4,27 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <cuda_runtime.h>
+
 #include "kernels/calibrated_confidence.h"
-#include "kernels/cuda/view.h"
 #include "kernels/depth_error.h"
 
 /// The steps of docs/algorithm.md as launches. All pointers are the device's; planes without a pitch are dense. Each
 /// puts its kernels on `stream` and returns; std::runtime_error when a launch was refused. C++17: the CUDA compiler
 /// reads this.
 namespace disparityd::cuda {
+
+/// A pitched image in device memory; `pitch` in elements.
+template <typename T>
+struct View {
+    T* data;
+    int width;
+    int height;
+    std::ptrdiff_t pitch;
+
+    __device__ T* row(int y) const { return data + y * pitch; }
+    __device__ T& at(int x, int y) const { return data[y * pitch + x]; }
+};
 
 enum class Format { grey8, yuyv, bgr24 };
 

@@ -10,17 +10,126 @@
 #endif
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <cstring>
 #include <span>
 
-#include "kernels/cpu/post/rejected_runs-inl.h"
 #include "kernels/cpu/post/row_bits-inl.h"
-#include "kernels/cpu/post/row_runs-inl.h"
 #include "kernels/cpu/post/run_regions.h"
 #include "kernels/cpu/post/texture_votes-inl.h"
 #include "kernels/reference/steps.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace disparityd::cpu::HWY_NAMESPACE {
+
+/// Runs of a row, rejected without a branch for each: where they begin and end a bit is flipped, and all between two
+/// flips is set in one go.
+class RejectedRuns {
+    using Numbers = hn::ScalableTag<std::int16_t>;
+    static constexpr int lanes = static_cast<int>(hn::MaxLanes(Numbers()));
+
+public:
+    void add_if(bool rejected, int begin, int end) {
+        const auto bit = static_cast<std::uint64_t>(rejected);
+        flips_[begin / 64] ^= bit << (begin % 64);
+        flips_[end / 64] ^= bit << (end % 64);
+    }
+
+    /// Writes `invalid` where they are, and forgets them.
+    void write(std::int16_t* pixels, int width, std::int16_t invalid) {
+        std::uint64_t inside = 0;  // all bits, when a run goes on from the word before
+        for (int first = 0; first < width; first += 64) {
+            const std::uint64_t rejected = inside ^ odd_flips_up_to(flips_[first / 64]);
+            inside = rejected >> 63 != 0 ? ~std::uint64_t{0} : 0;
+            flips_[first / 64] = 0;
+            if (rejected != 0) {
+                write(pixels + first, std::min(width - first, 64), rejected, invalid);
+            }
+        }
+        flips_[width / 64] = 0;
+    }
+
+private:
+    static std::uint64_t odd_flips_up_to(std::uint64_t flips) {
+        for (int shift = 1; shift < 64; shift *= 2) {
+            flips ^= flips << shift;
+        }
+        return flips;
+    }
+
+    static void write(std::int16_t* pixels, int count, std::uint64_t rejected, std::int16_t invalid) {
+        std::uint8_t bits[mask_bytes] = {};
+        std::memcpy(bits, &rejected, sizeof(rejected));
+        int x = 0;
+        for (; x + lanes <= count; x += lanes) {
+            const auto mask = hn::LoadMaskBits(Numbers(), bits + x / 8);
+            const auto found = hn::LoadU(Numbers(), pixels + x);
+            hn::StoreU(hn::IfThenElse(mask, hn::Set(Numbers(), invalid), found), Numbers(), pixels + x);
+        }
+        for (; x < count; ++x) {
+            pixels[x] = (rejected >> x & 1) != 0 ? invalid : pixels[x];
+        }
+    }
+
+    std::uint64_t flips_[RowBits::size + 1] = {};
+};
+
+class RowRuns {
+public:
+    /// Runs are counted from `first_run`.
+    void find(const LikenessBits& bits, int width, int first_run) {
+        for (int w = 0; 64 * w < width; ++w) {
+            like_left_.words[w] = bits.like_left.words[w];
+            begins_.words[w] = bits.valid.words[w] & ~like_left_.words[w];
+            first_run_[w] = first_run;
+            first_run += std::popcount(begins_.words[w]);
+        }
+    }
+
+    void add_to(RunRegions& regions, const LikenessBits& bits, int width) const {
+        std::uint64_t valid_before = 0;  // of the last pixel of the word before
+        for (int w = 0; 64 * w < width; ++w) {
+            const std::uint64_t valid = bits.valid.words[w];
+            for (std::uint64_t left = begins_.words[w]; left != 0; left &= left - 1) {
+                regions.begin(64 * w + std::countr_zero(left));
+            }
+            const std::uint64_t ends = (valid << 1 | valid_before) & ~like_left_.words[w];
+            for (std::uint64_t left = ends; left != 0; left &= left - 1) {
+                regions.end(64 * w + std::countr_zero(left));
+            }
+            valid_before = valid >> 63;
+        }
+        if (width % 64 == 0 && valid_before != 0) {
+            regions.end(width);
+        }
+    }
+
+    /// Joins runs of `row` with those of the row above that they are alike to somewhere: once for each stretch.
+    static void join(const RowRuns& above, const RowRuns& row, const RowBits& like_above, int width,
+                     RunRegions& regions, bool with_votes) {
+        std::uint64_t last_bit = 0;
+        for (int w = 0; 64 * w < width; ++w) {
+            const std::uint64_t touching = like_above.words[w];
+            const std::uint64_t same_runs = row.like_left_.words[w] & above.like_left_.words[w];
+            std::uint64_t left = touching & ~((touching << 1 | last_bit) & same_runs);
+            for (; left != 0; left &= left - 1) {
+                const int bit = std::countr_zero(left);
+                regions.join(above.run_at(w, bit), row.run_at(w, bit), with_votes);
+            }
+            last_bit = touching >> 63;
+        }
+    }
+
+private:
+    int run_at(int word, int bit) const {
+        return first_run_[word] + std::popcount(begins_.words[word] << (63 - bit)) - 1;
+    }
+
+    RowBits begins_;
+    RowBits like_left_;
+    int first_run_[RowBits::size];  // the first run that begins in each word
+};
 
 class SpeckleFilter {
     /// Runs [first, last) of a row.
