@@ -34,12 +34,12 @@ struct Light {
     Sensor sensor;
 };
 
-// What a condition changes, each by a strength in the condition's unit.
+// What a condition changes, by a strength in the condition's unit.
 using ChangeCourse = void (*)(CourseMaker&, double);      ///< what stands there
 using ChangeRightEye = EyeError (*)(double, Draws&);      ///< where the right eye is
 using ChangeLight = void (*)(Light&, double, Draws&);     ///< what arrives at the sensors
 using ChangePixels = void (*)(EyePair&, double, Draws&);  ///< the finished images
-/// Mixes in what the eyes saw one frame before, when the robot was turned by `strength` degrees.
+/// Mixes in what the eyes saw one frame before; the robot has turned by so many degrees since.
 using MixFrames = void (*)(EyePair&, const EyePair& before, Draws&);
 using Change = std::variant<ChangeCourse, ChangeRightEye, ChangeLight, ChangePixels, MixFrames>;
 

@@ -99,7 +99,7 @@ void add_near_thing(CourseMaker& m, double metres) {
 
 void add_level_wires(CourseMaker& m, double thickness) {
     for (int i = 0; i < 2; ++i) {
-        const double metres = m.between(1, 2.2);
+        const double metres = m.between(0.8, 1.5);
         const double height = m.between(0.2, 0.8);
         m.add_wire({metres, 0, 0}, height, thickness / 2000, m.rough());
     }
@@ -107,7 +107,7 @@ void add_level_wires(CourseMaker& m, double thickness) {
 
 void add_slanted_wires(CourseMaker& m, double thickness) {
     for (int i = 0; i < 3; ++i) {
-        const Point at = m.place(m.between(1, 2.2));
+        const Point at = m.place(m.between(0.8, 1.5));
         const double angle = m.between(15, 60) * std::numbers::pi / 180;
         const double up = m.between(0, 1) < 0.5 ? -1 : 1;
         m.course.obstacles.push_back({Obstacle::Shape::bar,

@@ -54,7 +54,7 @@ void add_streak(cv::Mat& shares, double x, double y, double length, double lean,
         static_cast<int>(std::floor(x - std::abs(lean) * length)) - margin, static_cast<int>(std::floor(y)) - margin,
         static_cast<int>(2 * std::abs(lean) * length) + 2 * margin + 2, static_cast<int>(length) + 2 * margin + 2);
     cv::Mat alone(box.height, box.width, CV_8UC1, cv::Scalar(0));
-    const double level = 140 * std::min(1.0, width);
+    const double level = 200 * std::min(1.0, width);
     cv::line(alone, fixed_point(x - box.x, y - box.y, bits),
              fixed_point(x + lean * length - box.x, y + length - box.y, bits), cv::Scalar(level),
              std::max(1, static_cast<int>(std::lround(width))), cv::LINE_AA, bits);
@@ -112,7 +112,7 @@ void rain(Light& light, double drops, bool both, Draws& draws) {
             add_streak(shares[eye], x - (eye == 0 ? 0 : disparity), y, length, lean, f * wide_m / metres);
         }
     }
-    lay_over(light, shares, draws.between(190, 240), both, draws);
+    lay_over(light, shares, draws.between(210, 250), both, draws);
 }
 
 void dust(Light& light, double grains, bool both, Draws& draws) {
