@@ -315,6 +315,18 @@ TEST_F(EvalTest, WrongSeedsAndSigmasAreRefusedInOneLine) {
     refused("--halves", "1", "found 1 scene in DATA, allowed: at least 2");
 }
 
+TEST_F(EvalTest, ConditionsAreNamedAndHaveCoursesOfTheirOwn) {
+    const auto refused = [](const std::vector<std::string>& arguments, const std::string& says) {
+        const Outcome outcome = run(DISPARITY_EVAL, arguments);
+        EXPECT_EQ(outcome.exit_code, 2);
+        EXPECT_THAT(outcome.err, HasSubstr(says));
+    };
+    refused({"--scan", "--condition", "rain", "courses:1"},
+            "--condition: found 'courses:1' as DATA, allowed: conditions:SEED, such as conditions:1");
+    refused({"--scan", "--condition", "snow", "conditions:1"}, "--condition: found 'snow', allowed: noise, ");
+    refused({"--scan", "conditions:x"}, "found 'conditions:x', allowed: conditions:SEED alone, SEED 0 .. 1000000");
+}
+
 TEST_F(EvalTest, DisparitiesCoverTheTruthByDefault) {
     make_scene(path("data/cones"));
     write_text(path("data/cones/calib.txt"), "doffs=0\nndisp=40\n");
