@@ -48,6 +48,7 @@ ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& optio
       band_(width, height),
       counts_(geometry_.sectors(), geometry_.groups(), width),
       decision_(geometry_),
+      drop_sectors_(geometry_),
       camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
 Scan ObstacleScanner::empty_scan() const {
@@ -75,12 +76,14 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
     }
-    steps_.scan_counts(pixels, scan::count_tables(geometry_, band_), counts_);
+    std::vector<ScanSector>& sectors = shift_ ? camera_sectors_ : scan.sectors;
+    const scan::CountTables tables = scan::count_tables(geometry_, band_);
+    steps_.scan_counts(pixels, tables, counts_);
+    decision_.decide(pixels, geometry_, scan.ground, counts_, sectors);
+    drop_sectors_.add(pixels, geometry_, tables, scan.ground, sectors);
     if (!shift_) {
-        decision_.decide(pixels, geometry_, scan.ground, counts_, scan.sectors);
         return;
     }
-    decision_.decide(pixels, geometry_, scan.ground, counts_, camera_sectors_);
     shift_->move(camera_sectors_, scan.sectors);
     scan.ground.height_m -=
         scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;

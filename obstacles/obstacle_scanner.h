@@ -7,6 +7,7 @@
 #include "kernels/scan_counts.h"
 #include "kernels/steps.h"
 #include "obstacles/band.h"
+#include "obstacles/drop_sectors.h"
 #include "obstacles/floor_finder.h"
 #include "obstacles/ground_fit.h"
 #include "obstacles/origin_shift.h"
@@ -49,6 +50,7 @@ private:
     scan::Counts counts_;
     scan::GroundFit ground_fit_;
     scan::SectorDecision decision_;
+    scan::DropSectors drop_sectors_;
     scan::FloorFinder floor_finder_;
     scan::MountingWatch mounting_watch_;
     int frames_until_floor_ = 0;              ///< that are not asked for the floor

@@ -25,6 +25,7 @@ constexpr std::array fields{
     ScanField{"imu_axes", &ScanOptions::imu_axes},
     ScanField{"low_m", &ScanOptions::low_m, -30, 30},
     ScanField{"high_m", &ScanOptions::high_m, -30, 30},
+    ScanField{"drop_m", &ScanOptions::drop_m, 0, 10},
     ScanField{"min_m", &ScanOptions::min_m, 0.01, 60},
     ScanField{"max_m", &ScanOptions::max_m, 0.02, 65},
     ScanField{"object_m", &ScanOptions::object_m, 0.01, 10},

@@ -58,6 +58,7 @@ struct ScanOptions {
     std::string imu_axes;
     double low_m = 0.08;  ///< what is lower above the ground's plane is ground
     double high_m = 1.0;  ///< what is higher is overhead
+    double drop_m = 0;    ///< what lies lower than this below the ground ends it, as an obstacle; 0: does not
     double min_m = 0.2;   ///< what is nearer is unknown: a part of the robot, or too near for the range of disparities
     double max_m = 20;    ///< neither obstacles nor freedom are reported beyond
 
