@@ -140,8 +140,10 @@ std::string mounting_notice(const std::optional<Mounting>& found, const ScanOpti
                          " m below the camera, and obstacles begin at [scan] low_m = " + metres_text(options.low_m) +
                          "; set a smaller low_m";
     }
+    // A camera at height 0 flies: the floor that it sees may be anywhere.
+    const bool flies = options.camera_height_m <= 0;
     const Mounting told{options.camera_height_m, options.pitch_deg, options.roll_deg};
-    if (!found || is_near(*found, told, other_height_m, other_height_share, other_angle_deg)) {
+    if (!found || flies || is_near(*found, told, other_height_m, other_height_share, other_angle_deg)) {
         return {};
     }
     return "the floor contradicts the camera's mounting, so distances and heights of obstacle scans are wrong: it "

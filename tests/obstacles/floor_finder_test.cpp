@@ -90,6 +90,12 @@ TEST(MountingNotice, TellsOfAContradictionOnly) {
     EXPECT_THAT(scan::mounting_notice(Mounting{0.45, 0, 0}, options), HasSubstr("a height of 0.45 m"));
 }
 
+TEST(MountingNotice, WhatFliesHasNoFloor) {
+    ScanOptions options = options_of({0, 0, 0});
+    options.low_m = -0.4;
+    EXPECT_EQ(scan::mounting_notice(Mounting{1.5, 15, 0}, options), "");
+}
+
 TEST(MountingNotice, TellsWhyAScanKnowsNothing) {
     ScanOptions options = options_of({0.3, 0, 0});
     options.find_mounting = true;

@@ -15,6 +15,7 @@
 #include "obstacles/obstacle_scanner.h"
 #include "obstacles/scan_geometry.h"
 #include "tests/kernels/support.h"
+#include "tests/obstacles/floor_view.h"
 
 namespace disparityd::test {
 namespace {
@@ -142,6 +143,28 @@ TEST(ObstacleScannerWithGravity, AFloorThatTheRobotLeansTowardsIsFree) {
     EXPECT_EQ(nearest(GroundMode::gravity, up_of(6, 0)), 99999);
     EXPECT_EQ(nearest(GroundMode::gravity, std::nullopt), nearest(GroundMode::configured, std::nullopt))
         << "without samples it is the configured ground";
+}
+
+/// What flies 1.5 m above a floor, with a wall 8 m ahead, and looks down by 15 degrees.
+TEST(LevelGround, ABandAroundTheCameraStaysLevelAtAPitchOf15Degrees) {
+    const FloorView view = FloorView({1.5, 15, 0}).floor().wall(8);
+    ScanOptions options;
+    options.camera_height_m = 0;
+    options.low_m = -0.4;
+    options.high_m = 0.4;
+    options.imu_axes = "ahead left up";
+    const auto ahead = [&](GroundMode ground) {
+        options.ground = ground;
+        ObstacleScanner scanner(FloorView::width, FloorView::height, options, reference::steps.frame);
+        Scan scan = scanner.empty_scan();
+        scanner.scan(view.pixels(), FloorView::camera(), scan, up_of(15, 0));
+        return scan.sectors[scan.sectors.size() / 2];
+    };
+    const ScanSector level = ahead(GroundMode::gravity);
+    ASSERT_EQ(level.state, SectorState::occupied);
+    EXPECT_NEAR(level.distance_mm, 8000 * std::cos(15 * per_degree), 400);
+    EXPECT_GT(level.free_mm, 2000) << "the floor is no obstacle";
+    EXPECT_LT(ahead(GroundMode::configured).distance_mm, 6000) << "the floor in the way of a band that is not level";
 }
 
 }  // namespace
