@@ -214,6 +214,19 @@ TEST(Changes, GlassShowsWhatIsBehindAndAMirrorDoesNot) {
     EXPECT_GT(mirror_differs, on_pane / 2);
 }
 
+TEST(Changes, WhatIsAddedLooksAsIfAllWereDrawnAnew) {
+    const Course course = empty_course();
+    for (const auto add : {add_glass, add_slanted_wires, add_near_thing, add_hole}) {
+        CourseMaker changed(course, 1);
+        add(changed, 0.6);
+        for (const bool right : {false, true}) {
+            std::vector<double> luma = draw_luma(course, small_camera(), right, {});
+            draw_added(changed.course, small_camera(), right, course.obstacles.size(), luma);
+            EXPECT_EQ(luma, draw_luma(changed.course, small_camera(), right, {}));
+        }
+    }
+}
+
 /// What a scan that says free everywhere counts.
 ScanCounts judged_as_free(const Course& course) {
     const CourseCamera camera = small_camera();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/conditions/course_in_conditions.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <variant>
@@ -10,11 +12,20 @@
 namespace disparityd::eval {
 namespace {
 
-cv::Mat drawn(const Course& course, const CourseCamera& camera, bool right, const EyeError& error = {}) {
-    std::vector<double> luma = draw_luma(course, camera, right, error);
+cv::Mat image_of_luma(std::vector<double> luma, const CourseCamera& camera) {
     cv::Mat image;
     cv::Mat(camera.height, camera.width, CV_64FC1, luma.data()).convertTo(image, CV_32F);
     return image;
+}
+
+cv::Mat drawn(const Course& course, const CourseCamera& camera, bool right, const EyeError& error) {
+    return image_of_luma(draw_luma(course, camera, right, error), camera);
+}
+
+/// Whether `course`, which has no fewer obstacles, is `base` with more of them.
+bool adds_alone(const Course& course, const Course& base) {
+    return course.ground == base.ground && course.wall == base.wall &&
+           std::equal(base.obstacles.begin(), base.obstacles.end(), course.obstacles.begin());
 }
 
 std::shared_ptr<const TrueCourse> true_course(Course course, const CourseCamera& camera) {
@@ -36,14 +47,25 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 CourseInConditions::CourseInConditions(const Course& course, const CourseCamera& camera)
     : camera_(camera),
       truth_(true_course(course, camera)),
-      luma_{drawn(course, camera, false), drawn(course, camera, true)} {}
+      luma_{draw_luma(course, camera, false, {}), draw_luma(course, camera, true, {})} {}
 
 Light CourseInConditions::light() const {
-    return {{luma_[0].clone(), luma_[1].clone()}, {}};
+    return {{image_of_luma(luma_[0], camera_), image_of_luma(luma_[1], camera_)}, {}};
+}
+
+Light CourseInConditions::light_of(const Course& changed) const {
+    if (!adds_alone(changed, truth_->course)) {
+        return {{drawn(changed, camera_, false, {}), drawn(changed, camera_, true, {})}, {}};
+    }
+    std::array<std::vector<double>, 2> luma = luma_;
+    for (std::size_t eye = 0; eye < luma.size(); ++eye) {
+        draw_added(changed, camera_, eye == 1, truth_->course.obstacles.size(), luma[eye]);
+    }
+    return {{image_of_luma(std::move(luma[0]), camera_), image_of_luma(std::move(luma[1]), camera_)}, {}};
 }
 
 Taken CourseInConditions::clean() const {
-    return {exposed({luma_, {}}, truth_->course.seed), truth_};
+    return {exposed(light(), truth_->course.seed), truth_};
 }
 
 EyePair CourseInConditions::images_before(double degrees, Draws& draws) const {
@@ -66,12 +88,13 @@ Taken CourseInConditions::in(const Condition& condition, Strength strength) cons
             [&](ChangeCourse change) {
                 CourseMaker maker(course, seed + 1);
                 change(maker, drawn_strength);
-                Light changed{{drawn(maker.course, camera_, false), drawn(maker.course, camera_, true)}, {}};
-                return Taken{exposed(changed, course.seed), true_course(std::move(maker.course), camera_)};
+                return Taken{exposed(light_of(maker.course), course.seed),
+                             true_course(std::move(maker.course), camera_)};
             },
             [&](ChangeRightEye change) {
                 const EyeError error = change(drawn_strength, draws);
-                return Taken{exposed({{luma_[0], drawn(course, camera_, true, error)}, {}}, course.seed), truth_};
+                Light changed{{image_of_luma(luma_[0], camera_), drawn(course, camera_, true, error)}, {}};
+                return Taken{exposed(changed, course.seed), truth_};
             },
             [&](ChangeLight change) {
                 Light changed = light();

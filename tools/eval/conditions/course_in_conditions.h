@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <memory>
+#include <vector>
 
 #include "tools/eval/conditions/condition.h"
 #include "tools/eval/scan/course.h"
@@ -34,11 +35,12 @@ public:
 
 private:
     Light light() const;
+    Light light_of(const Course& changed) const;
     EyePair images_before(double degrees, Draws& draws) const;
 
     CourseCamera camera_;
     std::shared_ptr<const TrueCourse> truth_;
-    std::array<cv::Mat, 2> luma_;
+    std::array<std::vector<double>, 2> luma_;  ///< of the course as it is, left and right
 };
 
 }  // namespace disparityd::eval

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct Point {
 
     friend Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
     friend Point operator*(double s, Point p) { return {s * p.x, s * p.y, s * p.z}; }
+    friend bool operator==(Point, Point) = default;
 };
 
 /// What a surface looks like.
@@ -27,6 +29,8 @@ struct Surface {
     double contrast = 60;
     double grain_m = 0.03;  ///< of the coarsest structure; the period of what repeats
     double share = 1;       ///< 0 .. 1: how much the kind is seen; the rest is rough
+
+    friend bool operator==(const Surface&, const Surface&) = default;
 };
 
 /// An upright box or cylinder, a wire across the way, a straight bar from its lower right to its upper left end, or a
@@ -39,6 +43,8 @@ struct Obstacle {
     /// x the radius, y and z from the centre to its upper left end.
     Point half;
     Surface surface;
+
+    friend bool operator==(const Obstacle&, const Obstacle&) = default;
 };
 
 struct Course {
@@ -99,5 +105,10 @@ void add_truth(const Course& course, const CourseCamera& camera, CourseView& vie
 
 /// What arrives at one eye's sensor, row by row: grey levels without noise, light or limits.
 std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, bool right, const EyeError& error);
+
+/// Draws the obstacles from `first_added` on over what draw_luma() gave of the course without them: the same as all of
+/// it anew, and sooner.
+void draw_added(const Course& course, const CourseCamera& camera, bool right, std::size_t first_added,
+                std::vector<double>& luma);
 
 }  // namespace disparityd::eval

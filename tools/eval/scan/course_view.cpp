@@ -221,6 +221,23 @@ double seen(const Course& course, const CourseCamera& camera, const Ray& ray, st
            (passes > 0 ? passes * seen(course, camera, on, hit.object) : 0);
 }
 
+std::array<Point, rays * rays> directions_of_pixel(const Eye& eye, int x, int y) {
+    std::array<Point, rays * rays> directions{};
+    for (int i = 0; i < rays * rays; ++i) {
+        directions[static_cast<std::size_t>(i)] =
+            eye.direction(x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
+    }
+    return directions;
+}
+
+double luma_of_pixel(const Course& course, const CourseCamera& camera, const Eye& eye, int x, int y) {
+    double sum = 0;
+    for (const Point direction : directions_of_pixel(eye, x, y)) {
+        sum += seen(course, camera, {eye.place, direction});
+    }
+    return sum / (rays * rays);
+}
+
 std::vector<std::uint8_t> with_grain(const std::vector<double>& luma, const Course& course, bool right) {
     std::mt19937 random(course.seed * 2 + (right ? 1 : 0));
     std::normal_distribution<double> grain(0, course.noise);
@@ -247,16 +264,26 @@ std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, 
     image.reserve(static_cast<std::size_t>(camera.width * camera.height));
     for (int y = 0; y < camera.height; ++y) {
         for (int x = 0; x < camera.width; ++x) {
-            double sum = 0;
-            for (int i = 0; i < rays * rays; ++i) {
-                const Point direction =
-                    eye.direction(x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
-                sum += seen(course, camera, {eye.place, direction});
-            }
-            image.push_back(sum / (rays * rays));
+            image.push_back(luma_of_pixel(course, camera, eye, x, y));
         }
     }
     return image;
+}
+
+void draw_added(const Course& course, const CourseCamera& camera, bool right, std::size_t first_added,
+                std::vector<double>& luma) {
+    const Eye eye(course, camera, right);
+    for (int i = 0; i < camera.width * camera.height; ++i) {
+        const int x = i % camera.width;
+        const int y = i / camera.width;
+        const std::array<Point, rays* rays> directions = directions_of_pixel(eye, x, y);
+        const bool met = std::any_of(directions.begin(), directions.end(), [&](Point direction) {
+            return cast(course, eye.place, direction).object >= static_cast<int>(first_added);
+        });
+        if (met) {
+            luma[static_cast<std::size_t>(i)] = luma_of_pixel(course, camera, eye, x, y);
+        }
+    }
 }
 
 CourseView draw(const Course& course, const CourseCamera& camera) {
