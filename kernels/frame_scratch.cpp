@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernels/matcher.h"
+#include "kernels/noise/noise_level.h"
 #include "kernels/round_up_to_cache_line.h"
 #include "kernels/steps.h"
 
@@ -35,10 +36,15 @@ FrameScratch::FrameScratch(const FrameSteps& steps, const MatcherConfig& config,
     const PostOptions& post = config.options.post;
     right_winner_ = round_up_to_cache_line(pixels * sizeof(std::int16_t));
     apart_ = right_winner_ + round_up_to_cache_line(pixels * sizeof(std::int16_t));
-    shared_ = apart_ + (matched_apart_ || filtered_apart_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
+    smoothed_left_ =
+        apart_ + (matched_apart_ || filtered_apart_ ? round_up_to_cache_line(pixels * sizeof(std::int16_t)) : 0);
+    const bool noisy = has_noise_levels(config.options);
+    smoothed_right_ = smoothed_left_ + (noisy ? round_up_to_cache_line(pixels) : 0);
+    shared_ = smoothed_right_ + (noisy ? round_up_to_cache_line(pixels) : 0);
     right_census_ = shared_ + round_up_to_cache_line(pixels * sizeof(std::uint64_t));
     bytes_ = shared_ + std::max({census_bytes, filters_regions(post) ? steps.speckle_scratch(width_, height_) : 0,
-                                 post.interpolate ? steps.interpolate_scratch(width_, height_) : 0});
+                                 post.interpolate ? steps.interpolate_scratch(width_, height_) : 0,
+                                 noisy ? pixels * sizeof(std::int16_t) : 0});
 }
 
 Plane<std::int16_t> FrameScratch::left_winner(std::span<std::byte> scratch) const {
@@ -55,6 +61,18 @@ Plane<std::uint64_t> FrameScratch::left_census(std::span<std::byte> scratch) con
 
 Plane<std::uint64_t> FrameScratch::right_census(std::span<std::byte> scratch) const {
     return plane_at<std::uint64_t>(scratch, right_census_, width_, height_);
+}
+
+Plane<std::uint8_t> FrameScratch::smoothed_left(std::span<std::byte> scratch) const {
+    return plane_at<std::uint8_t>(scratch, smoothed_left_, width_, height_);
+}
+
+Plane<std::uint8_t> FrameScratch::smoothed_right(std::span<std::byte> scratch) const {
+    return plane_at<std::uint8_t>(scratch, smoothed_right_, width_, height_);
+}
+
+Plane<std::int16_t> FrameScratch::before_vote(std::span<std::byte> scratch) const {
+    return plane_at<std::int16_t>(scratch, shared_, width_, height_);
 }
 
 Plane<std::int16_t> FrameScratch::matched(const FrameView& frame) const {

@@ -38,6 +38,13 @@ public:
 
     std::span<std::byte> census(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
 
+    /// Both images smoothed, from census to match: where there may be noise levels above 0.
+    Plane<std::uint8_t> smoothed_left(std::span<std::byte> scratch) const;
+    Plane<std::uint8_t> smoothed_right(std::span<std::byte> scratch) const;
+
+    /// Disparities before the vote of step 9, in the place of the census words.
+    Plane<std::int16_t> before_vote(std::span<std::byte> scratch) const;
+
     /// During post-processing, in the place of the census words.
     std::span<std::byte> work(std::span<std::byte> scratch) const { return scratch.subspan(shared_); }
 
@@ -48,6 +55,8 @@ private:
     bool filtered_apart_;       // likewise
     std::size_t right_winner_;  // offsets
     std::size_t apart_;
+    std::size_t smoothed_left_;
+    std::size_t smoothed_right_;
     std::size_t shared_;
     std::size_t right_census_;
     std::size_t bytes_;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "kernels/fill_limit.h"
+#include "kernels/noise/noise_level.h"
 #include "kernels/parallel_rows.h"
 #include "kernels/steps.h"
 
@@ -62,6 +63,13 @@ void FrameStages::rectify(const FrameView& frame, Parallel& workers) const {
     });
 }
 
+void FrameStages::smooth(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
+    parallel_rows(config_.height, workers, [&](Rows rows) {
+        steps_.smooth(frame.left, scratch.smoothed_left(frame.scratch), rows);
+        steps_.smooth(frame.right, scratch.smoothed_right(frame.scratch), rows);
+    });
+}
+
 void FrameStages::post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const {
     const PostOptions& post = config_.options.post;
     if (post.left_right_check) {
@@ -72,6 +80,19 @@ void FrameStages::post_process(const FrameView& frame, const FrameScratch& scrat
     }
     filter(frame, scratch, workers);
     fill(frame, scratch, workers);
+}
+
+// The median of step 9, or without one what matching found.
+void FrameStages::take_median(const FrameView& frame, const FrameScratch& scratch, Plane<std::int16_t> out,
+                              Rows rows) const {
+    const Plane<std::int16_t> matched = scratch.matched(frame);
+    if (const int size = config_.options.post.median; size > 0) {
+        steps_.median(matched, invalid_disparity(config_.options.range), size, out, rows);
+        return;
+    }
+    for (int y = rows.first; y < rows.last; ++y) {
+        std::copy_n(matched.row(y), matched.width, out.row(y));
+    }
 }
 
 // Steps 9 and 10, and what follows from measured disparities alone. Each time that workers are woken takes as long as
@@ -88,9 +109,18 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
             write_depth(steps_, config_.options.range, frame, rows);
         }
     };
-    if (post.median > 0) {
+    const bool votes = noise_level_of(config_.options, frame) > 0;
+    const Plane<std::int16_t> before_vote = scratch.before_vote(frame.scratch);
+    if (votes) {
+        parallel_rows(config_.height, workers, [&](Rows rows) { take_median(frame, scratch, before_vote, rows); });
+    }
+    if (votes || post.median > 0) {
         parallel_rows(config_.height, workers, [&](Rows rows) {
-            steps_.median(scratch.matched(frame), invalid, post.median, filtered, rows);
+            if (votes) {
+                steps_.vote(before_vote, invalid, filtered, rows);
+            } else {
+                take_median(frame, scratch, filtered, rows);
+            }
             if (!by_region) {
                 finish(rows);
             }
@@ -101,7 +131,7 @@ void FrameStages::filter(const FrameView& frame, const FrameScratch& scratch, Pa
                               post.min_texture, frame.left,        frame.right};
         steps_.speckle(filtered, test, scratch.work(frame.scratch), workers);
     }
-    if (post.median == 0 || by_region) {
+    if (by_region || (post.median == 0 && !votes)) {
         parallel_rows(config_.height, workers, finish);
     }
 }

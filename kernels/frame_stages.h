@@ -23,9 +23,12 @@ public:
     FrameStages(const FrameSteps& steps, const MatcherConfig& config) : steps_(steps), config_(config) {}
 
     void rectify(const FrameView& frame, Parallel& workers) const;
+    /// What the census of a frame with a noise level above 0 is made from.
+    void smooth(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
     void post_process(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
 
 private:
+    void take_median(const FrameView& frame, const FrameScratch& scratch, Plane<std::int16_t> out, Rows rows) const;
     void filter(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
     void fill(const FrameView& frame, const FrameScratch& scratch, Parallel& workers) const;
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "kernels/match_fields.h"
+#include "kernels/noise/noise_level.h"
 
 namespace disparityd {
 
@@ -30,6 +31,15 @@ std::string number_problem(const MatchOptions& options) {
         return out_of_range("p1", sgm.p1, "1 .. " + std::to_string(sgm.p2 - 1) + " (less than p2)");
     }
     return sgm.p2_min <= sgm.p2 ? std::string() : out_of_range("p2_min", sgm.p2_min, "0 .. " + std::to_string(sgm.p2));
+}
+
+// Of another method it is a key of SGM that has no effect.
+std::string noise_problem(const MatchOptions& options) {
+    if (options.noise_level == 0 || options.method != Method::sgm || supports_noise_levels(options)) {
+        return {};
+    }
+    return out_of_range("noise_level", options.noise_level,
+                        "0, or more with cost census-7x5+gradient, 4 paths and adaptive_p2");
 }
 
 }  // namespace
@@ -107,7 +117,8 @@ std::string validate(const MatchOptions& options) {
     if (options.cost != CensusCost::census_9x7 && options.cost != CensusCost::census_7x5_gradient) {
         return "unknown matching cost: allowed are census-9x7 and census-7x5+gradient";
     }
-    return number_problem(options);
+    const std::string problem = number_problem(options);
+    return problem.empty() ? noise_problem(options) : problem;
 }
 
 }  // namespace disparityd

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include "kernels/noise/noise_level.h"
 #include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
 
@@ -74,6 +75,16 @@ void StepMatcher::run(int stage, const FrameView& frame, Parallel& /*workers*/, 
 }
 
 void StepMatcher::census(const FrameView& frame) const {
+    if (const int level = noise_level_of(config_.options, frame); level > 0) {
+        Serial serial;
+        frame_stages_.smooth(frame, scratch_, serial);
+        const int coarseness = census_coarseness(level);
+        steps_.noisy_census(frame.left, scratch_.smoothed_left(frame.scratch), coarseness,
+                            scratch_.left_census(frame.scratch), rows());
+        steps_.noisy_census(frame.right, scratch_.smoothed_right(frame.scratch), coarseness,
+                            scratch_.right_census(frame.scratch), rows());
+        return;
+    }
     const CensusSteps& steps = steps_.of(config_.options.cost);
     steps.census(frame.left, scratch_.left_census(frame.scratch), rows());
     steps.census(frame.right, scratch_.right_census(frame.scratch), rows());
@@ -98,7 +109,9 @@ void StepMatcher::match(const FrameView& frame, std::span<nanoseconds> step_time
     if (config_.options.method == Method::sgm) {
         Serial serial;
         const auto sums = volume<std::uint16_t>(sums_, config_);
-        steps_.aggregate(costs, frame.left, config_.options.sgm, sums,
+        const int level = noise_level_of(config_.options, frame);
+        const Plane<const std::uint8_t> guide = level > 0 ? scratch_.smoothed_left(frame.scratch) : frame.left;
+        steps_.aggregate(costs, guide, at_noise_level(config_.options, level).sgm, sums,
                          {aggregate_scratch_.data(), aggregate_scratch_.size()}, serial);
         clock.next();
         choose_winners<std::uint16_t>(sums, steps_.winner_u16, frame);
@@ -110,7 +123,7 @@ void StepMatcher::match(const FrameView& frame, std::span<nanoseconds> step_time
 
 template <typename T>
 void StepMatcher::choose_winners(Volume<const T> costs, const WinnerSteps<T>& winner, const FrameView& frame) const {
-    const MatchOptions& options = config_.options;
+    const MatchOptions options = at_noise_level(config_.options, noise_level_of(config_.options, frame));
     const Plane<std::int16_t> left = scratch_.left_winner(frame.scratch);
     const Plane<std::int16_t> right = scratch_.right_winner(frame.scratch);
     const Plane<std::int16_t> disparity = scratch_.matched(frame);

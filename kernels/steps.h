@@ -63,11 +63,16 @@ struct FrameSteps {
     void (*rectify_colour)(const RawImage& raw, Eye eye, const Rectifier& rectifier, Plane<std::uint8_t> bgr,
                            Rows rows);
 
+    /// Step 3, at noise levels above 0: the image smoothed.
+    void (*smooth)(Plane<const std::uint8_t> image, Plane<std::uint8_t> smoothed, Rows rows);
+
     /// Step 8: rejects, in `disparity`, what the winners of both images do not agree on.
     void (*left_right)(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner,
                        DisparityRange range, Plane<std::int16_t> disparity, Rows rows);
     /// Step 9: `size` is 3 or 5. `in` and `out` do not overlap.
     void (*median)(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
+    /// Step 9, at noise levels above 0. `in` and `out` do not overlap.
+    void (*vote)(Plane<const std::int16_t> in, std::int16_t invalid, Plane<std::int16_t> out, Rows rows);
     /// Step 10, in place, the whole image, spread over `workers`.
     void (*speckle)(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch,
                     Parallel& workers);
@@ -109,6 +114,9 @@ struct MatchingSteps {
                 Volume<std::uint16_t> costs, Rows rows);
     /// Of each CensusCost.
     std::array<CensusSteps, 2> census_costs;
+    /// Step 3, census-7x5+gradient at a noise level of this coarseness, 1 or 2 (census_coarseness()).
+    void (*noisy_census)(Plane<const std::uint8_t> image, Plane<const std::uint8_t> smoothed, int coarseness,
+                         Plane<std::uint64_t> words, Rows rows);
 
     /// Step 5, the whole volume: spread over `workers` as the back end sees fit.
     void (*aggregate)(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,

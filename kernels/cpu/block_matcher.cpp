@@ -74,8 +74,8 @@ void BlockMatcher::census(const FrameView& frame, Parallel& workers) const {
     const CensusPlanes planes(geometry_.census, config_.height,
                               reinterpret_cast<std::uint8_t*>(scratch_.census(frame.scratch).data()));
     parallel_rows(config_.height, workers, [&](Rows rows) {
-        census_kernels_.census_left(geometry_, frame.left, planes.left, rows);
-        census_kernels_.census_right(geometry_, frame.right, planes.right, rows);
+        census_kernels_.census.left(geometry_, frame.left, {}, planes.left, rows);
+        census_kernels_.census.right(geometry_, frame.right, {}, planes.right, rows);
     });
 }
 

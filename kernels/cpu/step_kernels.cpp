@@ -10,6 +10,7 @@
 #include "kernels/cpu/simd/instruction_sets.h"
 
 #if DISPARITYD_CPU_VECTORS
+#include "kernels/cpu/cost/smooth-inl.h"
 #include "kernels/cpu/post/depth_error-inl.h"
 #include "kernels/cpu/post/guided_median-inl.h"
 #include "kernels/cpu/post/interpolate-inl.h"
@@ -17,6 +18,7 @@
 #include "kernels/cpu/post/median-inl.h"
 #include "kernels/cpu/post/outputs-inl.h"
 #include "kernels/cpu/post/speckle-inl.h"
+#include "kernels/cpu/post/vote-inl.h"
 #include "kernels/cpu/scan/scan_counts-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -27,8 +29,10 @@ const FrameSteps& frame_steps() {
     static const FrameSteps table = {
         .rectify = rectify.luma,
         .rectify_colour = rectify.colour,
+        .smooth = smooth,
         .left_right = left_right,
         .median = median,
+        .vote = vote,
         .speckle = speckle,
         .speckle_scratch = speckle_scratch,
         .finish_confidence = finish_confidence,

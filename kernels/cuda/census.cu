@@ -14,7 +14,8 @@ constexpr int block_height = 8;  // threads; each computes every eighth row of t
 // For GradientWord, which holds what belongs to three rows.
 constexpr int gradient_rows = tile_side + 2;
 constexpr int gradient_tile_width = tile_side + 2 * gradient_census_radius_x;
-constexpr int gradient_tile_height = gradient_rows + 2 * gradient_census_radius_y;
+template <int row_step>
+constexpr int gradient_tile_height = gradient_rows + 2 * gradient_census_radius_y* row_step;
 
 // Reads the tile of a block, its border too, from an image with its border replicated.
 template <int width, int height>
@@ -52,11 +53,31 @@ __global__ void census_kernel(View<const std::uint8_t> left, View<const std::uin
     }
 }
 
+// Three rows of a tile of parts of words, as words that hold what belongs to three rows.
+__device__ void write_gradient_words(const std::uint32_t (&census)[gradient_rows][tile_side],
+                                     const std::uint8_t (&gradients)[gradient_rows][tile_side], int first_x,
+                                     int first_y, int width, int height, GradientWord* words) {
+    const int column = static_cast<int>(threadIdx.x);
+    const int x = first_x + column;
+    for (int row = static_cast<int>(threadIdx.y); row < tile_side; row += block_height) {
+        const int y = first_y + row;
+        if (x < width && y < height) {
+            GradientWord word{};
+#pragma unroll
+            for (int i = 0; i < 3; ++i) {
+                word.census[i] = census[row + i][column];
+                word.gradients |= static_cast<std::uint32_t>(gradients[row + i][column]) << (8 * i);
+            }
+            words[static_cast<std::ptrdiff_t>(y) * width + x] = word;
+        }
+    }
+}
+
 // The same for the other cost. What belongs to a row of the tile, and to the ones above and below the tile, is computed
 // once and written into the words of three rows.
 __global__ void census_gradient_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right,
                                        std::uint64_t* left_words, std::uint64_t* right_words) {
-    DISPARITYD_SHARED(std::uint8_t, tile, [gradient_tile_height][gradient_tile_width]);
+    DISPARITYD_SHARED(std::uint8_t, tile, [gradient_tile_height<1>][gradient_tile_width]);
     DISPARITYD_SHARED(std::uint32_t, census, [gradient_rows][tile_side]);
     DISPARITYD_SHARED(std::uint8_t, gradients, [gradient_rows][tile_side]);
     const View<const std::uint8_t> image = blockIdx.z == 0 ? left : right;
@@ -64,30 +85,74 @@ __global__ void census_gradient_kernel(View<const std::uint8_t> left, View<const
     const int first_x = static_cast<int>(blockIdx.x) * tile_side;
     const int first_y = static_cast<int>(blockIdx.y) * tile_side;
     const int thread = static_cast<int>(threadIdx.y * tile_side + threadIdx.x);
-    read_tile<gradient_tile_width, gradient_tile_height>(image, first_x, first_y, thread, tile);
+    read_tile<gradient_tile_width, gradient_tile_height<1>>(image, first_x, first_y, thread, tile);
     __syncthreads();
     const int column = static_cast<int>(threadIdx.x);
     for (int row = static_cast<int>(threadIdx.y); row < gradient_rows; row += block_height) {
         // Above and below the image its outermost rows count again, not what a window would see there.
         const int tile_row = clamp(first_y + row - 1, 0, image.height - 1) - first_y + 1 + gradient_census_radius_y;
         const auto read = [&](int dx, int dy) { return tile[tile_row + dy][column + gradient_census_radius_x + dx]; };
-        census[row][column] = gradient_census_bits(read);
-        gradients[row][column] = gradient_byte(read);
+        census[row][column] = gradient_census_bits<1>(read, read(0, 0));
+        gradients[row][column] = gradient_byte<1>(read);
     }
     __syncthreads();
-    const int x = first_x + column;
-    for (int row = static_cast<int>(threadIdx.y); row < tile_side; row += block_height) {
-        const int y = first_y + row;
-        if (x < image.width && y < image.height) {
-            GradientWord word{};
+    write_gradient_words(census, gradients, first_x, first_y, image.width, image.height, words);
+}
+
+// The same at noise levels, with a tile of the smoothed image beside that of the image.
+template <int coarseness>
+__global__ void noisy_census_kernel(NoisyImage left, NoisyImage right, std::uint64_t* left_words,
+                                    std::uint64_t* right_words) {
+    constexpr int image_height = gradient_tile_height<coarseness>;
+    constexpr int smoothed_height = gradient_rows + 2;
+    constexpr int smoothed_width = tile_side + 2;
+    DISPARITYD_SHARED(std::uint8_t, tile, [image_height][gradient_tile_width]);
+    DISPARITYD_SHARED(std::uint8_t, smoothed, [smoothed_height][smoothed_width]);
+    DISPARITYD_SHARED(std::uint32_t, census, [gradient_rows][tile_side]);
+    DISPARITYD_SHARED(std::uint8_t, gradients, [gradient_rows][tile_side]);
+    const NoisyImage& eye = blockIdx.z == 0 ? left : right;
+    const int height = eye.image.height;
+    const int first_x = static_cast<int>(blockIdx.x) * tile_side;
+    const int first_y = static_cast<int>(blockIdx.y) * tile_side;
+    const int thread = static_cast<int>(threadIdx.y * tile_side + threadIdx.x);
+    read_tile<gradient_tile_width, image_height>(eye.image, first_x, first_y, thread, tile);
+    read_tile<smoothed_width, smoothed_height>(eye.smoothed, first_x, first_y, thread, smoothed);
+    __syncthreads();
+    const int column = static_cast<int>(threadIdx.x);
+    for (int row = static_cast<int>(threadIdx.y); row < gradient_rows; row += block_height) {
+        const int from_tile = clamp(first_y + row - 1, 0, height - 1) - first_y + 1;
+        const auto read = [&](int dx, int dy) {
+            return tile[from_tile + gradient_census_radius_y * coarseness + dy][column + gradient_census_radius_x + dx];
+        };
+        const auto read_smoothed = [&](int dx, int dy) { return smoothed[from_tile + 1 + dy][column + 1 + dx]; };
+        census[row][column] = gradient_census_bits<coarseness>(read, read_smoothed(0, 0) - coarseness);
+        gradients[row][column] = gradient_byte<coarseness>(read_smoothed);
+    }
+    __syncthreads();
+    write_gradient_words(census, gradients, first_x, first_y, eye.image.width, height,
+                         reinterpret_cast<GradientWord*>(blockIdx.z == 0 ? left_words : right_words));
+}
+
+// The smoothed image of step 3.
+__global__ void smooth_kernel(View<const std::uint8_t> left, View<const std::uint8_t> right,
+                              std::uint8_t* smoothed_left, std::uint8_t* smoothed_right) {
+    const View<const std::uint8_t> image = blockIdx.z == 0 ? left : right;
+    std::uint8_t* const smoothed = blockIdx.z == 0 ? smoothed_left : smoothed_right;
+    const int x = static_cast<int>(blockIdx.x * tile_side + threadIdx.x);
+    const int y = static_cast<int>(blockIdx.y * block_height + threadIdx.y);
+    if (x >= image.width || y >= image.height) {
+        return;
+    }
+    int sum = 8;
 #pragma unroll
-            for (int i = 0; i < 3; ++i) {
-                word.census[i] = census[row + i][column];
-                word.gradients |= static_cast<std::uint32_t>(gradients[row + i][column]) << (8 * i);
-            }
-            words[static_cast<std::ptrdiff_t>(y) * image.width + x] = word;
+    for (int dy = -1; dy <= 1; ++dy) {
+#pragma unroll
+        for (int dx = -1; dx <= 1; ++dx) {
+            const int weight = (dx == 0 ? 2 : 1) * (dy == 0 ? 2 : 1);
+            sum += weight * image.at(clamp(x + dx, 0, image.width - 1), clamp(y + dy, 0, image.height - 1));
         }
     }
+    smoothed[static_cast<std::ptrdiff_t>(y) * image.width + x] = static_cast<std::uint8_t>(sum / 16);
 }
 
 }  // namespace
@@ -105,6 +170,21 @@ void census(Cost cost, View<const std::uint8_t> left, View<const std::uint8_t> r
                       dim3(tile_side, block_height)};
     launch("census", shape, stream, cost == Cost::census_9x7 ? census_kernel : census_gradient_kernel, left, right,
            left_words, right_words);
+}
+
+void smooth(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint8_t* smoothed_left,
+            std::uint8_t* smoothed_right, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(left.width, tile_side), blocks_for(left.height, block_height), 2),
+                      dim3(tile_side, block_height)};
+    launch("smooth", shape, stream, smooth_kernel, left, right, smoothed_left, smoothed_right);
+}
+
+void noisy_census(int coarseness, const NoisyImage& left, const NoisyImage& right, std::uint64_t* left_words,
+                  std::uint64_t* right_words, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(left.image.width, tile_side), blocks_for(left.image.height, tile_side), 2),
+                      dim3(tile_side, block_height)};
+    launch("noisy census", shape, stream, coarseness == 1 ? noisy_census_kernel<1> : noisy_census_kernel<2>, left,
+           right, left_words, right_words);
 }
 
 }  // namespace disparityd::cuda

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/cuda/launch.h"
 #include "kernels/cuda/steps.h"
+#include "kernels/noise/noise_level.h"
 
 namespace disparityd::cuda {
 
@@ -68,6 +69,50 @@ __global__ void left_right_median_kernel(LeftRightMedianJob job) {
     job.out[static_cast<std::ptrdiff_t>(y) * job.width + x] = centre == invalid ? invalid : median_of(window);
 }
 
+constexpr int vote_radius = 2;
+constexpr int vote_side = 2 * vote_radius + 1;
+constexpr int vote_width = lanes + 2 * vote_radius;
+constexpr int vote_height = block_height + 2 * vote_radius;
+
+// The vote of step 9. What lies outside the image is rejected in the tile, and does not count either.
+__global__ void vote_kernel(VoteJob job) {
+    DISPARITYD_SHARED(std::int16_t, tile, [vote_height][vote_width]);
+    const int first_x = static_cast<int>(blockIdx.x) * lanes;
+    const int first_y = static_cast<int>(blockIdx.y) * block_height;
+    const int column = static_cast<int>(threadIdx.x);
+    const int row = static_cast<int>(threadIdx.y);
+    for (int i = row * lanes + column; i < vote_width * vote_height; i += lanes * block_height) {
+        const int x = first_x + i % vote_width - vote_radius;
+        const int y = first_y + i / vote_width - vote_radius;
+        const bool inside = x >= 0 && x < job.width && y >= 0 && y < job.height;
+        tile[i / vote_width][i % vote_width] =
+            inside ? job.in[static_cast<std::ptrdiff_t>(y) * job.width + x] : job.invalid;
+    }
+    __syncthreads();
+    const int x = first_x + column;
+    const int y = first_y + row;
+    if (x >= job.width || y >= job.height) {
+        return;
+    }
+    const int own = tile[row + vote_radius][column + vote_radius];
+    int agreeing = 0;
+    int sum = 0;  // of differences
+#pragma unroll
+    for (int i = 0; i < vote_side * vote_side; ++i) {
+        const int value = tile[row + i / vote_side][column + i % vote_side];
+        // Nothing below 0, so that the quotient is rounded down.
+        const int difference = value - own + vote_reach;
+        const bool agrees = value != job.invalid && difference >= 0 && difference <= 2 * vote_reach;
+        agreeing += agrees ? 1 : 0;
+        sum += agrees ? difference : 0;
+    }
+    const int columns = min(x, vote_radius) + 1 + min(job.width - 1 - x, vote_radius);
+    const int rows = min(y, vote_radius) + 1 + min(job.height - 1 - y, vote_radius);
+    const bool rejected = own == job.invalid || 100 * agreeing < vote_percent * columns * rows;
+    job.out[static_cast<std::ptrdiff_t>(y) * job.width + x] =
+        rejected ? job.invalid : static_cast<std::int16_t>(own + (sum + agreeing / 2) / agreeing - vote_reach);
+}
+
 }  // namespace
 
 void left_right_median(const LeftRightMedianJob& job, cudaStream_t stream) {
@@ -78,6 +123,12 @@ void left_right_median(const LeftRightMedianJob& job, cudaStream_t stream) {
         case 3: launch("median 3", shape, stream, left_right_median_kernel<1>, job); break;
         default: launch("median 5", shape, stream, left_right_median_kernel<2>, job); break;
     }
+}
+
+void vote(const VoteJob& job, cudaStream_t stream) {
+    const Shape shape{dim3(blocks_for(job.width, lanes), blocks_for(job.height, block_height)),
+                      dim3(lanes, block_height)};
+    launch("vote", shape, stream, vote_kernel, job);
 }
 
 }  // namespace disparityd::cuda

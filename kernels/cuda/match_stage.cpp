@@ -3,6 +3,7 @@
 
 #include "kernels/cuda/device.h"
 #include "kernels/cuda/host_planes.h"
+#include "kernels/noise/noise_level.h"
 
 namespace disparityd::cuda {
 
@@ -54,6 +55,9 @@ MatchStage::MatchStage(const MatcherConfig& config)
         if (device_is_integrated()) {
             images_[eye] = DeviceMemory(pixels_, "the rectified pair");
         }
+        if (has_noise_levels(options)) {
+            smoothed_[eye] = DeviceMemory(pixels_, "the smoothed pair");
+        }
         if (options.method != Method::sad) {
             const std::size_t words = margin_words + pixels_ + 2 * margin_words;
             const std::size_t bytes =
@@ -72,6 +76,9 @@ MatchStage::MatchStage(const MatcherConfig& config)
     left_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     right_winner_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the winners");
     filtered_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filtered disparities");
+    if (has_noise_levels(options)) {
+        before_vote_ = DeviceMemory(pixels_ * sizeof(std::int16_t), "the filtered disparities");
+    }
     if (options.post.interpolate) {
         measured_ = DeviceMemory(sizeof(std::uint32_t), "the count of measured pixels");
     }
@@ -110,7 +117,7 @@ void MatchStage::run(const FrameView& frame, Parallel& workers, std::span<nanose
     gather<std::uint8_t>(frame.right, pair_[1].host<std::uint8_t>(), workers);
     const auto gathered = steady_clock::now();
     start({static_cast<bool>(frame.depth), frame.depth_scale.k, frame.depth_scale.offset16,
-           static_cast<bool>(frame.depth_error), frame.subpixel_error});
+           static_cast<bool>(frame.depth_error), frame.subpixel_error, noise_level_of(config_.options, frame)});
     stream_.wait("matching");
     const auto matched = steady_clock::now();
     download(frame, workers);
@@ -137,7 +144,7 @@ void MatchStage::start(const Output& output) {
 void MatchStage::enqueue(const Output& output) {
     marks_ = 0;
     upload();
-    find_winners();
+    find_winners(output.noise_level);
     post_process(output);
 }
 
@@ -149,6 +156,10 @@ View<const std::uint8_t> MatchStage::image(std::size_t eye) const {
     const auto* copy = images_[eye].as<const std::uint8_t>();
     return {copy != nullptr ? copy : pair_[eye].device<const std::uint8_t>(), config_.width, config_.height,
             config_.width};
+}
+
+View<const std::uint8_t> MatchStage::smoothed(std::size_t eye) const {
+    return {smoothed_[eye].as<const std::uint8_t>(), config_.width, config_.height, config_.width};
 }
 
 std::uint64_t* MatchStage::words(std::size_t eye) const {
@@ -168,10 +179,10 @@ void MatchStage::upload() {
     mark();
 }
 
-PathsJob MatchStage::paths_job() const {
-    const SgmOptions& sgm = config_.options.sgm;
+PathsJob MatchStage::paths_job(int noise_level) const {
+    const SgmOptions sgm = at_noise_level(config_.options, noise_level).sgm;
     return {{words(0), words(1)},
-            image(0),
+            noise_level > 0 ? smoothed(0) : image(0),
             range(),
             sgm.p1,
             sgm.p2,
@@ -187,8 +198,8 @@ PathsJob MatchStage::paths_job() const {
             progress_.as<int>()};
 }
 
-WinnerJob MatchStage::winner_job() const {
-    const PostOptions& post = config_.options.post;
+WinnerJob MatchStage::winner_job(int noise_level) const {
+    const PostOptions post = at_noise_level(config_.options, noise_level).post;
     return {config_.width,
             config_.height,
             range(),
@@ -201,34 +212,51 @@ WinnerJob MatchStage::winner_job() const {
             right_winner_.as<std::int16_t>()};
 }
 
-void MatchStage::find_winners() {
+void MatchStage::find_census(int noise_level) {
+    if (noise_level == 0) {
+        census(cost_of(config_.options), image(0), image(1), words(0), words(1), stream_.get());
+        return;
+    }
+    smooth(image(0), image(1), smoothed_[0].as<std::uint8_t>(), smoothed_[1].as<std::uint8_t>(), stream_.get());
+    noisy_census(census_coarseness(noise_level), {image(0), smoothed(0)}, {image(1), smoothed(1)}, words(0), words(1),
+                 stream_.get());
+}
+
+void MatchStage::find_winners(int noise_level) {
     const Method method = config_.options.method;
     if (method == Method::sad) {
-        sad_winners(image(0), image(1), winner_job(), stream_.get());
+        sad_winners(image(0), image(1), winner_job(noise_level), stream_.get());
         mark();
         return;
     }
-    census(cost_of(config_.options), image(0), image(1), words(0), words(1), stream_.get());
+    find_census(noise_level);
     mark();
-    const PathsJob paths = paths_job();
+    const PathsJob paths = paths_job(noise_level);
     if (method == Method::census) {
-        census_winners(paths.cost, paths.words, winner_job(), stream_.get());
+        census_winners(paths.cost, paths.words, winner_job(noise_level), stream_.get());
     } else {
         sweep(paths, stream_.get());
         mark();
         path_to_left(paths, stream_.get());
         mark();
-        sgm_winners(paths, winner_job(), stream_.get());
+        sgm_winners(paths, winner_job(noise_level), stream_.get());
     }
     mark();
 }
 
 void MatchStage::post_process(const Output& output) {
     const PostOptions& post = config_.options.post;
-    left_right_median({config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
-                       left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(),
-                       post.left_right_check, post.median, filtered_.as<std::int16_t>()},
-                      stream_.get());
+    const bool votes = output.noise_level > 0;
+    left_right_median(
+        {config_.width, config_.height, range(), winner_disparity_.as<const std::int16_t>(),
+         left_winner_.as<const std::int16_t>(), right_winner_.as<const std::int16_t>(), post.left_right_check,
+         post.median, votes ? before_vote_.as<std::int16_t>() : filtered_.as<std::int16_t>()},
+        stream_.get());
+    if (votes) {
+        vote({config_.width, config_.height, invalid_disparity(config_.options.range),
+              before_vote_.as<const std::int16_t>(), filtered_.as<std::int16_t>()},
+             stream_.get());
+    }
     mark();
     if (filters_regions(post)) {
         speckle({config_.width, config_.height, invalid_disparity(config_.options.range), post.speckle_size,

@@ -35,6 +35,7 @@ private:
         int offset16;
         bool depth_error;
         int subpixel_error;
+        int noise_level;
         bool operator==(const Output&) const = default;
     };
 
@@ -42,7 +43,8 @@ private:
     void start(const Output& output);
     void enqueue(const Output& output);
     void upload();
-    void find_winners();
+    void find_census(int noise_level);
+    void find_winners(int noise_level);
     void post_process(const Output& output);
     void fill_and_finish(const Output& output);
     void start_downloads(const Output& output);
@@ -52,8 +54,9 @@ private:
     View<const std::uint8_t> image(std::size_t eye) const;
     std::uint64_t* words(std::size_t eye) const;
     Range range() const { return {config_.options.range.first, config_.options.range.count}; }
-    PathsJob paths_job() const;
-    WinnerJob winner_job() const;
+    View<const std::uint8_t> smoothed(std::size_t eye) const;
+    PathsJob paths_job(int noise_level) const;
+    WinnerJob winner_job(int noise_level) const;
 
     MatcherConfig config_;
     std::size_t pixels_;
@@ -61,7 +64,8 @@ private:
     std::size_t marks_ = 0;
 
     std::array<PinnedBuffer, 2> pair_;
-    std::array<DeviceMemory, 2> images_;  // where the pair is mapped: a copy that the device caches
+    std::array<DeviceMemory, 2> images_;    // where the pair is mapped: a copy that the device caches
+    std::array<DeviceMemory, 2> smoothed_;  // where there are noise levels
     std::array<DeviceMemory, 2> words_;
     DeviceMemory left_volume_;
     std::array<DeviceMemory, 2> sweep_volume_;
@@ -72,6 +76,7 @@ private:
     DeviceMemory left_winner_;
     DeviceMemory right_winner_;
     DeviceMemory filtered_;
+    DeviceMemory before_vote_;  // where there are noise levels
     DeviceMemory measured_;
     DeviceMemory filled_;
     DeviceMemory labels_;

@@ -68,6 +68,19 @@ constexpr int word_size(Cost cost) {
 void census(Cost cost, View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint64_t* left_words,
             std::uint64_t* right_words, cudaStream_t stream);
 
+/// Step 3 at noise levels: what census words are made from beside the images, dense planes.
+void smooth(View<const std::uint8_t> left, View<const std::uint8_t> right, std::uint8_t* smoothed_left,
+            std::uint8_t* smoothed_right, cudaStream_t stream);
+
+/// An eye at noise levels.
+struct NoisyImage {
+    View<const std::uint8_t> image;
+    View<const std::uint8_t> smoothed;
+};
+/// Step 3 with census-7x5+gradient at a noise level of this coarseness, 1 or 2.
+void noisy_census(int coarseness, const NoisyImage& left, const NoisyImage& right, std::uint64_t* left_words,
+                  std::uint64_t* right_words, cudaStream_t stream);
+
 struct Range {
     int first;
     int count;
@@ -155,6 +168,16 @@ struct LeftRightMedianJob {
     std::int16_t* out;  ///< another plane than `disparity`
 };
 void left_right_median(const LeftRightMedianJob& job, cudaStream_t stream);
+
+/// Step 9 at noise levels.
+struct VoteJob {
+    int width;
+    int height;
+    std::int16_t invalid;
+    const std::int16_t* in;
+    std::int16_t* out;  ///< another plane than `in`
+};
+void vote(const VoteJob& job, cudaStream_t stream);
 
 /// Step 10, in place; `labels`, `sizes` and `votes` are planes to work in. Without `min_texture` the pair and `votes`
 /// are left alone.

@@ -23,8 +23,10 @@ const KernelSteps steps = {
         {
             .rectify = rectify,
             .rectify_colour = rectify_colour,
+            .smooth = smooth,
             .left_right = left_right,
             .median = median,
+            .vote = vote,
             .speckle = speckle_here,
             .speckle_scratch = speckle_scratch,
             .finish_confidence = finish_confidence,
@@ -39,6 +41,7 @@ const KernelSteps steps = {
         {
             .sad = sad,
             .census_costs = {{{census, matching_cost}, {census_gradient, census_gradient_cost}}},
+            .noisy_census = noisy_census,
             .aggregate = aggregate,
             .aggregate_scratch = aggregate_scratch,
             .winner_u8 = {winner_left<std::uint8_t>, winner_right<std::uint8_t>, local_extrema<std::uint8_t>},

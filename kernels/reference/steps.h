@@ -20,6 +20,11 @@ void census_gradient(Plane<const std::uint8_t> image, Plane<std::uint64_t> words
 void census_gradient_cost(Plane<const std::uint64_t> left, Plane<const std::uint64_t> right, DisparityRange range,
                           Volume<std::uint8_t> costs, Rows rows);
 
+/// The same words at noise levels, and the image that they are made from.
+void smooth(Plane<const std::uint8_t> image, Plane<std::uint8_t> smoothed, Rows rows);
+void noisy_census(Plane<const std::uint8_t> image, Plane<const std::uint8_t> smoothed, int coarseness,
+                  Plane<std::uint64_t> words, Rows rows);
+
 void aggregate(Volume<const std::uint8_t> costs, Plane<const std::uint8_t> left, const SgmOptions& options,
                Volume<std::uint16_t> sums, std::span<std::byte> scratch, Parallel& workers);
 std::size_t aggregate_scratch(int width, int height, int disparities);
@@ -37,6 +42,7 @@ void local_extrema(Volume<const T> costs, DisparityRange range, const PostOption
 void left_right(Plane<const std::int16_t> left_winner, Plane<const std::int16_t> right_winner, DisparityRange range,
                 Plane<std::int16_t> disparity, Rows rows);
 void median(Plane<const std::int16_t> in, std::int16_t invalid, int size, Plane<std::int16_t> out, Rows rows);
+void vote(Plane<const std::int16_t> in, std::int16_t invalid, Plane<std::int16_t> out, Rows rows);
 void speckle(Plane<std::int16_t> disparity, const RegionTest& test, std::span<std::byte> scratch);
 std::size_t speckle_scratch(int width, int height);
 void finish_confidence(Plane<const std::int16_t> disparity, std::int16_t invalid, bool calibrated,

@@ -53,6 +53,31 @@ TEST_F(CudaDevice, EqualsTheReferenceOnHostileSizes) {
     }
 }
 
+// Frame by frame in one matcher, whose operations are put together anew when the level changes; in images of one row
+// and more, across the tiles of the census.
+TEST_F(CudaDevice, NoiseLevelsEqualTheReference) {
+    Random random(58);
+    int n = 0;
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 9}, {35, 1}, {40, 4}, {33, 35}, {70, 12}}) {
+        if (++n % one_round_of != 0) {
+            continue;
+        }
+        const Variation variation(n);
+        MatchOptions options = options_with_noise_levels(random);
+        options.adaptive_noise = true;
+        const auto matcher = backend("cuda").create({width, height, options});
+        options.adaptive_noise = false;
+        Serial serial;
+        for (const int level : {2, 0, 1, 1, 3}) {
+            const Pair pair(random, width, height);
+            options.noise_level = level;
+            expect_result(result_of(*matcher, pair, serial, level), result_of("reference", pair, options),
+                          matcher->config(), serial);
+        }
+        expect_equal_to_reference(Pair(random, width, height), options);
+    }
+}
+
 // The rows above and below a pixel count too: in images of one row, two and more, across the tiles of the census, with
 // all that SGM can be asked for.
 TEST_F(CudaDevice, CensusAndGradientEqualsTheReferenceWithAllThatSgmHas) {

@@ -75,6 +75,16 @@ inline MatchOptions any_options(Random& random) {
     return options;
 }
 
+/// Any options of a method that has noise levels.
+inline MatchOptions options_with_noise_levels(Random& random) {
+    MatchOptions options = any_options(random);
+    options.method = Method::sgm;
+    options.cost = CensusCost::census_7x5_gradient;
+    options.sgm.paths = 4;
+    options.sgm.adaptive_p2 = true;
+    return options;
+}
+
 /// What a matcher says of a pair.
 struct Result {
     explicit Result(const Frame& frame)
@@ -90,8 +100,9 @@ struct Result {
     bool operator==(const Result&) const = default;
 };
 
-inline Result result_of(Matcher& matcher, const Pair& pair, Parallel& workers) {
+inline Result result_of(Matcher& matcher, const Pair& pair, Parallel& workers, int noise_level = 0) {
     Frame frame(matcher, pair.left, pair.right);
+    frame.view.noise_level = noise_level;
     match_pair(matcher, frame.view, workers);
     return Result(frame);
 }

@@ -80,6 +80,8 @@ TEST(Options, ProblemSaysWhatWasFoundAndWhatIsAllowed) {
         {"speckle_size", [](MatchOptions& o) { o.post.speckle_size = -1; }, "-1", "0 .. 1000000"},
         {"min_texture", [](MatchOptions& o) { o.post.min_texture = 100; }, "100", "0 .. 99"},
         {"speckle_step", [](MatchOptions& o) { o.post.speckle_step = 257; }, "257", "0 .. 256"},
+        {"noise_level", [](MatchOptions& o) { o.noise_level = 4; }, "4", "0 .. 3"},
+        {"noise_level", [](MatchOptions& o) { o.noise_level = 2; }, "2", "4 paths"},
         {"cost", [](MatchOptions& o) { o.cost = static_cast<CensusCost>(7); }, "",
          "census-9x7 and census-7x5+gradient"},
         {"method", [](MatchOptions& o) { o.method = static_cast<Method>(9); }, "", "sad, census and sgm"},

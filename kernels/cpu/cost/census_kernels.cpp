@@ -16,8 +16,8 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 inline void put_census_9x7(int disparities, SgmKernels& kernels) {
     with_layout(disparities, [&](auto tag, auto registers) {
         kernels.census_layout = census_layout<Census9x7>;
-        kernels.census_left = census_left<Census9x7, CensusUnit<Census9x7, registers()>>;
-        kernels.census_right = census_right<Census9x7, registers()>;
+        using Unit = CensusUnit<Census9x7, registers()>;
+        kernels.census = {census_left<Census9x7, Unit>, census_right<Census9x7, registers()>};
         kernels.matching_cost = matching_cost<decltype(tag), registers(), Census9x7>;
         return 0;
     });

@@ -60,24 +60,26 @@ CensusLayout census_layout(int width, DisparityLayout layout) {
     return census;
 }
 
-/// Positions [first, first + count) of row y of a window into all planes, `pitch` bytes from plane to plane; whole
+/// Positions [first, first + count) of row y of an image into all planes, `pitch` bytes from plane to plane; whole
 /// vectors of bytes are written. Bits have the same order in both orders of columns, natural for the left image and
 /// mirrored for the right. `next` is asked for.
 template <class Cost, class Unit, Order order>
-void census_row(const CensusWindow<order>& window, int y, int first, int count, Unit* planes, int pitch, Memory next) {
+void census_row(const CensusSource<Cost, order>& source, int y, int first, int count, Unit* planes, int pitch,
+                Memory next) {
     constexpr bool words = sizeof(Unit) > 1;
     const hn::ScalableTag<std::int8_t> tag;
     const int lanes = static_cast<int>(hn::Lanes(tag));
     constexpr int right = order == Order::natural ? 1 : -1;
     constexpr int lowest_bit = order == Order::natural ? lowest_left_bit : 0;
-    const std::int8_t* rows[2 * census_radius_y + 1];
-    for (int dy = -census_radius_y; dy <= census_radius_y; ++dy) {
-        rows[dy + census_radius_y] = reinterpret_cast<const std::int8_t*>(window.row(y + dy) + first);
-    }
+    const CensusRows rows = source.rows(y, first);
+    [[maybe_unused]] const auto margin = hn::Set(tag, static_cast<std::int8_t>(Cost::coarseness));
     Prefetch soon(next, std::max((count + lanes - 1) / lanes, 1));
     for (int x = 0; x < count; x += lanes) {
         soon.portion();
-        const auto centre = hn::LoadU(tag, rows[census_radius_y] + x);
+        auto centre = hn::LoadU(tag, rows.centres[1] + x);
+        if constexpr (Cost::coarseness > 0) {
+            centre = hn::SaturatedSub(centre, margin);
+        }
         auto bits = hn::Zero(tag);
         decltype(bits) bytes[words ? census_planes<Cost> : 1];
         std::uint8_t* out = reinterpret_cast<std::uint8_t*>(planes + x);
@@ -92,12 +94,12 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
             }
         };
         DISPARITYD_UNROLL
-        for (int dy = 0; dy <= 2 * census_radius_y; ++dy) {
+        for (int dy = 0; dy <= 2 * Cost::radius_y; ++dy) {
             decltype(bits) beside[2 * census_radius_x + 1];
-            load_beside(tag, rows[dy] + x, beside);
+            load_beside(tag, rows.neighbours[dy] + x, beside);
             DISPARITYD_UNROLL
             for (int dx = -census_radius_x; dx <= census_radius_x; ++dx) {
-                if (!Cost::compares(dx, dy - census_radius_y)) {
+                if (!Cost::compares(dx, dy - Cost::radius_y)) {
                     continue;
                 }
                 const auto less = hn::Lt(beside[census_radius_x + right * dx], centre);
@@ -114,20 +116,21 @@ void census_row(const CensusWindow<order>& window, int y, int first, int count, 
             store_census_words(bytes, out);
         }
         if constexpr (Cost::gradient) {
-            store_gradients(rows + census_radius_y, x, right, out);
+            store_gradients<std::max(Cost::coarseness, 1)>(rows.centres + 1, x, right, out);
         }
     }
 }
 
 template <class Cost, class Unit>
-void census_left(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
-    CensusWindow<Order::natural> window(image, rows.first);
+void census_left(const MatchGeometry& geometry, Plane<const std::uint8_t> image, Plane<const std::uint8_t> smoothed,
+                 std::uint8_t* planes, Rows rows) {
+    CensusSource<Cost, Order::natural> source(image, smoothed, rows.first);
     const std::size_t row_bytes = geometry.census.left_row();
     for (int y = rows.first; y < rows.last; ++y) {
-        window.move_to(y);
+        source.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * row_bytes;
-        census_row<Cost>(window, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
-                         {out + row_bytes, row_bytes});
+        census_row<Cost, Unit>(source, y, 0, geometry.width, reinterpret_cast<Unit*>(out), geometry.census.left_pitch,
+                               {out + row_bytes, row_bytes});
     }
 }
 
@@ -135,7 +138,8 @@ void census_left(const MatchGeometry& geometry, Plane<const std::uint8_t> image,
 /// x is entry width - 1 - x + k. Entries of columns outside the image hold what happens to be there; costs of such
 /// candidates are replaced.
 template <class Cost, int registers>
-void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes, Rows rows) {
+void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image, Plane<const std::uint8_t> smoothed,
+                  std::uint8_t* planes, Rows rows) {
     const CensusLayout& census = geometry.census;
     const int entries = geometry.width + geometry.layout.candidates();
     const int first_entry = std::clamp(-geometry.range.first, 0, entries);  // of the last column inside
@@ -143,17 +147,17 @@ void census_right(const MatchGeometry& geometry, Plane<const std::uint8_t> image
     const int columns = std::clamp(geometry.width - first_column, 0, entries - first_entry);
     constexpr int max_entries = max_side + max_disparities + row_slack * 4;
     alignas(64) std::uint8_t whole[registers == 1 ? 1 : planes_of<Cost>][registers == 1 ? 1 : max_entries] = {};
-    CensusWindow<Order::mirrored> window(image, rows.first);
+    CensusSource<Cost, Order::mirrored> source(image, smoothed, rows.first);
     for (int y = rows.first; y < rows.last; ++y) {
-        window.move_to(y);
+        source.move_to(y);
         std::uint8_t* out = planes + static_cast<std::size_t>(y) * census.right_row();
         const Memory next{out + census.right_row(), census.right_row()};
         if constexpr (registers == 1) {
-            census_row<Cost>(window, y, first_column, columns,
-                             reinterpret_cast<CensusUnit<Cost, registers>*>(out) + first_entry, census.right_pitch,
-                             next);
+            using Unit = CensusUnit<Cost, registers>;
+            census_row<Cost, Unit>(source, y, first_column, columns, reinterpret_cast<Unit*>(out) + first_entry,
+                                   census.right_pitch, next);
         } else {
-            census_row<Cost>(window, y, first_column, columns, whole[0] + first_entry, max_entries, next);
+            census_row<Cost, std::uint8_t>(source, y, first_column, columns, whole[0] + first_entry, max_entries, next);
             for (int i = 0; i < planes_of<Cost>; ++i) {
                 split<registers>(whole[i], entries, out + i * census.right_pitch, census.right_part);
             }

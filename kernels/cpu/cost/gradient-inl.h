@@ -16,12 +16,14 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 
 /// The gradients of a vector of bytes from position x on. `rows` points to the row of the window that is in work, the
 /// ones above and below stand beside it; `right` is the step to the right in the image, -1 where rows are mirrored.
-inline void store_gradients(const std::int8_t* const* rows, int x, int right, std::uint8_t* out) {
+/// `shift`: by how many bits they are shifted.
+template <int shift>
+void store_gradients(const std::int8_t* const* rows, int x, int right, std::uint8_t* out) {
     const hn::ScalableTag<std::int16_t> words;
     const hn::Rebind<std::int8_t, decltype(words)> half;
     const hn::Rebind<std::uint8_t, decltype(words)> unsigned_half;
     const int lanes = static_cast<int>(hn::Lanes(words));
-    const auto most = hn::Set(words, std::int16_t{32});
+    const auto most = hn::Set(words, std::int16_t{16 << shift});
     for (int i = 0; i < 2 * lanes; i += lanes) {
         const auto difference = [&](int dy) HWY_ATTR {
             const std::int8_t* at = rows[dy] + x + i;
@@ -31,7 +33,7 @@ inline void store_gradients(const std::int8_t* const* rows, int x, int right, st
         const auto middle = difference(0);
         const auto sobel = hn::Add(hn::Add(difference(-1), difference(1)), hn::Add(middle, middle));
         const auto clamped = hn::Min(hn::Max(sobel, hn::Neg(most)), most);
-        const auto gradient = hn::Add(hn::ShiftRight<1>(clamped), hn::Set(words, std::int16_t{128}));
+        const auto gradient = hn::Add(hn::ShiftRight<shift>(clamped), hn::Set(words, std::int16_t{128}));
         hn::StoreU(hn::DemoteTo(unsigned_half, gradient), unsigned_half, out + i);
     }
 }

@@ -16,8 +16,11 @@ namespace disparityd::cpu::HWY_NAMESPACE {
 inline void put_gradient_cost(int disparities, SgmKernels& kernels) {
     with_layout(disparities, [&](auto tag, auto registers) {
         kernels.census_layout = census_layout<Census7x5Gradient>;
-        kernels.census_left = census_left<Census7x5Gradient, std::uint8_t>;
-        kernels.census_right = census_right<Census7x5Gradient, registers()>;
+        kernels.census = {census_left<Census7x5Gradient, std::uint8_t>, census_right<Census7x5Gradient, registers()>};
+        using Fine = NoisyCensus7x5Gradient<1>;
+        using Coarse = NoisyCensus7x5Gradient<2>;
+        kernels.noisy_census[0] = {census_left<Fine, std::uint8_t>, census_right<Fine, registers()>};
+        kernels.noisy_census[1] = {census_left<Coarse, std::uint8_t>, census_right<Coarse, registers()>};
         kernels.matching_cost = matching_cost<decltype(tag), registers(), Census7x5Gradient>;
         kernels.averages_costs = true;
         return 0;

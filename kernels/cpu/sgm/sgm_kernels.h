@@ -81,6 +81,16 @@ struct SweepPass {
     Store store = Store::keep;
 };
 
+/// Census of rows [first, last) into planes of these rows (`planes` points to row 0); `smoothed` is looked at at noise
+/// levels only.
+using CensusKernel = void (*)(const MatchGeometry& geometry, Plane<const std::uint8_t> image,
+                              Plane<const std::uint8_t> smoothed, std::uint8_t* planes, Rows rows);
+
+struct CensusKernels {
+    CensusKernel left = nullptr;
+    CensusKernel right = nullptr;  ///< mirrored: candidates of a pixel in ascending order, split by register
+};
+
 /// The SGM kernels of one instruction set, for one number of candidates. All are pure functions on rows.
 struct SgmKernels {
     DisparityLayout layout;
@@ -93,12 +103,8 @@ struct SgmKernels {
 
     /// Strides and sizes of census planes.
     CensusLayout (*census_layout)(int width, DisparityLayout layout);
-    /// Census of rows [first, last) into planes of these rows (`planes` points to row 0).
-    void (*census_left)(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes,
-                        Rows rows);
-    /// The same for the right image, mirrored: candidates of a pixel in ascending order, split by register.
-    void (*census_right)(const MatchGeometry& geometry, Plane<const std::uint8_t> image, std::uint8_t* planes,
-                         Rows rows);
+    CensusKernels census;
+    CensusKernels noisy_census[2];  ///< at noise levels of coarseness 1 and 2; null where the cost has none
     MatchingCostKernel matching_cost;
     /// The paths of a sweep over `count` rows, the first of them first in the direction of the sweep: some of their
     /// steps, in order. To reach position p, `previous_row` must be done up to p + 1. `state`, max_sweep_state bytes

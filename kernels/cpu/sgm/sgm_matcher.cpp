@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "kernels/noise/noise_level.h"
 #include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
 
@@ -29,12 +30,23 @@ std::span<const StageInfo> SgmMatcher::stages() const {
 void SgmMatcher::run(int stage, const FrameView& frame, Parallel& workers,
                      std::span<std::chrono::nanoseconds> step_times) {
     StepClock clock(step_times);
+    const int level = noise_level_of(config_.options, frame);
     const std::span<std::byte> census = scratch_.census(frame.scratch);
     switch (all_stages[static_cast<std::size_t>(stage)].kind) {
         case StageKind::rectify: frame_stages_.rectify(frame, workers); break;
-        case StageKind::census: sweeps_.census(frame.left, frame.right, census, workers); break;
+        case StageKind::census:
+            if (level == 0) {
+                sweeps_.census(frame.left, frame.right, census, workers);
+                break;
+            }
+            frame_stages_.smooth(frame, scratch_, workers);
+            sweeps_.noisy_census({frame.left, frame.right, scratch_.smoothed_left(frame.scratch),
+                                  scratch_.smoothed_right(frame.scratch)},
+                                 census_coarseness(level), census, workers);
+            break;
         case StageKind::match:
-            sweeps_.match(census, frame.left,
+            sweeps_.match(census, level == 0 ? frame.left : scratch_.smoothed_left(frame.scratch),
+                          at_noise_level(config_.options, level),
                           {scratch_.matched(frame), frame.confidence, scratch_.left_winner(frame.scratch),
                            scratch_.right_winner(frame.scratch)},
                           workers);

@@ -11,7 +11,8 @@ namespace disparityd::cpu {
 /// One frame on its way through the sweeps.
 struct SgmSweeps::Frame {
     CensusPlanes<const std::uint8_t> planes;
-    Plane<const std::uint8_t> left;
+    Plane<const std::uint8_t> guide;
+    const MatchOptions& options;
     const WinnerPlanes& results;
     const SweepPlan& plan;
     SweepScheduler scheduler;
@@ -23,8 +24,7 @@ SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, std::in
 
 SgmSweeps::SgmSweeps(int width, int height, const MatchOptions& options, const SgmKernels& kernels,
                      std::size_t cache_bytes)
-    : options_(options),
-      kernels_(kernels),
+    : kernels_(kernels),
       geometry_(geometry_for(kernels_, width, height, options.range)),
       // Half of the cache is what one program can hope for on a machine that does other things too.
       stream_(kernels.streams && 2 * bytes_of_volumes() > cache_bytes),
@@ -40,6 +40,16 @@ std::size_t SgmSweeps::census_bytes() const {
 
 void SgmSweeps::census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> memory,
                        Parallel& workers) const {
+    census_of(kernels_.census, {left, right}, memory, workers);
+}
+
+void SgmSweeps::noisy_census(const SmoothedPair& pair, int coarseness, std::span<std::byte> memory,
+                             Parallel& workers) const {
+    census_of(kernels_.noisy_census[coarseness - 1], pair, memory, workers);
+}
+
+void SgmSweeps::census_of(const CensusKernels& kernels, const SmoothedPair& pair, std::span<std::byte> memory,
+                          Parallel& workers) const {
     const int height = geometry_.height;
     const CensusPlanes planes(geometry_.census, height, reinterpret_cast<std::uint8_t*>(memory.data()));
     const int blocks = std::min(height, workers.workers() == 1 ? 1 : 2 * workers.workers());
@@ -47,21 +57,22 @@ void SgmSweeps::census(Plane<const std::uint8_t> left, Plane<const std::uint8_t>
         const int block = task / 2;
         const Rows rows{height * block / blocks, height * (block + 1) / blocks};
         if (task % 2 == 0) {
-            kernels_.census_left(geometry_, left, planes.left, rows);
+            kernels.left(geometry_, pair.left, pair.smoothed_left, planes.left, rows);
         } else {
-            kernels_.census_right(geometry_, right, planes.right, rows);
+            kernels.right(geometry_, pair.right, pair.smoothed_right, planes.right, rows);
         }
     });
 }
 
-void SgmSweeps::match(std::span<const std::byte> census, Plane<const std::uint8_t> left, const WinnerPlanes& results,
-                      Parallel& workers) const {
+void SgmSweeps::match(std::span<const std::byte> census, Plane<const std::uint8_t> guide, const MatchOptions& options,
+                      const WinnerPlanes& results, Parallel& workers) const {
     const SweepPlan plan(geometry_.width, geometry_.height, kernels_.rows_at_once, workers.workers(),
                          memory_.scratch_count());
     const SweepScheduler::Groups groups = plan.groups();
     const CensusPlanes planes(geometry_.census, geometry_.height, reinterpret_cast<const std::uint8_t*>(census.data()));
     memory_.forget_single_rows();
-    Frame frame{planes, left, results, plan, SweepScheduler(groups), SweepProgress(groups[0][0] + groups[1][0])};
+    Frame frame{
+        planes, guide, options, results, plan, SweepScheduler(groups), SweepProgress(groups[0][0] + groups[1][0])};
     workers.for_each(plan.tasks(), [&](int) { work(frame, plan.groups_of_task()); });
 }
 
@@ -91,7 +102,8 @@ void SgmSweeps::work(Frame& frame, int groups) const {
 
 void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const {
     const SweepRows rows = frame.plan.rows_of(group);
-    const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, stream_ ? Store::stream : Store::keep};
+    const SweepPass pass{rows.direction, frame.options.sgm.p1, frame.options.sgm.p2,
+                         stream_ ? Store::stream : Store::keep};
     SweepRow sweep_rows[max_rows_at_once];
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
@@ -108,7 +120,7 @@ void SgmSweeps::store_sums(Frame& frame, const RowGroup& group, const WorkerScra
 
 void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const {
     const SweepRows rows = frame.plan.rows_of(group);
-    const SweepPass pass{rows.direction, options_.sgm.p1, options_.sgm.p2, Store::keep};
+    const SweepPass pass{rows.direction, frame.options.sgm.p1, frame.options.sgm.p2, Store::keep};
     if (kernels_.adds_sums) {
         frame.progress.wait_for_sums();
     }
@@ -133,7 +145,7 @@ void SgmSweeps::find_winners(Frame& frame, const RowGroup& group, const WorkerSc
     for (int i = 0; i < rows.count; ++i) {
         const int y = rows.row(i);
         const SumRows sums{sweep_rows[i].sums, memory_.sums(y), memory_.costs(row_ahead(frame, rows, i))};
-        kernels_.winner(geometry_, options_.post, sums, sweep_rows[i].costs, frame.results.row(y));
+        kernels_.winner(geometry_, frame.options.post, sums, sweep_rows[i].costs, frame.results.row(y));
     }
 }
 
@@ -160,9 +172,10 @@ void SgmSweeps::aggregate(Frame& frame, const RowGroup& group, const SweepPass& 
 
 void SgmSweeps::set_p2_rows(const Frame& frame, int direction, int y, std::uint8_t* const* p2_rows,
                             SweepRow& row) const {
-    if (options_.sgm.adaptive_p2) {
+    if (frame.options.sgm.adaptive_p2) {
         const int previous = std::clamp(y - direction, 0, geometry_.height - 1);
-        kernels_.adaptive_p2(geometry_, direction, options_.sgm, frame.left.row(y), frame.left.row(previous), p2_rows);
+        kernels_.adaptive_p2(geometry_, direction, frame.options.sgm, frame.guide.row(y), frame.guide.row(previous),
+                             p2_rows);
     }
     std::copy_n(p2_rows, 4, row.p2_rows);
 }

@@ -11,6 +11,14 @@
 
 namespace disparityd::cpu {
 
+/// A pair and what of it is smoothed, which is missing where no noise level is.
+struct SmoothedPair {
+    Plane<const std::uint8_t> left;
+    Plane<const std::uint8_t> right;
+    Plane<const std::uint8_t> smoothed_left = {};
+    Plane<const std::uint8_t> smoothed_right = {};
+};
+
 /// Steps 4 to 7 of docs/algorithm.md for SGM, in two passes over the image.
 ///
 /// A downward sweep sums the paths that come from the left and from above, an upward sweep the others. They meet in the
@@ -30,14 +38,19 @@ public:
     std::size_t census_bytes() const;
     void census(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right, std::span<std::byte> memory,
                 Parallel& workers) const;
+    /// The same at a noise level of this coarseness, 1 or 2.
+    void noisy_census(const SmoothedPair& pair, int coarseness, std::span<std::byte> memory, Parallel& workers) const;
 
-    /// `left` is looked at for adaptive P2 only. One frame at a time.
-    void match(std::span<const std::byte> census, Plane<const std::uint8_t> left, const WinnerPlanes& results,
-               Parallel& workers) const;
+    /// `guide` is looked at for adaptive P2 only: the left image, or that smoothed. `options` are those of before, or
+    /// those at_noise_level(). One frame at a time.
+    void match(std::span<const std::byte> census, Plane<const std::uint8_t> guide, const MatchOptions& options,
+               const WinnerPlanes& results, Parallel& workers) const;
 
 private:
     struct Frame;
 
+    void census_of(const CensusKernels& kernels, const SmoothedPair& pair, std::span<std::byte> memory,
+                   Parallel& workers) const;
     std::size_t bytes_of_volumes() const;
     void work(Frame& frame, int groups) const;
     void store_sums(Frame& frame, const RowGroup& group, const WorkerScratch& scratch) const;
@@ -50,7 +63,6 @@ private:
     void matching_cost(const Frame& frame, const SweepRows& rows, int i, const WorkerScratch& scratch,
                        std::uint8_t* costs, std::uint8_t* streamed) const;
 
-    MatchOptions options_;
     SgmKernels kernels_;
     MatchGeometry geometry_;
     bool stream_;

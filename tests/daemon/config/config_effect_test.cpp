@@ -56,12 +56,13 @@ std::vector<std::string> values_to_try(const ConfigKey& key) {
 /// The configuration with one key set, or nothing where the value is not allowed. Small regions are removed, so that
 /// the step between them counts; the rectified size is set, so that each side may be changed alone; winners need not be
 /// unique and regions need no texture, because either would reject what other keys reject. Axes count where the ground
-/// is that of gravity.
+/// is that of gravity, and that noise adapts where frames without a level of their own would have another one.
 std::optional<Config> with(const ConfigKey& key, const std::string& value) {
     const Override set{std::string(key.section), std::string(key.name), value, "--set"};
     try {
-        std::string text =
-            "[match]\nspeckle_size = 30\nmin_texture = 0\nuniqueness = 0\n[rectify]\nwidth = 48\nheight = 36\n";
+        std::string text = "[match]\nspeckle_size = 30\nmin_texture = 0\nuniqueness = 0\n";
+        text += key.name == "adaptive_noise" ? "noise_level = 3\n" : "";
+        text += "[rectify]\nwidth = 48\nheight = 36\n";
         text += key.name == "imu_axes" ? "[scan]\nground = \"gravity\"\nimu_axes = \"right down ahead\"\n" : "";
         return parse_config(text, "test.toml", {set});
     } catch (const std::invalid_argument&) {

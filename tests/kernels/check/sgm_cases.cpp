@@ -26,6 +26,15 @@ struct PlainSgm {
     Volume<std::uint16_t> sum_volume() { return volume(sums); }
 
     void census() {
+        if (const int coarseness = census_coarseness(input.options.noise_level); coarseness > 0) {
+            const auto words_of = [&](const Image<std::uint8_t>& image, Image<std::uint64_t>& words) {
+                reference::noisy_census(image.plane(), smoothed(image).plane(), coarseness, words.plane(),
+                                        words.rows());
+            };
+            words_of(pair.left, left_words);
+            words_of(pair.right, right_words);
+            return;
+        }
         over_parts(input, [&](Rows rows) {
             steps().census(pair.left.plane(), left_words.plane(), rows);
             steps().census(pair.right.plane(), right_words.plane(), rows);
@@ -107,6 +116,13 @@ KernelRun bind_census(const KernelInput& input, std::int64_t target) {
             {},
             [sgm] { return sgm->costs(); },
             [sgm] { return sgm->buffers.intact(); }};
+}
+
+KernelRun bind_noisy_census(const KernelInput& input, std::int64_t target, int level) {
+    KernelInput noisy = input;
+    noisy.options.cost = CensusCost::census_7x5_gradient;
+    noisy.options.noise_level = level;
+    return bind_census(noisy, target);
 }
 
 // Downwards; on hostile input also upwards, and with jumps as between the halves of two sweeps.
@@ -229,7 +245,7 @@ KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t
     return {[plain, sweeps, planes, out] {
                 Serial serial;
                 sweeps->census(plain->pair.left.plane(), plain->pair.right.plane(), planes, serial);
-                sweeps->match(planes, plain->pair.left.plane(), out, serial);
+                sweeps->match(planes, plain->pair.left.plane(), plain->input.options, out, serial);
             },
             {},
             results,
@@ -240,6 +256,10 @@ KernelRun bind_sweeps(const KernelInput& input, std::int64_t target, std::size_t
 
 std::vector<KernelCase> sgm_cases() {
     constexpr std::size_t no_cache = 0, large_cache = std::size_t{1} << 40;
+    const auto noisy_census = [](int level) {
+        return
+            [level](const KernelInput& input, std::int64_t target) { return bind_noisy_census(input, target, level); };
+    };
     const auto kept_costs = [](const KernelInput& input, std::int64_t target) {
         return bind_matching_cost(input, target, cpu::Store::keep);
     };
@@ -254,6 +274,8 @@ std::vector<KernelCase> sgm_cases() {
     };
     return {{"sgm/census", bind_census, 193, true},
             {"sgm/census_gradient", with_gradient_cost(bind_census), 193, true},
+            {"sgm/noisy_census1", noisy_census(1), 193, true},
+            {"sgm/noisy_census2", noisy_census(2), 193, true},
             {"sgm/matching_cost", kept_costs},
             {"sgm/matching_cost_streamed", streamed_costs},
             {"sgm/gradient_cost", with_gradient_cost(kept_costs)},

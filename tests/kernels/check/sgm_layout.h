@@ -3,6 +3,7 @@
 
 #include "kernels/cpu/cost/gradient_kernels.h"
 #include "kernels/cpu/sgm/sgm_kernels.h"
+#include "kernels/noise/noise_level.h"
 #include "tests/kernels/check/kernel_case.h"
 
 namespace disparityd::test {
@@ -70,6 +71,12 @@ struct SgmLayout {
     cpu::MatchGeometry geometry;
 };
 
+inline Image<std::uint8_t> smoothed(const Image<std::uint8_t>& image) {
+    Image<std::uint8_t> result(image.width(), image.height());
+    reference::smooth(image.plane(), result.plane(), image.rows());
+    return result;
+}
+
 /// Census planes of a pair in guarded memory, and matching costs from them.
 struct SgmPlanes {
     SgmPlanes(const SgmLayout& of, RunBuffers& buffers)
@@ -84,9 +91,12 @@ struct SgmPlanes {
 
     void census(const ImagePair& pair, const KernelInput& input) {
         single.forget();
+        const int coarseness = census_coarseness(input.options.noise_level);
+        const cpu::CensusKernels& census =
+            coarseness > 0 ? layout.kernels.noisy_census[coarseness - 1] : layout.kernels.census;
         over_parts(input, [&](Rows rows) {
-            layout.kernels.census_left(layout.geometry, pair.left.plane(), left.data(), rows);
-            layout.kernels.census_right(layout.geometry, pair.right.plane(), right.data(), rows);
+            census.left(layout.geometry, pair.left.plane(), smoothed(pair.left).plane(), left.data(), rows);
+            census.right(layout.geometry, pair.right.plane(), smoothed(pair.right).plane(), right.data(), rows);
         });
     }
     void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) {

@@ -147,6 +147,30 @@ Bound bind_median(const Data& data, const FrameSteps&) {
             {}};
 }
 
+Bound bind_smooth(const Data& data, const FrameSteps&) {
+    const auto image =
+        std::make_shared<Image<std::uint8_t>>(noise(data->random, data->input.width, data->input.height));
+    const auto out = data->buffers.result<std::uint8_t>(data->input.width, data->input.height);
+    return {[=](const FrameSteps& steps) {
+                over_parts(data->input, [&](Rows rows) { steps.smooth(image->plane(), out, rows); });
+            },
+            {}};
+}
+
+/// Within the limits of what matching finds.
+Bound bind_vote(const Data& data, const FrameSteps&) {
+    const auto in = std::make_shared<Image<std::int16_t>>(data->disparities());
+    constexpr int limit = (1 << 14) - 1;
+    for (std::int16_t& value : in->pixels()) {
+        value = static_cast<std::int16_t>(std::clamp<int>(value, -limit, limit));
+    }
+    const auto out = data->buffers.result<std::int16_t>(data->input.width, data->input.height);
+    return {[=](const FrameSteps& steps) {
+                over_parts(data->input, [&](Rows rows) { steps.vote(in->plane(), data->invalid(), out, rows); });
+            },
+            {}};
+}
+
 template <int size>
 Bound bind_guided_median(const Data& data, const FrameSteps&) {
     const auto in = std::make_shared<Image<std::int16_t>>(data->disparities());
@@ -304,6 +328,8 @@ std::vector<KernelCase> step_cases() {
         step_case("left_right", bind_left_right),
         step_case("median3", bind_median<3>),
         step_case("median5", bind_median<5>),
+        step_case("smooth", bind_smooth),
+        step_case("vote", bind_vote),
         step_case("guided_median5", bind_guided_median<5>),
         step_case("guided_median7", bind_guided_median<7>),
         step_case("speckle", bind_speckle<false>),

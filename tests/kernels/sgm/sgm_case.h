@@ -48,7 +48,7 @@ public:
         const std::span<std::byte> planes(reinterpret_cast<std::byte*>(census.data()), census.size());
         const SgmResults found(pair.width(), pair.height());
         sweeps.census(pair.left.plane(), pair.right.plane(), planes, workers);
-        sweeps.match(planes, pair.left.plane(), found.view(), workers);
+        sweeps.match(planes, pair.left.plane(), options, found.view(), workers);
         EXPECT_TRUE(census.intact());
         EXPECT_TRUE(found.intact());
         EXPECT_EQ(differences(found.winner.plane(), expected.winner.plane()), 0);
