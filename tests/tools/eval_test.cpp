@@ -297,6 +297,22 @@ TEST_F(EvalTest, NoiseMakesMatchingHarderAndIsTheSameEachRun) {
     EXPECT_EQ(without["sgm"]["bad1_all"], none["sgm"]["bad1_all"]) << "no noise is as if it were not given";
 }
 
+TEST_F(EvalTest, TheNoiseLevelIsThatOfTheNoiseWhereItIsToAdapt) {
+    make_scene(path("cones"));
+    const auto rows = [this](std::vector<std::string> options) {
+        options.insert(options.end(), {"--preset", "obstacles", "--json", path("cones")});
+        const Outcome outcome = run(DISPARITY_EVAL, options);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return by_method(outcome.out)["sgm"];
+    };
+    EXPECT_EQ(rows({"--adaptive-noise"})["noise_level"], 0);
+    EXPECT_EQ(rows({"--adaptive-noise", "--noise", "8"})["noise_level"], 3);
+    EXPECT_EQ(rows({"--adaptive-noise", "--noise", "8", "--shared-noise"})["noise_level"], 3);
+    EXPECT_FALSE(rows({"--noise", "8"}).contains("noise_level"));
+    const Outcome table = run(DISPARITY_EVAL, {"--preset", "obstacles", "--adaptive-noise", path("cones")});
+    EXPECT_THAT(table.out, HasSubstr("noise level"));
+}
+
 TEST_F(EvalTest, WrongSeedsAndSigmasAreRefusedInOneLine) {
     make_scene(path("cones"));
     const auto refused = [this](const std::string& option, const std::string& value, const std::string& says) {

@@ -59,6 +59,22 @@ TEST(NoiseTest, SameValuesOnEveryMachine) {
                 ElementsAre(4, -2, 0, 1, -3, 1, -9, -3, 6, 2, 0, 0));
 }
 
+TEST(NoiseTest, SharedNoiseHasTheSigmaAskedForAndNeighboursAreAlike) {
+    const cv::Mat image(300, 300, CV_8UC1, cv::Scalar(128));
+    const cv::Mat noisy = with_noise(image, 6, 7, NoiseKind::shared);
+    std::vector<int> here, right, far_right;
+    for (int y = 0; y < 300; ++y) {
+        for (int x = 0; x < 297; ++x) {
+            here.push_back(noisy.at<std::uint8_t>(y, x) - 128);
+            right.push_back(noisy.at<std::uint8_t>(y, x + 1) - 128);
+            far_right.push_back(noisy.at<std::uint8_t>(y, x + 3) - 128);
+        }
+    }
+    EXPECT_NEAR(moments(here).sigma, 6, 0.15);
+    EXPECT_NEAR(correlation(here, right), 2.0 / 3, 0.03);
+    EXPECT_NEAR(correlation(here, far_right), 0, 0.03);
+}
+
 TEST(NoiseTest, MeanAndSigmaAreThoseAskedFor) {
     for (const double sigma : {0.75, 3.0, 6.0, 20.0}) {
         const std::vector<int> values = added(128, sigma, 7, 400, 400);

@@ -103,6 +103,10 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "add Gaussian noise to both images before any matching, OpenCV's too; SIGMA in grey levels, 0 .. 64; "
         "each run adds the same noise")
         ->type_name("SIGMA");
+    program
+        .add_flag("--shared-noise", arguments.shared_noise,
+                  "neighbouring pixels share the noise, as a camera's own filter leaves it")
+        ->needs("--noise");
     program.add_option("-o,--output", arguments.pictures, "folder for error pictures")->type_name("DIR");
     program.add_flag(
         "--json", arguments.json,

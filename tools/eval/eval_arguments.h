@@ -26,6 +26,7 @@ struct EvalArguments {
     std::optional<int> workers;
     std::optional<int> halves;  ///< the seed
     std::optional<double> noise;
+    bool shared_noise = false;
     bool opencv = false;
     bool fair = false;
     bool fractions = false;

@@ -2,8 +2,12 @@
 #include "tools/eval/frame_buffers.h"
 
 #include <chrono>
+#include <optional>
 #include <span>
 
+#include "kernels/noise/noise_estimate.h"
+#include "kernels/noise/noise_level.h"
+#include "kernels/noise/noise_level_switch.h"
 #include "tools/eval/means.h"
 
 namespace disparityd::eval {
@@ -32,6 +36,10 @@ MatcherResult run_ours(const Backend& backend, const MatchOptions& options, cons
                        Parallel& workers, int repeat) {
     const auto matcher = backend.create({left.cols, left.rows, options});
     FrameBuffers frame(*matcher, left, right, workers);
+    std::optional<int> noise_level;
+    if (adapts_to_noise(options)) {
+        noise_level = frame.settle_noise_level(workers);
+    }
     std::vector<double> times;
     for (int i = 0; i < repeat; ++i) {
         const auto start = steady_clock::now();
@@ -42,7 +50,8 @@ MatcherResult run_ours(const Backend& backend, const MatchOptions& options, cons
     const std::uint8_t* confidence = frame.view().confidence.data;
     return {left.cols,     left.rows,
             options.range, {d16, d16 + left.total()},
-            median(times), {confidence, confidence + left.total()}};
+            median(times), {confidence, confidence + left.total()},
+            noise_level};
 }
 
 FrameBuffers::FrameBuffers(Matcher& matcher, const cv::Mat& left, const cv::Mat& right, Parallel& workers)
@@ -77,6 +86,16 @@ void FrameBuffers::match(Parallel& workers) {
         matcher_.run(static_cast<int>(i), frame_, workers, times.first(stages[i].steps.size()));
         times = times.subspan(stages[i].steps.size());
     }
+}
+
+int FrameBuffers::settle_noise_level(Parallel& workers) {
+    NoiseLevelSwitch levels;  // goes up only, in so few frames
+    do {
+        frame_.noise_level = levels.level();
+        match(workers);
+        levels.add(estimate_noise(frame_.left, frame_.right, frame_.disparity, frame_.confidence));
+    } while (levels.level() != frame_.noise_level);
+    return frame_.noise_level;
 }
 
 }  // namespace disparityd::eval

@@ -12,7 +12,8 @@
 
 namespace disparityd::eval {
 
-/// Matches a rectified pair (grey or BGR, equal sizes) `repeat` times. Throws as Backend::create does.
+/// Matches a rectified pair (grey or BGR, equal sizes) `repeat` times, with adaptive_noise at the level that it asks
+/// for. Throws as Backend::create does.
 MatcherResult run_ours(const Backend& backend, const MatchOptions& options, const cv::Mat& left, const cv::Mat& right,
                        Parallel& workers, int repeat);
 
@@ -25,6 +26,10 @@ public:
 
     /// Matches the pair from start to end. No allocation.
     void match(Parallel& workers);
+
+    /// Matches the pair until the noise level that its noise asks for is the one it was matched with, from 0 on, as a
+    /// stream of such pairs would. Matches from then on have that level, which is returned.
+    int settle_noise_level(Parallel& workers);
 
     const FrameView& view() const { return frame_; }
 

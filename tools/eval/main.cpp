@@ -222,7 +222,8 @@ public:
             progress.show(i, scenes[i].name);
             Scene scene = scenes[i].read();
             if (arguments_.noise) {
-                add_noise(scene, *arguments_.noise);
+                add_noise(scene, *arguments_.noise,
+                          arguments_.shared_noise ? NoiseKind::shared : NoiseKind::independent);
             }
             judge(scene, scenes[i].disparities);
         }
@@ -349,14 +350,15 @@ private:
         } else {
             const Accuracy accuracy =
                 measure(images::to_float(result.map()), scene.truth, scene.non_occluded, scene.thin);
-            fair_rows_.push_back({scene.name, fair_name(method), backend, result.range.count, accuracy, result.ms});
+            fair_rows_.push_back(
+                {scene.name, fair_name(method), backend, result.range.count, accuracy, result.ms, result.noise_level});
         }
     }
 
     void add(const Scene& scene, const std::string& method, const std::string& backend, const MatcherResult& result) {
         const images::FloatMap disparity = images::to_float(result.map());
         const Accuracy accuracy = measure(disparity, scene.truth, scene.non_occluded, scene.thin);
-        rows_.push_back({scene.name, method, backend, result.range.count, accuracy, result.ms});
+        rows_.push_back({scene.name, method, backend, result.range.count, accuracy, result.ms, result.noise_level});
         if (arguments_.fractions) {
             subpixel_rows_.push_back({scene.name, method, backend, result.range.count,
                                       measure_subpixel(disparity, scene.truth, scene.non_occluded)});

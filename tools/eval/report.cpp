@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/report.h"
 
+#include <algorithm>
 #include <ostream>
 
 #include <nlohmann/json.hpp>
@@ -29,12 +30,19 @@ std::vector<double> accuracy_values(const Accuracy& accuracy) {
             accuracy.d1_all,      accuracy.density,  accuracy.false_near,  accuracy.thin_found};
 }
 
-std::vector<std::string> head_of_rows() {
+bool any_has_noise_level(const std::vector<Row>& rows) {
+    return std::any_of(rows.begin(), rows.end(), [](const Row& row) { return row.noise_level.has_value(); });
+}
+
+std::vector<std::string> head_of_rows(bool with_noise_level) {
     std::vector<std::string> head{"scene", "method", "backend", "D"};
     for (const Figure& figure : accuracy_figures()) {
         head.push_back(figure.heading);
     }
     head.emplace_back("ms");
+    if (with_noise_level) {
+        head.emplace_back("noise level");
+    }
     return head;
 }
 
@@ -49,19 +57,26 @@ Measurements measurements(const std::vector<Row>& rows) {
 }
 
 void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to) {
-    tools::Table table(head_of_rows());
+    const bool with_noise_level = any_has_noise_level(rows);
+    tools::Table table(head_of_rows(with_noise_level));
     const Measurements measured = measurements(rows);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         std::vector<std::string> line{rows[i].scene, rows[i].method, rows[i].backend,
                                       std::to_string(rows[i].disparities)};
         append_figures(measured.rows[i].values, measured.figures, line);
         line.push_back(tools::fixed(rows[i].ms, 1));
+        if (with_noise_level) {
+            line.push_back(rows[i].noise_level ? std::to_string(*rows[i].noise_level) : "");
+        }
         table.add(line);
     }
     for (const Mean& mean : means(measured)) {
         std::vector<std::string> line{"mean", mean.method, mean.backend, ""};
         append_figures(mean.values, measured.figures, line);
         line.emplace_back();
+        if (with_noise_level) {
+            line.emplace_back();
+        }
         table.add(line);
     }
     markdown ? table.print_markdown(to) : table.print(to);
@@ -76,6 +91,9 @@ nlohmann::ordered_json rows_json(const std::vector<Row>& rows) {
             {"scene", row.scene}, {"method", row.method}, {"backend", row.backend}, {"disparities", row.disparities}};
         add_figures(measured.rows[i].values, measured.figures, object);
         object["ms"] = rounded_number(row.ms);
+        if (row.noise_level) {
+            object["noise_level"] = *row.noise_level;
+        }
         list.push_back(object);
     }
     return list;

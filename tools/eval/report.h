@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct Row {
     int disparities = 0;
     Accuracy accuracy;
     double ms = 0;
+    std::optional<int> noise_level{};  ///< where it follows the pair's noise
 };
 
 /// Returns the figures of print_table() for each row, without disparities and times.
@@ -29,7 +31,8 @@ Measurements measurements(const std::vector<Row>& rows);
 void print_table(const std::vector<Row>& rows, bool markdown, std::ostream& to);
 
 /// Returns a list of objects: scene, method, backend, disparities, bad1_nonocc, bad1_all, bad2_nonocc, bad2_all,
-/// d1_nonocc, d1_all, density, false_near, thin_found (all in percent, null where no pixel is judged), ms.
+/// d1_nonocc, d1_all, density, false_near, thin_found (all in percent, null where no pixel is judged), ms, and
+/// noise_level where a row has it.
 nlohmann::ordered_json rows_json(const std::vector<Row>& rows);
 
 void print_json(const nlohmann::ordered_json& json, std::ostream& to);
