@@ -85,6 +85,7 @@ private:
     void watch_source();
     void watch_memory();
     void watch_load();
+    void watch_trust();
     void watch_freed_memory();
     void watch_matcher();
     void watch_threads();

@@ -39,6 +39,7 @@ void Daemon::tick() {
     watch_source();
     watch_memory();
     watch_load();
+    watch_trust();
     watch_freed_memory();
     watch_matcher();
     watch_threads();
@@ -105,6 +106,13 @@ void Daemon::watch_memory() {
 void Daemon::watch_load() {
     const auto current = engine();
     if (const std::string line = current ? current->check_load() : std::string(); !line.empty()) {
+        log_warning(line);
+    }
+}
+
+void Daemon::watch_trust() {
+    const auto current = engine();
+    for (const std::string& line : current ? current->check_trust() : std::vector<std::string>()) {
         log_warning(line);
     }
 }

@@ -25,6 +25,7 @@
 #include "daemon/totals.h"
 #include "kernels/large_buffer.h"
 #include "proto/text.h"
+#include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -269,6 +270,8 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         flags |= static_cast<std::uint32_t>(v1::DISCONTINUITY);
     }
     first_frame_ = false;
+    flags |= trust_flags(slot);
+    trust_.note(flags);
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
@@ -279,6 +282,17 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         self_calibrator_->offer(slot);
     }
     measured_->offer(slot);
+}
+
+/// Returns the doubts about a frame and the trust in it; 0 where no stage judges it.
+std::uint32_t Engine::trust_flags(const pipeline::FrameSlot& slot) const {
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        if (dynamic_cast<const trust::TrustStage*>(stages_[i].stage.get()) != nullptr) {
+            const trust::Verdict verdict = trust::verdict_of(slot.stage_memory[i]);
+            return verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift;
+        }
+    }
+    return 0;
 }
 
 /// Returns what the stage of that product has left of a frame; an empty plane where none makes it.
@@ -373,6 +387,13 @@ void Engine::fill(v1::Status& status) const {
     if (const auto found = measured_->finding()) {
         status.mutable_measured()->set_ratio(found->share);
         status.mutable_measured()->set_likely_cause(found->cause);
+    }
+    if (const auto found = trust_.finding(steady_clock::now())) {
+        status.mutable_trust()->set_ratio(found->ratio);
+        status.mutable_trust()->set_alarm(found->alarm);
+        for (const std::string_view doubt : found->doubts) {
+            status.mutable_trust()->add_doubts(std::string(doubt));
+        }
     }
     const pipeline::PipelineStatus now = pipeline_->status();
     const Condition condition = condition_of(now);

@@ -18,6 +18,7 @@
 #include "daemon/published_frame.h"
 #include "daemon/self_calibrator.h"
 #include "daemon/stage_table.h"
+#include "daemon/trust_watch.h"
 #include "kernels/matcher.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
@@ -100,6 +101,9 @@ public:
     /// The same thread.
     std::string check_load();
 
+    /// Returns lines for the log: alarms that have begun or ended (TrustWatch). The same thread.
+    std::vector<std::string> check_trust() { return trust_.check(std::chrono::steady_clock::now()); }
+
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
 
@@ -123,6 +127,7 @@ public:
 private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
+    std::uint32_t trust_flags(const pipeline::FrameSlot& slot) const;
     Plane<const std::uint8_t> record_plane(const pipeline::FrameSlot& slot, v1::Product product) const;
     void make_self_calibrator();
     void note_rectification(const calibration::Rectification& used);
@@ -142,6 +147,7 @@ private:
     StreamLayout layout_;
     std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< null where there is nothing to estimate
     std::unique_ptr<MeasuredWatch> measured_;          ///< null before start()
+    TrustWatch trust_;
     Sink sink_;
     pipeline::Pipeline::RawTap raw_;
     std::function<bool()> wanted_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "obstacles/scan_stage.h"
+#include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -21,12 +22,20 @@ std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int heigh
     return std::make_unique<ScanStage>(width, height, options);
 }
 
+std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height) {
+    if (!config.trust.enabled) {
+        return nullptr;
+    }
+    return std::make_unique<trust::TrustStage>(width, height, config.trust.options);
+}
+
 struct Row {
     v1::Product product;
     Make* make;
 };
 
-constexpr std::array table{Row{v1::SCAN, make_scan}};
+/// The record of trust goes into the flags of a frame.
+constexpr std::array table{Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust}};
 
 }  // namespace
 

@@ -3,21 +3,26 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
-/// Why a frame can be trusted less than others: the bits of Frame.doubts and what people are told of them. Step 15 of
-/// docs/algorithm.md says how they are found.
+/// Why a frame can be trusted less than others, and what people are told of it. Step 15 of docs/algorithm.md says how
+/// doubts are found.
 namespace disparityd::proto {
 
+/// Bits of Frame.flags, with the numbers of FrameFlags.
 enum Doubt : std::uint32_t {
-    doubt_dark = 1,
-    doubt_saturated = 2,
-    doubt_blurred = 4,
-    doubt_dirty_eye = 8,
-    doubt_covered_eye = 16,
-    doubt_misaligned = 32,
-    doubt_too_near = 64,
+    doubt_dark = 1U << 8U,
+    doubt_saturated = 1U << 9U,
+    doubt_blurred = 1U << 10U,
+    doubt_dirty_eye = 1U << 11U,
+    doubt_covered_eye = 1U << 12U,
+    doubt_misaligned = 1U << 13U,
+    doubt_too_near = 1U << 14U,
 };
+
+/// Where the trust in a frame stands in Frame.flags: 1 .. 255, more is better; 0 = not told.
+inline constexpr unsigned trust_shift = 24;
 
 struct DoubtFacts {
     Doubt bit;
@@ -40,5 +45,16 @@ inline constexpr std::array doubts{
                "switch [self_calibration] on, or calibrate the camera anew", true},
     DoubtFacts{doubt_too_near, "too-near", "something may be nearer than can be measured", "back off", false},
 };
+
+/// Returns the words of the doubts of a frame, with spaces between them.
+inline std::string doubt_names(std::uint32_t flags) {
+    std::string names;
+    for (const DoubtFacts& doubt : doubts) {
+        if ((flags & doubt.bit) != 0) {
+            names += (names.empty() ? "" : " ") + std::string(doubt.name);
+        }
+    }
+    return names;
+}
 
 }  // namespace disparityd::proto

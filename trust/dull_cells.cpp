@@ -95,6 +95,7 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
     found.left.fill(CellState::unknown);
     Cells<std::int32_t> least_of_left;
     least_of_left.fill(std::numeric_limits<std::int32_t>::max());
+    Cells<int> farthest_right{};  // the greatest disparity with which a left cell may be seen by a right one
     for (int row = 0; row < cell_rows; ++row) {
         for (int column = 0; column < cell_columns; ++column) {
             const Range range = likely_range(measured, row, column);
@@ -112,6 +113,7 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
                     const std::size_t there = cell_at(row, other);
                     least = std::min(least, right.coarse[there]);
                     least_of_left[there] = std::min(least_of_left[there], left.coarse[here]);
+                    farthest_right[there] = std::max(farthest_right[there], range.last);
                 }
             }
             if (first_x >= 0 && last_x < width) {
@@ -119,10 +121,13 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
             }
         }
     }
-    // What the right eye sees at its right edge may lie outside of the left picture.
-    for (std::size_t i = 0; i < found.right.size(); ++i) {
-        const bool seen = least_of_left[i] != std::numeric_limits<std::int32_t>::max();
-        found.right[i] = seen ? compared(right.coarse[i], least_of_left[i]) : CellState::unknown;
+    for (int row = 0; row < cell_rows; ++row) {
+        for (int column = 0; column < cell_columns; ++column) {
+            const std::size_t here = cell_at(row, column);
+            const bool seen = least_of_left[here] != std::numeric_limits<std::int32_t>::max() &&
+                              cell_begin(column + 1, width, cell_columns) + farthest_right[here] <= width;
+            found.right[here] = seen ? compared(right.coarse[here], least_of_left[here]) : CellState::unknown;
+        }
     }
 }
 

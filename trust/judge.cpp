@@ -23,8 +23,6 @@ constexpr int covered_factor = 36;
 
 constexpr std::int64_t least_fine_texture = 12;  // mean square over an eye, beyond the noise
 constexpr int windows_of_dirt = 3;
-constexpr int least_dirty_cells = 2;
-constexpr int least_regions_off = 3;
 
 /// Returns how many of the reduced image's pixels are darker than `level`.
 std::int64_t darker(const EyeTexture& eye, int level) {
@@ -53,6 +51,22 @@ std::int64_t sum_beyond(const Cells<std::int64_t>& values, std::int64_t noise) {
     return std::accumulate(
         values.begin(), values.end(), std::int64_t{0},
         [noise](std::int64_t sum, std::int64_t value) { return sum + std::max<std::int64_t>(value - noise, 0); });
+}
+
+/// Returns whether two neighbours are dull since some windows.
+bool has_dirt(const Cells<int>& dull_windows) {
+    const auto dull = [&](int row, int column) {
+        return row < cell_rows && column < cell_columns &&
+               dull_windows[static_cast<std::size_t>(row * cell_columns + column)] >= windows_of_dirt;
+    };
+    for (int row = 0; row < cell_rows; ++row) {
+        for (int column = 0; column < cell_columns; ++column) {
+            if (dull(row, column) && (dull(row, column + 1) || dull(row + 1, column))) {
+                return true;
+            }
+        }
+    }
+    return false;
 }
 
 /// Returns the share of the pixels that are measured, in 255ths, as every eighth of every eighth row tells.
@@ -173,32 +187,24 @@ bool Judge::find_blurred() const {
 
 /// Counts for each cell the windows in a row in which it was dull most of the time.
 bool Judge::find_dirty() {
-    bool dirty = false;
     for (const EyeIndex eye : {left, right}) {
-        int cells = 0;
         for (std::size_t i = 0; i < static_cast<std::size_t>(cell_count); ++i) {
             const int judged = window_.judged[eye][i];
             const bool dull = 2 * judged >= window_.frames && 5 * window_.dull[eye][i] >= 4 * judged;
             int& windows = findings_.dull_windows[eye][i];
-            windows = dull ? std::min(windows + 1, windows_of_dirt) : 0;
-            cells += windows == windows_of_dirt ? 1 : 0;
+            windows = dull ? windows + 1 : 0;
         }
-        dirty = dirty || cells >= least_dirty_cells;
     }
-    return dirty;
+    return has_dirt(findings_.dull_windows[left]) || has_dirt(findings_.dull_windows[right]);
 }
 
-/// A turned eye, or one of another focal length, fits in some regions.
+/// A turned eye, or one of another focal length, fits in some bands.
 bool Judge::find_misaligned() const {
-    int off = 0;
-    int known = 0;
-    for (int region = 0; region < RowOffsets::regions; ++region) {
-        if (const auto median = window_.rows.median(region)) {
-            ++known;
-            off += std::abs(*median) >= rows_limit_ ? 1 : 0;
-        }
+    bool off = false;
+    for (int band = 0; band < RowOffsets::bands; ++band) {
+        off = off || std::abs(window_.rows.median(band).value_or(0)) >= rows_limit_;
     }
-    return off >= least_regions_off && 3 * off >= known;
+    return off;
 }
 
 }  // namespace disparityd::trust

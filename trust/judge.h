@@ -8,13 +8,9 @@
 #include "trust/dull_cells.h"
 #include "trust/eye_texture.h"
 #include "trust/row_offsets.h"
+#include "trust/trust_options.h"
 
 namespace disparityd::trust {
-
-struct TrustOptions {
-    int dark_level = 20;    ///< dark: nine tenths of both pictures are darker than this grey level, 1 .. 255
-    double rows_px = 0.45;  ///< misaligned: the medians of row errors are beyond this, 0.1 .. 2.5
-};
 
 /// What is said of a frame.
 struct Verdict {

@@ -12,11 +12,12 @@ namespace disparityd::trust {
 namespace {
 
 constexpr int patch = 8;  // px, in both directions
-constexpr int patches_across = 14;
-constexpr int patches_down = 9;
+constexpr int patches_across = 20;
+constexpr int patches_down = 12;
 /// The disparity of a pair whose rows do not fit may be off, where an edge is slanted.
 constexpr int sideways_px = 2;
-constexpr int least_offsets = 12;  // of a region
+constexpr int least_offsets = 30;  // of a band
+constexpr int agreeing = 12;       // 1/16 px: those of wrong matches differ by more
 constexpr int least_curvature = 2 * patch * patch;
 
 using Costs = std::array<int, 2 * RowOffsets::reach_px + 1>;
@@ -100,15 +101,16 @@ void RowOffsets::add(const FrameView& frame, std::uint32_t turn) {
             const int x = (4 * column + 1 + 2 * shift_x) * width / (4 * patches_across);
             const int y = (4 * row + 1 + 2 * shift_y) * height / (4 * patches_down);
             if (const auto offset = patch_offset(frame, x, y)) {
-                const int region = y * regions_along / height * regions_along + x * regions_along / width;
-                ++offsets_[static_cast<std::size_t>(region)][static_cast<std::size_t>(*offset + reach_px * unit)];
+                for (const int band : {y * bands_along / height, bands_along + x * bands_along / width}) {
+                    ++offsets_[static_cast<std::size_t>(band)][static_cast<std::size_t>(*offset + reach_px * unit)];
+                }
             }
         }
     }
 }
 
-std::optional<int> RowOffsets::median(int region) const {
-    const auto& offsets = offsets_[static_cast<std::size_t>(region)];
+std::optional<int> RowOffsets::median(int band) const {
+    const auto& offsets = offsets_[static_cast<std::size_t>(band)];
     const int count = std::accumulate(offsets.begin(), offsets.end(), 0);
     if (count < least_offsets) {
         return std::nullopt;
@@ -119,7 +121,9 @@ std::optional<int> RowOffsets::median(int region) const {
         seen += offsets[static_cast<std::size_t>(bin)];
         ++bin;
     }
-    return bin - reach_px * unit;
+    const auto near_median = offsets.begin() + std::max(bin - agreeing, 0);
+    const int agree = std::accumulate(near_median, offsets.begin() + std::min(bin + agreeing + 1, bins), 0);
+    return 5 * agree >= 3 * count ? std::optional(bin - reach_px * unit) : std::nullopt;
 }
 
 }  // namespace disparityd::trust

@@ -10,6 +10,7 @@
 #include "capture/frame_source.h"
 #include "kernels/options.h"
 #include "obstacles/scan_options.h"
+#include "trust/trust_options.h"
 
 namespace disparityd::daemon {
 
@@ -53,6 +54,11 @@ struct Config {
         bool enabled = false;
         ScanOptions options;  ///< but for subpixel_error_px
     } scan;
+
+    struct Trust {
+        bool enabled = true;
+        trust::TrustOptions options;
+    } trust;
 
     struct Pipeline {
         int slots = 4;

@@ -337,6 +337,12 @@ void add_scan_keys(std::vector<ConfigKey>& keys) {
     }
 }
 
+void add_trust_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(bool_key("trust", "enabled", FIELD(trust.enabled)));
+    keys.push_back(range_key("trust", "dark_level", 1, 255, FIELD(trust.options.dark_level)));
+    keys.push_back(number_key("trust", "rows_px", 0.1, 2.5, FIELD(trust.options.rows_px)));
+}
+
 void add_output_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("pipeline", "slots", 2, 32, FIELD(pipeline.slots)));
     keys.push_back(range_key("pipeline", "workers", 0, 256, FIELD(pipeline.workers)));
@@ -396,6 +402,7 @@ const std::vector<ConfigKey>& config_keys() {
         add_input_keys(list);
         add_match_keys(list);
         add_scan_keys(list);
+        add_trust_keys(list);
         add_output_keys(list);
         return list;
     }();

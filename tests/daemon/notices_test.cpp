@@ -16,6 +16,7 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 constexpr const char* many_workers = "pipeline.workers=256";
@@ -68,6 +69,8 @@ TEST_F(NoticesTest, HowMuchIsMeasuredOfAScene) {
     EXPECT_GT(status.measured().ratio(), 0.5);
     EXPECT_LE(status.measured().ratio(), 1);
     EXPECT_EQ(status.measured().likely_cause(), "");
+    EXPECT_GT(status.trust().ratio(), 0.5);
+    EXPECT_THAT(status.trust().doubts(), IsEmpty());
 }
 
 // Eyes that are covered see noise.
@@ -89,6 +92,40 @@ TEST_F(NoticesTest, WhyHardlyAnythingIsMeasured) {
     ASSERT_TRUE(status.has_measured());
     EXPECT_LT(status.measured().ratio(), 0.1);
     EXPECT_THAT(status.measured().likely_cause(), HasSubstr("no texture"));
+}
+
+// A texture with plain stripes, and a cap before the right eye.
+TEST_F(NoticesTest, ACoveredEyeIsAnAlarm) {
+    const TemporaryFolder folder;
+    std::string texture;
+    for (int i = 0; i < 320 * 240; ++i) {
+        const int block = i / 320 / 4 * 80 + i % 320 / 4;
+        const bool plain = i / 320 % 48 < 24;
+        texture += static_cast<char>(plain ? 90 : std::minstd_rand(static_cast<unsigned>(block) + 1)() % 211);
+    }
+    for (const bool left : {true, false}) {
+        const std::string eye = folder.file(left ? "left" : "right");
+        std::filesystem::create_directory(eye);
+        std::ofstream(eye + "/0.pgm", std::ios::binary) << "P5\n320 240\n255\n"
+                                                        << (left ? texture : std::string(texture.size(), 9));
+        for (int i = 1; i < 60; ++i) {
+            std::filesystem::create_hard_link(eye + "/0.pgm", eye + '/' + std::to_string(i) + ".pgm");
+        }
+    }
+    const auto daemon = start_ready(
+        config_text(), {"--set", "source.uri=\"" + folder.path() + "\"", "--set", "source.allow_unrectified=true"});
+    ASSERT_TRUE(daemon->wait_for_log("alarm covered-eye: one eye sees nothing")) << daemon->log();
+    WireClient client(daemon->address("tcp:"));
+    client.hello();
+    const v1::Status status = test::status(client);
+    EXPECT_THAT(status.trust().doubts(), Contains("covered-eye"));
+    EXPECT_THAT(status.trust().alarm(), HasSubstr("uncover it"));
+    EXPECT_LT(status.trust().ratio(), 0.1);
+}
+
+TEST_F(NoticesTest, TrustCanBeSwitchedOff) {
+    const auto daemon = start_ready(config_text(), {"--set", "trust.enabled=false"});
+    EXPECT_FALSE(status_after(*daemon, 2).has_trust());
 }
 
 // A scene has no inertial sensor.

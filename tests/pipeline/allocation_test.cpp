@@ -17,6 +17,7 @@
 #include "pipeline/pipeline.h"
 #include "proto/shared_memory_writer.h"
 #include "tests/kernels/counted_memory.h"
+#include "trust/trust_stage.h"
 
 namespace disparityd::pipeline {
 namespace {
@@ -48,13 +49,15 @@ public:
             "allocation-test-" + std::to_string(getpid()),
             proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
         scan_ = std::make_unique<ScanStage>(rectification_.width, rectification_.height, ScanOptions{});
+        trust_ =
+            std::make_unique<trust::TrustStage>(rectification_.width, rectification_.height, trust::TrustOptions{});
         pipeline_ = std::make_unique<Pipeline>(PipelineConfig{.policy = Policy::live,
                                                               .slots = slots,
                                                               .depth = true,
                                                               .left_colour = true,
                                                               .right_colour = true,
                                                               .depth_error = 64,
-                                                              .stages = {scan_.get()}},
+                                                              .stages = {scan_.get(), trust_.get()}},
                                                *source_, *matcher_, workers_, rectification_,
                                                [this](const FrameSlot& slot) { publish(slot); });
         pipeline_->start();
@@ -101,6 +104,7 @@ private:
     std::unique_ptr<proto::SharedMemoryWriter> memory_;
     WorkerPool workers_{2};
     std::unique_ptr<ScanStage> scan_;
+    std::unique_ptr<trust::TrustStage> trust_;
     std::atomic<std::uint64_t> published_{0};
     std::unique_ptr<Pipeline> pipeline_;  // last: its threads use the rest
 };

@@ -149,6 +149,20 @@ TEST_F(JudgeTest, ADarkSceneIsDoubtedAtOnce) {
     EXPECT_EQ(see(1.0 / rate, darken).doubts, proto::doubt_dark);
 }
 
+TEST_F(JudgeTest, TheOptionSaysWhatIsDark) {
+    judge_ = Judge(TexturedPair::width, TexturedPair::height, {.dark_level = 5});
+    const auto darken = [](TexturedPair& pair, int) {
+        scale(pair.left, 16);
+        scale(pair.right, 16);
+    };
+    EXPECT_EQ(see(1.0 / rate, darken).doubts, 0U);
+}
+
+TEST_F(JudgeTest, TheOptionSaysHowManyRowsAreAllowed) {
+    judge_ = Judge(TexturedPair::width, TexturedPair::height, {.rows_px = 1.5});
+    EXPECT_EQ(see(5, lower_by_one).doubts, 0U);
+}
+
 TEST_F(JudgeTest, AWhiteSkyIsDoubtedAtOnce) {
     const auto whiten = [](TexturedPair& pair, int) {
         std::fill_n(pair.left.begin(), pair.left.size() / 3, std::uint8_t{255});

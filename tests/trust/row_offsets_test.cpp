@@ -20,14 +20,14 @@ RowOffsets offsets_of(TexturedPair& pair) {
     return offsets;
 }
 
-TEST(RowOffsets, EachRegionTellsHowMuchLowerTheRightEyeIs) {
+TEST(RowOffsets, EachBandTellsHowMuchLowerTheRightEyeIs) {
     for (const double rows : {-2.25, -0.5, 0.0, 0.5, 1.0, 2.25}) {
         TexturedPair pair;
         pair.lower_right_eye(rows);
         const RowOffsets offsets = offsets_of(pair);
-        for (int region = 0; region < RowOffsets::regions; ++region) {
-            ASSERT_TRUE(offsets.median(region)) << rows << " rows, region " << region;
-            EXPECT_NEAR(*offsets.median(region), rows * RowOffsets::unit, 2) << rows << " rows, region " << region;
+        for (int band = 0; band < RowOffsets::bands; ++band) {
+            ASSERT_TRUE(offsets.median(band)) << rows << " rows, band " << band;
+            EXPECT_NEAR(*offsets.median(band), rows * RowOffsets::unit, 2) << rows << " rows, band " << band;
         }
     }
 }
@@ -38,8 +38,8 @@ TEST(RowOffsets, OffsetsBeyondTheReachAreNotCounted) {
     pair.lower_right_eye(20);
     const RowOffsets offsets = offsets_of(pair);
     int known = 0;
-    for (int region = 0; region < RowOffsets::regions; ++region) {
-        known += offsets.median(region) ? 1 : 0;
+    for (int band = 0; band < RowOffsets::bands; ++band) {
+        known += offsets.median(band) ? 1 : 0;
     }
     EXPECT_EQ(known, 0);
 }

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <google/protobuf/message.h>
 
+#include "proto/doubt.h"
 #include "proto/text.h"
 
 namespace disparityd::web {
@@ -286,6 +287,15 @@ void put_self_calibration(Exposition& out, const v1::SelfCalibration& calibratio
     }
 }
 
+void put_doubts(Exposition& out, const v1::Trust& trust) {
+    out.begin("disparityd_doubt", "gauge", "Why the newest frame can be trusted less, 1 for each reason that holds.");
+    for (const proto::DoubtFacts& doubt : proto::doubts) {
+        const auto& found = trust.doubts();
+        out.sample({{"doubt", doubt.name}},
+                   std::uint64_t{std::find(found.begin(), found.end(), doubt.name) != found.end()});
+    }
+}
+
 void put_web(Exposition& out, const WebCounters& web) {
     out.gauge("disparity_web_clients", "Pages and viewers that this server sends frames to.",
               static_cast<double>(web.clients));
@@ -308,6 +318,9 @@ std::string prometheus_text(const v1::Status* status, const WebCounters& web) {
         put_state(out, *status);
         put_fields(out, *status);
         put_steps(out, status->totals());
+        if (status->has_trust()) {
+            put_doubts(out, status->trust());
+        }
         if (status->has_camera()) {
             put_camera(out, status->camera());
         }

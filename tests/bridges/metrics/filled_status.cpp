@@ -84,6 +84,9 @@ v1::Status filled_status() {
     status.set_rate(29.97);
     status.mutable_measured()->set_ratio(0.25);
     status.mutable_measured()->set_likely_cause("dark");
+    status.mutable_trust()->set_ratio(0.5);
+    status.mutable_trust()->add_doubts("dirty-eye");
+    status.mutable_trust()->set_alarm("clean it");
     status.set_uptime_s(3600.5);
     status.add_notices("no huge pages");
     // Of the engine in use; the totals count.
