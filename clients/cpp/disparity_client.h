@@ -29,8 +29,19 @@ enum {
     DISPARITY_FLAG_INTERPOLATED = 2,   /**< rejected pixels were filled from their neighbours */
     DISPARITY_FLAG_DROPPED_BEFORE = 4, /**< dropped_before is not 0 */
     DISPARITY_FLAG_DISCONTINUITY = 8,  /**< the first frame after a gap or restart of the source */
-    DISPARITY_FLAG_SYNTHETIC = 16      /**< rendered, or a recording of rendered frames: not from a camera */
+    DISPARITY_FLAG_SYNTHETIC = 16,     /**< rendered, or a recording of rendered frames: not from a camera */
+    /* Doubts: why the frame can be trusted less. */
+    DISPARITY_FLAG_DARK = 0x100,         /**< both eyes see hardly any light */
+    DISPARITY_FLAG_SATURATED = 0x200,    /**< much of a picture is white */
+    DISPARITY_FLAG_BLURRED = 0x400,      /**< one eye sees less sharply than the other */
+    DISPARITY_FLAG_DIRTY_EYE = 0x800,    /**< a part of one eye stays dull where the other eye sees texture */
+    DISPARITY_FLAG_COVERED_EYE = 0x1000, /**< one eye sees nothing where the other sees texture */
+    DISPARITY_FLAG_MISALIGNED = 0x2000,  /**< the rows of both eyes do not fit */
+    DISPARITY_FLAG_TOO_NEAR = 0x4000     /**< something may be nearer than can be measured */
 };
+
+/** The trust in a frame of these flags: 1 .. 255, more is better; 0 where the daemon does not tell it. */
+#define DISPARITY_TRUST(flags) ((uint32_t)(flags) >> 24)
 
 /** What reading returns. */
 enum {
@@ -68,7 +79,7 @@ typedef struct disparity_frame_info {
     int32_t d_min;           /**< the first candidate, px */
     uint32_t disparities;    /**< the number of candidates, the last one is d_min + disparities - 1 */
     int32_t invalid;         /**< the disparity of a rejected pixel, 1/16 px: (d_min - 1) * 16 */
-    uint32_t flags;          /**< bits DISPARITY_FLAG_... */
+    uint32_t flags;          /**< bits DISPARITY_FLAG_..., and DISPARITY_TRUST() */
     uint32_t width;          /**< of the whole rectified image, px */
     uint32_t height;         /**< of the whole rectified image, px */
     uint32_t region_x;       /**< the column of the whole image where the planes begin */

@@ -28,8 +28,21 @@ enum FrameFlags : std::uint32_t {
     interpolated = 2,    ///< rejected pixels were filled from their neighbours
     dropped_before = 4,  ///< Frame::dropped_before is not 0
     discontinuity = 8,   ///< the first frame after a gap or restart of the source
-    synthetic = 16       ///< rendered, or a recording of rendered frames: not from a camera
+    synthetic = 16,      ///< rendered, or a recording of rendered frames: not from a camera
+    // Doubts: why the frame can be trusted less.
+    dark = 0x100,          ///< both eyes see hardly any light
+    saturated = 0x200,     ///< much of a picture is white
+    blurred = 0x400,       ///< one eye sees less sharply than the other
+    dirty_eye = 0x800,     ///< a part of one eye stays dull where the other eye sees texture
+    covered_eye = 0x1000,  ///< one eye sees nothing where the other sees texture
+    misaligned = 0x2000,   ///< the rows of both eyes do not fit
+    too_near = 0x4000      ///< something may be nearer than can be measured
 };
+
+/// Returns the trust in a frame of these flags: 1 .. 255, more is better; 0 where the daemon does not tell it.
+constexpr std::uint32_t trust_of(std::uint32_t flags) {
+    return flags >> 24U;
+}
 
 /// One plane of a frame: rows follow each other without gaps, little endian.
 struct PlaneData {
@@ -60,7 +73,7 @@ struct FrameInfo {
     std::int32_t d_min = 0;            ///< the first candidate, px
     std::uint32_t disparities = 0;     ///< the number of candidates, the last one is d_min + disparities - 1
     std::int32_t invalid = 0;          ///< the disparity of a rejected pixel, 1/16 px: (d_min - 1) * 16
-    std::uint32_t flags = 0;           ///< FrameFlags
+    std::uint32_t flags = 0;           ///< FrameFlags, and what trust_of() returns
     std::uint32_t width = 0;           ///< of the whole rectified image, px
     std::uint32_t height = 0;          ///< of the whole rectified image, px
     std::uint32_t region_x = 0;        ///< the column of the whole image where the planes begin

@@ -137,6 +137,13 @@ def check_limits():
         raise AssertionError(f"accepted: payload {payload}, {bad}")
 
 
+def check_trust():
+    """The flags of a frame say how far it can be trusted, and why not."""
+    frame = disparity.Frame(flags=disparity.SYNTHETIC | disparity.DIRTY_EYE | disparity.DARK | 200 << 24)
+    assert (frame.trust, frame.doubts) == (200, ["dark", "dirty-eye"])
+    assert (disparity.Frame().trust, disparity.Frame().doubts) == (0, [])
+
+
 def check_sensors(sensors):
     """What came before the frame was kept."""
     assert sensors.skipped == 3 and sensors.age_ns == 5000 and len(sensors.samples) == 2
@@ -350,6 +357,7 @@ def main():
     check_refusals()
     check_words()
     check_limits()
+    check_trust()
     check_trace()
     check_door()
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR, disparity.DEPTH, disparity.DEPTH_ERROR]

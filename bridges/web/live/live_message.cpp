@@ -12,6 +12,7 @@
 #include "clients/json/message_json.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
+#include "proto/doubt.h"
 #include "proto/products.h"
 
 namespace disparityd::web {
@@ -149,6 +150,11 @@ Json flags_of(std::uint32_t flags) {
             list.push_back(word);
         }
     }
+    for (const proto::DoubtFacts& doubt : proto::doubts) {
+        if ((flags & doubt.bit) != 0) {
+            list.push_back(doubt.name);
+        }
+    }
     return list;
 }
 
@@ -219,6 +225,7 @@ Json frame_json(const LiveFrame& live) {
             {"invalid", frame.invalid},
             {"calibration_id", json::hexadecimal(frame.calibration_id)},
             {"flags", flags_of(frame.flags)},
+            {"trust", disparity::trust_of(frame.flags)},
             {"dropped_before", frame.dropped_before}};
 }
 

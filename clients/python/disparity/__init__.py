@@ -11,17 +11,22 @@ from .client import Client, connect
 from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
-from .frame import DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, SYNTHETIC, UNRECTIFIED, Frame
+from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, SATURATED,
+                    SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame)
 from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
 
 __all__ = [
+    "BLURRED",
     "CONFIDENCE",
+    "COVERED_EYE",
     "Client",
     "ConnectOptions",
+    "DARK",
     "DEPTH",
     "DEPTH_ERROR",
+    "DIRTY_EYE",
     "DISCONTINUITY",
     "DISPARITY",
     "DROPPED_BEFORE",
@@ -36,15 +41,18 @@ __all__ = [
     "INTERPOLATED",
     "LEFT",
     "LEFT_COLOUR",
+    "MISALIGNED",
     "OCCUPIED",
     "RIGHT",
     "RIGHT_COLOUR",
     "Refused",
+    "SATURATED",
     "SCAN",
     "Scan",
     "SharedMemoryReader",
     "SocketClient",
     "SYNTHETIC",
+    "TOO_NEAR",
     "UNKNOWN",
     "UNRECTIFIED",
     "connect",

@@ -22,6 +22,17 @@ INTERPOLATED = 2
 DROPPED_BEFORE = 4
 DISCONTINUITY = 8
 SYNTHETIC = 16
+# Doubts, why a frame can be trusted less; docs/protocol.md explains them. Bits 24 .. 31 are the trust.
+DARK = 0x100
+SATURATED = 0x200
+BLURRED = 0x400
+DIRTY_EYE = 0x800
+COVERED_EYE = 0x1000
+MISALIGNED = 0x2000
+TOO_NEAR = 0x4000
+_DOUBTS = {"dark": DARK, "saturated": SATURATED, "blurred": BLURRED, "dirty-eye": DIRTY_EYE, "covered-eye": COVERED_EYE,
+           "misaligned": MISALIGNED, "too-near": TOO_NEAR}
+_TRUST_SHIFT = 24
 
 # The value of unknown pixels of a depth image and of its errors, and of those that are more than the type can hold.
 DEPTH_UNKNOWN = 0
@@ -104,6 +115,16 @@ class Frame:
     planes: dict[int, Plane] = dataclasses.field(default_factory=dict, repr=False)
     # Asks the library whether a borrowed frame is whole; None: the frame was copied.
     _is_whole: typing.Callable[[], bool] | None = dataclasses.field(default=None, repr=False, compare=False)
+
+    @property
+    def trust(self) -> int:
+        """How far the frame can be trusted: 1 to 255, more is better; 0 where the daemon does not tell it."""
+        return self.flags >> _TRUST_SHIFT
+
+    @property
+    def doubts(self) -> list[str]:
+        """Why it can be trusted less: words such as "dirty-eye"."""
+        return [word for word, bit in _DOUBTS.items() if self.flags & bit]
 
     def copy(self) -> Frame:
         """Returns a frame with planes of its own. Of a borrowed one: ask whole() of this one afterwards."""

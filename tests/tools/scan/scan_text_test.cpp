@@ -54,6 +54,16 @@ TEST(ScanText, SaysWhatIsWrong) {
     EXPECT_THAT(tools::scan_parts(bad), testing::Contains("no obstacle seen"));
 }
 
+TEST(ScanText, SaysWhyAFrameIsTrustedLess) {
+    auto doubted = reading();
+    EXPECT_EQ(tools::scan_json(doubted)["doubts"], nlohmann::json::array());
+    doubted.frame.flags = disparity::dirty_eye | disparity::dark | 100U << 24U;
+    EXPECT_EQ(tools::scan_parts(doubted).back(), "DOUBTS: dark dirty-eye");
+    EXPECT_THAT(tools::scan_line(doubted), testing::EndsWith(", dark dirty-eye"));
+    EXPECT_EQ(tools::scan_json(doubted)["trust"], 100);
+    EXPECT_EQ(tools::scan_json(doubted)["doubts"], nlohmann::json({"dark", "dirty-eye"}));
+}
+
 TEST(ScanText, SaysWhereTheGroundComesFrom) {
     tools::ScanReading one = reading();
     one.scan.ground = disparity::GroundSource::gravity;

@@ -7,6 +7,7 @@
 
 #include "base/message_text.h"
 #include "clients/json/scan_json.h"
+#include "proto/doubt.h"
 #include "tools/command_line/table.h"
 
 namespace disparityd::tools {
@@ -23,6 +24,16 @@ bool has_metres(const ScanReading& reading) {
 std::string age_text(const ScanReading& reading) {
     const double seconds = static_cast<double>(reading.age_ns) / second_ns;
     return seconds < 1 ? fixed(1000 * seconds, 0) + " ms" : fixed(seconds, 1) + " s";
+}
+
+Json doubts_json(std::uint32_t flags) {
+    Json list = Json::array();
+    for (const proto::DoubtFacts& doubt : proto::doubts) {
+        if ((flags & doubt.bit) != 0) {
+            list.push_back(doubt.name);
+        }
+    }
+    return list;
 }
 
 std::string percent(double share) {
@@ -107,6 +118,9 @@ std::vector<std::string> scan_parts(const ScanReading& reading) {
     if ((reading.frame.flags & disparity::FrameFlags::synthetic) != 0) {
         parts.emplace_back("synthetic");
     }
+    if (const std::string doubts = proto::doubt_names(reading.frame.flags); !doubts.empty()) {
+        parts.push_back("DOUBTS: " + doubts);
+    }
     return parts;
 }
 
@@ -147,7 +161,8 @@ std::string scan_line(const ScanReading& reading) {
                   percent(seen.unknown).c_str(), ground_word(reading.scan.ground),
                   has_metres(reading) ? "" : ", no calibration",
                   (reading.frame.flags & disparity::FrameFlags::synthetic) != 0 ? ", synthetic" : "");
-    return text;
+    const std::string doubts = proto::doubt_names(reading.frame.flags);
+    return text + (doubts.empty() ? "" : ", " + doubts);
 }
 
 std::string no_scan_line(const std::string& why) {
@@ -165,6 +180,8 @@ Json scan_json(const ScanReading& reading) {
               {"skipped", reading.frame.skipped},
               {"calibrated", has_metres(reading)},
               {"synthetic", (reading.frame.flags & disparity::FrameFlags::synthetic) != 0},
+              {"trust", disparity::trust_of(reading.frame.flags)},
+              {"doubts", doubts_json(reading.frame.flags)},
               {"nearest", nearest_json(seen)},
               {"free", seen.free},
               {"occupied", seen.occupied},
