@@ -61,6 +61,7 @@ void Bridge::step() {
     if (const auto timed = source_.next(wait_for_scan)) {
         last_came_ = Clock::now();
         note_scan(*timed);
+        send_alarms(*timed);
         send_scan(*timed);
     } else {
         note_source();
@@ -119,6 +120,12 @@ bool Bridge::send_in_time(const Message& message, const Until& until) {
         return false;
     }
     return link_.send(writer_.frame(message), until.deadline);
+}
+
+void Bridge::send_alarms(const TimedScan& timed) {
+    const auto now = Clock::now();
+    alarms_.tell(timed.flags, now,
+                 [&](const Message& message) { return link_.send(writer_.frame(message), now + wait_for_scan); });
 }
 
 void Bridge::send_heartbeat() {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <optional>
 
+#include "bridges/mavlink/alarm_texts.h"
 #include "bridges/mavlink/heartbeat.h"
 #include "bridges/mavlink/link.h"
 #include "bridges/mavlink/mavlink_frame.h"
@@ -67,6 +68,7 @@ private:
     void send_scan(const TimedScan& timed);
     void send_3d(const TimedScan& timed, std::uint32_t time_ms);
     bool send_in_time(const Message& message, const Until& until);
+    void send_alarms(const TimedScan& timed);
     void send_heartbeat();
     void note_source();
     void note_scan(const TimedScan& timed);
@@ -76,6 +78,7 @@ private:
     Link& link_;
     Notes& notes_;
     FrameWriter writer_;
+    AlarmTexts alarms_;
     RateLimit limit_;
     Clock::time_point last_came_ = Clock::now();  ///< when a scan came, sent or not
     std::optional<Clock::time_point> last_scan_;  ///< when one was sent

@@ -69,7 +69,7 @@ std::optional<TimedScan> ScanSource::scan_of(steady_clock::time_point captured) 
         return std::nullopt;
     }
     problem_.clear();
-    return TimedScan{std::move(*scan), captured, (frame_.flags & disparity::synthetic) != 0};
+    return TimedScan{std::move(*scan), captured, (frame_.flags & disparity::synthetic) != 0, frame_.flags};
 }
 
 void ScanSource::fail(const std::string& reason) {

@@ -14,7 +14,8 @@ struct TimedScan {
     disparity::Scan scan;
     /// When its frame was captured; or earlier, of a daemon on another machine (FrameInfo::age_ns).
     std::chrono::steady_clock::time_point captured;
-    bool synthetic = false;  ///< the frame was rendered
+    bool synthetic = false;   ///< the frame was rendered
+    std::uint32_t flags = 0;  ///< of the frame, with its doubts (proto/doubt.h)
 };
 
 /// Reads scans of a daemon that may be away, come and go. One thread uses it.
