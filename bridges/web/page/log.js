@@ -50,6 +50,9 @@ export class Log {
     if (before.sensors?.state !== now.sensors?.state) this.add(`sensors: ${now.sensors?.state ?? 'none'}`)
     this.#compareRecording(before.record, now.record)
     this.#compareCorrection(before.self_calibration, now.self_calibration)
+    const [doubted, doubts] = [before, now].map(status => status.trust?.doubts ?? [])
+    for (const doubt of doubts) if (!doubted.includes(doubt)) this.add(`doubt about the frames: ${doubt}`, 'warn')
+    for (const doubt of doubted) if (!doubts.includes(doubt)) this.add(`the doubt is over: ${doubt}`, 'good')
     for (const notice of now.notices) if (!before.notices.includes(notice)) this.add(notice, 'warn')
   }
 

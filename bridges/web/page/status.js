@@ -21,6 +21,7 @@ export function showState(state, tone, problem) {
 
 /** What is wrong with a daemon that answers, or null. */
 export function problemOf(status) {
+  if (status.trust?.alarm) return { tone: 'warn', title: 'The frames are not to be trusted', text: status.trust.alarm }
   if (status.state === 'running' || status.state === 'idle') return null
   const camera = status.camera && status.camera.state !== 'streaming' ? `Camera ${status.camera.state.replace('-', ' ')}` : null
   const titles = { waiting: 'Waiting', ended: 'The source has ended', stopping: 'The daemon is stopping' }
