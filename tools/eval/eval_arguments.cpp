@@ -73,7 +73,8 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
             "--trust", arguments.trust,
             "how many faulty eyes are named within 5 s, and what false alarms there are, instead. Of made sequences: "
             "DATA is faults:SEED, whose seeds are SEED, SEED + 2 and so on; --repeat says how many of each fault, "
-            "default 30. The preset is obstacles unless --preset says otherwise")
+            "default 30. Of real pairs: DATA is folders of scenes, or LEFT,RIGHT. The preset is obstacles unless "
+            "--preset says otherwise")
         ->excludes(paper)
         ->excludes(fair)
         ->excludes(fractions)

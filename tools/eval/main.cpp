@@ -507,12 +507,16 @@ int evaluate_trust(const EvalArguments& arguments) {
     const pipeline::WorkerPool::ComputeSlot slot(workers);
     constexpr int disparities = 64;
     TrustEvaluation evaluation;
-    evaluation.seed = seed_of_faults(arguments.data);
     evaluation.match =
         options_for(arguments, methods_of(arguments).front(), arguments.match.disparities().value_or(disparities));
     evaluation.backend = backends_of(arguments).front();
     evaluation.sequences = arguments.repeat.value_or(evaluation.sequences);
-    report_trust(evaluation, workers, arguments.markdown);
+    if (const auto seed = seed_of_faults(arguments.data)) {
+        evaluation.seed = *seed;
+        report_trust(evaluation, workers, arguments.markdown);
+    } else {
+        report_trust_of_data(evaluation, arguments.data, workers, arguments.markdown);
+    }
     return tools::exit_done;
 }
 

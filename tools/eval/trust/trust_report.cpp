@@ -17,12 +17,14 @@
 #include "tools/eval/frame_buffers.h"
 #include "tools/eval/noise.h"
 #include "tools/eval/rendered_scene.h"
+#include "tools/images/image_file.h"
 #include "trust/judge.h"
 
 namespace disparityd::eval {
 namespace {
 
 constexpr int rate = 15;
+constexpr std::int64_t second_ns = 1'000'000'000;
 constexpr int frames_before = 2 * rate;
 constexpr int frames_allowed = 5 * rate;
 constexpr int frames_of_good = 20 * rate;  // thirty of them are ten minutes
@@ -34,16 +36,6 @@ std::uint32_t alarm_bits() {
         bits |= doubt.alarm ? doubt.bit : 0U;
     }
     return bits;
-}
-
-std::string names_of(std::uint32_t bits) {
-    std::string names;
-    for (const proto::DoubtFacts& doubt : proto::doubts) {
-        if ((bits & doubt.bit) != 0) {
-            names += (names.empty() ? "" : " ") + std::string(doubt.name);
-        }
-    }
-    return names;
 }
 
 /// A pair and what the matcher made of it.
@@ -125,7 +117,6 @@ public:
     Player(const TrustEvaluation& /*evaluation*/, cv::Size size) : judge_(size.width, size.height, {}) {}
 
     std::uint32_t next(const std::vector<MatchedPair>& pairs) {
-        constexpr std::int64_t second_ns = 1'000'000'000;
         const int way = std::max(1, 2 * (static_cast<int>(pairs.size()) - 1));
         const int step = shown_ % way;
         const int index = std::min(step, way - step) % static_cast<int>(pairs.size());
@@ -172,8 +163,30 @@ void play_fault(const TrustEvaluation& evaluation, Fault fault, std::uint32_t se
     if (others != 0 || (fault != Fault::none && named_at < 0)) {
         count.missed.push_back(std::string(name(fault)) + " seed " + std::to_string(seed) + ": " + made.text() +
                                (fault != Fault::none && named_at < 0 ? ", not named" : "") +
-                               (others != 0 ? ", named " + names_of(others) : ""));
+                               (others != 0 ? ", named " + proto::doubt_names(others) : ""));
     }
+}
+
+Scene read_pair(const std::string& left, const std::string& right) {
+    Scene scene;
+    scene.name = left;
+    scene.left = images::read_image(left);
+    scene.right = images::read_image(right);
+    return scene;
+}
+
+std::vector<SceneToJudge> real_pairs(const std::vector<std::string>& data) {
+    std::vector<SceneToJudge> pairs;
+    for (const std::string& one : data) {
+        if (const auto comma = one.find(','); comma != std::string::npos) {
+            pairs.push_back({one, 0, [one, comma] { return read_pair(one.substr(0, comma), one.substr(comma + 1)); }});
+            continue;
+        }
+        for (const datasets::DatasetScene& files : find_scenes({one})) {
+            pairs.push_back(scene_of_files(files, 0, 0));
+        }
+    }
+    return pairs;
 }
 
 }  // namespace
@@ -188,17 +201,41 @@ TrustCount count_trust(const TrustEvaluation& evaluation, Fault fault, Parallel&
     return count;
 }
 
-std::uint32_t seed_of_faults(const std::vector<std::string>& data) {
+std::optional<std::uint32_t> seed_of_faults(const std::vector<std::string>& data) {
     constexpr std::string_view prefix = "faults:";
     constexpr double most = 1000000;
     const std::string& found = data.front();
-    const auto seed =
-        found.starts_with(prefix) ? base::parse_number(std::string_view(found).substr(prefix.size())) : std::nullopt;
+    if (!found.starts_with(prefix)) {
+        return std::nullopt;
+    }
+    const auto seed = base::parse_number(std::string_view(found).substr(prefix.size()));
     if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
         throw std::invalid_argument("--trust: DATA: found '" + found + "'" + (data.size() > 1 ? " beside others" : "") +
                                     ", allowed: faults:SEED alone, SEED 0 .. 1000000, such as faults:1");
     }
     return static_cast<std::uint32_t>(*seed);
+}
+
+void report_trust_of_data(const TrustEvaluation& evaluation, const std::vector<std::string>& data, Parallel& workers,
+                          bool markdown) {
+    tools::Table table({"pair", "trust", "doubts"});
+    for (const SceneToJudge& one : real_pairs(data)) {
+        Scene scene = one.read();
+        MatchOptions match = evaluation.match;
+        match.range.count = std::max({match.range.count, scene.disparities, scene.left.cols / 10 / 16 * 16});
+        const auto matcher = evaluation.backend->create({scene.left.cols, scene.left.rows, match});
+        FrameBuffers frame(*matcher, scene.left, scene.right, workers);
+        frame.match(workers);
+        trust::Judge judge(scene.left.cols, scene.left.rows, {});
+        trust::Verdict last;
+        std::uint32_t doubts = 0;
+        for (int i = 0; i < frames_of_good; ++i) {
+            last = judge.judge(frame.view(), i * second_ns / rate, i == 0);
+            doubts |= last.doubts;
+        }
+        table.add({scene.name, std::to_string(last.trust), proto::doubt_names(doubts)});
+    }
+    markdown ? table.print_markdown(std::cout) : table.print(std::cout);
 }
 
 void report_trust(const TrustEvaluation& evaluation, Parallel& workers, bool markdown) {

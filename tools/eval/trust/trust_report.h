@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,8 +33,13 @@ struct TrustCount {
 /// Plays the sequences of one fault. Of good ones, for ten minutes together, `others` counts all alarms.
 TrustCount count_trust(const TrustEvaluation& evaluation, Fault fault, Parallel& workers);
 
-/// Returns the seed of faults:SEED. Throws std::invalid_argument where DATA is another.
-std::uint32_t seed_of_faults(const std::vector<std::string>& data);
+/// Returns the seed of faults:SEED, nothing for other DATA. Throws std::invalid_argument for a bad one.
+std::optional<std::uint32_t> seed_of_faults(const std::vector<std::string>& data);
+
+/// Plays real pairs, each for 20 s as a robot that stands sees it, and prints what is said of them. DATA: folders of
+/// scenes with ground truth, or LEFT,RIGHT of a rectified pair. Throws std::invalid_argument for other DATA.
+void report_trust_of_data(const TrustEvaluation& evaluation, const std::vector<std::string>& data, Parallel& workers,
+                          bool markdown);
 
 /// Plays the sequences of all faults and the good ones, and prints a table.
 void report_trust(const TrustEvaluation& evaluation, Parallel& workers, bool markdown);
