@@ -110,17 +110,17 @@ __global__ void noisy_census_kernel(NoisyImage left, NoisyImage right, std::uint
     DISPARITYD_SHARED(std::uint8_t, smoothed, [smoothed_height][smoothed_width]);
     DISPARITYD_SHARED(std::uint32_t, census, [gradient_rows][tile_side]);
     DISPARITYD_SHARED(std::uint8_t, gradients, [gradient_rows][tile_side]);
-    const NoisyImage& eye = blockIdx.z == 0 ? left : right;
-    const int height = eye.image.height;
+    const View<const std::uint8_t> image = blockIdx.z == 0 ? left.image : right.image;
+    const View<const std::uint8_t> smoothed_image = blockIdx.z == 0 ? left.smoothed : right.smoothed;
     const int first_x = static_cast<int>(blockIdx.x) * tile_side;
     const int first_y = static_cast<int>(blockIdx.y) * tile_side;
     const int thread = static_cast<int>(threadIdx.y * tile_side + threadIdx.x);
-    read_tile<gradient_tile_width, image_height>(eye.image, first_x, first_y, thread, tile);
-    read_tile<smoothed_width, smoothed_height>(eye.smoothed, first_x, first_y, thread, smoothed);
+    read_tile<gradient_tile_width, image_height>(image, first_x, first_y, thread, tile);
+    read_tile<smoothed_width, smoothed_height>(smoothed_image, first_x, first_y, thread, smoothed);
     __syncthreads();
     const int column = static_cast<int>(threadIdx.x);
     for (int row = static_cast<int>(threadIdx.y); row < gradient_rows; row += block_height) {
-        const int from_tile = clamp(first_y + row - 1, 0, height - 1) - first_y + 1;
+        const int from_tile = clamp(first_y + row - 1, 0, image.height - 1) - first_y + 1;
         const auto read = [&](int dx, int dy) {
             return tile[from_tile + gradient_census_radius_y * coarseness + dy][column + gradient_census_radius_x + dx];
         };
@@ -129,7 +129,7 @@ __global__ void noisy_census_kernel(NoisyImage left, NoisyImage right, std::uint
         gradients[row][column] = gradient_byte<coarseness>(read_smoothed);
     }
     __syncthreads();
-    write_gradient_words(census, gradients, first_x, first_y, eye.image.width, height,
+    write_gradient_words(census, gradients, first_x, first_y, image.width, image.height,
                          reinterpret_cast<GradientWord*>(blockIdx.z == 0 ? left_words : right_words));
 }
 
