@@ -12,7 +12,10 @@ std::vector<KernelCase> kernel_cases() {
 }
 
 ImagePair::ImagePair(Random& random, const KernelInput& input)
-    : left(input.width, input.height), right(input.width, input.height) {
+    : left(input.width, input.height),
+      right(input.width, input.height),
+      smoothed_left(input.width, input.height),
+      smoothed_right(input.width, input.height) {
     const int kind = input.hostile ? pick(random, 0, 4) : 2;
     left = noise(random, input.width, input.height, 0, kind == 1 ? 1 : 255);
     right = kind == 2 ? shifted(random, left, input.hostile ? pick(random, -20, 20) : 17)
@@ -22,6 +25,8 @@ ImagePair::ImagePair(Random& random, const KernelInput& input)
             pixel = kind == 0 ? std::uint8_t{90} : kind != 3 ? pixel : pixel < 128 ? 0 : 255;
         }
     }
+    reference::smooth(left.plane(), smoothed_left.plane(), left.rows());
+    reference::smooth(right.plane(), smoothed_right.plane(), right.rows());
 }
 
 }  // namespace disparityd::test

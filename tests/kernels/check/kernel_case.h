@@ -116,6 +116,7 @@ std::vector<KernelCase> kernel_cases();
 struct ImagePair {
     ImagePair(Random& random, const KernelInput& input);
     Image<std::uint8_t> left, right;
+    Image<std::uint8_t> smoothed_left, smoothed_right;
 };
 
 /// Calls work(Rows) for all rows of the input, the lower part first.

@@ -27,12 +27,12 @@ struct PlainSgm {
 
     void census() {
         if (const int coarseness = census_coarseness(input.options.noise_level); coarseness > 0) {
-            const auto words_of = [&](const Image<std::uint8_t>& image, Image<std::uint64_t>& words) {
-                reference::noisy_census(image.plane(), smoothed(image).plane(), coarseness, words.plane(),
-                                        words.rows());
-            };
-            words_of(pair.left, left_words);
-            words_of(pair.right, right_words);
+            over_parts(input, [&](Rows rows) {
+                reference::noisy_census(pair.left.plane(), pair.smoothed_left.plane(), coarseness, left_words.plane(),
+                                        rows);
+                reference::noisy_census(pair.right.plane(), pair.smoothed_right.plane(), coarseness,
+                                        right_words.plane(), rows);
+            });
             return;
         }
         over_parts(input, [&](Rows rows) {

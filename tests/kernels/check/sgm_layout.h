@@ -71,12 +71,6 @@ struct SgmLayout {
     cpu::MatchGeometry geometry;
 };
 
-inline Image<std::uint8_t> smoothed(const Image<std::uint8_t>& image) {
-    Image<std::uint8_t> result(image.width(), image.height());
-    reference::smooth(image.plane(), result.plane(), image.rows());
-    return result;
-}
-
 /// Census planes of a pair in guarded memory, and matching costs from them.
 struct SgmPlanes {
     SgmPlanes(const SgmLayout& of, RunBuffers& buffers)
@@ -95,8 +89,8 @@ struct SgmPlanes {
         const cpu::CensusKernels& census =
             coarseness > 0 ? layout.kernels.noisy_census[coarseness - 1] : layout.kernels.census;
         over_parts(input, [&](Rows rows) {
-            census.left(layout.geometry, pair.left.plane(), smoothed(pair.left).plane(), left.data(), rows);
-            census.right(layout.geometry, pair.right.plane(), smoothed(pair.right).plane(), right.data(), rows);
+            census.left(layout.geometry, pair.left.plane(), pair.smoothed_left.plane(), left.data(), rows);
+            census.right(layout.geometry, pair.right.plane(), pair.smoothed_right.plane(), right.data(), rows);
         });
     }
     void matching_cost(int y, std::uint8_t* row, std::uint8_t* streamed = nullptr) {
