@@ -9,7 +9,9 @@
 #include "kernels/cuda/backend.h"
 #endif
 #include "kernels/fallback_matcher.h"
+#include "kernels/frame_stages.h"
 #include "kernels/matcher.h"
+#include "kernels/near_guard.h"
 #include "kernels/reference/steps.h"
 #include "kernels/step_matcher.h"
 #include "kernels/steps.h"
@@ -23,7 +25,9 @@ bool everywhere() {
 }
 
 std::unique_ptr<Matcher> create_reference(const MatcherConfig& config) {
-    return std::make_unique<StepMatcher>(config, reference::steps);
+    return with_near_guard(checked(config), reference::steps.frame, [](const MatcherConfig& made) {
+        return std::make_unique<StepMatcher>(made, reference::steps);
+    });
 }
 
 std::string nothing_missing() {

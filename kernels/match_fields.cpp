@@ -47,6 +47,7 @@ constexpr std::array fields{
                0, 3},
     MatchField{"adaptive_noise", FIELD(adaptive_noise),
                "sgm: take the noise level of each frame from the noise of those before it"},
+    MatchField{"near_guard", FIELD(post.near_guard), "reject what a coarse match finds to be nearer than the range"},
 };
 
 #undef FIELD

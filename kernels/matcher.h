@@ -59,7 +59,10 @@ struct FrameView {
     Plane<std::uint16_t> depth;        ///< mm; 0 = unknown, 65535 = valid but farther than 65.534 m; optional
     /// One sigma of depth in mm; 0 = unknown, or not measured; 65535 = 65.535 m or more; optional.
     Plane<std::uint16_t> depth_error;
-    int noise_level = 0;           ///< 0 .. 3, where MatchOptions::adaptive_noise is on; else it is ignored
+    int noise_level = 0;  ///< 0 .. 3, where MatchOptions::adaptive_noise is on; else it is ignored
+    /// Of each block of 4 x 4 pixels that is nearer than the range: about its disparity in 1/16 px; elsewhere not_near
+    /// (kernels/near_plane.h). near_blocks() of width and height; optional, and written only with the near guard.
+    Plane<std::int16_t> near;
     int subpixel_error = 0;        ///< for depth_error: one sigma of a disparity in 1/256 px, 1 .. 1024
     std::span<std::byte> scratch;  ///< Matcher::scratch_bytes(), aligned to 64
 };

@@ -97,6 +97,7 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
                    .p2_min = 18,
                    .calibrated_confidence = true};
     options.post.speckle_step = 1;
+    options.post.near_guard = preset == Preset::obstacles;
     if (preset == Preset::dense) {
         options.post.uniqueness = 0;
         options.post.speckle_size = 40;

@@ -50,6 +50,7 @@ struct PostOptions {
     int min_texture = 0;           ///< step 10: percent, 0 .. 99, of a region's pixels that must vouch for it; 0: off
     bool interpolate = false;      ///< step 11
     int guided_median = 0;         ///< step 12: 0 (off), 5 or 7
+    bool near_guard = false;       ///< step 16: reject what a coarse match finds to be nearer than the range
 };
 
 /// What is set here is not tuned: start from default_options().

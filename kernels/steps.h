@@ -94,6 +94,9 @@ struct FrameSteps {
     /// Step 13, of a finished image: 0 where the confidence is 0.
     void (*depth_error)(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> confidence,
                         const DepthErrorScale& scale, Plane<std::uint16_t> error, Rows rows);
+    /// Step 16: an image of a quarter of the size, near_blocks() of the columns and rows of `image`; `rows` are of
+    /// `out`.
+    void (*shrink)(Plane<const std::uint8_t> image, Plane<std::uint8_t> out, Rows rows);
     /// Step 14, of a finished image.
     scan::CountPixels* scan_counts;
 };

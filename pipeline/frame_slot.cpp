@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/frame_slot.h"
 
+#include "kernels/near_plane.h"
 #include "kernels/round_up_to_cache_line.h"
 
 namespace disparityd::pipeline {
@@ -29,6 +30,9 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::span<AddedS
     if (products.depth_error) {
         view.depth_error = allocate<std::uint16_t>(depth_error_, width, height);
         view.subpixel_error = *products.depth_error;
+    }
+    if (matcher.config().options.post.near_guard) {
+        view.near = allocate<std::int16_t>(near_, near_blocks(width), near_blocks(height));
     }
     if (products.left_colour) {
         view.left_colour = allocate<std::uint8_t>(left_colour_, 3 * width, height);

@@ -44,8 +44,8 @@ public:
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, scratch_,
-        stage_memory_;
+    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, near_,
+        scratch_, stage_memory_;
 };
 
 }  // namespace disparityd::pipeline

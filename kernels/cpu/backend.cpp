@@ -10,6 +10,7 @@
 #include "kernels/cpu/sgm/sgm_matcher.h"
 #include "kernels/cpu/step_kernels.h"
 #include "kernels/frame_stages.h"
+#include "kernels/near_guard.h"
 
 namespace disparityd::cpu {
 
@@ -24,14 +25,22 @@ std::vector<InstructionSet> instruction_sets() {
     return found;
 }
 
-std::unique_ptr<Matcher> create(const MatcherConfig& config, const InstructionSet& instruction_set) {
-    const MatchOptions& options = checked(config).options;
-    const std::int64_t target = instruction_set.target;
-    if (options.method != Method::sgm) {
+namespace {
+
+std::unique_ptr<Matcher> create_unguarded(const MatcherConfig& config, std::int64_t target) {
+    if (config.options.method != Method::sgm) {
         const int cores = static_cast<int>(std::max(std::thread::hardware_concurrency(), 1U));
         return std::make_unique<BlockMatcher>(config, frame_steps(target), target, cores);
     }
     return std::make_unique<SgmMatcher>(config, frame_steps(target), target, last_level_cache_bytes());
+}
+
+}  // namespace
+
+std::unique_ptr<Matcher> create(const MatcherConfig& config, const InstructionSet& instruction_set) {
+    const std::int64_t target = instruction_set.target;
+    return with_near_guard(checked(config), frame_steps(target),
+                           [target](const MatcherConfig& made) { return create_unguarded(made, target); });
 }
 
 bool available() {

@@ -17,6 +17,7 @@
 #include "kernels/cpu/post/left_right-inl.h"
 #include "kernels/cpu/post/median-inl.h"
 #include "kernels/cpu/post/outputs-inl.h"
+#include "kernels/cpu/post/shrink-inl.h"
 #include "kernels/cpu/post/speckle-inl.h"
 #include "kernels/cpu/post/vote-inl.h"
 #include "kernels/cpu/scan/scan_counts-inl.h"
@@ -41,6 +42,7 @@ const FrameSteps& frame_steps() {
         .guided_median = guided_median,
         .depth = depth,
         .depth_error = depth_error,
+        .shrink = shrink,
         .scan_counts = scan_counts,
     };
     return table;

@@ -7,6 +7,7 @@
 #include "kernels/cuda/match_stage.h"
 #include "kernels/cuda/rectify_stage.h"
 #include "kernels/frame_stages.h"
+#include "kernels/near_guard.h"
 #include "kernels/stage_table.h"
 #include "kernels/step_clock.h"
 
@@ -62,7 +63,10 @@ std::unique_ptr<Matcher> create(const MatcherConfig& config) {
     if (!problem.empty()) {
         throw std::runtime_error("back end cuda: " + problem);
     }
-    return std::make_unique<CudaMatcher>(config);
+    // Shrinking runs on the processor, which has the pair: the rectified frames are in its memory for all who want
+    // them.
+    return with_near_guard(config, fastest_frame_steps(),
+                           [](const MatcherConfig& made) { return std::make_unique<CudaMatcher>(made); });
 }
 
 }  // namespace disparityd::cuda

@@ -35,6 +35,7 @@ const KernelSteps steps = {
             .guided_median = guided_median,
             .depth = depth,
             .depth_error = depth_error,
+            .shrink = shrink,
             .scan_counts = scan_counts,
         },
     .matching =

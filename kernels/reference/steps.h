@@ -56,6 +56,7 @@ void depth(Plane<const std::int16_t> disparity, std::int16_t invalid, DepthScale
            Rows rows);
 void depth_error(Plane<const std::int16_t> disparity, Plane<const std::uint8_t> confidence,
                  const DepthErrorScale& scale, Plane<std::uint16_t> error, Rows rows);
+void shrink(Plane<const std::uint8_t> image, Plane<std::uint8_t> out, Rows rows);
 void scan_counts(const scan::Pixels& pixels, const scan::CountTables& tables, scan::Counts& counts);
 
 /// All of the above as a table.

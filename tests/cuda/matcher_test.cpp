@@ -144,6 +144,18 @@ TEST_F(CudaDevice, NothingIsLeftFromTheFrameBefore) {
     }
 }
 
+TEST_F(CudaDevice, TheNearGuardEqualsTheReferences) {
+    Random random(62);
+    Pair pair(noise(random, 170, 40), Bytes(170, 40));
+    pair.right = shifted(random, pair.left, 40);
+    for (const Method method : {Method::sad, Method::census, Method::sgm}) {
+        MatchOptions options = default_options(method, {-3, 16});
+        options.post.near_guard = true;
+        options.post.interpolate = method == Method::census;
+        expect_equal_to_reference(pair, options);
+    }
+}
+
 // As in a pipeline: each stage has a thread, and the next frame is rectified while this one is matched.
 TEST_F(CudaDevice, StagesWorkOnTwoFramesAtTheSameTime) {
     constexpr int width = 24;

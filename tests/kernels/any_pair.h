@@ -72,6 +72,7 @@ inline MatchOptions any_options(Random& random) {
     options.post.min_texture = pick(random, 0, 1) * pick(random, 0, 30);
     options.post.interpolate = pick(random, 0, 1) == 1;
     options.post.guided_median = std::array{0, 5, 7}[static_cast<std::size_t>(pick(random, 0, 2))];
+    options.post.near_guard = pick(random, 0, 1) == 1;
     return options;
 }
 
@@ -91,12 +92,14 @@ struct Result {
         : disparity(frame.disparity.pixels()),
           confidence(frame.confidence.pixels()),
           depth(frame.depth.pixels()),
-          depth_error(frame.depth_error.pixels()) {}
+          depth_error(frame.depth_error.pixels()),
+          near(frame.near.pixels()) {}
 
     std::vector<std::int16_t> disparity;
     std::vector<std::uint8_t> confidence;
     std::vector<std::uint16_t> depth;
     std::vector<std::uint16_t> depth_error;
+    std::vector<std::int16_t> near;
     bool operator==(const Result&) const = default;
 };
 
@@ -126,6 +129,7 @@ inline void expect_result(const Result& found, const Result& expected, const Mat
     ASSERT_EQ(found.confidence, expected.confidence) << where();
     ASSERT_EQ(found.depth, expected.depth) << where();
     ASSERT_EQ(found.depth_error, expected.depth_error) << where();
+    ASSERT_EQ(found.near, expected.near) << where();
 }
 
 inline void expect_equal_to_reference(Matcher& matcher, const Pair& pair, Parallel& workers) {

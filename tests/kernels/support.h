@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/matcher.h"
+#include "kernels/near_plane.h"
 #include "kernels/reference/steps.h"
 #include "tests/kernels/print_parameters.h"
 
@@ -107,6 +108,7 @@ public:
           confidence(left.width(), left.height(), 77),
           depth(left.width(), left.height(), 4321),
           depth_error(left.width(), left.height(), 5432),
+          near(near_blocks(left.width()), near_blocks(left.height()), 3210),
           scratch_(matcher.scratch_bytes() + 64, std::byte{0xa5}) {
         view.left = left.plane();
         view.right = right.plane();
@@ -116,6 +118,7 @@ public:
         view.depth_scale = {1600000, 3};
         view.depth_error = depth_error.plane();
         view.subpixel_error = 64;
+        view.near = near.plane();
         void* start = scratch_.data();
         std::size_t space = scratch_.size();
         view.scratch = {static_cast<std::byte*>(std::align(64, matcher.scratch_bytes(), start, space)),
@@ -126,6 +129,7 @@ public:
     Image<std::int16_t> disparity;
     Image<std::uint8_t> confidence;
     Image<std::uint16_t> depth, depth_error;
+    Image<std::int16_t> near;
     FrameView view;
 
 private:

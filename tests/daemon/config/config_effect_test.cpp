@@ -95,26 +95,40 @@ struct NoisyPair {
 using Planes = std::tuple<std::vector<std::int16_t>, std::vector<std::uint8_t>>;
 
 Planes matched(const std::vector<std::uint8_t>& left, const std::vector<std::uint8_t>& right,
-               const MatchOptions& options) {
-    constexpr std::size_t pixels = width * height;
+               const MatchOptions& options, int columns, int rows) {
+    const auto pixels = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
     Planes planes{std::vector<std::int16_t>(pixels), std::vector<std::uint8_t>(pixels)};
     PairResults results;
-    results.disparity = {std::get<0>(planes).data(), width, height, width};
-    results.confidence = {std::get<1>(planes).data(), width, height, width};
-    PairMatcher matcher(width, height, options, "cpu");
+    results.disparity = {std::get<0>(planes).data(), columns, rows, columns};
+    results.confidence = {std::get<1>(planes).data(), columns, rows, columns};
+    PairMatcher matcher(columns, rows, options, "cpu");
     Serial one_thread;
-    matcher.match({left.data(), width, height, width}, {right.data(), width, height, width}, results, one_thread);
+    matcher.match({left.data(), columns, rows, columns}, {right.data(), columns, rows, columns}, results, one_thread);
     return planes;
 }
 
-/// Of a noisy pair, and of a grey one without SGM: no candidate is better than another there, while the paths of SGM
-/// would carry what they see at the left border through the whole image.
-std::pair<Planes, Planes> matched(const MatchOptions& options) {
+/// Of the noisy pair seen with so few candidates that a part of it is nearer, each pixel four times as wide and high.
+Planes matched_too_near(const NoisyPair& noisy, MatchOptions options) {
+    constexpr int times = 4;
+    std::vector<std::uint8_t> left(times * times * width * height), right(left.size());
+    for (std::size_t i = 0; i < left.size(); ++i) {
+        const std::size_t x = i % (times * width) / times, y = i / (times * width) / times;
+        left[i] = noisy.left[y * width + x];
+        right[i] = noisy.right[y * width + x];
+    }
+    options.range.count = 16;
+    return matched(left, right, options, times * width, times * height);
+}
+
+/// Of a noisy pair, also when it is too near, and of a grey one without SGM: no candidate is better than another there,
+/// while the paths of SGM would carry what they see at the left border through the whole image.
+std::tuple<Planes, Planes, Planes> matched(const MatchOptions& options) {
     static const NoisyPair noisy;
     static const std::vector<std::uint8_t> grey(width * height, 90);
     MatchOptions alone = options;
     alone.method = Method::census;
-    return {matched(noisy.left, noisy.right, options), matched(grey, grey, alone)};
+    return {matched(noisy.left, noisy.right, options, width, height), matched_too_near(noisy, options),
+            matched(grey, grey, alone, width, height)};
 }
 
 /// What a client sees of the geometry: size, and the principal point within the region.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "kernels/cpu/step_kernels.h"
+#include "kernels/near_plane.h"
 #include "kernels/parallel.h"
 #include "kernels/scan_counts.h"
 #include "obstacles/band.h"
@@ -304,6 +305,19 @@ Bound bind_scan_counts(const Data& data, const FrameSteps&) {
             {}};
 }
 
+Bound bind_shrink(const Data& data, const FrameSteps&) {
+    const auto image =
+        std::make_shared<Image<std::uint8_t>>(noise(data->random, data->input.width, data->input.height));
+    const auto out =
+        data->buffers.result<std::uint8_t>(near_blocks(data->input.width), near_blocks(data->input.height));
+    return {[=](const FrameSteps& steps) {
+                const int split = data->input.hostile ? out.height / 2 : out.height;
+                steps.shrink(image->plane(), out, {0, split});
+                steps.shrink(image->plane(), out, {split, out.height});
+            },
+            {}};
+}
+
 Bound bind_depth_error(const Data& data, const FrameSteps&) {
     const auto disparity = std::make_shared<Image<std::int16_t>>(data->disparities());
     const auto confidence = std::make_shared<Image<std::uint8_t>>(
@@ -338,6 +352,7 @@ std::vector<KernelCase> step_cases() {
         step_case("calibrated_confidence", bind_finish_confidence<true>),
         step_case("depth", bind_depth),
         step_case("scan_counts", bind_scan_counts),
+        step_case("shrink", bind_shrink),
         step_case("depth_error", bind_depth_error),
     };
     for (KernelCase& kernel : cases) {

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels/near_guard.h"
+
+#include <algorithm>
+
+#include "kernels/frame_stages.h"
+#include "kernels/parallel_rows.h"
+#include "kernels/step_clock.h"
+
+namespace disparityd {
+
+namespace {
+
+template <typename T>
+Plane<T> allocate(LargeBuffer& buffer, const MatcherConfig& config) {
+    buffer = LargeBuffer(static_cast<std::size_t>(config.width) * static_cast<std::size_t>(config.height) * sizeof(T));
+    return buffer.plane<T>(config.width, config.height);
+}
+
+int last_candidate(DisparityRange range) {
+    return range.first + range.count - 1;
+}
+
+// As near as four times the largest disparity, and all that the range itself has, so that a candidate of it can win.
+DisparityRange coarse_range(DisparityRange range) {
+    constexpr int step = 16;
+    const int first = range.first >= 0 ? range.first / near_block : -near_blocks(-range.first);
+    const int wanted = last_candidate(range) + 1 - first;
+    return {first, std::clamp((wanted + step - 1) / step * step, 64, max_disparities)};
+}
+
+// Clears the pixels of a block in a plane that the frame may lack.
+template <typename T>
+void fill_block(Plane<T> plane, int block_x, int block_y, T value) {
+    if (!plane) {
+        return;
+    }
+    const int x = near_block * block_x;
+    const int columns = std::min(near_block, plane.width - x);
+    for (int y = near_block * block_y; y < std::min(near_block * (block_y + 1), plane.height); ++y) {
+        std::fill_n(plane.row(y) + x, columns, value);
+    }
+}
+
+}  // namespace
+
+MatcherConfig coarse_config(const MatcherConfig& config) {
+    MatcherConfig coarse{near_blocks(config.width), near_blocks(config.height),
+                         preset_options(Preset::obstacles, coarse_range(config.options.range))};
+    coarse.options.post.near_guard = false;
+    coarse.options.adaptive_noise = false;  // the mean of 16 pixels has a quarter of the noise
+    coarse.options.post.speckle_size = 20;
+    return coarse;
+}
+
+void reject_near(Plane<const std::int16_t> coarse, DisparityRange coarse_range, DisparityRange range,
+                 const FrameView& frame, Rows coarse_rows) {
+    const std::int16_t coarse_invalid = invalid_disparity(coarse_range);
+    for (int y = coarse_rows.first; y < coarse_rows.last; ++y) {
+        if (frame.near) {
+            std::fill_n(frame.near.row(y), frame.near.width, not_near);
+        }
+        for (int x = 0; x < coarse.width; ++x) {
+            const int value = near_block * coarse.at(x, y);
+            if (coarse.at(x, y) == coarse_invalid || value < 16 * last_candidate(range)) {
+                continue;
+            }
+            if (frame.near) {
+                frame.near.at(x, y) = static_cast<std::int16_t>(value);
+            }
+            fill_block(frame.disparity, x, y, invalid_disparity(range));
+            fill_block(frame.confidence, x, y, std::uint8_t{0});
+            fill_block(frame.depth, x, y, std::uint16_t{0});
+            fill_block(frame.depth_error, x, y, std::uint16_t{0});
+        }
+    }
+}
+
+NearGuard::NearGuard(const MatcherConfig& config, const FrameSteps& steps, std::unique_ptr<Matcher> guarded,
+                     std::unique_ptr<Matcher> coarse)
+    : config_(config),
+      steps_(steps),
+      guarded_(std::move(guarded)),
+      coarse_(std::move(coarse)),
+      last_steps_(guarded_->stages().back().steps.begin(), guarded_->stages().back().steps.end()),
+      stages_(guarded_->stages().begin(), guarded_->stages().end()) {
+    last_steps_.emplace_back("near-guard");
+    stages_.back().steps = last_steps_;
+    coarse_view_.left = allocate<std::uint8_t>(left_, coarse_->config());
+    coarse_view_.right = allocate<std::uint8_t>(right_, coarse_->config());
+    coarse_view_.disparity = allocate<std::int16_t>(disparity_, coarse_->config());
+    coarse_view_.confidence = allocate<std::uint8_t>(confidence_, coarse_->config());
+    scratch_ = LargeBuffer(coarse_->scratch_bytes());
+    coarse_view_.scratch = {scratch_.data(), scratch_.size()};
+}
+
+void NearGuard::run(int stage, const FrameView& frame, Parallel& workers,
+                    std::span<std::chrono::nanoseconds> step_times) {
+    if (static_cast<std::size_t>(stage) + 1 < stages_.size()) {
+        guarded_->run(stage, frame, workers, step_times);
+        return;
+    }
+    guarded_->run(stage, frame, workers, step_times.first(step_times.size() - 1));
+    StepClock clock(step_times.last(1));
+    guard(frame, workers);
+    clock.next();
+}
+
+void NearGuard::guard(const FrameView& frame, Parallel& workers) {
+    const MatcherConfig& coarse = coarse_->config();
+    parallel_rows(coarse.height, workers, [&](Rows rows) {
+        steps_.shrink(frame.left, coarse_view_.left, rows);
+        steps_.shrink(frame.right, coarse_view_.right, rows);
+    });
+    match_pair(*coarse_, coarse_view_, workers);
+    reject_near(coarse_view_.disparity, coarse.options.range, config_.options.range, frame, {0, coarse.height});
+}
+
+}  // namespace disparityd
