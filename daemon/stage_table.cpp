@@ -19,7 +19,7 @@ std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int heigh
     }
     ScanOptions options = config.scan.options;
     options.subpixel_error_px = config.match.subpixel_error_px;
-    return std::make_unique<ScanStage>(width, height, options);
+    return std::make_unique<ScanStage>(width, height, config.match.options.range, options);
 }
 
 std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height) {

@@ -49,6 +49,7 @@ ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& optio
       counts_(geometry_.sectors(), geometry_.groups(), width),
       decision_(geometry_),
       drop_sectors_(geometry_),
+      near_sectors_(geometry_),
       camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
 Scan ObstacleScanner::empty_scan() const {
@@ -58,7 +59,7 @@ Scan ObstacleScanner::empty_scan() const {
 }
 
 void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
-                           const std::optional<CameraDirection>& up) {
+                           const std::optional<CameraDirection>& up, const scan::NearBlocks& near) {
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         follow_geometry();
@@ -81,6 +82,7 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     steps_.scan_counts(pixels, tables, counts_);
     decision_.decide(pixels, geometry_, scan.ground, counts_, sectors);
     drop_sectors_.add(pixels, geometry_, tables, scan.ground, sectors);
+    near_sectors_.add(near, geometry_, tables, sectors);
     if (!shift_) {
         return;
     }

@@ -10,6 +10,7 @@
 #include "obstacles/drop_sectors.h"
 #include "obstacles/floor_finder.h"
 #include "obstacles/ground_fit.h"
+#include "obstacles/near_sectors.h"
 #include "obstacles/origin_shift.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_geometry.h"
@@ -28,9 +29,10 @@ public:
 
     /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
-    /// `up`: where up is at that time, for GroundMode::gravity; without it, the configured ground is taken.
+    /// `up`: where up is at that time, for GroundMode::gravity; without it, the configured ground is taken. `near`:
+    /// what the near guard has found, where it is on.
     void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
-              const std::optional<CameraDirection>& up = std::nullopt);
+              const std::optional<CameraDirection>& up = std::nullopt, const scan::NearBlocks& near = {});
 
     Scan empty_scan() const;
 
@@ -51,6 +53,7 @@ private:
     scan::GroundFit ground_fit_;
     scan::SectorDecision decision_;
     scan::DropSectors drop_sectors_;
+    scan::NearSectors near_sectors_;
     scan::FloorFinder floor_finder_;
     scan::MountingWatch mounting_watch_;
     int frames_until_floor_ = 0;              ///< that are not asked for the floor

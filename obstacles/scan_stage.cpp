@@ -42,8 +42,9 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
 
 }  // namespace
 
-ScanStage::ScanStage(int width, int height, const ScanOptions& options)
+ScanStage::ScanStage(int width, int height, DisparityRange range, const ScanOptions& options)
     : scanner_(width, height, options, fastest_frame_steps()),
+      last_candidate16_(16 * (range.first + range.count - 1)),
       axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
       scan_(scanner_.empty_scan()) {}
 
@@ -56,7 +57,7 @@ void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
     const auto up = axes_ && frame.up ? std::optional(axes_->turned(*frame.up)) : std::nullopt;
     scanner_.scan({view.disparity, view.confidence},
                   {view.disparity.width, view.disparity.height, frame.f, frame.cx, frame.cy, view.depth_scale}, scan_,
-                  up);
+                  up, {view.near, last_candidate16_});
     gravity_unknown_.store(axes_ && scan_.ground_source != GroundSource::gravity, std::memory_order_relaxed);
     const proto::ScanHead head = head_of(scan_, scanner_.options());
     seen_.store({head.mounting_height_mm, head.mounting_pitch_cdeg, head.mounting_roll_cdeg},

@@ -19,8 +19,9 @@ namespace disparityd {
 /// The obstacle scan as a stage of the pipeline. Its memory of a frame is the product SCAN as proto/scan.h lays it out.
 class ScanStage final : public AddedStage {
 public:
-    /// Width and height are those of the rectified image. Throws as ObstacleScanner does.
-    ScanStage(int width, int height, const ScanOptions& options);
+    /// Width and height are those of the rectified image, `range` is what frames are matched with. Throws as
+    /// ObstacleScanner does.
+    ScanStage(int width, int height, DisparityRange range, const ScanOptions& options);
 
     std::string_view name() const override { return "scan"; }
     StagePlace place() const override { return StagePlace::record; }
@@ -32,6 +33,7 @@ public:
 
 private:
     ObstacleScanner scanner_;
+    int last_candidate16_;
     std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
     Scan scan_;                             ///< of the frame that is being processed
     std::atomic<bool> gravity_unknown_{false};

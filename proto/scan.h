@@ -63,7 +63,9 @@ struct ScanSector {
     std::uint16_t free_mm = 0;
     std::int16_t low_mm = 0;   ///< the obstacle's lowest part above the ground's plane, within the band
     std::int16_t high_mm = 0;  ///< its highest part
-    std::uint16_t pixels = 0;  ///< that show the obstacle; 65535 = so many or more
+    /// Pixels that show the obstacle; 65535 = so many or more. 0 in an occupied sector: it is nearer than can be
+    /// measured, distance_mm is the most that it can be, and sigma_mm is as large.
+    std::uint16_t pixels = 0;
 
     friend bool operator==(const ScanSector&, const ScanSector&) = default;
 };

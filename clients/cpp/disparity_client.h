@@ -164,8 +164,9 @@ enum {
     DISPARITY_GROUND_GRAVITY = 3     /**< level, as the camera's inertial sensor says */
 };
 
-/** One sector of an obstacle scan. Distances are horizontal, from the robot's origin, in metres. As for
- * disparity_frame_info, fields are only added at the end. */
+/** One sector of an obstacle scan. Distances are horizontal, from the robot's origin, in metres. An occupied sector
+ * with 0 pixels has an obstacle that is nearer than can be measured: distance_m is the most that it can be, sigma_m is
+ * as large. As for disparity_frame_info, fields are only added at the end. */
 typedef struct disparity_scan_sector {
     float from_deg;      /**< bearing of the right edge; 0 is the robot's x axis, left is positive */
     float to_deg;        /**< bearing of the left edge */

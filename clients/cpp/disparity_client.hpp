@@ -131,8 +131,11 @@ struct ScanSector {
     double free_m = 0;
     double low_m = 0;             ///< of the obstacle, its lowest part above the ground's plane
     double high_m = 0;            ///< its highest part
-    std::uint32_t pixels = 0;     ///< that show the obstacle; 65535 = so many or more
+    std::uint32_t pixels = 0;     ///< that show the obstacle; 65535 = so many or more, 0 where is_near()
     std::uint8_t confidence = 0;  ///< mean of those pixels, as Product::confidence
+
+    /// Returns whether the obstacle is nearer than can be measured: distance_m is the most that it can be.
+    bool is_near() const { return state == SectorState::occupied && pixels == 0; }
 };
 
 /// Where the ground's plane of a scan comes from. A later daemon may send other numbers: the plane holds all the same.

@@ -16,7 +16,8 @@ Json sector_json(const disparity::ScanSector& sector) {
             {"low_m", of_obstacle(sector.low_m)},
             {"high_m", of_obstacle(sector.high_m)},
             {"pixels", of_obstacle(sector.pixels)},
-            {"confidence", of_obstacle(sector.confidence)}};
+            {"confidence", of_obstacle(sector.confidence)},
+            {"near", sector.is_near()}};
 }
 
 }  // namespace

@@ -50,7 +50,7 @@ protected:
 
 TEST_F(ScanStageTest, TheRecordIsWhatTheScannerFinds) {
     const ScanOptions options;
-    ScanStage stage(width, height, options);
+    ScanStage stage(width, height, {}, options);
     const ScanRecord record = record_of(stage);
     ObstacleScanner scanner(width, height, options, fastest_frame_steps());
     Scan scan = scanner.empty_scan();
@@ -76,7 +76,7 @@ TEST_F(ScanStageTest, HeightsBeyondTheRecordAreCut) {
     ScanOptions options;
     options.high_m = 30;
     options.max_m = 65;
-    ScanStage stage(width, height, options);
+    ScanStage stage(width, height, {}, options);
     EXPECT_EQ(record_of(stage).head.high_mm, 30000);
     EXPECT_EQ(record_of(stage).head.max_mm, 65000);
 }
@@ -85,7 +85,7 @@ TEST_F(ScanStageTest, WithGravityASteadySensorIsNeeded) {
     ScanOptions options;
     options.ground = GroundMode::gravity;
     options.imu_axes = "ahead left up";
-    ScanStage stage(width, height, options);
+    ScanStage stage(width, height, {}, options);
     EXPECT_EQ(stage.notice(), "");
     EXPECT_EQ(record_of(stage).head.ground, GroundSource::configured);
     EXPECT_THAT(stage.notice(), HasSubstr("obstacle scans take the configured ground"));
@@ -105,7 +105,7 @@ TEST_F(ScanStageTest, TellsOfTheMountingThatTheFloorShows) {
         return record_of(stage).head;
     };
     constexpr int until_found = 73;  // the first frame and each eighth after it, ten in all
-    ScanStage right(width, height, {});
+    ScanStage right(width, height, {}, {});
     EXPECT_EQ(after(right, until_found - 1).mounting_height_mm, 0);
     EXPECT_NEAR(record_of(right).head.mounting_height_mm, 300, 5);
     EXPECT_NEAR(record_of(right).head.mounting_pitch_cdeg, 0, 50);
@@ -113,12 +113,12 @@ TEST_F(ScanStageTest, TellsOfTheMountingThatTheFloorShows) {
     EXPECT_EQ(right.notice(), "");
     ScanOptions options;
     options.camera_height_m = 1;
-    ScanStage wrong(width, height, options);
+    ScanStage wrong(width, height, {}, options);
     EXPECT_EQ(wrong.notice(), "");
     after(wrong, until_found);
     EXPECT_THAT(wrong.notice(), HasSubstr("a height of 0.30 m"));
     options.find_mounting = true;
-    ScanStage found(width, height, options);
+    ScanStage found(width, height, {}, options);
     record_of(found);
     EXPECT_THAT(found.notice(), HasSubstr("no floor has been seen"));
     EXPECT_EQ(record_of(found).sectors[0], ScanSector{});
@@ -128,7 +128,7 @@ TEST_F(ScanStageTest, TellsOfTheMountingThatTheFloorShows) {
 }
 
 TEST(ScanStage, DependsOnEarlierFrames) {
-    EXPECT_TRUE(ScanStage(160, 120, ScanOptions{}).depends_on_earlier_frames());
+    EXPECT_TRUE(ScanStage(160, 120, {}, ScanOptions{}).depends_on_earlier_frames());
 }
 
 }  // namespace

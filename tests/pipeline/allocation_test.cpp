@@ -48,7 +48,8 @@ public:
         memory_ = std::make_unique<proto::SharedMemoryWriter>(
             "allocation-test-" + std::to_string(getpid()),
             proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
-        scan_ = std::make_unique<ScanStage>(rectification_.width, rectification_.height, ScanOptions{});
+        scan_ =
+            std::make_unique<ScanStage>(rectification_.width, rectification_.height, DisparityRange{}, ScanOptions{});
         trust_ =
             std::make_unique<trust::TrustStage>(rectification_.width, rectification_.height, trust::TrustOptions{});
         pipeline_ = std::make_unique<Pipeline>(PipelineConfig{.policy = Policy::live,

@@ -389,7 +389,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
     std::optional<ScanStage> scan_stage;
     if (run.scan) {
-        scan_stage.emplace(rectification.width, rectification.height, *run.scan);
+        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan);
         run.config.stages = {&*scan_stage};
     }
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,

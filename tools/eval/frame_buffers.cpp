@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "kernels/near_plane.h"
 #include "kernels/noise/noise_estimate.h"
 #include "kernels/noise/noise_level.h"
 #include "kernels/noise/noise_level_switch.h"
@@ -60,6 +61,7 @@ FrameBuffers::FrameBuffers(Matcher& matcher, const cv::Mat& left, const cv::Mat&
       right_(left.total()),
       disparity_(2 * left.total()),
       confidence_(left.total()),
+      near_(sizeof(std::int16_t) * left.total()),
       scratch_(matcher.scratch_bytes()),
       step_times_(steps_after_the_first_stage(matcher)) {
     const int width = left.cols;
@@ -72,6 +74,9 @@ FrameBuffers::FrameBuffers(Matcher& matcher, const cv::Mat& left, const cv::Mat&
     frame_.right = right_.plane<std::uint8_t>(width, height);
     frame_.disparity = disparity_.plane<std::int16_t>(width, height);
     frame_.confidence = confidence_.plane<std::uint8_t>(width, height);
+    if (matcher.config().options.post.near_guard) {
+        frame_.near = near_.plane<std::int16_t>(near_blocks(width), near_blocks(height));
+    }
     frame_.scratch = {scratch_.data(), scratch_.size()};
     std::vector<std::chrono::nanoseconds> first_stage_times(matcher.stages()[0].steps.size());
     matcher.run(0, frame_, workers, first_stage_times);

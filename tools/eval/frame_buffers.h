@@ -8,6 +8,7 @@
 
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
+#include "obstacles/near_sectors.h"
 #include "tools/eval/matcher_result.h"
 
 namespace disparityd::eval {
@@ -33,12 +34,18 @@ public:
 
     const FrameView& view() const { return frame_; }
 
+    /// What the near guard has found; nothing where it is off.
+    scan::NearBlocks near() const {
+        const DisparityRange range = matcher_.config().options.range;
+        return {frame_.near, 16 * (range.first + range.count - 1)};
+    }
+
     /// How long the steps of the last match() took, in the order of the stages after the first and of their steps.
     const std::vector<std::chrono::nanoseconds>& step_times() const { return step_times_; }
 
 private:
     Matcher& matcher_;
-    LargeBuffer left_, right_, disparity_, confidence_, scratch_;
+    LargeBuffer left_, right_, disparity_, confidence_, near_, scratch_;
     FrameView frame_;
     std::vector<std::chrono::nanoseconds> step_times_;
 };

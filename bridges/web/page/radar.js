@@ -74,8 +74,10 @@ export class Radar {
       context.fill()
     }
     if (sector.state !== 'occupied' || sector.distance_m > view.reach) return
-    const depth = Math.max(view.reach * 0.025, sector.sigma_m ?? 0)
-    wedge(context, view, sector.from_deg, sector.to_deg, sector.distance_m, Math.min(view.reach, sector.distance_m + depth))
+    // What is too near to be measured may be anywhere up to the distance.
+    const depth = sector.near ? 0 : Math.max(view.reach * 0.025, sector.sigma_m ?? 0)
+    const from = sector.near ? 0 : sector.distance_m
+    wedge(context, view, sector.from_deg, sector.to_deg, from, Math.min(view.reach, sector.distance_m + depth))
     context.fillStyle = shade('bad')
     context.fill()
   }
@@ -98,18 +100,20 @@ export class Radar {
   }
 }
 
-/** The nearest obstacle { distance, bearing }, or null. */
+/** The nearest obstacle { distance, bearing, near }, or null. */
 function nearestOf(scan) {
   const occupied = scan.sectors.filter(sector => sector.state === 'occupied').sort((a, b) => a.distance_m - b.distance_m)
-  return occupied.length ? { distance: occupied[0].distance_m, bearing: (occupied[0].from_deg + occupied[0].to_deg) / 2 } : null
+  if (!occupied.length) return null
+  const { distance_m: distance, from_deg: from, to_deg: to, near } = occupied[0]
+  return { distance, bearing: (from + to) / 2, near }
 }
 
 function nearestText(scan) {
   const nearest = nearestOf(scan)
   if (!nearest) return 'no obstacle seen'
-  const { distance, bearing } = nearest
+  const { distance, bearing, near } = nearest
   const side = Math.abs(bearing) < 0.5 ? 'ahead' : `${Math.abs(bearing).toFixed(0)}° ${bearing > 0 ? 'left' : 'right'}`
-  return `nearest ${metres(distance)}, ${side}`
+  return `nearest ${near ? 'at most ' : ''}${metres(distance)}, ${side}`
 }
 
 /** Chooses how far the radar shows, so that most of what is known fits, and the scale that fits the canvas. */

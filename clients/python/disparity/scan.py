@@ -97,6 +97,11 @@ class Scan:
     pixels: npt.NDArray[np.int32]  # that show it
     confidence: npt.NDArray[np.uint8]  # mean of those pixels
 
+    @property
+    def near(self) -> npt.NDArray[np.bool_]:
+        """Tells where the obstacle is nearer than can be measured: distance_m is the most that it can be there."""
+        return (self.state == OCCUPIED) & (self.pixels == 0)
+
 
 def _mounting(head: np.void) -> typing.Optional[Mounting]:
     if head["mounting_height_mm"] == 0:

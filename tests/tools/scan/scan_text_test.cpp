@@ -32,6 +32,13 @@ TEST(ScanText, SaysWhatIsNearest) {
                             "25 % free", "25 % unknown", "ground held from 3 frames ago"));
 }
 
+TEST(ScanText, SaysWhatIsNearerThanCanBeMeasured) {
+    auto near = reading();
+    near.scan.sectors[1].pixels = 0;
+    EXPECT_THAT(tools::scan_parts(near), testing::Contains("nearest at most 1.25 m 5 deg left"));
+    EXPECT_EQ(tools::scan_json(near)["sectors"][1]["near"], true);
+}
+
 TEST(ScanText, SaysWhichMountingTheFloorShows) {
     auto seen = reading();
     EXPECT_TRUE(tools::scan_json(seen)["mounting"].is_null());
@@ -111,10 +118,10 @@ TEST(ScanText, JsonHasNullForWhatIsNotKnown) {
     ASSERT_EQ(json["sectors"].size(), 4U);
     EXPECT_EQ(json["sectors"][0].dump(),
               R"({"from_deg":-10.0,"to_deg":0.0,"state":"occupied","distance_m":2.5,"sigma_m":0.1,"free_m":2.0,)"
-              R"("low_m":0.1,"high_m":0.9,"pixels":80,"confidence":200})");
+              R"("low_m":0.1,"high_m":0.9,"pixels":80,"confidence":200,"near":false})");
     EXPECT_EQ(json["sectors"][2].dump(),
               R"({"from_deg":10.1,"to_deg":20.0,"state":"free","distance_m":null,"sigma_m":null,"free_m":4.0,)"
-              R"("low_m":null,"high_m":null,"pixels":null,"confidence":null})");
+              R"("low_m":null,"high_m":null,"pixels":null,"confidence":null,"near":false})");
     auto bare = reading();
     bare.rate.reset();
     bare.scan.sectors.clear();

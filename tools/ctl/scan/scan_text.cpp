@@ -104,7 +104,9 @@ std::vector<std::string> scan_parts(const ScanReading& reading) {
     if (!has_metres(reading)) {
         parts.emplace_back("no calibration: nothing is known");
     } else if (seen.nearest) {
-        parts.push_back("nearest " + fixed(seen.nearest->distance_m, 2) + " m " + bearing_text(*seen.nearest));
+        const std::string at_most = seen.nearest->is_near() ? "at most " : "";
+        parts.push_back("nearest " + at_most + fixed(seen.nearest->distance_m, 2) + " m " +
+                        bearing_text(*seen.nearest));
         parts.push_back(fixed(seen.nearest->low_m, 2) + " to " + fixed(seen.nearest->high_m, 2) + " m high");
     } else {
         parts.emplace_back("no obstacle seen");

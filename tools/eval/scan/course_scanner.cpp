@@ -40,7 +40,8 @@ const Scan& CourseScanner::scan(const cv::Mat& left, const cv::Mat& right, bool 
         scanner_.emplace(camera_.width, camera_.height, settings_.scan, fastest_frame_steps());
     }
     scan_ = scanner_->empty_scan();
-    scanner_->scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan_);
+    scanner_->scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan_, std::nullopt,
+                   frame.near());
     density_ = share_of_known(frame.view());
     return scan_;
 }

@@ -82,10 +82,11 @@ std::vector<std::string> line(const std::string& name, const ScanComparison& cou
             percent_at(counts.errors, 0.95)};
 }
 
-Scan scanned(const scan::Pixels& pixels, const scan::Camera& camera, const ScanOptions& options) {
+Scan scanned(const scan::Pixels& pixels, const scan::Camera& camera, const ScanOptions& options,
+             const scan::NearBlocks& near = {}) {
     ObstacleScanner scanner(camera.width, camera.height, options, fastest_frame_steps());
     Scan scan = scanner.empty_scan();
-    scanner.scan(pixels, camera, scan);
+    scanner.scan(pixels, camera, scan, std::nullopt, near);
     return scan;
 }
 
@@ -103,7 +104,7 @@ ScanComparison judge(const DataEvaluation& evaluation, const SceneToScan& from, 
     const double metres = static_cast<double>(camera.scale.k) / 16 / 1000;
     const double farthest =
         std::min(metres * farthest_sigma / evaluation.scan.subpixel_error_px, evaluation.scan.max_m);
-    return compare(scanned({frame.view().disparity, frame.view().confidence}, camera, evaluation.scan),
+    return compare(scanned({frame.view().disparity, frame.view().confidence}, camera, evaluation.scan, frame.near()),
                    scanned(truth.pixels(), camera, evaluation.scan), farthest);
 }
 

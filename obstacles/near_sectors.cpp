@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "obstacles/near_sectors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/near_plane.h"
+
+namespace disparityd::scan {
+namespace {
+
+/// A sector is near when this part of its pixels is: a few blocks more than what is found by mistake.
+constexpr int near_part = 100;
+
+int pixels_of(const Geometry& geometry, int sector) {
+    int pixels = 0;
+    for (int group = 0; group < geometry.groups(); ++group) {
+        const std::int16_t* edges = geometry.edges(group);
+        const int rows = group_end(group, geometry.camera().height) - group * group_rows;
+        pixels += (edges[sector] - edges[sector + 1]) * rows;
+    }
+    return pixels;
+}
+
+}  // namespace
+
+void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables) {
+    std::fill(found_.begin(), found_.end(), Found{});
+    const Camera& camera = geometry.camera();
+    for (int row = 0; row < near.disparities.height; ++row) {
+        const int y = std::min(near_block * row + near_block / 2, camera.height - 1);
+        const int group = y / group_rows;
+        for (int column = 0; column < near.disparities.width; ++column) {
+            const int disparity = near.disparities.at(column, row);
+            if (disparity == not_near) {
+                continue;
+            }
+            const int x = std::min(near_block * column + near_block / 2, camera.width - 1);
+            const int sector = tables.sectors_of_columns.at(x, group);
+            if (sector < geometry.sectors() && tables.in_band(x, y, disparity + camera.scale.offset16)) {
+                Found& found = found_[index(sector)];
+                ++found.blocks;
+                found.m = std::max(found.m, at_horizontal_distance(near.at_least16 + camera.scale.offset16,
+                                                                   tables.weights.at(x, group)));
+            }
+        }
+    }
+}
+
+void NearSectors::add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
+                      std::span<ScanSector> sectors) {
+    if (!near.disparities) {
+        return;
+    }
+    find(near, geometry, tables);
+    const ScanOptions& options = geometry.options();
+    for (int s = 0; s < geometry.sectors(); ++s) {
+        const Found& found = found_[index(s)];
+        const int pixels = near_block * near_block * found.blocks;
+        if (pixels == 0 || near_part * pixels < pixels_of(geometry, s)) {
+            continue;
+        }
+        const double limit = static_cast<double>(geometry.camera().scale.k) / std::max(found.m, 1);
+        ScanSector& out = sectors[index(s)];
+        const auto most =
+            static_cast<std::uint16_t>(std::lround(std::clamp(limit, 1000 * options.min_m, 1000 * options.max_m)));
+        out.distance_mm = out.state == SectorState::occupied ? std::min(out.distance_mm, most) : most;
+        out.state = SectorState::occupied;
+        out.confidence = 0;
+        out.pixels = 0;
+        out.sigma_mm = out.distance_mm;
+        out.free_mm = 0;
+        out.low_mm = static_cast<std::int16_t>(std::lround(1000 * options.low_m));
+        out.high_mm = static_cast<std::int16_t>(std::lround(1000 * options.high_m));
+    }
+}
+
+}  // namespace disparityd::scan

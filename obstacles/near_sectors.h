@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "kernels/image.h"
+#include "kernels/scan_counts.h"
+#include "obstacles/scan.h"
+#include "obstacles/scan_geometry.h"
+
+namespace disparityd::scan {
+
+/// What the near guard has found in a frame.
+struct NearBlocks {
+    Plane<const std::int16_t> disparities;  ///< FrameView::near; empty where the guard is off
+    int at_least16 = 0;                     ///< what is near has at least this disparity, in 1/16 px
+};
+
+/// Tells sectors in which something is nearer than can be measured: step 14 of docs/algorithm.md. Memory is allocated
+/// by the constructor only.
+class NearSectors {
+public:
+    explicit NearSectors(const Geometry& geometry) : found_(index(geometry.sectors())) {}
+
+    /// Makes the sectors occupied in which blocks are near. `tables` are those of the frame's geometry and ground;
+    /// `sectors` has geometry.sectors() elements.
+    void add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
+             std::span<ScanSector> sectors);
+
+private:
+    struct Found {
+        int blocks = 0;
+        int m = 0;  ///< of the nearest one at the end of the range: 1/16 px at the horizontal distance
+    };
+
+    void find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables);
+
+    std::vector<Found> found_;  ///< by sector
+};
+
+}  // namespace disparityd::scan
