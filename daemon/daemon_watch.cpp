@@ -105,8 +105,13 @@ void Daemon::watch_memory() {
 
 void Daemon::watch_load() {
     const auto current = engine();
-    if (const std::string line = current ? current->check_load() : std::string(); !line.empty()) {
-        log_warning(line);
+    if (!current) {
+        return;
+    }
+    for (const std::string& line : {current->check_load(), current->check_near()}) {
+        if (!line.empty()) {
+            log_warning(line);
+        }
     }
 }
 

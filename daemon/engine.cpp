@@ -387,6 +387,7 @@ void Engine::fill(v1::Status& status) const {
     if (const auto found = measured_->finding()) {
         status.mutable_measured()->set_ratio(found->share);
         status.mutable_measured()->set_likely_cause(found->cause);
+        status.mutable_measured()->set_near_ratio(found->near);
     }
     if (const auto found = trust_.finding(steady_clock::now())) {
         status.mutable_trust()->set_ratio(found->ratio);
@@ -521,6 +522,10 @@ std::string Engine::check_load() {
         load_notice_ = line;
     }
     return line;
+}
+
+std::string Engine::check_near() {
+    return started_ ? measured_->near_line() : std::string();
 }
 
 std::string Engine::work() {

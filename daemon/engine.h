@@ -104,6 +104,10 @@ public:
     /// Returns lines for the log: alarms that have begun or ended (TrustWatch). The same thread.
     std::vector<std::string> check_trust() { return trust_.check(std::chrono::steady_clock::now()); }
 
+    /// Returns one line for people when much of the image has become nearer than can be measured, once each time. As
+    /// check_load().
+    std::string check_near();
+
     /// See Matcher::trouble().
     std::string matcher_trouble() const { return matcher_->trouble(); }
 
