@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "kernels/near_plane.h"
 #include "proto/doubt.h"
 
 namespace disparityd::trust {
@@ -83,6 +84,11 @@ int measured_share(Plane<const std::uint8_t> confidence) {
     return 255 * measured / all;
 }
 
+/// Returns whether the near guard has found a twentieth of the image to be nearer than the range.
+bool is_too_near(Plane<const std::int16_t> near) {
+    return near && 20 * near_count(near) >= std::ptrdiff_t{near.width} * near.height;
+}
+
 /// Returns the figure of docs/algorithm.md: all of it where three fifths are measured, less by each doubt.
 std::uint8_t trust_of(int measured, std::uint32_t doubts) {
     constexpr int enough = 153;
@@ -138,7 +144,7 @@ Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
         window_ = {};
         window_.began_ns = time_ns;
     }
-    const std::uint32_t found = doubts();
+    const std::uint32_t found = doubts() | (is_too_near(frame.near) ? proto::doubt_too_near : 0U);
     return {found, trust_of(measured_share(frame.confidence), found)};
 }
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "kernels/near_plane.h"
 #include "proto/doubt.h"
 #include "tests/trust/textured_pair.h"
 
@@ -168,6 +169,17 @@ TEST_F(JudgeTest, AWhiteSkyIsDoubtedAtOnce) {
         std::fill_n(pair.left.begin(), pair.left.size() / 3, std::uint8_t{255});
     };
     EXPECT_EQ(see(1.0 / rate, whiten).doubts, proto::doubt_saturated);
+}
+
+TEST_F(JudgeTest, AThingThatIsTooNearIsDoubtedAtOnce) {
+    TexturedPair pair;
+    FrameView view = pair.view();
+    std::vector<std::int16_t> near(400, not_near);
+    view.near = {near.data(), 20, 20, 20};
+    std::fill_n(near.begin(), 19, std::int16_t{1000});
+    EXPECT_EQ(judge_.judge(view, 0, true).doubts, 0U);
+    near[19] = 1000;
+    EXPECT_EQ(judge_.judge(view, 0, true).doubts, proto::doubt_too_near);
 }
 
 TEST_F(JudgeTest, TrustFallsWithTheShareThatIsMeasured) {
