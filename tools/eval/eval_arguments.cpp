@@ -67,6 +67,16 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->excludes(fractions)
         ->excludes("--thin")
         ->excludes(opencv);
+    program
+        .add_flag("--near-guard-report", arguments.near_guard,
+                  "what the near guard finds, instead: each scene with all candidates that it needs, a half and a "
+                  "quarter of them. The preset is obstacles unless --preset says otherwise")
+        ->excludes(paper)
+        ->excludes(fair)
+        ->excludes(fractions)
+        ->excludes("--thin")
+        ->excludes("--scan")
+        ->excludes(opencv);
     arguments.scan_options.add_to(program)->needs("--scan");
     program
         .add_flag(

@@ -34,6 +34,7 @@ struct EvalArguments {
     bool thin = false;
     bool scan = false;
     bool trust = false;
+    bool near_guard = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;

@@ -29,6 +29,7 @@
 #include "tools/eval/frame_buffers.h"
 #include "tools/eval/halves.h"
 #include "tools/eval/matcher_result.h"
+#include "tools/eval/near_guard_report.h"
 #include "tools/eval/noise.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"
@@ -520,6 +521,18 @@ int evaluate_trust(const EvalArguments& arguments) {
     return tools::exit_done;
 }
 
+int evaluate_near_guard(const EvalArguments& arguments) {
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    const Method method = methods_of(arguments).front();
+    NearGuardEvaluation evaluation;
+    evaluation.scenes = scenes_of(arguments);
+    evaluation.match = [&arguments, method](int disparities) { return options_for(arguments, method, disparities); };
+    evaluation.backend = backends_of(arguments).front();
+    report_near_guard(evaluation, workers, arguments.markdown);
+    return tools::exit_done;
+}
+
 int evaluate(EvalArguments arguments) {
     if (arguments.methods.empty()) {
         arguments.methods = {arguments.paper ? "all" : "sgm"};
@@ -534,9 +547,9 @@ int evaluate(EvalArguments arguments) {
             throw std::runtime_error(arguments.pictures + ": " + error.message());
         }
     }
-    if (arguments.scan) {
+    if (arguments.scan || arguments.near_guard) {
         arguments.match.set_usual(Preset::obstacles);
-        return evaluate_scans(arguments);
+        return arguments.scan ? evaluate_scans(arguments) : evaluate_near_guard(arguments);
     }
     if (arguments.trust) {
         arguments.match.set_usual(Preset::obstacles);
