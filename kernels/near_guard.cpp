@@ -21,12 +21,16 @@ int last_candidate(DisparityRange range) {
     return range.first + range.count - 1;
 }
 
-// As near as four times the largest disparity, and all that the range itself has, so that a candidate of it can win.
+int quarter_rounded_down(int value) {
+    return value >= 0 ? value / near_block : -near_blocks(-value);
+}
+
+// All that the range itself has, so that a candidate of it can win, and as near as twice its largest disparity.
 DisparityRange coarse_range(DisparityRange range) {
     constexpr int step = 16;
-    const int first = range.first >= 0 ? range.first / near_block : -near_blocks(-range.first);
-    const int wanted = last_candidate(range) + 1 - first;
-    return {first, std::clamp((wanted + step - 1) / step * step, 64, max_disparities)};
+    const int first = quarter_rounded_down(range.first);
+    const int last = quarter_rounded_down(std::max(2 * last_candidate(range), last_candidate(range) + 64));
+    return {first, std::clamp((last + 1 - first + step - 1) / step * step, 64, max_disparities)};
 }
 
 // Clears the pixels of a block in a plane that the frame may lack.

@@ -86,7 +86,7 @@ TEST(NearGuard, TellsNothingThatTheRangeReaches) {
     EXPECT_EQ(frame.near.pixels(), std::vector<std::int16_t>(frame.near.pixels().size(), not_near));
 }
 
-TEST(NearGuard, ReachesFourTimesTheLargestDisparityAndAllOfTheRange) {
+TEST(NearGuard, ReachesTwiceTheLargestDisparityAndAllOfTheRange) {
     struct Case {
         DisparityRange range;
         int first;
@@ -94,12 +94,12 @@ TEST(NearGuard, ReachesFourTimesTheLargestDisparityAndAllOfTheRange) {
     };
     for (const Case& expected : {Case{{0, 16}, 0, 64},
                                  {{0, 64}, 0, 64},
-                                 {{0, 128}, 0, 128},
-                                 {{0, 256}, 0, 256},
-                                 {{-5, 80}, -2, 80},
-                                 {{-256, 256}, -64, 64},
-                                 {{256, 16}, 64, 208},
-                                 {{256, 256}, 64, 256}}) {
+                                 {{0, 128}, 0, 64},
+                                 {{0, 256}, 0, 128},
+                                 {{-5, 80}, -2, 64},
+                                 {{-256, 256}, -64, 80},
+                                 {{256, 16}, 64, 80},
+                                 {{256, 256}, 64, 192}}) {
         const MatcherConfig coarse = coarse_config({1281, 720, guarded(expected.range)});
         EXPECT_EQ(coarse.options.range.first, expected.first) << expected.range.first << " " << expected.range.count;
         EXPECT_EQ(coarse.options.range.count, expected.count) << expected.range.first << " " << expected.range.count;
