@@ -42,7 +42,7 @@ constexpr std::array fields{
     MatchField{"guided_median", FIELD(post.guided_median),
                "size of a last median, over neighbours of like brightness, 0 = off", 0, 7, guided_sizes},
     MatchField{"noise_level", FIELD(noise_level),
-               "sgm: match for pictures with so much noise, 0 = none; 1, 2 and 3 are for a sigma from 1.5, 2.2 and 3.2 "
+               "sgm: match for pictures with so much noise, 0 = none; 1, 2 and 3 are for a sigma from 1.75, 2.2 and 3.2 "
                "grey levels on",
                0, 3},
     MatchField{"adaptive_noise", FIELD(adaptive_noise),

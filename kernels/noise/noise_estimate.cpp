@@ -14,6 +14,10 @@ constexpr int most_blocks = 1024;
 constexpr int percentile = 5;
 constexpr int nothing = -1;
 
+// A darker picture has less contrast for the same noise: its noise counts as if it were this bright.
+constexpr int dark = 64;
+constexpr int most = 65535;
+
 // floor(sqrt(value)).
 int root(std::int64_t value) {
     std::int64_t found = 0;
@@ -36,8 +40,14 @@ struct Pair {
     Plane<const std::uint8_t> confidence;
 };
 
+// Of the measured pixels of the left eye.
+struct Brightness {
+    std::int64_t sum = 0;
+    std::int64_t pixels = 0;
+};
+
 // The noise of one eye in 1/256 grey levels, or nothing where too little was measured or a pixel may be clipped.
-int noise_of_block(const Pair& pair, int first_x, int first_y) {
+int noise_of_block(const Pair& pair, int first_x, int first_y, Brightness& brightness) {
     std::int64_t count = 0;
     std::int64_t sum = 0;
     std::int64_t squares = 0;
@@ -53,11 +63,13 @@ int noise_of_block(const Pair& pair, int first_x, int first_y) {
                 const int difference = left[x] - right[match];
                 clipped = clipped || is_clipped(left[x]) || is_clipped(right[match]);
                 ++count;
+                brightness.sum += left[x];
                 sum += difference;
                 squares += difference * difference;
             }
         }
     }
+    brightness.pixels += count;
     if (count < least_pixels || clipped) {
         return nothing;
     }
@@ -77,9 +89,11 @@ NoiseEstimate estimate_noise(Plane<const std::uint8_t> left, Plane<const std::ui
     }
     std::array<int, most_blocks> noise;
     int blocks = 0;
+    Brightness brightness;
     for (int row = 0; row < rows; row += step) {
         for (int column = 0; column < columns; column += step) {
-            const int found = noise_of_block({left, right, disparity, confidence}, column * side, row * side);
+            const int found =
+                noise_of_block({left, right, disparity, confidence}, column * side, row * side, brightness);
             if (found != nothing) {
                 noise[static_cast<std::size_t>(blocks++)] = found;
             }
@@ -90,7 +104,9 @@ NoiseEstimate estimate_noise(Plane<const std::uint8_t> left, Plane<const std::ui
     }
     int* const chosen = noise.data() + blocks * percentile / 100;
     std::nth_element(noise.data(), chosen, noise.data() + blocks);
-    return {*chosen, blocks};
+    const std::int64_t if_dark =
+        std::int64_t{*chosen} * dark * brightness.pixels / std::max<std::int64_t>(brightness.sum, 1);
+    return {static_cast<int>(std::clamp<std::int64_t>(if_dark, *chosen, most)), blocks};
 }
 
 }  // namespace disparityd

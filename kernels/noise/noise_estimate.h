@@ -9,7 +9,7 @@ namespace disparityd {
 
 /// How noisy a pair is, see "Noise levels" in docs/algorithm.md.
 struct NoiseEstimate {
-    int sigma256 = 0;  ///< standard deviation of one eye's noise in 1/256 grey levels
+    int sigma256 = 0;  ///< standard deviation of one eye's noise in 1/256 grey levels; more in a dark picture
     int blocks = 0;    ///< how many blocks it was found in; of 0 it means nothing
 };
 

@@ -7,13 +7,13 @@ namespace disparityd {
 
 namespace {
 
-// Levels 1, 2 and 3 begin at 1.5, 2.2 and 3.2 grey levels.
-constexpr std::array begins_at = {384, 563, 819};
+// Levels 1, 2 and 3 begin at 1.75, 2.2 and 3.2 grey levels.
+constexpr std::array begins_at = {448, 563, 819};
 
 // Below seven eighths of where it began a level is no longer needed.
 constexpr int eighths_to_stay = 7;
 constexpr int calm_frames_to_go_down = 10;
-constexpr int least_blocks = 24;
+constexpr int least_blocks = 8;
 
 // With `eighths` of the limits.
 int level_for(int sigma256, int eighths) {

@@ -44,6 +44,15 @@ TEST(NoiseEstimate, IsTheSpreadOfTheDifferenceOfBothEyesOverTheRootOfTwo) {
     }
 }
 
+TEST(NoiseEstimate, OfADarkPictureIsThatOfABrighterOne) {
+    for (const auto& [grey, sigma256] : {std::pair{100, 362}, {64, 362}, {32, 724}, {16, 1448}}) {
+        Chessboard pair(8, 8);
+        pair.set_block(0, 0, 2);
+        pair.left = Image<std::uint8_t>(8, 8, static_cast<std::uint8_t>(grey));
+        EXPECT_EQ(pair.estimate().sigma256, sigma256) << grey;
+    }
+}
+
 TEST(NoiseEstimate, ADifferenceOfBrightnessIsNoNoise) {
     Chessboard pair(8, 8);
     pair.left = Image<std::uint8_t>(8, 8, 140);
@@ -125,7 +134,7 @@ NoiseEstimate of(double sigma) {
 
 TEST(NoiseLevelSwitch, GoesUpAtOnceAsFarAsNeeded) {
     for (const auto& [sigma, level] :
-         {std::pair{0.0, 0}, {1.49, 0}, {1.5, 1}, {2.19, 1}, {2.2, 2}, {3.19, 2}, {3.2, 3}, {60.0, 3}}) {
+         {std::pair{0.0, 0}, {1.74, 0}, {1.75, 1}, {2.19, 1}, {2.2, 2}, {3.19, 2}, {3.2, 3}, {60.0, 3}}) {
         NoiseLevelSwitch one;
         EXPECT_EQ(one.level(), 0);
         one.add(of(sigma));
@@ -137,15 +146,15 @@ TEST(NoiseLevelSwitch, GoesDownWhenTenFramesInARowHadClearlyLess) {
     NoiseLevelSwitch one;
     one.add(of(2.3));
     for (int frame = 0; frame < 9; ++frame) {
-        one.add(of(1.5));
+        one.add(of(1.6));
         EXPECT_EQ(one.level(), 2);
     }
     one.add(of(1.93));  // seven eighths of 2.2
     for (int frame = 0; frame < 9; ++frame) {
-        one.add(of(1.5));
+        one.add(of(1.6));
         EXPECT_EQ(one.level(), 2);
     }
-    one.add(of(1.5));
+    one.add(of(1.6));
     EXPECT_EQ(one.level(), 1);
 }
 
@@ -161,21 +170,21 @@ TEST(NoiseLevelSwitch, GoesDownAsFarAsTheNoiseDoes) {
 
 TEST(NoiseLevelSwitch, StaysWhereTheNoiseIsAtALimit) {
     NoiseLevelSwitch one;
-    one.add(of(1.5));
+    one.add(of(1.75));
     for (int frame = 0; frame < 100; ++frame) {
-        one.add(of(frame % 2 == 0 ? 1.4 : 1.6));
+        one.add(of(frame % 2 == 0 ? 1.6 : 1.9));
         EXPECT_EQ(one.level(), 1);
     }
 }
 
 TEST(NoiseLevelSwitch, TooFewBlocksTellNothing) {
     NoiseLevelSwitch one;
-    one.add({1000, 23});
+    one.add({1000, 7});
     EXPECT_EQ(one.level(), 0);
-    one.add({1000, 24});
+    one.add({1000, 8});
     EXPECT_EQ(one.level(), 3);
     for (int frame = 0; frame < 20; ++frame) {
-        one.add({0, 23});
+        one.add({0, 7});
     }
     EXPECT_EQ(one.level(), 3);
 }

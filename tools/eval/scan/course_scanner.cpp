@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "kernels/noise/noise_level.h"
 #include "tools/eval/frame_buffers.h"
 
 namespace disparityd::eval {
@@ -35,7 +36,11 @@ CourseScanner::CourseScanner(const ScanSettings& settings, const CourseCamera& c
 
 const Scan& CourseScanner::scan(const cv::Mat& left, const cv::Mat& right, bool sequel) {
     FrameBuffers frame(*matcher_, left, right, workers_);
-    frame.match(workers_);
+    if (adapts_to_noise(settings_.match)) {
+        frame.settle_noise_level(workers_);
+    } else {
+        frame.match(workers_);
+    }
     if (!sequel) {
         scanner_.emplace(camera_.width, camera_.height, settings_.scan, fastest_frame_steps());
     }
