@@ -397,6 +397,10 @@ void Engine::fill(v1::Status& status) const {
         }
     }
     const pipeline::PipelineStatus now = pipeline_->status();
+    if (now.noise) {
+        status.mutable_measured()->set_noise(now.noise->sigma256 / 256.0);
+        status.mutable_measured()->set_noise_level(static_cast<std::uint32_t>(now.noise->level));
+    }
     const Condition condition = condition_of(now);
     status.set_state(to_string(condition.state));
     const std::string trouble = matcher_->trouble();

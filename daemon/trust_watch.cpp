@@ -14,7 +14,7 @@ constexpr bool same(proto::Doubt one, v1::FrameFlags other) {
 static_assert(same(proto::doubt_dark, v1::DARK) && same(proto::doubt_saturated, v1::SATURATED) &&
               same(proto::doubt_blurred, v1::BLURRED) && same(proto::doubt_dirty_eye, v1::DIRTY_EYE) &&
               same(proto::doubt_covered_eye, v1::COVERED_EYE) && same(proto::doubt_misaligned, v1::MISALIGNED) &&
-              same(proto::doubt_too_near, v1::TOO_NEAR));
+              same(proto::doubt_too_near, v1::TOO_NEAR) && same(proto::doubt_noisy, v1::NOISY));
 
 double seconds(TrustWatch::Time from, TrustWatch::Time to) {
     return std::chrono::duration<double>(to - from).count();

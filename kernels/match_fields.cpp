@@ -41,12 +41,13 @@ constexpr std::array fields{
     MatchField{"interpolate", FIELD(post.interpolate), "fill rejected pixels from their surroundings"},
     MatchField{"guided_median", FIELD(post.guided_median),
                "size of a last median, over neighbours of like brightness, 0 = off", 0, 7, guided_sizes},
-    MatchField{"noise_level", FIELD(noise_level),
-               "sgm: match for pictures with so much noise, 0 = none; 1, 2 and 3 are for a sigma from 1.75, 2.2 and 3.2 "
-               "grey levels on",
-               0, 3},
+    MatchField{
+        "noise_level", FIELD(noise_level),
+        "sgm: match for pictures with so much noise, 0 = none; 1, 2 and 3 are for a sigma from 1.75, 2.2 and 3.2 "
+        "grey levels on",
+        0, 3},
     MatchField{"adaptive_noise", FIELD(adaptive_noise),
-               "sgm: take the noise level of each frame from the noise of those before it"},
+               "sgm: take the noise level of each frame from the noise of those before it, at least noise_level"},
     MatchField{"near_guard", FIELD(post.near_guard), "reject what a coarse match finds to be nearer than the range"},
 };
 

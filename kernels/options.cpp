@@ -89,6 +89,7 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
         return options;
     }
     options.cost = CensusCost::census_7x5_gradient;
+    options.adaptive_noise = true;
     options.sgm = {.paths = 4,
                    .p1 = 15,
                    .p2 = 55,

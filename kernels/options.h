@@ -61,7 +61,7 @@ struct MatchOptions {
     SgmOptions sgm;
     PostOptions post;
     int noise_level = 0;  ///< how much noise the pair has, 0 (none) .. 3; what a level changes: docs/algorithm.md
-    bool adaptive_noise = false;  ///< the level comes with each frame: FrameView::noise_level, not that of here
+    bool adaptive_noise = false;  ///< the level comes with each frame: FrameView::noise_level, at least that of here
 };
 
 /// The tuned defaults of a method (docs/algorithm.md has the measurements), for the given range.

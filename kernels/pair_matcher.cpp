@@ -4,6 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "kernels/noise/noise_level.h"
+#include "kernels/noise/noise_level_switch.h"
+
 namespace disparityd {
 
 namespace {
@@ -62,7 +65,14 @@ void PairMatcher::match(Plane<const std::uint8_t> left, Plane<const std::uint8_t
     frame.depth = results.depth;
     frame.depth_scale = results.depth_scale;
     frame.scratch = {scratch_.data(), scratch_.size()};
-    match_pair(*matcher_, frame, workers);
+    NoiseLevelSwitch levels;  // goes up only, as it sees so few results
+    do {
+        frame.noise_level = levels.level();
+        match_pair(*matcher_, frame, workers);
+        if (adapts_to_noise(size.options)) {
+            levels.add(estimate_noise(left, right, frame.disparity, frame.confidence));
+        }
+    } while (levels.level() != frame.noise_level);
 }
 
 }  // namespace disparityd

@@ -33,6 +33,7 @@ public:
     /// argument is not allowed, std::runtime_error when the memory is missing.
     PairMatcher(int width, int height, const MatchOptions& options, std::string_view back_end = "auto");
 
+    /// With adaptive_noise a noisy pair is matched again, until its noise level stays: three times more at most.
     /// Left pixel (x, y) and right pixel (x - disparity, y) show the same; the images are read only. `workers`: Serial
     /// for the calling thread alone, or an own Parallel around the program's threads; results do not depend on it.
     /// Throws std::invalid_argument when a plane has another size, std::runtime_error when a back end chosen by name

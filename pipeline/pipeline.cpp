@@ -14,6 +14,7 @@
 #include "base/start_thread.h"
 #include "kernels/added_stage.h"
 #include "kernels/frame_stages.h"
+#include "kernels/noise/noise_level.h"
 #include "kernels/parallel_rows.h"
 #include "kernels/steps.h"
 #include "pipeline/admission.h"
@@ -177,6 +178,7 @@ PipelineStatus Pipeline::status() const {
     status.captured = counters.captured.load(std::memory_order_relaxed);
     status.lost = counters.lost.load(std::memory_order_relaxed);
     status.rate = rate_.per_second(steady_clock::now());
+    status.noise = noise_levels_ ? noise_levels_->newest() : std::nullopt;
     for (std::size_t i = 0; i < times_.size(); ++i) {
         const std::size_t extra = i - step_names_.size();
         status.steps.push_back({i < step_names_.size() ? step_names_[i]
@@ -231,6 +233,10 @@ void Pipeline::add_steps(const PipelineConfig& config) {
     if (any_after_matching(stages_) && (config.depth || config.depth_error)) {
         depth_stage_ = std::make_unique<DepthStage>(matcher_.config());
         stages_.push_back(depth_stage_.get());
+    }
+    if (adapts_to_noise(matcher_.config().options)) {
+        noise_levels_ = std::make_unique<NoiseLevels>();
+        stages_.push_back(noise_levels_.get());
     }
     step_names_ = {"capture", "wait-start"};
     for (const StageInfo& stage : matcher_.stages()) {
@@ -316,6 +322,11 @@ void Pipeline::stage_loop(std::size_t stage) {
             if (stage == 0) {
                 slot->step_times[wait_start] = steady_clock::now() - slot->captured - slot->step_times[0];
                 times_[wait_start].record(slot->step_times[wait_start]);
+            }
+            if (stage == 0 && noise_levels_) {
+                const bool anew = (slot->raw.flags & capture::frame_flag_discontinuity) != 0;
+                slot->view.noise_level = noise_levels_->next(anew, heartbeat, failed_);
+                slot->view.noise_level = noise_level_of(matcher_.config().options, slot->view);
             }
             begins(stage);
             work(stage, *slot);

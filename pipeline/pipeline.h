@@ -23,6 +23,7 @@
 #include "pipeline/frame_slot.h"
 #include "pipeline/heartbeat.h"
 #include "pipeline/histogram.h"
+#include "pipeline/noise_levels.h"
 #include "pipeline/rate_meter.h"
 #include "pipeline/rectification_schedule.h"
 #include "pipeline/trace.h"
@@ -58,15 +59,16 @@ struct PipelineConfig {
 
 /// Counters since the start.
 struct PipelineStatus {
-    std::uint64_t captured = 0;   ///< frames taken from the source
-    std::uint64_t published = 0;  ///< frames that reached the sink
-    std::uint64_t dropped = 0;    ///< for newer ones by the live policy, or because the pipeline ended early
-    std::uint64_t lost = 0;       ///< by the source: the sum of RawFrame::dropped_before
-    std::uint64_t damaged = 0;    ///< frames that came flagged as damaged and were not processed
-    std::uint64_t unwanted = 0;   ///< frames that PipelineConfig::wanted refused
-    bool ended = false;           ///< the source has ended and every frame was published
-    std::string error;            ///< why the source, a stage or the sink ended early; empty = none did
-    double rate = 0;              ///< published frames per second over the last seconds
+    std::uint64_t captured = 0;       ///< frames taken from the source
+    std::uint64_t published = 0;      ///< frames that reached the sink
+    std::uint64_t dropped = 0;        ///< for newer ones by the live policy, or because the pipeline ended early
+    std::uint64_t lost = 0;           ///< by the source: the sum of RawFrame::dropped_before
+    std::uint64_t damaged = 0;        ///< frames that came flagged as damaged and were not processed
+    std::uint64_t unwanted = 0;       ///< frames that PipelineConfig::wanted refused
+    bool ended = false;               ///< the source has ended and every frame was published
+    std::string error;                ///< why the source, a stage or the sink ended early; empty = none did
+    double rate = 0;                  ///< published frames per second over the last seconds
+    std::optional<FrameNoise> noise;  ///< of the newest frame, where the noise level is adaptive and it was found
     struct Step {
         std::string name;
         HistogramSummary time;  ///< microseconds
@@ -178,8 +180,9 @@ private:
     WorkerPool& workers_;
     const Sink sink_;
 
-    std::unique_ptr<AddedStage> depth_stage_;  ///< where stages after matching change what depth follows from
-    std::vector<AddedStage*> stages_;          ///< all added ones, depth_stage_ last
+    std::unique_ptr<AddedStage> depth_stage_;    ///< where stages after matching change what depth follows from
+    std::unique_ptr<NoiseLevels> noise_levels_;  ///< where the matcher wants a level with each frame
+    std::vector<AddedStage*> stages_;            ///< all added ones; depth_stage_ and noise_levels_ last
     std::vector<Added> before_matching_;
     std::vector<Added> before_sink_;
     std::vector<std::string> step_names_;

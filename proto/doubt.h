@@ -19,6 +19,7 @@ enum Doubt : std::uint32_t {
     doubt_covered_eye = 1U << 12U,
     doubt_misaligned = 1U << 13U,
     doubt_too_near = 1U << 14U,
+    doubt_noisy = 1U << 15U,
 };
 
 /// Where the trust in a frame stands in Frame.flags: 1 .. 255, more is better; 0 = not told.
@@ -44,6 +45,8 @@ inline constexpr std::array doubts{
     DoubtFacts{doubt_misaligned, "misaligned", "the rows of both eyes do not fit",
                "switch [self_calibration] on, or calibrate the camera anew", true},
     DoubtFacts{doubt_too_near, "too-near", "something may be nearer than can be measured", "back off", false},
+    DoubtFacts{doubt_noisy, "noisy", "the picture has so much noise that it was matched for that",
+               "give light, or a smaller gain", false},
 };
 
 /// Returns the words of the doubts of a frame, with spaces between them.

@@ -92,13 +92,14 @@ bool is_too_near(Plane<const std::int16_t> near) {
 /// Returns the figure of docs/algorithm.md: all of it where three fifths are measured, less by each doubt.
 std::uint8_t trust_of(int measured, std::uint32_t doubts) {
     constexpr int enough = 153;
-    constexpr std::array<std::pair<proto::Doubt, int>, 7> sixteenths{{{proto::doubt_dark, 8},
+    constexpr std::array<std::pair<proto::Doubt, int>, 8> sixteenths{{{proto::doubt_dark, 8},
                                                                       {proto::doubt_saturated, 12},
                                                                       {proto::doubt_blurred, 8},
                                                                       {proto::doubt_dirty_eye, 8},
                                                                       {proto::doubt_covered_eye, 1},
                                                                       {proto::doubt_misaligned, 6},
-                                                                      {proto::doubt_too_near, 12}}};
+                                                                      {proto::doubt_too_near, 12},
+                                                                      {proto::doubt_noisy, 12}}};
     int trust = 255 * std::min(measured, enough) / enough;
     for (const auto& [doubt, factor] : sixteenths) {
         trust = (doubts & doubt) != 0 ? trust * factor / 16 : trust;
@@ -144,7 +145,8 @@ Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
         window_ = {};
         window_.began_ns = time_ns;
     }
-    const std::uint32_t found = doubts() | (is_too_near(frame.near) ? proto::doubt_too_near : 0U);
+    const std::uint32_t found = doubts() | (is_too_near(frame.near) ? proto::doubt_too_near : 0U) |
+                                (frame.noise_level > 0 ? proto::doubt_noisy : 0U);
     return {found, trust_of(measured_share(frame.confidence), found)};
 }
 

@@ -37,7 +37,8 @@ enum {
     DISPARITY_FLAG_DIRTY_EYE = 0x800,    /**< a part of one eye stays dull where the other eye sees texture */
     DISPARITY_FLAG_COVERED_EYE = 0x1000, /**< one eye sees nothing where the other sees texture */
     DISPARITY_FLAG_MISALIGNED = 0x2000,  /**< the rows of both eyes do not fit */
-    DISPARITY_FLAG_TOO_NEAR = 0x4000     /**< something may be nearer than can be measured */
+    DISPARITY_FLAG_TOO_NEAR = 0x4000,    /**< something may be nearer than can be measured */
+    DISPARITY_FLAG_NOISY = 0x8000        /**< so much noise that the frame was matched for that */
 };
 
 /** The trust in a frame of these flags: 1 .. 255, more is better; 0 where the daemon does not tell it. */

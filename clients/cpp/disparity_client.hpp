@@ -36,7 +36,8 @@ enum FrameFlags : std::uint32_t {
     dirty_eye = 0x800,     ///< a part of one eye stays dull where the other eye sees texture
     covered_eye = 0x1000,  ///< one eye sees nothing where the other sees texture
     misaligned = 0x2000,   ///< the rows of both eyes do not fit
-    too_near = 0x4000      ///< something may be nearer than can be measured
+    too_near = 0x4000,     ///< something may be nearer than can be measured
+    noisy = 0x8000         ///< so much noise that the frame was matched for that
 };
 
 /// Returns the trust in a frame of these flags: 1 .. 255, more is better; 0 where the daemon does not tell it.
@@ -149,9 +150,9 @@ enum class GroundSource : std::uint8_t {
 /// How the left camera is mounted above the floor, as the floor in view shows: what the daemon's configuration calls
 /// camera_height_m, pitch_deg and roll_deg.
 struct Mounting {
-    double height_m = 0;
-    double pitch_deg = 0;
-    double roll_deg = 0;
+    double height_m = 0;   ///< of the camera above the floor
+    double pitch_deg = 0;  ///< positive looks down
+    double roll_deg = 0;   ///< positive has its right side lower
 };
 
 /// An obstacle scan: by bearing, what is near. The frame of reference is the robot's: x ahead, y left, z up, the origin

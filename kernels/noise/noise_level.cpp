@@ -25,7 +25,7 @@ int noise_level_of(const MatchOptions& options, const FrameView& frame) {
     if (!supports_noise_levels(options)) {
         return 0;
     }
-    return options.adaptive_noise ? frame.noise_level : options.noise_level;
+    return options.adaptive_noise ? std::max(options.noise_level, frame.noise_level) : options.noise_level;
 }
 
 MatchOptions at_noise_level(const MatchOptions& options, int noise_level) {

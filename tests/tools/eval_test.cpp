@@ -308,7 +308,8 @@ TEST_F(EvalTest, TheNoiseLevelIsThatOfTheNoiseWhereItIsToAdapt) {
     EXPECT_EQ(rows({"--adaptive-noise"})["noise_level"], 0);
     EXPECT_EQ(rows({"--adaptive-noise", "--noise", "8"})["noise_level"], 3);
     EXPECT_EQ(rows({"--adaptive-noise", "--noise", "8", "--shared-noise"})["noise_level"], 3);
-    EXPECT_FALSE(rows({"--noise", "8"}).contains("noise_level"));
+    EXPECT_EQ(rows({"--noise", "8"})["noise_level"], 3) << "the preset has it on";
+    EXPECT_FALSE(rows({"--no-adaptive-noise", "--noise", "8"}).contains("noise_level"));
     const Outcome table = run(DISPARITY_EVAL, {"--preset", "obstacles", "--adaptive-noise", path("cones")});
     EXPECT_THAT(table.out, HasSubstr("noise level"));
 }

@@ -73,6 +73,15 @@ TEST_F(JudgeTest, AGoodPairIsTrusted) {
     EXPECT_EQ(verdict.trust, 255);
 }
 
+TEST_F(JudgeTest, AFrameThatWasMatchedForNoiseIsNoisy) {
+    TexturedPair pair = drawn(0);
+    FrameView view = pair.view();
+    view.noise_level = 1;
+    const Verdict verdict = judge_.judge(view, 0, true);
+    EXPECT_EQ(verdict.doubts, proto::doubt_noisy);
+    EXPECT_EQ(verdict.trust, 255 * 12 / 16);
+}
+
 TEST_F(JudgeTest, ACoveredEyeIsNamedWithinASecond) {
     see(2);
     const Verdict verdict = see(1, cover_left);

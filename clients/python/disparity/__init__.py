@@ -11,8 +11,8 @@ from .client import Client, connect
 from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
-from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, SATURATED,
-                    SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame)
+from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, NOISY,
+                    SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame)
 from .scan import FREE, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
@@ -42,6 +42,7 @@ __all__ = [
     "LEFT",
     "LEFT_COLOUR",
     "MISALIGNED",
+    "NOISY",
     "OCCUPIED",
     "RIGHT",
     "RIGHT_COLOUR",

@@ -30,8 +30,9 @@ DIRTY_EYE = 0x800
 COVERED_EYE = 0x1000
 MISALIGNED = 0x2000
 TOO_NEAR = 0x4000
+NOISY = 0x8000
 _DOUBTS = {"dark": DARK, "saturated": SATURATED, "blurred": BLURRED, "dirty-eye": DIRTY_EYE, "covered-eye": COVERED_EYE,
-           "misaligned": MISALIGNED, "too-near": TOO_NEAR}
+           "misaligned": MISALIGNED, "too-near": TOO_NEAR, "noisy": NOISY}
 _TRUST_SHIFT = 24
 
 # The value of unknown pixels of a depth image and of its errors, and of those that are more than the type can hold.

@@ -88,6 +88,8 @@ v1::Status filled_status() {
     status.mutable_trust()->add_doubts("dirty-eye");
     status.mutable_trust()->set_alarm("clean it");
     status.mutable_measured()->set_near_ratio(0.125);
+    status.mutable_measured()->set_noise(2.5);
+    status.mutable_measured()->set_noise_level(2);
     status.set_uptime_s(3600.5);
     status.add_notices("no huge pages");
     // Of the engine in use; the totals count.

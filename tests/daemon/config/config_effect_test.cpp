@@ -186,7 +186,8 @@ TEST(ConfigEffect, EveryKeyOfTheGeometryChangesIt) {
     EXPECT_GE(keys, 3);
 }
 
-/// The scan of a floor 0.3 m below the camera with a step of 0.04 m and a post on it, and a hole in the image.
+/// The scan of a floor 0.3 m below the camera with a step of 0.04 m, a post on it and a step down, and a hole in the
+/// image.
 std::vector<ScanSector> scanned(const Config& config) {
     constexpr int rows = 120;
     const scan::Camera camera{width, rows, 100, 80, 60, {16 * 100 * 120, 0}};
@@ -196,7 +197,8 @@ std::vector<ScanSector> scanned(const Config& config) {
         for (int x = 0; x < width; ++x) {
             const bool post = x > 60 && x < 72 && y < 80;
             const double down = (y - 60) / 100.0;
-            const double floor = x > 110 ? 300.0 - 40 : 300.0;
+            const bool low = x > 130 && down < 300.0 / 700;
+            const double floor = low ? 600.0 : x > 110 ? 300.0 - 40 : 300.0;
             const double z = post ? 1500 : down > 0 ? std::min(floor / down, 12000.0) : 3000;
             const std::size_t i = static_cast<std::size_t>(y * width + x);
             disparity[i] = static_cast<std::int16_t>(16 * 100 * 120 / z);
@@ -219,7 +221,7 @@ TEST(ConfigEffect, EveryKeyOfTheScanChangesIt) {
             ++keys;
         }
     }
-    EXPECT_EQ(keys, 18);
+    EXPECT_EQ(keys, 20);
 }
 
 TEST(ConfigEffect, AKeyWithoutEffectIsFound) {

@@ -87,6 +87,7 @@ TEST(NoiseLevel, IsThereForFourAdaptivePathsOverTheGradientsCostOnly) {
 
 TEST(NoiseLevel, OfAFrameCountsWhereItIsToAdapt) {
     MatchOptions options = preset_options(Preset::obstacles);
+    options.adaptive_noise = false;
     FrameView frame;
     frame.noise_level = 2;
     EXPECT_EQ(noise_level_of(options, frame), 0);
@@ -94,6 +95,8 @@ TEST(NoiseLevel, OfAFrameCountsWhereItIsToAdapt) {
     EXPECT_EQ(noise_level_of(options, frame), 1);
     options.adaptive_noise = true;
     EXPECT_EQ(noise_level_of(options, frame), 2);
+    options.noise_level = 3;
+    EXPECT_EQ(noise_level_of(options, frame), 3) << "the least";
 }
 
 }  // namespace
