@@ -61,7 +61,6 @@ std::optional<Config> with(const ConfigKey& key, const std::string& value) {
     const Override set{std::string(key.section), std::string(key.name), value, "--set"};
     try {
         std::string text = "[match]\nspeckle_size = 30\nmin_texture = 0\nuniqueness = 0\n";
-        text += key.name == "adaptive_noise" ? "noise_level = 3\n" : "";
         text += "[rectify]\nwidth = 48\nheight = 36\n";
         text += key.name == "imu_axes" ? "[scan]\nground = \"gravity\"\nimu_axes = \"right down ahead\"\n" : "";
         return parse_config(text, "test.toml", {set});
