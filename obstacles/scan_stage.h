@@ -37,8 +37,8 @@ private:
     std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
     Scan scan_;                             ///< of the frame that is being processed
     std::atomic<bool> gravity_unknown_{false};
-    /// Of the newest scan's head.
-    struct SeenMounting {
+    /// Of the newest scan's head; aligned so that it is lock-free.
+    struct alignas(std::uint64_t) SeenMounting {
         std::uint16_t height_mm = 0;
         std::int16_t pitch_cdeg = 0;
         std::int16_t roll_cdeg = 0;
