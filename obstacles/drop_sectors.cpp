@@ -54,8 +54,8 @@ void DropSectors::find(const Pixels& pixels, const Geometry& geometry, const Cou
                     at_horizontal_distance(n, geometry.weights(group)[x]) < tables.limits.seen) {
                     continue;
                 }
-                const double fall_at_edge = -k * rise(x, y + swollen_rows);
-                const int edge = at_horizontal_distance(static_cast<int>(fall_at_edge / h), geometry.weights(group)[x]);
+                const double at_edge = std::clamp(-k * rise(x, y + swollen_rows) / h, 0.0, 32767.0);
+                const int edge = at_horizontal_distance(static_cast<int>(at_edge), geometry.weights(group)[x]);
                 if (edge < tables.limits.obstacle || edge > tables.limits.nearest) {
                     continue;
                 }
@@ -114,7 +114,9 @@ void DropSectors::describe(const Geometry& geometry, int sector, ScanSector& out
 
 void DropSectors::add(const Pixels& pixels, const Geometry& geometry, const CountTables& tables,
                       const GroundPlane& ground, std::span<ScanSector> sectors) {
-    if (geometry.options().drop_m <= 0) {
+    // What flies at the height of its ground or below has no ground to leave.
+    const ScanOptions& options = geometry.options();
+    if (options.drop_m <= 0 || options.camera_height_m <= ground.height_m) {
         return;
     }
     find(pixels, geometry, tables, ground);
