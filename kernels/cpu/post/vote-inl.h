@@ -45,8 +45,19 @@ private:
             std::fill_n(out - vote_radius, width + 2 * vote_radius, nobody);
             return;
         }
-        const std::int16_t* in = in_.row(y);
-        std::replace_copy(in, in + width, out, invalid_, nobody);
+        const hn::ScalableTag<std::int16_t> tag;
+        constexpr int lanes = static_cast<int>(hn::MaxLanes(tag));
+        alignas(64) std::int16_t last[lanes] = {};
+        for (int x = 0; x < width; x += lanes) {
+            const std::int16_t* in = in_.row(y) + x;
+            if (x + lanes > width) {
+                std::copy_n(in, width - x, last);
+                in = last;
+            }
+            const auto own = hn::LoadU(tag, in);
+            const auto rejected = hn::Eq(own, hn::Set(tag, invalid_));
+            hn::StoreU(hn::IfThenElse(rejected, hn::Set(tag, nobody), own), tag, out + x);
+        }
         std::fill_n(out - vote_radius, vote_radius, nobody);
         std::fill_n(out + width, vote_radius, nobody);
     }
@@ -75,9 +86,15 @@ HWY_INLINE V mean_difference(V sum, V count) {
 
 /// 52 times the pixels of the window inside the image, of which `rows` rows are inside.
 inline void set_limits(int width, int rows, std::int16_t* limits) {
-    for (int x = 0; x < width; ++x) {
-        const int columns = std::min(x, vote_radius) + 1 + std::min(width - 1 - x, vote_radius);
-        limits[x] = static_cast<std::int16_t>(vote_percent * rows * columns);
+    const auto limit = [rows](int columns) { return static_cast<std::int16_t>(vote_percent * rows * columns); };
+    const auto set = [&](int x) {
+        limits[x] = limit(std::min(x, vote_radius) + 1 + std::min(width - 1 - x, vote_radius));
+    };
+    std::fill_n(limits, width, limit(2 * vote_radius + 1));
+    DISPARITYD_UNROLL
+    for (int i = 0; i < vote_radius; ++i) {  // the window reaches beyond the image there
+        set(std::min(i, width - 1));
+        set(std::max(width - 1 - i, 0));
     }
 }
 
