@@ -63,12 +63,12 @@ TEST(ScanText, SaysWhatIsWrong) {
 
 TEST(ScanText, SaysWhyAFrameIsTrustedLess) {
     auto doubted = reading();
-    EXPECT_EQ(tools::scan_json(doubted)["doubts"], nlohmann::json::array());
+    EXPECT_EQ(tools::scan_json(doubted)["doubts"].dump(), "[]");
     doubted.frame.flags = disparity::dirty_eye | disparity::dark | 100U << 24U;
     EXPECT_EQ(tools::scan_parts(doubted).back(), "DOUBTS: dark dirty-eye");
     EXPECT_THAT(tools::scan_line(doubted), testing::EndsWith(", dark dirty-eye"));
     EXPECT_EQ(tools::scan_json(doubted)["trust"], 100);
-    EXPECT_EQ(tools::scan_json(doubted)["doubts"], nlohmann::json({"dark", "dirty-eye"}));
+    EXPECT_EQ(tools::scan_json(doubted)["doubts"].dump(), R"(["dark","dirty-eye"])");
 }
 
 TEST(ScanText, SaysWhereTheGroundComesFrom) {
