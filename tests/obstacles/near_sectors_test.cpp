@@ -63,7 +63,7 @@ TEST_F(Near, ASectorWithANearThingIsOccupiedAtMostSoFar) {
         add_near(156, y);
         add_near(160, y);
     }
-    const ScanSector& ahead = sectors()[15];
+    const ScanSector ahead = sectors()[15];
     EXPECT_EQ(ahead.state, SectorState::occupied);
     EXPECT_NEAR(ahead.distance_mm, limit_mm, 3);
     EXPECT_EQ(ahead.sigma_mm, ahead.distance_mm);
@@ -71,7 +71,7 @@ TEST_F(Near, ASectorWithANearThingIsOccupiedAtMostSoFar) {
     EXPECT_EQ(ahead.free_mm, 0);
     EXPECT_EQ(ahead.low_mm, std::lround(1000 * options_.low_m));
     EXPECT_EQ(ahead.high_mm, 500);
-    const ScanSector& beside = sectors()[20];
+    const ScanSector beside = sectors()[20];
     EXPECT_NEAR(beside.distance_mm, 3000, 500);
     EXPECT_GT(beside.pixels, 0);
 }
@@ -116,7 +116,7 @@ TEST_F(Near, AShiftedOriginKeepsIt) {
             add_near(x, y);
         }
     }
-    const ScanSector& ahead = sectors()[15];
+    const ScanSector ahead = sectors()[15];
     EXPECT_EQ(ahead.state, SectorState::occupied);
     EXPECT_EQ(ahead.pixels, 0);
     EXPECT_NEAR(ahead.distance_mm, limit_mm + 200, 10);
