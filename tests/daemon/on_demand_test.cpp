@@ -32,11 +32,12 @@ protected:
         return client;
     }
 
-    /// Its status once some more frames have come that nobody wanted.
+    /// Its status once some more frames have come that nobody wanted, and none that was wanted is still on its way.
     static v1::Status idle_status(WireClient& observer) {
         const std::uint64_t before = status(observer).unwanted();
         v1::Status now = status(observer);
-        while (now.state() != "idle" || now.unwanted() < before + 3) {
+        while (now.state() != "idle" || now.unwanted() < before + 3 ||
+               now.published() + now.dropped() + now.damaged() + now.unwanted() != now.captured()) {
             now = status(observer);
         }
         return now;
