@@ -25,7 +25,6 @@
 #include "daemon/totals.h"
 #include "kernels/large_buffer.h"
 #include "proto/text.h"
-#include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -270,7 +269,9 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         flags |= static_cast<std::uint32_t>(v1::DISCONTINUITY);
     }
     first_frame_ = false;
-    flags |= trust_flags(slot);
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        flags |= stages_[i].flags != nullptr ? stages_[i].flags(slot.stage_memory[i]) : 0U;
+    }
     trust_.note(flags);
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
@@ -282,17 +283,6 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         self_calibrator_->offer(slot);
     }
     measured_->offer(slot);
-}
-
-/// Returns the doubts about a frame and the trust in it; 0 where no stage judges it.
-std::uint32_t Engine::trust_flags(const pipeline::FrameSlot& slot) const {
-    for (std::size_t i = 0; i < stages_.size(); ++i) {
-        if (dynamic_cast<const trust::TrustStage*>(stages_[i].stage.get()) != nullptr) {
-            const trust::Verdict verdict = trust::verdict_of(slot.stage_memory[i]);
-            return verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift;
-        }
-    }
-    return 0;
 }
 
 /// Returns what the stage of that product has left of a frame; an empty plane where none makes it.

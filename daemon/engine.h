@@ -131,7 +131,6 @@ public:
 private:
     Condition condition_of(const pipeline::PipelineStatus& status) const;
     void publish(const pipeline::FrameSlot& slot);
-    std::uint32_t trust_flags(const pipeline::FrameSlot& slot) const;
     Plane<const std::uint8_t> record_plane(const pipeline::FrameSlot& slot, v1::Product product) const;
     void make_self_calibrator();
     void note_rectification(const calibration::Rectification& used);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "obstacles/scan_stage.h"
+#include "proto/doubt.h"
 #include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
@@ -29,13 +30,19 @@ std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int heig
     return std::make_unique<trust::TrustStage>(width, height, config.trust.options);
 }
 
+/// Returns the doubts about a frame and the trust in it.
+std::uint32_t trust_flags(std::span<const std::byte> record) {
+    const trust::Verdict verdict = trust::verdict_of(record);
+    return verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift;
+}
+
 struct Row {
     v1::Product product;
     Make* make;
+    decltype(ConfiguredStage::flags) flags = nullptr;
 };
 
-/// The record of trust goes into the flags of a frame.
-constexpr std::array table{Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust}};
+constexpr std::array table{Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
 
 }  // namespace
 
@@ -43,7 +50,7 @@ std::vector<ConfiguredStage> make_stages(const Config& config, int width, int he
     std::vector<ConfiguredStage> stages;
     for (const Row& row : table) {
         if (auto stage = row.make(config, width, height)) {
-            stages.push_back({row.product, std::move(stage)});
+            stages.push_back({row.product, std::move(stage), row.flags});
         }
     }
     return stages;

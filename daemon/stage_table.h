@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "daemon/config/config.h"
@@ -14,6 +17,8 @@ namespace disparityd::daemon {
 struct ConfiguredStage {
     v1::Product product = v1::PRODUCT_NONE;  ///< which its record is; none where it changes planes
     std::unique_ptr<AddedStage> stage;
+    /// What its record, the stage's memory of a frame, adds to the frame's flags; null where it adds none.
+    std::uint32_t (*flags)(std::span<const std::byte> record) = nullptr;
 };
 
 /// Makes the stages that a configuration wants, in the order of the table. Width and height are those of the rectified
