@@ -4,8 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "kernels/noise/noise_level.h"
-#include "kernels/noise/noise_level_switch.h"
+#include "kernels/noise/match_alone.h"
 
 namespace disparityd {
 
@@ -65,14 +64,7 @@ void PairMatcher::match(Plane<const std::uint8_t> left, Plane<const std::uint8_t
     frame.depth = results.depth;
     frame.depth_scale = results.depth_scale;
     frame.scratch = {scratch_.data(), scratch_.size()};
-    NoiseLevelSwitch levels;  // goes up only, as it sees so few results
-    do {
-        frame.noise_level = levels.level();
-        match_pair(*matcher_, frame, workers);
-        if (adapts_to_noise(size.options)) {
-            levels.add(estimate_noise(left, right, frame.disparity, frame.confidence));
-        }
-    } while (levels.level() != frame.noise_level);
+    match_alone(size.options, frame, [&] { match_pair(*matcher_, frame, workers); });
 }
 
 }  // namespace disparityd

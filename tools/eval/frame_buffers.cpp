@@ -6,9 +6,7 @@
 #include <span>
 
 #include "kernels/near_plane.h"
-#include "kernels/noise/noise_estimate.h"
-#include "kernels/noise/noise_level.h"
-#include "kernels/noise/noise_level_switch.h"
+#include "kernels/noise/match_alone.h"
 #include "tools/eval/means.h"
 
 namespace disparityd::eval {
@@ -39,7 +37,8 @@ MatcherResult run_ours(const Backend& backend, const MatchOptions& options, cons
     FrameBuffers frame(*matcher, left, right, workers);
     std::optional<int> noise_level;
     if (adapts_to_noise(options)) {
-        noise_level = frame.settle_noise_level(workers);
+        frame.match_alone(workers);
+        noise_level = frame.view().noise_level;
     }
     std::vector<double> times;
     for (int i = 0; i < repeat; ++i) {
@@ -93,14 +92,8 @@ void FrameBuffers::match(Parallel& workers) {
     }
 }
 
-int FrameBuffers::settle_noise_level(Parallel& workers) {
-    NoiseLevelSwitch levels;  // goes up only, in so few frames
-    do {
-        frame_.noise_level = levels.level();
-        match(workers);
-        levels.add(estimate_noise(frame_.left, frame_.right, frame_.disparity, frame_.confidence));
-    } while (levels.level() != frame_.noise_level);
-    return frame_.noise_level;
+void FrameBuffers::match_alone(Parallel& workers) {
+    disparityd::match_alone(matcher_.config().options, frame_, [&] { match(workers); });
 }
 
 }  // namespace disparityd::eval

@@ -28,9 +28,9 @@ public:
     /// Matches the pair from start to end. No allocation.
     void match(Parallel& workers);
 
-    /// Matches the pair until the noise level that its noise asks for is the one it was matched with, from 0 on, as a
-    /// stream of such pairs would. Matches from then on have that level, which is returned.
-    int settle_noise_level(Parallel& workers);
+    /// Matches the pair at the noise level that it asks for (kernels/noise/match_alone.h), which matches from then on
+    /// have, too.
+    void match_alone(Parallel& workers);
 
     const FrameView& view() const { return frame_; }
 

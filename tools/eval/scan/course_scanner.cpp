@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/scan/course_scanner.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
-#include "kernels/noise/noise_level.h"
+#include "calibration/empty_result/empty_result.h"
 #include "tools/eval/frame_buffers.h"
 
 namespace disparityd::eval {
@@ -15,15 +13,6 @@ scan::Camera scan_camera(const CourseCamera& camera) {
     const double k = 16 * camera.f * 1000 * camera.baseline_m;
     return {camera.width,       camera.height, camera.f, (camera.width - 1) / 2.0, (camera.height - 1) / 2.0,
             {std::lround(k), 0}};
-}
-
-double share_of_known(const FrameView& frame) {
-    std::ptrdiff_t known = 0;
-    for (int y = 0; y < frame.confidence.height; ++y) {
-        const auto* row = frame.confidence.row(y);
-        known += frame.confidence.width - std::count(row, row + frame.confidence.width, std::uint8_t{0});
-    }
-    return static_cast<double>(known) / (static_cast<double>(frame.confidence.width) * frame.confidence.height);
 }
 
 }  // namespace
@@ -36,18 +25,15 @@ CourseScanner::CourseScanner(const ScanSettings& settings, const CourseCamera& c
 
 const Scan& CourseScanner::scan(const cv::Mat& left, const cv::Mat& right, bool sequel) {
     FrameBuffers frame(*matcher_, left, right, workers_);
-    if (adapts_to_noise(settings_.match)) {
-        frame.settle_noise_level(workers_);
-    } else {
-        frame.match(workers_);
-    }
+    frame.match_alone(workers_);
     if (!sequel) {
         scanner_.emplace(camera_.width, camera_.height, settings_.scan, fastest_frame_steps());
     }
     scan_ = scanner_->empty_scan();
     scanner_->scan({frame.view().disparity, frame.view().confidence}, scan_camera(camera_), scan_, std::nullopt,
                    frame.near());
-    density_ = share_of_known(frame.view());
+    density_ = static_cast<double>(empty_result::measured_pixels(frame.view().confidence)) /
+               (static_cast<double>(camera_.width) * camera_.height);
     return scan_;
 }
 
