@@ -67,30 +67,25 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         ->excludes(fractions)
         ->excludes("--thin")
         ->excludes(opencv);
-    program
-        .add_flag("--near-guard-report", arguments.near_guard,
-                  "what the near guard finds, instead: each scene with all candidates that it needs, a half and a "
-                  "quarter of them. The preset is obstacles unless --preset says otherwise")
-        ->excludes(paper)
-        ->excludes(fair)
-        ->excludes(fractions)
-        ->excludes("--thin")
-        ->excludes("--scan")
-        ->excludes(opencv);
+    const auto add_report = [&](const char* name, bool& wanted, const char* help) {
+        program.add_flag(name, wanted, help)
+            ->excludes(paper)
+            ->excludes(fair)
+            ->excludes(fractions)
+            ->excludes("--thin")
+            ->excludes("--scan")
+            ->excludes(opencv);
+    };
+    add_report("--near-guard-report", arguments.near_guard,
+               "what the near guard finds, instead: each scene with all candidates that it needs, a half and a "
+               "quarter of them. The preset is obstacles unless --preset says otherwise");
     arguments.scan_options.add_to(program)->needs("--scan");
-    program
-        .add_flag(
-            "--trust", arguments.trust,
-            "how many faulty eyes are named within 5 s, and what false alarms there are, instead. Of made sequences: "
-            "DATA is faults:SEED, whose seeds are SEED, SEED + 2 and so on; --repeat says how many of each fault, "
-            "default 30. Of real pairs: DATA is folders of scenes, or LEFT,RIGHT. The preset is obstacles unless "
-            "--preset says otherwise")
-        ->excludes(paper)
-        ->excludes(fair)
-        ->excludes(fractions)
-        ->excludes("--thin")
-        ->excludes("--scan")
-        ->excludes(opencv);
+    add_report(
+        "--trust", arguments.trust,
+        "how many faulty eyes are named within 5 s, and what false alarms there are, instead. Of made sequences: "
+        "DATA is faults:SEED, whose seeds are SEED, SEED + 2 and so on; --repeat says how many of each fault, "
+        "default 30. Of real pairs: DATA is folders of scenes, or LEFT,RIGHT. The preset is obstacles unless "
+        "--preset says otherwise");
     program
         .add_option("--condition", arguments.conditions,
                     "of conditions:SEED only this condition, such as 'low light'; may be repeated; default all")

@@ -10,6 +10,7 @@
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/frame_buffers.h"
+#include "tools/eval/scan/percent_text.h"
 
 namespace disparityd::eval {
 namespace {
@@ -21,7 +22,7 @@ constexpr double value_tolerance = 0.1;
 constexpr std::array<const char*, 3> range_names{"all", "half", "quarter"};
 
 std::string percent_of(std::size_t part, std::size_t all, int decimals) {
-    return all == 0 ? "-" : tools::fixed(100.0 * static_cast<double>(part) / static_cast<double>(all), decimals);
+    return percent(static_cast<double>(part), static_cast<double>(all), decimals);
 }
 
 std::string of(std::size_t part, std::size_t all) {

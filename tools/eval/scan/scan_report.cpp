@@ -6,15 +6,12 @@
 #include <iostream>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "base/number_text.h"
 #include "obstacles/scan.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
@@ -22,6 +19,7 @@
 #include "tools/eval/scan/course_scanner.h"
 #include "tools/eval/scan/percent_text.h"
 #include "tools/eval/scan/scan_judgement.h"
+#include "tools/eval/seed_argument.h"
 #include "tools/images/image_file.h"
 
 namespace disparityd::eval {
@@ -112,22 +110,6 @@ private:
     CourseScanner scanner_;
 };
 
-std::optional<std::uint32_t> seed_of(const std::string& what, const std::vector<std::string>& data) {
-    const std::string prefix = what + ':';
-    const auto found =
-        std::find_if(data.begin(), data.end(), [&](const std::string& one) { return one.starts_with(prefix); });
-    if (found == data.end()) {
-        return std::nullopt;
-    }
-    const auto seed = base::parse_number(std::string_view(*found).substr(prefix.size()));
-    constexpr double most = 1000000;
-    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
-        throw std::invalid_argument("--scan: DATA: found '" + *found + "'" + (data.size() > 1 ? " beside others" : "") +
-                                    ", allowed: " + prefix + "SEED alone, SEED 0 .. 1000000, such as " + prefix + '1');
-    }
-    return static_cast<std::uint32_t>(*seed);
-}
-
 std::vector<std::string> line(const std::string& name, const ScanCounts& counts) {
     return {name,
             std::to_string(counts.sectors),
@@ -146,11 +128,11 @@ std::vector<std::string> line(const std::string& name, const ScanCounts& counts)
 }  // namespace
 
 std::optional<std::uint32_t> seed_of_courses(const std::vector<std::string>& data) {
-    return seed_of("courses", data);
+    return seed_argument("--scan", "courses", data);
 }
 
 std::optional<std::uint32_t> seed_of_conditions(const std::vector<std::string>& data) {
-    return seed_of("conditions", data);
+    return seed_argument("--scan", "conditions", data);
 }
 
 void report_scans(const ScanEvaluation& evaluation, Parallel& workers, bool markdown) {

@@ -2,11 +2,8 @@
 #include "tools/eval/trust/trust_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <memory>
-#include <stdexcept>
-#include <string_view>
 
 #include <opencv2/core.hpp>
 
@@ -17,6 +14,7 @@
 #include "tools/eval/frame_buffers.h"
 #include "tools/eval/noise.h"
 #include "tools/eval/rendered_scene.h"
+#include "tools/eval/seed_argument.h"
 #include "tools/images/image_file.h"
 #include "trust/judge.h"
 
@@ -114,7 +112,7 @@ private:
 /// Plays frames to and fro, as a camera of `rate` would send them.
 class Player {
 public:
-    Player(const TrustEvaluation& /*evaluation*/, cv::Size size) : judge_(size.width, size.height, {}) {}
+    explicit Player(cv::Size size) : judge_(size.width, size.height, {}) {}
 
     std::uint32_t next(const std::vector<MatchedPair>& pairs) {
         const int way = std::max(1, 2 * (static_cast<int>(pairs.size()) - 1));
@@ -137,7 +135,7 @@ void play_fault(const TrustEvaluation& evaluation, Fault fault, std::uint32_t se
     const MadeFault made(fault, seed, sequence.size());
     const auto matcher = evaluation.backend->create({sequence.size().width, sequence.size().height, evaluation.match});
     const std::vector<MatchedPair> good = sequence.with({Fault::none, seed, sequence.size()}, *matcher, workers);
-    Player player(evaluation, sequence.size());
+    Player player(sequence.size());
     std::uint32_t before = 0;
     const int good_frames = fault == Fault::none ? frames_of_good : frames_before;
     for (int i = 0; i < good_frames; ++i) {
@@ -202,18 +200,7 @@ TrustCount count_trust(const TrustEvaluation& evaluation, Fault fault, Parallel&
 }
 
 std::optional<std::uint32_t> seed_of_faults(const std::vector<std::string>& data) {
-    constexpr std::string_view prefix = "faults:";
-    constexpr double most = 1000000;
-    const std::string& found = data.front();
-    if (!found.starts_with(prefix)) {
-        return std::nullopt;
-    }
-    const auto seed = base::parse_number(std::string_view(found).substr(prefix.size()));
-    if (!seed || *seed < 0 || *seed > most || *seed != std::floor(*seed) || data.size() > 1) {
-        throw std::invalid_argument("--trust: DATA: found '" + found + "'" + (data.size() > 1 ? " beside others" : "") +
-                                    ", allowed: faults:SEED alone, SEED 0 .. 1000000, such as faults:1");
-    }
-    return static_cast<std::uint32_t>(*seed);
+    return seed_argument("--trust", "faults", data);
 }
 
 void report_trust_of_data(const TrustEvaluation& evaluation, const std::vector<std::string>& data, Parallel& workers,
