@@ -325,8 +325,8 @@ void Pipeline::stage_loop(std::size_t stage) {
             }
             if (stage == 0 && noise_levels_) {
                 const bool anew = (slot->raw.flags & capture::frame_flag_discontinuity) != 0;
-                slot->view.noise_level = noise_levels_->next(anew, heartbeat, failed_);
-                slot->view.noise_level = noise_level_of(matcher_.config().options, slot->view);
+                slot->view.noise_level =
+                    std::max(matcher_.config().options.noise_level, noise_levels_->next(anew, heartbeat, failed_));
             }
             begins(stage);
             work(stage, *slot);

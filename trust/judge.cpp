@@ -145,12 +145,11 @@ Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
         window_ = {};
         window_.began_ns = time_ns;
     }
-    const std::uint32_t found = doubts() | (is_too_near(frame.near) ? proto::doubt_too_near : 0U) |
-                                (frame.noise_level > 0 ? proto::doubt_noisy : 0U);
+    const std::uint32_t found = doubts(frame);
     return {found, trust_of(measured_share(frame.confidence), found)};
 }
 
-std::uint32_t Judge::doubts() const {
+std::uint32_t Judge::doubts(const FrameView& frame) const {
     const EyeTexture& one = eyes_[left];
     const EyeTexture& other = eyes_[right];
     std::uint32_t found = 0;
@@ -161,6 +160,8 @@ std::uint32_t Judge::doubts() const {
     add(proto::doubt_blurred, findings_.blurred.holds());
     add(proto::doubt_dirty_eye, findings_.dirty.holds());
     add(proto::doubt_misaligned, findings_.misaligned.holds());
+    add(proto::doubt_too_near, is_too_near(frame.near));
+    add(proto::doubt_noisy, frame.noise_level > 0);
     return found;
 }
 

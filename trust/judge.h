@@ -70,7 +70,7 @@ private:
     bool find_blurred() const;
     bool find_dirty();
     bool find_misaligned() const;
-    std::uint32_t doubts() const;
+    std::uint32_t doubts(const FrameView& frame) const;
 
     TrustOptions options_;
     int rows_limit_;  ///< 1/16 px
