@@ -17,11 +17,6 @@ constexpr int swollen_rows = 3;
 /// A drop shows itself by so many of these pixels, and by six rows of its sector.
 constexpr int least_pixels = 12;
 
-template <typename T>
-T rounded(double value) {
-    return static_cast<T>(std::lround(value));
-}
-
 }  // namespace
 
 DropSectors::DropSectors(const Geometry& geometry)
@@ -103,10 +98,10 @@ void DropSectors::describe(const Geometry& geometry, int sector, ScanSector& out
         return;
     }
     out.state = SectorState::occupied;
-    out.distance_mm = rounded<std::uint16_t>(distance);
-    out.sigma_mm = rounded<std::uint16_t>(std::min(k * 16 * options.subpixel_error_px / (m * m), 65535.0));
+    out.distance_mm = limited<std::uint16_t>(distance);
+    out.sigma_mm = limited<std::uint16_t>(k * 16 * options.subpixel_error_px / (m * m));
     out.free_mm = std::min(out.free_mm, out.distance_mm);
-    out.low_mm = rounded<std::int16_t>(std::max(sum.lowest_mm, -32768.0F));
+    out.low_mm = limited<std::int16_t>(sum.lowest_mm);
     out.high_mm = 0;
     out.pixels = static_cast<std::uint16_t>(std::min(sum.pixels, 65535));
     out.confidence = static_cast<std::uint8_t>(sum.confidence / sum.pixels);

@@ -2,7 +2,6 @@
 #include "obstacles/near_sectors.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "kernels/near_plane.h"
 
@@ -62,16 +61,15 @@ void NearSectors::add(const NearBlocks& near, const Geometry& geometry, const Co
         }
         const double limit = static_cast<double>(geometry.camera().scale.k) / std::max(found.m, 1);
         ScanSector& out = sectors[index(s)];
-        const auto most =
-            static_cast<std::uint16_t>(std::lround(std::clamp(limit, 1000 * options.min_m, 1000 * options.max_m)));
+        const auto most = limited<std::uint16_t>(std::clamp(limit, 1000 * options.min_m, 1000 * options.max_m));
         out.distance_mm = out.state == SectorState::occupied ? std::min(out.distance_mm, most) : most;
         out.state = SectorState::occupied;
         out.confidence = 0;
         out.pixels = 0;
         out.sigma_mm = out.distance_mm;
         out.free_mm = 0;
-        out.low_mm = static_cast<std::int16_t>(std::lround(1000 * options.low_m));
-        out.high_mm = static_cast<std::int16_t>(std::lround(1000 * options.high_m));
+        out.low_mm = limited<std::int16_t>(1000 * options.low_m);
+        out.high_mm = limited<std::int16_t>(1000 * options.high_m);
     }
 }
 

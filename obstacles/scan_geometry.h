@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -14,6 +17,13 @@
 namespace disparityd::scan {
 
 inline constexpr double per_degree = std::numbers::pi / 180;
+
+/// The nearest number that a field of a record can hold, halves away from zero.
+template <typename T>
+T limited(double value) {
+    using Limits = std::numeric_limits<T>;
+    return static_cast<T>(std::lround(std::clamp(value, double{Limits::min()}, double{Limits::max()})));
+}
 
 constexpr std::size_t index(int value) {
     return static_cast<std::size_t>(value);

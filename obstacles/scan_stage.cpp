@@ -3,21 +3,15 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
 
 namespace disparityd {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "a scan is little endian");
 
-template <typename T>
-T limited(double value) {
-    using Limits = std::numeric_limits<T>;
-    return static_cast<T>(std::lround(std::clamp(value, double{Limits::min()}, double{Limits::max()})));
-}
+using scan::limited;
 
 proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
     proto::ScanHead head{};
