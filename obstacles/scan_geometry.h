@@ -21,8 +21,9 @@ inline constexpr double per_degree = std::numbers::pi / 180;
 /// The nearest number that a field of a record can hold, halves away from zero.
 template <typename T>
 T limited(double value) {
-    using Limits = std::numeric_limits<T>;
-    return static_cast<T>(std::lround(std::clamp(value, double{Limits::min()}, double{Limits::max()})));
+    constexpr double least = std::numeric_limits<T>::min();
+    constexpr double most = std::numeric_limits<T>::max();
+    return static_cast<T>(std::lround(std::clamp(value, least, most)));
 }
 
 constexpr std::size_t index(int value) {
