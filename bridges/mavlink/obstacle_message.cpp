@@ -39,13 +39,14 @@ bool is_free(const ScanSector& sector, const DistanceLimits& limits) {
     return known && whole_cm(sector.free_m) >= limits.max_cm;
 }
 
-/// Returns the obstacle's distance in cm, or nothing when the sector shows none within the limits.
+/// Returns the obstacle's distance in cm, or nothing when the sector shows none within the limits. One of which only
+/// the most that its distance can be is known may lie within them, whatever that is.
 std::optional<std::uint16_t> obstacle_cm(const ScanSector& sector, const DistanceLimits& limits) {
     const long cm = whole_cm(sector.distance_m);
-    if (sector.state != SectorState::occupied || cm > limits.max_cm) {
+    if (sector.state != SectorState::occupied || (cm > limits.max_cm && !sector.is_near())) {
         return std::nullopt;
     }
-    return static_cast<std::uint16_t>(std::max<long>(cm, limits.min_cm));
+    return static_cast<std::uint16_t>(std::clamp<long>(cm, limits.min_cm, limits.max_cm));
 }
 
 /// Returns what two intervals share, with `other` moved by whole circles to where they meet; one that goes all around

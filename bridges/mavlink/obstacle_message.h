@@ -39,8 +39,9 @@ struct DistanceLimits {
 
 using SectorDistances = std::array<std::uint16_t, message_sectors>;
 
-/// Returns the distances of the message in cm, rounded down. In each of its sectors the nearest obstacle wins. Without
-/// an obstacle within the limits it is free only when free sectors of the scan cover all of it, else unknown.
+/// Returns the distances of the message in cm, rounded down. In each of its sectors the nearest obstacle wins; one that
+/// is nearer than can be measured is at most at the largest distance. Without an obstacle within the limits it is free
+/// only when free sectors of the scan cover all of it, else unknown.
 SectorDistances sector_distances(const disparity::Scan& scan, const DistanceLimits& limits);
 
 /// Returns OBSTACLE_DISTANCE in MAV_FRAME_BODY_FRD. `time_us` is the time of capture since this machine started.

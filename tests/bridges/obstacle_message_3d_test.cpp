@@ -22,7 +22,8 @@ ScanSector obstacle(double middle, double distance_m, double low_m = 0.1, double
             .state = SectorState::occupied,
             .distance_m = distance_m,
             .low_m = low_m,
-            .high_m = high_m};
+            .high_m = high_m,
+            .pixels = 100};
 }
 
 std::vector<test::DecodedFrame> sent(std::vector<ScanSector> sectors, std::optional<double> camera_height_m = {}) {
@@ -85,6 +86,14 @@ TEST(ObstacleMessage3d, OnlyObstaclesWithinTheLimitsTheNearestFirst) {
     EXPECT_NEAR(place(frames[0]).distance(), 3, 1e-5);
     EXPECT_NEAR(place(frames[1]).distance(), 5, 1e-5);
     EXPECT_TRUE(sent({}).empty());
+}
+
+TEST(ObstacleMessage3d, WhatIsNearerThanCanBeMeasuredIsWithinTheLimits) {
+    ScanSector near = obstacle(0, 8.5);
+    near.pixels = 0;
+    const auto frames = sent({near});
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_NEAR(place(frames[0]).distance(), 8, 0.01);
 }
 
 TEST(ObstacleMessage3d, DistancesLieWithinTheLimitsForWhoComputesThemFromCoordinates) {

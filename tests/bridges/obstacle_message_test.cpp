@@ -17,7 +17,19 @@ constexpr DistanceLimits limits{20, 800};
 constexpr std::uint16_t free_cm = 801;
 
 ScanSector occupied(double from, double to, double distance_m, double free_m = 0) {
-    return {.from_deg = from, .to_deg = to, .state = SectorState::occupied, .distance_m = distance_m, .free_m = free_m};
+    return {.from_deg = from,
+            .to_deg = to,
+            .state = SectorState::occupied,
+            .distance_m = distance_m,
+            .free_m = free_m,
+            .pixels = 100};
+}
+
+/// Somewhere between free_m and most_m: nearer than can be measured.
+ScanSector near(double from, double to, double most_m, double free_m = 0) {
+    ScanSector sector = occupied(from, to, most_m, free_m);
+    sector.pixels = 0;
+    return sector;
 }
 
 ScanSector free_up_to(double from, double to, double free_m) {
@@ -81,6 +93,20 @@ TEST(ObstacleMessage, ObstaclesBeyondTheLargestDistanceAreUnknownOrFree) {
     EXPECT_EQ(distances_of({occupied(-2.5, 2.5, 8)}), only({{0, 800}}));
     EXPECT_EQ(distances_of({occupied(-2.5, 2.5, 8.01, 8.01)}), only({{0, free_cm}}));
     EXPECT_EQ(distances_of({occupied(-2.5, 2.5, 8.01, 3)}), only({}));
+}
+
+TEST(ObstacleMessage, WhatIsNearerThanCanBeMeasuredIsAnObstacleWithinTheLimits) {
+    EXPECT_EQ(distances_of({near(-2.5, 2.5, 0.66)}), only({{0, 66}}));
+    EXPECT_EQ(distances_of({near(-2.5, 2.5, 8.01)}), only({{0, 800}})) << "it may be within";
+    EXPECT_EQ(distances_of({near(-2.5, 2.5, 0.05)}), only({{0, 20}}));
+}
+
+TEST(ObstacleMessage, HiddenSpaceBeforeWhatIsNearerThanCanBeMeasuredCounts) {
+    DistanceLimits careful = limits;
+    careful.hidden_as_obstacle = true;
+    disparity::Scan scan;
+    scan.sectors = {near(-2.5, 2.5, 9, 0.4)};
+    EXPECT_EQ(sector_distances(scan, careful), only({{0, 40}}));
 }
 
 TEST(ObstacleMessage, AnotherStateIsUnknown) {
