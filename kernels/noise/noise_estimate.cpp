@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdlib>
 
 namespace disparityd {
 
@@ -18,19 +21,14 @@ constexpr int nothing = -1;
 constexpr int dark = 64;
 constexpr int most = 65535;
 
-// floor(sqrt(value)).
+// floor(sqrt(value)): exact below 2^43, since a square root is rounded once.
 int root(std::int64_t value) {
-    std::int64_t found = 0;
-    for (std::int64_t bit = std::int64_t{1} << 20; bit > 0; bit /= 2) {
-        if ((found + bit) * (found + bit) <= value) {
-            found += bit;
-        }
-    }
-    return static_cast<int>(found);
+    return static_cast<int>(std::sqrt(static_cast<double>(value)));
 }
 
-bool is_clipped(int grey) {
-    return grey == 0 || grey == 255;
+// All ones where the pixel is 0 or 255, else 0.
+std::uint8_t if_clipped(std::uint8_t grey) {
+    return static_cast<std::uint8_t>(grey + 1) < 2 ? 255 : 0;
 }
 
 struct Pair {
@@ -46,35 +44,67 @@ struct Brightness {
     std::int64_t pixels = 0;
 };
 
-// The noise of one eye in 1/256 grey levels, or nothing where too little was measured or a pixel may be clipped.
-int noise_of_block(const Pair& pair, int first_x, int first_y, Brightness& brightness) {
-    std::int64_t count = 0;
-    std::int64_t sum = 0;
-    std::int64_t squares = 0;
-    bool clipped = false;
+// Holds a block's pixels side by side, which compilers make vectors of.
+struct Block {
+    std::array<std::uint8_t, side * side> left;
+    std::array<std::uint8_t, side * side> match;
+    std::array<std::uint8_t, side * side> confidence;
+};
+
+void gather(const Pair& pair, int first_x, int first_y, Block& block) {
+    std::size_t at = 0;
     for (int y = first_y; y < first_y + side; ++y) {
-        const std::uint8_t* const left = pair.left.row(y);
         const std::uint8_t* const right = pair.right.row(y);
         const std::int16_t* const disparity = pair.disparity.row(y);
-        const std::uint8_t* const confidence = pair.confidence.row(y);
+        std::copy_n(pair.left.row(y) + first_x, side, &block.left[at]);
+        std::copy_n(pair.confidence.row(y) + first_x, side, &block.confidence[at]);
         for (int x = first_x; x < first_x + side; ++x) {
-            if (confidence[x] > 0) {
-                const int match = std::clamp(x - ((disparity[x] + 8) >> 4), 0, pair.right.width - 1);
-                const int difference = left[x] - right[match];
-                clipped = clipped || is_clipped(left[x]) || is_clipped(right[match]);
-                ++count;
-                brightness.sum += left[x];
-                sum += difference;
-                squares += difference * difference;
-            }
+            block.match[at++] = right[std::clamp(x - ((disparity[x] + 8) >> 4), 0, pair.right.width - 1)];
         }
     }
-    brightness.pixels += count;
-    if (count < least_pixels || clipped) {
+}
+
+// Returns how many pixels were measured, negative where one of them may be clipped, and makes the others 0.
+int measured_pixels(Block& block) {
+    std::uint8_t pixels = 0;
+    std::uint8_t clipped = 0;
+    for (std::size_t i = 0; i < block.left.size(); ++i) {
+        const auto measured = static_cast<std::uint8_t>(block.confidence[i] > 0 ? 255 : 0);
+        const int suspect = measured & (if_clipped(block.left[i]) | if_clipped(block.match[i]));
+        clipped = static_cast<std::uint8_t>(clipped | suspect);
+        pixels = static_cast<std::uint8_t>(pixels - measured);
+        block.left[i] = static_cast<std::uint8_t>(block.left[i] & measured);
+        block.match[i] = static_cast<std::uint8_t>(block.match[i] & measured);
+    }
+    return clipped != 0 ? -pixels : pixels;
+}
+
+// The noise of one eye in 1/256 grey levels, or nothing where too little was measured or a pixel may be clipped. Sums
+// of 64 pixels fit the narrow types.
+int noise_of_block(const Pair& pair, int first_x, int first_y, Brightness& brightness) {
+    Block block;
+    gather(pair, first_x, first_y, block);
+    const int pixels = measured_pixels(block);
+    std::array<std::int16_t, side * side> differences;
+    std::uint16_t grey = 0;
+    std::int16_t sum = 0;
+    for (std::size_t i = 0; i < block.left.size(); ++i) {
+        differences[i] = static_cast<std::int16_t>(block.left[i] - block.match[i]);
+        grey = static_cast<std::uint16_t>(grey + block.left[i]);
+        sum = static_cast<std::int16_t>(sum + differences[i]);
+    }
+    int squares = 0;
+    for (const std::int16_t difference : differences) {
+        squares += difference * difference;
+    }
+    brightness.sum += grey;
+    brightness.pixels += std::abs(pixels);
+    if (pixels < least_pixels) {
         return nothing;
     }
     // Both eyes add as much to the variance of their difference.
-    return root((count * squares - sum * sum) * (256 * 256 / 2) / (count * count));
+    const std::int64_t n = pixels;
+    return root((n * squares - std::int64_t{sum} * sum) * (256 * 256 / 2) / (n * n));
 }
 
 }  // namespace
