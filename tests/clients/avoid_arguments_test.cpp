@@ -39,6 +39,8 @@ TEST_P(AvoidArgumentsTest, ThatAreOutOfRange) {
              {{"--reaction-s", "10.5"}, "0 .. 10"},
              {{"--max-age-ms", "inf"}, "10 .. 10000"},
              {{"--good-frames", "2.5"}, "whole numbers 1 .. 1000"},
+             {{"--camera-height-m", "-0.1"}, "0 .. 100"},
+             {{"--camera-pitch-deg", "46"}, "-45 .. 45"},
          }) {
         const std::string said = refusal(arguments);
         EXPECT_TRUE(said.starts_with(std::string(GetParam().name()) + ": error: ")) << said;

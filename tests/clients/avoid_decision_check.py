@@ -20,9 +20,11 @@ def scan_of(frame):
     else:
         named = {sector[0]: sector for sector in frame.get("sectors", [])}
         sectors = [named.get(edge, [edge, edge + 10, 1, 0, frame["free"]]) for edge in range(-90, 90, 10)]
-    columns = list(zip(*sectors)) or [()] * 5
-    names = ("from_deg", "to_deg", "state", "distance_m", "free_m")
-    return types.SimpleNamespace(**dict(zip(names, columns)))
+    columns = list(zip(*([*sector, 100][:6] for sector in sectors))) or [()] * 6
+    names = ("from_deg", "to_deg", "state", "distance_m", "free_m", "pixels")
+    seen = frame.get("mounting")
+    mounting = types.SimpleNamespace(height_m=seen[0], pitch_deg=seen[1]) if seen else None
+    return types.SimpleNamespace(mounting=mounting, **dict(zip(names, columns)))
 
 
 def take(decider, step):

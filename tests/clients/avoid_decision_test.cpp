@@ -24,7 +24,9 @@ avoid::Options options_of(const json& from) {
     std::map<std::string, double*> numbers{{"width_m", &options.width_m},
                                            {"margin_m", &options.margin_m},
                                            {"speed_mps", &options.speed_mps},
-                                           {"deceleration_mps2", &options.deceleration_mps2}};
+                                           {"deceleration_mps2", &options.deceleration_mps2},
+                                           {"camera_height_m", &options.camera_height_m},
+                                           {"camera_pitch_deg", &options.camera_pitch_deg}};
     for (const auto& [name, value] : from.items()) {
         if (name == "good_frames") {
             options.good_frames = value;
@@ -44,6 +46,7 @@ disparity::ScanSector sector_of(const json& from) {
     sector.state = static_cast<disparity::SectorState>(from.at(2).get<int>());
     sector.distance_m = from.at(3);
     sector.free_m = from.at(4);
+    sector.pixels = from.size() > 5 ? from.at(5).get<std::uint32_t>() : 100;
     return sector;
 }
 
@@ -52,6 +55,9 @@ std::optional<disparity::Scan> scan_of(const json& frame) {
         return std::nullopt;
     }
     disparity::Scan scan;
+    if (frame.contains("mounting")) {
+        scan.mounting = {frame.at("mounting").at(0), frame.at("mounting").at(1), 0};
+    }
     if (frame.contains("only")) {
         for (const json& sector : frame.at("only")) {
             scan.sectors.push_back(sector_of(sector));

@@ -157,6 +157,7 @@ proto::ScanSector sector(proto::SectorState state, std::uint16_t distance_mm, st
     proto::ScanSector made{};
     made.state = state;
     made.distance_mm = distance_mm;
+    made.pixels = 100;
     made.free_mm = free_mm;
     return made;
 }

@@ -30,6 +30,8 @@ Prints a line for each change of state.
   --reaction-s S          from a decision until the brakes work (0.2)
   --max-age-ms MS         brake when the newest frame is older (250)
   --good-frames N         so many in a row end a brake (3)
+  --camera-height-m M     brake where the floor shows another height of the camera; 0: any (0)
+  --camera-pitch-deg A    the same of its pitch, where the height is told (0)
   --synthetic             accept frames that no camera saw: for tests
   --json                  print a line of JSON for each frame, and whenever none came
   --help                  print this text
@@ -49,8 +51,8 @@ struct NumberOption {
     bool whole = false;
 };
 
-inline const std::array<NumberOption, 7>& number_options() {
-    static const std::array<NumberOption, 7> all{{
+inline const std::array<NumberOption, 9>& number_options() {
+    static const std::array<NumberOption, 9> all{{
         {"--width-m", 0.01, 10, [](Options& options, double value) { options.width_m = value; }},
         {"--margin-m", 0.05, 10, [](Options& options, double value) { options.margin_m = value; }},
         {"--speed-mps", 0.05, 20, [](Options& options, double value) { options.speed_mps = value; }},
@@ -59,6 +61,8 @@ inline const std::array<NumberOption, 7>& number_options() {
         {"--max-age-ms", 10, 10000, [](Options& options, double value) { options.max_age_s = value / 1000; }},
         {"--good-frames", 1, 1000,
          [](Options& options, double value) { options.good_frames = static_cast<int>(value); }, true},
+        {"--camera-height-m", 0, 100, [](Options& options, double value) { options.camera_height_m = value; }},
+        {"--camera-pitch-deg", -45, 45, [](Options& options, double value) { options.camera_pitch_deg = value; }},
     }};
     return all;
 }

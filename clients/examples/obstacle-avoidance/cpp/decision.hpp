@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -15,6 +16,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include <disparity_client.hpp>
 
@@ -29,16 +31,27 @@ struct Options {
     double reaction_s = 0.2;         ///< from a decision until the brakes work
     double max_age_s = 0.25;         ///< an older frame is danger
     int good_frames = 3;             ///< so many in a row end a brake
+    double camera_height_m = 0;      ///< above the floor, as [scan] has it; 0: any
+    double camera_pitch_deg = 0;     ///< the same, where the height is told; positive looks down
     bool synthetic = false;          ///< frames that no camera saw count, too: for tests
 };
 
 /// Below this speed the robot stands still.
 inline constexpr double least_speed_mps = 0.05;
 
+/// Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed.
+inline constexpr std::uint32_t least_trust = 30;
+inline constexpr std::uint32_t full_trust = 150;
+
+/// The floor contradicts a mounting that is off by more: the daemon's own limits.
+inline constexpr double other_height_m = 0.08;
+inline constexpr double other_height_share = 0.15;
+inline constexpr double other_pitch_deg = 6;
+
 enum class State { drive, slow, brake };
 
 /// Why the robot brakes. A change of it is worth a line.
-enum class Cause { start, daemon, age, frame, gap, view, stop };
+enum class Cause { start, daemon, age, frame, gap, trust, mounting, view, stop };
 
 struct Decision {
     State state = State::brake;
@@ -75,6 +88,15 @@ inline std::string at_bearing(double bearing_deg) {
     return ", bearing " + std::to_string(static_cast<int>(std::floor(bearing_deg + 0.5))) + " deg";
 }
 
+/// `obstacle`: the sector shows one that is in the corridor.
+inline std::string what_limits(const disparity::ScanSector& sector, bool obstacle) {
+    if (sector.is_near()) {
+        return "obstacle at most " + text("%.2f m away", sector.distance_m);
+    }
+    return obstacle && sector.free_m >= sector.distance_m ? "obstacle at " + text("%.2f m", sector.distance_m)
+                                                          : "unknown beyond " + text("%.2f m", sector.free_m);
+}
+
 /// Returns how far the corridor is free in the bearings of a sector; nothing where the sector does not limit it.
 ///
 /// At the bearing b a ray leaves the corridor at the distance width / 2 / sin |b|. What is farther away does not
@@ -107,9 +129,7 @@ inline std::optional<Limit> limit_of(const disparity::ScanSector& sector, const 
     const double widest = sector.free_m > half ? std::asin(half / sector.free_m) : std::numbers::pi / 2;
     Limit limit;
     limit.ahead_m = sector.free_m * std::cos(std::min(outer, widest));
-    limit.reason = obstacle && sector.free_m >= sector.distance_m ? "obstacle at " + text("%.2f m", sector.distance_m)
-                                                                  : "unknown beyond " + text("%.2f m", sector.free_m);
-    limit.reason += at_bearing((sector.from_deg + sector.to_deg) / 2);
+    limit.reason = what_limits(sector, obstacle) + at_bearing((sector.from_deg + sector.to_deg) / 2);
     return limit;
 }
 
@@ -159,6 +179,57 @@ inline double speed_for(double room_m, const Options& options) {
     return std::min(speed, options.speed_mps);
 }
 
+/// Says how fast trust in a frame lets the robot drive, and why no faster.
+struct TrustLimit {
+    double speed_mps = std::numeric_limits<double>::infinity();  ///< 0: it must stand
+    std::string reason;
+};
+
+/// Returns the limit of a frame of these flags. A daemon that tells no trust limits nothing.
+inline TrustLimit trust_limit(std::uint32_t flags, const Options& options) {
+    using Doubt = std::pair<std::uint32_t, const char*>;
+    static constexpr std::array<Doubt, 8> doubts{{{disparity::dark, "dark"},
+                                                  {disparity::saturated, "saturated"},
+                                                  {disparity::blurred, "blurred"},
+                                                  {disparity::dirty_eye, "dirty-eye"},
+                                                  {disparity::covered_eye, "covered-eye"},
+                                                  {disparity::misaligned, "misaligned"},
+                                                  {disparity::too_near, "too-near"},
+                                                  {disparity::noisy, "noisy"}}};
+    const std::uint32_t trust = disparity::trust_of(flags);
+    if (trust == 0 || trust >= full_trust) {
+        return {};
+    }
+    TrustLimit limit;
+    limit.speed_mps = trust < least_trust ? 0 : options.speed_mps * trust / full_trust;
+    limit.reason = "trust in the frame is " + std::to_string(trust) + " of 255";
+    const char* before = ": ";
+    for (const auto& [bit, name] : doubts) {
+        if ((flags & bit) != 0) {
+            limit.reason += before + std::string(name);
+            before = " ";
+        }
+    }
+    return limit;
+}
+
+/// Returns what the floor that the camera sees says against the mounting that is told; nothing where it agrees, or was
+/// not found. A scan of a wrong mounting has wrong distances.
+inline std::optional<std::string> contradiction(const disparity::Scan& scan, const Options& options) {
+    if (!scan.mounting || options.camera_height_m <= 0) {
+        return std::nullopt;
+    }
+    const double height_off = std::abs(scan.mounting->height_m - options.camera_height_m);
+    const double pitch_off = std::abs(scan.mounting->pitch_deg - options.camera_pitch_deg);
+    if (height_off <= std::max(other_height_m, other_height_share * options.camera_height_m) &&
+        pitch_off <= other_pitch_deg) {
+        return std::nullopt;
+    }
+    return "the floor shows a camera " + text("%.2f m", scan.mounting->height_m) + " above it, pitch " +
+           text("%.1f deg", scan.mounting->pitch_deg) + "; told are " + text("%.2f m", options.camera_height_m) + ", " +
+           text("%.1f deg", options.camera_pitch_deg);
+}
+
 /// What the decision takes from a frame.
 struct FrameFacts {
     double age_s = 0;                       ///< when it was read, the network included
@@ -203,7 +274,14 @@ public:
         if ((frame.flags & disparity::discontinuity) != 0) {
             return brake(Cause::gap, "gap in the frames: the source was interrupted");
         }
-        return judge(way_ahead(*frame.scan, options_));
+        if (const auto wrong = contradiction(*frame.scan, options_)) {
+            return brake(Cause::mounting, *wrong);
+        }
+        const TrustLimit trust = trust_limit(frame.flags, options_);
+        if (trust.speed_mps < least_speed_mps) {
+            return brake(Cause::trust, trust.reason);
+        }
+        return judge(way_ahead(*frame.scan, options_), trust);
     }
 
     /// No frame has arrived for a while.
@@ -235,11 +313,12 @@ private:
         return decision_;
     }
 
-    /// Judges a frame that can be trusted. Brakes when the robot cannot stop before the limit at the speed that it was
-    /// allowed.
-    const Decision& judge(const Limit& limit) {
+    /// Judges a frame that can be trusted so far. Brakes when the robot cannot stop before the limit at the speed that
+    /// it was allowed.
+    const Decision& judge(const Limit& limit, const TrustLimit& trust) {
         const double room = limit.ahead_m - options_.margin_m;
-        const double speed = speed_for(room, options_);
+        const double speed_of_way = speed_for(room, options_);
+        const double speed = std::min(speed_of_way, trust.speed_mps);
         if (speed < least_speed_mps || room < stopping_distance(decision_.speed_mps, options_)) {
             brake(Cause::view, limit.reason);
             decision_.ahead_m = limit.ahead_m;
@@ -252,7 +331,9 @@ private:
         const bool full = speed >= options_.speed_mps;
         decision_.state = full ? State::drive : State::slow;
         decision_.speed_mps = speed;
-        decision_.reason = full ? "free up to " + text("%.1f m", limit.ahead_m) : limit.reason;
+        decision_.reason = full                   ? "free up to " + text("%.1f m", limit.ahead_m)
+                           : speed < speed_of_way ? trust.reason
+                                                  : limit.reason;
         return decision_;
     }
 

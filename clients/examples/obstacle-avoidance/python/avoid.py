@@ -84,6 +84,9 @@ def parse_arguments():
         ("--reaction-s", usual.reaction_s, number(0, 10), "from a decision until the brakes work"),
         ("--max-age-ms", usual.max_age_s * 1000, number(10, 10000), "brake when the newest frame is older"),
         ("--good-frames", usual.good_frames, number(1, 1000, int), "so many in a row end a brake"),
+        ("--camera-height-m", usual.camera_height_m, number(0, 100),
+         "brake where the floor shows another height of the camera; 0: any"),
+        ("--camera-pitch-deg", usual.camera_pitch_deg, number(-45, 45), "the same of its pitch, where the height is told"),
     ):
         parser.add_argument(name, default=default, type=kind, metavar="N", help=f"{text} ({default:g})")
     parser.add_argument("--synthetic", action="store_true", help="accept frames that no camera saw: for tests")
@@ -152,7 +155,8 @@ def main():
     arguments = parse_arguments()
     options = decision.Options(
         arguments.width_m, arguments.margin_m, arguments.speed_mps, arguments.deceleration_mps2, arguments.reaction_s,
-        arguments.max_age_ms / 1000, arguments.good_frames, arguments.synthetic,
+        arguments.max_age_ms / 1000, arguments.good_frames, arguments.camera_height_m, arguments.camera_pitch_deg,
+        arguments.synthetic,
     )
     decider, output = decision.Decider(options), Output(arguments.json)
     try:

@@ -15,8 +15,18 @@ _OCCUPIED = 2
 _DISCONTINUITY = 8
 _SYNTHETIC = 16
 
+_DOUBTS = {0x100: "dark", 0x200: "saturated", 0x400: "blurred", 0x800: "dirty-eye", 0x1000: "covered-eye",
+           0x2000: "misaligned", 0x4000: "too-near", 0x8000: "noisy"}
+_TRUST_SHIFT = 24
+
 # Below this speed the robot stands still.
 LEAST_SPEED_MPS = 0.05
+
+# Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed.
+LEAST_TRUST, FULL_TRUST = 30, 150
+
+# The floor contradicts a mounting that is off by more: the daemon's own limits.
+OTHER_HEIGHT_M, OTHER_HEIGHT_SHARE, OTHER_PITCH_DEG = 0.08, 0.15, 6
 
 
 @dataclasses.dataclass
@@ -30,6 +40,8 @@ class Options:
     reaction_s: float = 0.2  # from a decision until the brakes work
     max_age_s: float = 0.25  # an older frame is danger
     good_frames: int = 3  # so many in a row end a brake
+    camera_height_m: float = 0.0  # above the floor, as [scan] has it; 0: any
+    camera_pitch_deg: float = 0.0  # the same, where the height is told; positive looks down
     synthetic: bool = False  # frames that no camera saw count, too: for tests
 
 
@@ -37,7 +49,7 @@ class Options:
 class Decision:
     state: str = BRAKE
     speed_mps: float = 0.0  # the robot may drive this fast now
-    cause: str = "start"  # why the robot brakes: start, daemon, age, frame, gap, view or stop
+    cause: str = "start"  # why the robot brakes: start, daemon, age, frame, gap, trust, mounting, view or stop
     reason: str = "no frame yet"
     ahead_m: float = math.nan  # the way is free so far; NaN: not known
 
@@ -56,7 +68,14 @@ def _at_bearing(bearing_deg):
     return f", bearing {math.floor(bearing_deg + 0.5)} deg"
 
 
-def limit_of(from_deg, to_deg, state, distance_m, free_m, options):
+def _what_limits(state, distance_m, free_m, pixels, obstacle):
+    """obstacle: the sector shows one that is in the corridor."""
+    if state == _OCCUPIED and pixels == 0:
+        return f"obstacle at most {distance_m:.2f} m away"
+    return f"obstacle at {distance_m:.2f} m" if obstacle and free_m >= distance_m else f"unknown beyond {free_m:.2f} m"
+
+
+def limit_of(from_deg, to_deg, state, distance_m, free_m, pixels, options):
     """Returns (metres ahead, reason): how far the corridor is free in a sector; None where it does not limit it.
 
     At the bearing b a ray leaves the corridor at the distance width / 2 / sin |b|. What is farther away does not
@@ -77,10 +96,7 @@ def limit_of(from_deg, to_deg, state, distance_m, free_m, options):
     if not obstacle and leaves_at <= options.margin_m:
         return None
     widest = math.asin(half / free_m) if free_m > half else math.pi / 2
-    if obstacle and free_m >= distance_m:
-        what = f"obstacle at {distance_m:.2f} m"
-    else:
-        what = f"unknown beyond {free_m:.2f} m"
+    what = _what_limits(state, distance_m, free_m, pixels, obstacle)
     return free_m * math.cos(min(outer, widest)), what + _at_bearing((from_deg + to_deg) / 2)
 
 
@@ -100,11 +116,36 @@ def way_ahead(scan, options):
     if bearing is not None:
         return 0.0, "no sector" + _at_bearing(bearing)
     nearest = (math.inf, "")
-    for sector in zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m):
+    for sector in zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m, scan.pixels):
         limit = limit_of(*map(float, sector), options)
         if limit is not None and limit[0] < nearest[0]:
             nearest = limit
     return nearest
+
+
+def trust_limit(flags, options):
+    """Returns (m/s, reason): how fast trust in a frame lets the robot drive, and why no faster. A daemon that tells no
+    trust limits nothing."""
+    trust = flags >> _TRUST_SHIFT
+    if trust == 0 or trust >= FULL_TRUST:
+        return math.inf, ""
+    doubts = " ".join(name for bit, name in _DOUBTS.items() if flags & bit)
+    reason = f"trust in the frame is {trust} of 255" + (f": {doubts}" if doubts else "")
+    return 0.0 if trust < LEAST_TRUST else options.speed_mps * trust / FULL_TRUST, reason
+
+
+def contradiction(scan, options):
+    """Returns what the floor that the camera sees says against the mounting that is told; None where it agrees, or was
+    not found. A scan of a wrong mounting has wrong distances."""
+    seen = scan.mounting
+    if seen is None or options.camera_height_m <= 0:
+        return None
+    height_off = abs(seen.height_m - options.camera_height_m)
+    if (height_off <= max(OTHER_HEIGHT_M, OTHER_HEIGHT_SHARE * options.camera_height_m)
+            and abs(seen.pitch_deg - options.camera_pitch_deg) <= OTHER_PITCH_DEG):
+        return None
+    return (f"the floor shows a camera {seen.height_m:.2f} m above it, pitch {seen.pitch_deg:.1f} deg; "
+            f"told are {options.camera_height_m:.2f} m, {options.camera_pitch_deg:.1f} deg")
 
 
 def delay_s(options):
@@ -158,7 +199,13 @@ class Decider:
             return self._brake("frame", "no scan: set enabled = true in [scan] of the daemon's configuration")
         if flags & _DISCONTINUITY:
             return self._brake("gap", "gap in the frames: the source was interrupted")
-        return self._judge(*way_ahead(scan, self._options))
+        wrong = contradiction(scan, self._options)
+        if wrong is not None:
+            return self._brake("mounting", wrong)
+        trust_mps, trust_reason = trust_limit(flags, self._options)
+        if trust_mps < LEAST_SPEED_MPS:
+            return self._brake("trust", trust_reason)
+        return self._judge(*way_ahead(scan, self._options), trust_mps, trust_reason)
 
     def wait(self, now_s):
         """No frame has arrived for a while."""
@@ -189,12 +236,13 @@ class Decider:
         self.decision = Decision(cause=cause, reason=reason, ahead_m=ahead_m)
         return self.decision
 
-    def _judge(self, ahead_m, reason):
-        """Judges a frame that can be trusted. Brakes when the robot cannot stop before the limit at the speed that it
-        was allowed."""
+    def _judge(self, ahead_m, reason, trust_mps, trust_reason):
+        """Judges a frame that can be trusted so far. Brakes when the robot cannot stop before the limit at the speed
+        that it was allowed."""
         options = self._options
         room = ahead_m - options.margin_m
-        speed = speed_for(room, options)
+        speed_of_way = speed_for(room, options)
+        speed = min(speed_of_way, trust_mps)
         if speed < LEAST_SPEED_MPS or room < stopping_distance(self.decision.speed_mps, options):
             return self._brake("view", reason, ahead_m)
         if self.decision.state == BRAKE:
@@ -205,5 +253,5 @@ class Decider:
         if speed >= options.speed_mps:
             self.decision = Decision(DRIVE, speed, "", f"free up to {ahead_m:.1f} m", ahead_m)
         else:
-            self.decision = Decision(SLOW, speed, "", reason, ahead_m)
+            self.decision = Decision(SLOW, speed, "", trust_reason if speed < speed_of_way else reason, ahead_m)
         return self.decision
