@@ -59,6 +59,13 @@ std::optional<SensorAxes> parse_sensor_axes(std::string_view text) {
     return dot(cross(axes.of[0], axes.of[1]), axes.of[2]) == 1 ? std::optional(axes) : std::nullopt;
 }
 
+CameraDirection along_camera(const RobotUp& up, const ScanOptions& options) {
+    const auto [ahead, left, above] = turn_of(options);
+    return {up.ahead * ahead.right + up.left * left.right + up.up * above.right,
+            up.ahead * ahead.down + up.left * left.down + up.up * above.down,
+            up.ahead * ahead.ahead + up.left * left.ahead + up.up * above.ahead};
+}
+
 std::optional<GroundPlane> level_ground(const CameraDirection& up, const ScanOptions& options) {
     const Turn turn = turn_of(options);
     const double ahead = dot(turn.ahead, up);

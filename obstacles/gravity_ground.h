@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "kernels/added_stage.h"
+#include "obstacles/given_levels.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_options.h"
 
@@ -28,6 +29,9 @@ inline constexpr std::string_view sensor_axes_form =
 /// Reads three words with one space between them, one for each axis of the sensor. Returns nothing for other words, for
 /// two that lie along the same line, and for axes that are no right-handed system: no sensor has those.
 std::optional<SensorAxes> parse_sensor_axes(std::string_view text);
+
+/// Returns a direction along the robot's axes as one along the camera's.
+CameraDirection along_camera(const RobotUp& up, const ScanOptions& options);
 
 /// A camera that is tilted further from its mounting than this has fallen over, or its axes are configured wrongly:
 /// 30 degrees, as the least cosine.

@@ -66,13 +66,14 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     }
     find_mounting(pixels, camera, scan);
     if (!camera.metric() || (options_.find_mounting && !mounted_)) {
-        scan.ground_source = GroundSource::configured;
-        scan.ground_age = 0;
-        scan.ground = {};
-        std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
+        tell_nothing(scan);
         return;
     }
     find_ground(pixels, up, scan);
+    if (options_.ground == GroundMode::autopilot && scan.ground_source != GroundSource::autopilot) {
+        tell_nothing(scan);
+        return;
+    }
     if (band_ground_ != scan.ground) {
         band_.set(geometry_, scan.ground);
         band_ground_ = scan.ground;
@@ -89,6 +90,13 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     shift_->move(camera_sectors_, scan.sectors);
     scan.ground.height_m -=
         scan.ground.slope_ahead * options_.camera_ahead_m + scan.ground.slope_left * options_.camera_left_m;
+}
+
+void ObstacleScanner::tell_nothing(Scan& scan) {
+    scan.ground_source = GroundSource::configured;
+    scan.ground_age = 0;
+    scan.ground = {};
+    std::fill(scan.sectors.begin(), scan.sectors.end(), ScanSector{});
 }
 
 /// Computes what follows from the geometry.
@@ -123,8 +131,10 @@ void ObstacleScanner::find_ground(const scan::Pixels& pixels, const std::optiona
         case GroundMode::configured: break;
         case GroundMode::fitted: fit_ground(pixels, scan); break;
         case GroundMode::gravity:
+        case GroundMode::autopilot:
             if (const auto level = up ? scan::level_ground(*up, geometry_.options()) : std::nullopt) {
-                scan.ground_source = GroundSource::gravity;
+                scan.ground_source =
+                    options_.ground == GroundMode::gravity ? GroundSource::gravity : GroundSource::autopilot;
                 scan.ground = *level;
             }
             break;

@@ -29,8 +29,9 @@ public:
 
     /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
-    /// `up`: where up is at that time, for GroundMode::gravity; without it, the configured ground is taken. `near`:
-    /// what the near guard has found, where it is on.
+    /// `up`: where up is at that time, for GroundMode::gravity and autopilot; without it, the configured ground is
+    /// taken for the first one, and every sector is unknown for the other. `near`: what the near guard has found, where
+    /// it is on.
     void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
               const std::optional<CameraDirection>& up = std::nullopt, const scan::NearBlocks& near = {});
 
@@ -39,6 +40,7 @@ public:
     const ScanOptions& options() const { return options_; }
 
 private:
+    void tell_nothing(Scan& scan);
     void find_mounting(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan);
     void follow_geometry();
     void find_ground(const scan::Pixels& pixels, const std::optional<CameraDirection>& up, Scan& scan);

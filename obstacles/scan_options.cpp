@@ -56,12 +56,14 @@ std::string_view to_string(GroundMode mode) {
         case GroundMode::configured: return "configured";
         case GroundMode::fitted: return "fitted";
         case GroundMode::gravity: return "gravity";
+        case GroundMode::autopilot: return "autopilot";
     }
     return "";
 }
 
 std::optional<GroundMode> parse_ground_mode(std::string_view name) {
-    for (const GroundMode mode : {GroundMode::fitted, GroundMode::configured, GroundMode::gravity}) {
+    for (const GroundMode mode :
+         {GroundMode::fitted, GroundMode::configured, GroundMode::gravity, GroundMode::autopilot}) {
         if (to_string(mode) == name) {
             return mode;
         }
@@ -95,6 +97,10 @@ std::string validate(const ScanOptions& options) {
     }
     if (!(options.max_m > options.min_m)) {
         return "max_m = " + number(options.max_m) + ": allowed is more than min_m, " + number(options.min_m);
+    }
+    if (options.ground == GroundMode::autopilot && options.find_mounting) {
+        return "find_mounting = true: allowed is false with ground = \"autopilot\": the floor in view shows how the "
+               "camera is turned against it, not how it is mounted on what flies";
     }
     const bool wanted = options.ground == GroundMode::gravity;
     if ((wanted || !options.imu_axes.empty()) && !scan::parse_sensor_axes(options.imu_axes)) {

@@ -17,6 +17,7 @@ enum class GroundMode : std::uint8_t {
     configured,  ///< the plane z = 0 of the mounting
     fitted,      ///< fitted to each frame, near the configured one
     gravity,     ///< level: at right angles to the gravity that the camera's inertial sensor measures
+    autopilot,   ///< level, as an autopilot tells it; without that, nothing is known
 };
 
 /// Returns the mode's name as the configuration has it.
@@ -25,7 +26,7 @@ std::string_view to_string(GroundMode mode);
 /// Returns the mode of a name; nothing for another word.
 std::optional<GroundMode> parse_ground_mode(std::string_view name);
 
-/// The names of all modes for a message: "fitted, configured or gravity".
+/// The names of all modes for a message: "fitted, configured, gravity or autopilot".
 inline constexpr std::string_view ground_mode_names = "fitted, configured or gravity";
 
 /// Returns the default of `min_confidence`: four fifths where the confidence is a chance, else 1, which leaves the

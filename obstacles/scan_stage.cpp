@@ -36,10 +36,12 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
 
 }  // namespace
 
-ScanStage::ScanStage(int width, int height, DisparityRange range, const ScanOptions& options)
+ScanStage::ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
+                     const scan::GivenLevels* levels)
     : scanner_(width, height, options, fastest_frame_steps()),
       last_candidate16_(16 * (range.first + range.count - 1)),
       axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
+      levels_(options.ground == GroundMode::autopilot ? levels : nullptr),
       scan_(scanner_.empty_scan()) {}
 
 std::size_t ScanStage::bytes_per_frame() const {
@@ -48,11 +50,10 @@ std::size_t ScanStage::bytes_per_frame() const {
 
 void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
     const FrameView& view = frame.view;
-    const auto up = axes_ && frame.up ? std::optional(axes_->turned(*frame.up)) : std::nullopt;
     scanner_.scan({view.disparity, view.confidence},
                   {view.disparity.width, view.disparity.height, frame.f, frame.cx, frame.cy, view.depth_scale}, scan_,
-                  up, {view.near, last_candidate16_});
-    gravity_unknown_.store(axes_ && scan_.ground_source != GroundSource::gravity, std::memory_order_relaxed);
+                  up_of(frame), {view.near, last_candidate16_});
+    level_unknown_.store(scan_.ground_source == GroundSource::configured, std::memory_order_relaxed);
     const proto::ScanHead head = head_of(scan_, scanner_.options());
     seen_.store({head.mounting_height_mm, head.mounting_pitch_cdeg, head.mounting_roll_cdeg},
                 std::memory_order_relaxed);
@@ -60,8 +61,23 @@ void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
     std::memcpy(frame.memory.data() + sizeof head, scan_.sectors.data(), scan_.sectors.size() * sizeof(ScanSector));
 }
 
+/// Returns where up is; nothing where nobody has told it, or it is not asked for.
+std::optional<CameraDirection> ScanStage::up_of(const StageFrame& frame) const {
+    if (levels_ != nullptr) {
+        const auto up = levels_->up_at(frame.monotonic_ns);
+        return up ? std::optional(scan::along_camera(*up, scanner_.options())) : std::nullopt;
+    }
+    return axes_ && frame.up ? std::optional(axes_->turned(*frame.up)) : std::nullopt;
+}
+
 std::string ScanStage::notice() const {
-    if (gravity_unknown_.load(std::memory_order_relaxed)) {
+    const bool level_unknown = level_unknown_.load(std::memory_order_relaxed);
+    if (scanner_.options().ground == GroundMode::autopilot && level_unknown) {
+        return "obstacle scans know nothing: no autopilot has told its attitude in the last 0.2 s, or it leans more "
+               "than "
+               "30 degrees; start disparity-mavlink --attitude";
+    }
+    if (axes_ && level_unknown) {
         return "obstacle scans take the configured ground: the sensors gave no steady acceleration in the last "
                "second, or one more than 30 degrees off; check [source] sensors and [scan] imu_axes";
     }

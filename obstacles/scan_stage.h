@@ -20,23 +20,28 @@ namespace disparityd {
 class ScanStage final : public AddedStage {
 public:
     /// Width and height are those of the rectified image, `range` is what frames are matched with. Throws as
-    /// ObstacleScanner does.
-    ScanStage(int width, int height, DisparityRange range, const ScanOptions& options);
+    /// ObstacleScanner does. `levels` are for GroundMode::autopilot and outlive the stage; null: there are none, as in
+    /// a replay.
+    ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
+              const scan::GivenLevels* levels = nullptr);
 
     std::string_view name() const override { return "scan"; }
     StagePlace place() const override { return StagePlace::record; }
     bool depends_on_earlier_frames() const override { return true; }  // many frames show the mounting
     std::size_t bytes_per_frame() const override;
     void run(const StageFrame& frame, Parallel& workers) override;
-    /// Tells of a newest scan that wanted gravity and had to do without, and of a floor that contradicts the mounting.
+    /// Tells of a newest scan that wanted to be level and could not, and of a floor that contradicts the mounting.
     std::string notice() const override;
 
 private:
+    std::optional<CameraDirection> up_of(const StageFrame& frame) const;
+
     ObstacleScanner scanner_;
     int last_candidate16_;
     std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
+    const scan::GivenLevels* levels_;       ///< where an autopilot's is wanted
     Scan scan_;                             ///< of the frame that is being processed
-    std::atomic<bool> gravity_unknown_{false};
+    std::atomic<bool> level_unknown_{false};
     /// Of the newest scan's head; aligned so that it is lock-free.
     struct alignas(std::uint64_t) SeenMounting {
         std::uint16_t height_mm = 0;

@@ -28,6 +28,7 @@ enum class GroundSource : std::uint8_t {
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame, ground_age frames ago; this one shows too little ground
     gravity = 3,     ///< level, as the camera's inertial sensor says
+    autopilot = 4,   ///< level, as an autopilot says
 };
 
 struct ScanHead {

@@ -162,7 +162,8 @@ enum {
     DISPARITY_GROUND_CONFIGURED = 0, /**< the plane z = 0 of the configured mounting */
     DISPARITY_GROUND_FITTED = 1,     /**< fitted to this frame */
     DISPARITY_GROUND_HELD = 2,       /**< fitted to an earlier frame, ground_age frames ago */
-    DISPARITY_GROUND_GRAVITY = 3     /**< level, as the camera's inertial sensor says */
+    DISPARITY_GROUND_GRAVITY = 3,    /**< level, as the camera's inertial sensor says */
+    DISPARITY_GROUND_AUTOPILOT = 4   /**< level, as an autopilot says */
 };
 
 /** One sector of an obstacle scan. Distances are horizontal, from the robot's origin, in metres. An occupied sector

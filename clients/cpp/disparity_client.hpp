@@ -144,7 +144,8 @@ enum class GroundSource : std::uint8_t {
     configured = 0,  ///< the plane z = 0 of the configured mounting
     fitted = 1,      ///< fitted to this frame
     held = 2,        ///< fitted to an earlier frame, Scan::ground_age frames ago
-    gravity = 3      ///< level, as the camera's inertial sensor says
+    gravity = 3,     ///< level, as the camera's inertial sensor says
+    autopilot = 4    ///< level, as an autopilot says
 };
 
 /// How the left camera is mounted above the floor, as the floor in view shows: what the daemon's configuration calls

@@ -23,6 +23,7 @@ const char* ground_word(Enum source) {
         case Enum::fitted: return "fitted";
         case Enum::held: return "held";
         case Enum::gravity: return "gravity";
+        case Enum::autopilot: return "autopilot";
     }
     return "other";
 }

@@ -259,7 +259,8 @@ ConfigKey scan_key(const ScanField& row) {
                 return name_key<GroundMode>("scan", row.name,
                                             {{"fitted", GroundMode::fitted},
                                              {"configured", GroundMode::configured},
-                                             {"gravity", GroundMode::gravity}},
+                                             {"gravity", GroundMode::gravity},
+                                             {"autopilot", GroundMode::autopilot}},
                                             field);
             } else {
                 return text_key("scan", row.name, "\"\" or " + std::string(scan::sensor_axes_form), field,

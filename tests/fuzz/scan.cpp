@@ -59,7 +59,7 @@ ScanOptions take_options(Numbers& numbers) {
         } else if (std::holds_alternative<std::string ScanOptions::*>(field.field)) {
             options.imu_axes = numbers.byte() % 2 == 0 ? "ahead left up" : "right left up";
         } else {
-            options.ground = static_cast<GroundMode>(numbers.byte() % 3);
+            options.ground = static_cast<GroundMode>(numbers.byte() % 4);
         }
     }
     return options;
@@ -142,7 +142,8 @@ void expect_valid(const Scan& scan, const ScanOptions& options) {
                      std::isfinite(scan.ground.slope_left),
                  "a ground that is no plane");
     fuzz::expect(scan.ground_source == GroundSource::configured ||
-                     (scan.ground_source == GroundSource::gravity) == (options.ground == GroundMode::gravity),
+                     ((scan.ground_source == GroundSource::gravity) == (options.ground == GroundMode::gravity) &&
+                      (scan.ground_source == GroundSource::autopilot) == (options.ground == GroundMode::autopilot)),
                  "a ground from elsewhere than configured");
 }
 

@@ -72,6 +72,15 @@ public:
         return {{disparity_.data(), width, height, width}, {confidence_.data(), width, height, width}};
     }
 
+    /// The same as a stage gets them.
+    FrameView frame() {
+        FrameView frame;
+        frame.disparity = {disparity_.data(), width, height, width};
+        frame.confidence = {confidence_.data(), width, height, width};
+        frame.depth_scale = camera().scale;
+        return frame;
+    }
+
 private:
     static constexpr double f = 200;
     static constexpr double baseline_mm = 120;

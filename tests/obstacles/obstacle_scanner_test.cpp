@@ -315,6 +315,11 @@ TEST(ObstacleScanner, BadOptionsAreRefusedInOneLine) {
         testing::AllOf(testing::StartsWith("imu_axes = \"\": allowed is where the sensor's x, y and z axes point"),
                        testing::EndsWith("; ground = \"gravity\" needs it")));
     EXPECT_THAT(refused([](ScanOptions& o) { o.imu_axes = "x y z"; }), testing::StartsWith("imu_axes = \"x y z\""));
+    EXPECT_THAT(refused([](ScanOptions& o) {
+                    o.ground = GroundMode::autopilot;
+                    o.find_mounting = true;
+                }),
+                testing::StartsWith("find_mounting = true: allowed is false with ground = \"autopilot\""));
     EXPECT_EQ(refused([](ScanOptions& o) { o.min_m = 30; }), "max_m = 20: allowed is more than min_m, 30");
 }
 
@@ -351,7 +356,7 @@ TEST(ObstacleScanner, AnyInputGivesAValidScan) {
         const int rows = pick(random, 1, 90);
         ScanOptions options;
         options.sectors = pick(random, 1, 360);
-        const std::array modes{GroundMode::fitted, GroundMode::configured, GroundMode::gravity};
+        const std::array modes{GroundMode::fitted, GroundMode::configured, GroundMode::gravity, GroundMode::autopilot};
         options.ground = modes.at(static_cast<std::size_t>(round) % modes.size());
         options.imu_axes = "ahead left up";
         options.low_m = pick(random, -300, 300) / 100.0;

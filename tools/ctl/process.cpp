@@ -291,8 +291,12 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
     }
 }
 
-/// Tells of scans that wanted gravity and had to do without.
-void note_lack_of_gravity(const RunFiles& files, const std::optional<ScanOptions>& scan) {
+/// Tells of scans that wanted to be level and had to do without.
+void note_lack_of_level(const RunFiles& files, const std::optional<ScanOptions>& scan) {
+    if (scan && scan->ground == GroundMode::autopilot) {
+        print_note("every sector is unknown: an autopilot's attitude is not recorded; take another ground, such as "
+                   "\"gravity\"");
+    }
     if (scan && scan->ground == GroundMode::gravity && files.scans_by_mounting > 0) {
         print_note("the configured ground was taken for " + base::counted(files.scans_by_mounting, "frame") + " of " +
                    std::to_string(files.folder->frames()) +
@@ -445,7 +449,7 @@ int process(ProcessArguments arguments) {
         process_part(run, part, wanted, parts.size() == 1);
     }
     run.files.folder->close();
-    note_lack_of_gravity(run.files, run.scan);
+    note_lack_of_level(run.files, run.scan);
     run.done.measured = run.files.measured->measured();
     run.done.empty_note = run.files.measured->note(run.calibration);
     return report_process(run.done, arguments.json);

@@ -21,6 +21,7 @@ GROUND_CONFIGURED = 0
 GROUND_FITTED = 1
 GROUND_HELD = 2
 GROUND_GRAVITY = 3
+GROUND_AUTOPILOT = 4
 
 _VERSION = 1
 # The bytes of a scan; docs/protocol.md explains each field. proto/scan.h has the same.
@@ -78,7 +79,7 @@ class Scan:
     daemon's configuration puts it. The ground is the plane z = ground_height_m + ground_slope_ahead x + ground_slope_left y.
     """
 
-    ground: int  # GROUND_CONFIGURED, GROUND_FITTED, GROUND_HELD or GROUND_GRAVITY
+    ground: int  # GROUND_CONFIGURED, GROUND_FITTED, GROUND_HELD, GROUND_GRAVITY or GROUND_AUTOPILOT
     ground_age: int  # frames since the plane was fitted
     ground_height_m: float
     ground_slope_ahead: float

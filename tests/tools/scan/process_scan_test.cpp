@@ -104,7 +104,7 @@ TEST_F(ProcessScanTest, WhatIsNotAllowedIsOneLine) {
         {"max_m=nan", "allowed: a number"},
         {"max_m=66", "max_m = 66: allowed is 0.02 to 65"},
         {"pitch_deg=-46", "pitch_deg = -46: allowed is -45 to 45"},
-        {"ground=flat", "allowed: fitted, configured or gravity"},
+        {"ground=flat", "allowed: fitted, configured, gravity or autopilot"},
         {"ground=gravity", "imu_axes = \"\": allowed is where the sensor's x, y and z axes point"},
         {"imu_axes=ahead left", "imu_axes = \"ahead left\": allowed is"},
         {"camera_left_m=11", "camera_left_m = 11: allowed is -10 to 10"},
