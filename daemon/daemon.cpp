@@ -20,6 +20,7 @@
 #include "daemon/configured_access.h"
 #include "daemon/ends_alone.h"
 #include "daemon/log.h"
+#include "daemon/requests/level_request.h"
 #include "daemon/requests/record_request.h"
 #include "daemon/totals.h"
 
@@ -81,7 +82,7 @@ Daemon::Daemon(DaemonOptions options, Config config)
           [this] { boost::asio::post(control_, [this] { look_for_built(); }); }),
       server_(server_config(config_), [this] { return status(); },
               {record_start_request(recording_), record_stop_request(recording_), camera_request(camera_),
-               trace_request(trace_)}),
+               trace_request(trace_), level_request([this] { return engine(); })}),
       camera_([this] { return engine(); }),
       trace_(control_, [this] { return engine(); }) {
     recording_.configure(record_rules(config_));

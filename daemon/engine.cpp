@@ -159,7 +159,8 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
-      stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height)),
+      level_(config.scan.enabled ? std::optional(config.scan.options.ground) : std::nullopt, source_->info().live),
+      stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height, level_.given())),
       layout_(make_layout(config, rectifications_->factory(), stages_)),
       load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count),
       geometry_(layout_.geometry) {
@@ -273,6 +274,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
         flags |= stages_[i].flags != nullptr ? stages_[i].flags(slot.stage_memory[i]) : 0U;
     }
     trust_.note(flags);
+    level_.note(record_plane(slot, v1::SCAN), frame.published);
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
@@ -378,6 +380,9 @@ void Engine::fill(v1::Status& status) const {
         status.mutable_measured()->set_ratio(found->share);
         status.mutable_measured()->set_likely_cause(found->cause);
         status.mutable_measured()->set_near_ratio(found->near);
+    }
+    if (const auto level = level_.status(steady_clock::now())) {
+        *status.mutable_level() = *level;
     }
     if (const auto found = trust_.finding(steady_clock::now())) {
         status.mutable_trust()->set_ratio(found->ratio);
@@ -491,6 +496,12 @@ std::string Engine::camera_port() const {
 
 std::vector<capture::CameraControl> Engine::control_camera(const std::vector<capture::CameraSetting>& settings) {
     return source_->set_camera_controls(settings);
+}
+
+v1::LevelStatus Engine::take_level(const v1::GiveLevel& message, std::uint64_t client) {
+    const auto now = steady_clock::now();
+    level_.take(message, client, now);
+    return level_.status(now).value_or(v1::LevelStatus());
 }
 
 bool Engine::check_memory() {

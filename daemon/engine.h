@@ -12,6 +12,7 @@
 
 #include "capture/frame_source.h"
 #include "daemon/config/config.h"
+#include "daemon/level_watch.h"
 #include "daemon/load_watch.h"
 #include "daemon/measured_watch.h"
 #include "daemon/memory_bounds.h"
@@ -80,6 +81,10 @@ public:
     /// Returns the USB port of the live camera, or of the one that it changed to; empty for other sources.
     std::string camera_port() const;
 
+    /// Takes where up is from a client (LevelWatch), and returns what scans have then. Throws std::invalid_argument
+    /// with one line for what cannot be taken.
+    v1::LevelStatus take_level(const v1::GiveLevel& message, std::uint64_t client);
+
     /// See capture::FrameSource::set_camera_controls().
     std::vector<capture::CameraControl> control_camera(const std::vector<capture::CameraSetting>& settings);
 
@@ -146,6 +151,7 @@ private:
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     pipeline::WorkerPool workers_;
+    LevelWatch level_;
     std::vector<ConfiguredStage> stages_;
     StreamLayout layout_;
     std::unique_ptr<SelfCalibrator> self_calibrator_;  ///< null where there is nothing to estimate

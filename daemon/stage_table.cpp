@@ -12,18 +12,19 @@ namespace disparityd::daemon {
 namespace {
 
 /// Returns null where the configuration does not want the stage.
-using Make = std::unique_ptr<AddedStage>(const Config& config, int width, int height);
+using Make = std::unique_ptr<AddedStage>(const Config& config, int width, int height, const scan::GivenLevels* levels);
 
-std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int height) {
+std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int height, const scan::GivenLevels* levels) {
     if (!config.scan.enabled) {
         return nullptr;
     }
     ScanOptions options = config.scan.options;
     options.subpixel_error_px = config.match.subpixel_error_px;
-    return std::make_unique<ScanStage>(width, height, config.match.options.range, options);
+    return std::make_unique<ScanStage>(width, height, config.match.options.range, options, levels);
 }
 
-std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height) {
+std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height,
+                                       const scan::GivenLevels* /*levels*/) {
     if (!config.trust.enabled) {
         return nullptr;
     }
@@ -46,10 +47,10 @@ constexpr std::array table{Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_
 
 }  // namespace
 
-std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height) {
+std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height, const scan::GivenLevels* levels) {
     std::vector<ConfiguredStage> stages;
     for (const Row& row : table) {
-        if (auto stage = row.make(config, width, height)) {
+        if (auto stage = row.make(config, width, height, levels)) {
             stages.push_back({row.product, std::move(stage), row.flags});
         }
     }

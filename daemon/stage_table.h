@@ -9,6 +9,7 @@
 
 #include "daemon/config/config.h"
 #include "kernels/added_stage.h"
+#include "obstacles/given_levels.h"
 #include "proto/disparity.pb.h"
 
 namespace disparityd::daemon {
@@ -22,7 +23,8 @@ struct ConfiguredStage {
 };
 
 /// Makes the stages that a configuration wants, in the order of the table. Width and height are those of the rectified
-/// image. Throws std::invalid_argument when the user must change something.
-std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height);
+/// image; `levels` outlive the stages, null: no autopilot tells any. Throws std::invalid_argument when the user must
+/// change something.
+std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height, const scan::GivenLevels* levels);
 
 }  // namespace disparityd::daemon

@@ -382,6 +382,14 @@ struct SensorBatch {
     std::int64_t age_ns = 0;            ///< of the last one when it was sent
 };
 
+/// Where up was at one instant, along the robot's axes; of length 1.
+struct Level {
+    double ahead = 0;
+    double left = 0;
+    double up = 1;
+    std::chrono::microseconds age{0};  ///< when it is given; at most a second
+};
+
 /// Says how a client and a daemon beyond this machine know each other. The files are read whenever a connection is
 /// made, so that new ones take effect at the next one.
 struct ConnectOptions {
@@ -483,6 +491,10 @@ public:
     /// disparityd.v1.CameraControls.
     std::string control_camera(const std::vector<std::pair<std::string, std::int64_t>>& settings,
                                std::chrono::milliseconds timeout);
+
+    /// Tells the daemon where up was in the last moments, at most 64 of them in the order of time, for obstacle scans
+    /// with [scan] ground = "autopilot". Returns a serialized disparityd.v1.LevelStatus.
+    std::string give_level(const std::vector<Level>& levels, std::chrono::milliseconds timeout);
 
     /// Has the daemon record what its threads do in the next `seconds` (0.1 to 10), waits for that and returns a
     /// serialized disparityd.v1.Trace. `timeout` counts from the end of that time.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -192,6 +193,11 @@ public:
             .SerializeAsString();
     }
 
+    std::string give_level(const v1::Envelope& request, milliseconds timeout) {
+        const OneUser::Call call(user_);
+        return ask(request, v1::Envelope::kLevelStatus, "a level", timeout).level_status().SerializeAsString();
+    }
+
     std::string record(const v1::Envelope& request, milliseconds timeout) {
         const OneUser::Call call(user_);
         return ask(request, v1::Envelope::kRecordStatus, "a recording request", timeout)
@@ -359,6 +365,20 @@ std::string SocketClient::control_camera(const std::vector<std::pair<std::string
         setting.set_value(value);
     }
     return impl_->control_camera(request, timeout);
+}
+
+std::string SocketClient::give_level(const std::vector<Level>& levels, milliseconds timeout) {
+    v1::Envelope request;
+    request.mutable_give_level();
+    for (const Level& level : levels) {
+        v1::LevelSample& sample = *request.mutable_give_level()->add_samples();
+        sample.set_ahead(level.ahead);
+        sample.set_left(level.left);
+        sample.set_up(level.up);
+        sample.set_age_us(static_cast<std::uint32_t>(
+            std::clamp<std::int64_t>(level.age.count(), 0, std::numeric_limits<std::uint32_t>::max())));
+    }
+    return impl_->give_level(request, timeout);
 }
 
 }  // namespace disparity

@@ -30,6 +30,7 @@ daemon::Requests all_granted() {
             granted(v1::Envelope::kRecordStart, [](v1::Envelope& answer) { answer.mutable_record_status(); }),
             granted(v1::Envelope::kRecordStop, [](v1::Envelope& answer) { answer.mutable_record_status(); }),
             granted(v1::Envelope::kCameraRequest, [](v1::Envelope& answer) { answer.mutable_camera_controls(); }),
+            granted(v1::Envelope::kGiveLevel, [](v1::Envelope& answer) { answer.mutable_level_status(); }),
             {.message = v1::Envelope::kTraceRequest,
              .name = "trace_request",
              .word = "trace",

@@ -154,7 +154,7 @@ def check_sensors(sensors):
 
 
 def check_trace():
-    """A trace that comes in two parts is one message."""
+    """A level is given; a trace that comes in two parts is one message."""
     from disparity import disparity_pb2 as pb
 
     def send(end, envelope):
@@ -170,19 +170,24 @@ def check_trace():
         with end:
             receive(end)
             send(end, pb.Envelope(welcome=pb.Welcome(protocol_version=2)))
+            given.extend(receive(end).give_level.samples)
+            send(end, pb.Envelope(level_status=pb.LevelStatus(source="autopilot")))
             asked.append(receive(end).trace_request.seconds)
             send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="first")])))
             send(end, pb.Envelope(trace=pb.Trace(tracks=[pb.TraceTrack(name="second")], duration_ns=7, last=True)))
 
     asked = []
+    given = []
     with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX) as listener:
         listener.bind(folder + "/s")
         listener.listen()
         server = threading.Thread(target=serve, args=(listener,))
         server.start()
         with disparity.SocketClient("unix:" + folder + "/s") as client:
+            assert client.give_level([(0.6, 0.0, 0.8, 0.02)]).source == "autopilot"
             trace = client.trace(0.5)
         server.join()
+    assert given == [pb.LevelSample(ahead=0.6, up=0.8, age_us=20000)]
     assert asked == [0.5] and trace.last and trace.duration_ns == 7
     assert [track.name for track in trace.tracks] == ["first", "second"]
 

@@ -324,6 +324,30 @@ TEST(SocketClient, PartsOfATraceAreOneMessage) {
     EXPECT_EQ(client.read(frame, patience), ReadResult::frame) << "a frame that came meanwhile is kept";
 }
 
+TEST(SocketClient, GivesLevelsInTheOrderOfTime) {
+    FakeDaemon daemon([](ServerEnd& end) {
+        end.greet();
+        v1::Envelope request;
+        end.receive(request);
+        ASSERT_EQ(request.give_level().samples_size(), 2);
+        EXPECT_EQ(request.give_level().samples(0).ahead(), 0.6);
+        EXPECT_EQ(request.give_level().samples(0).left(), 0);
+        EXPECT_EQ(request.give_level().samples(0).up(), 0.8);
+        EXPECT_EQ(request.give_level().samples(0).age_us(), 20000U);
+        EXPECT_EQ(request.give_level().samples(1).left(), -1);
+        EXPECT_EQ(request.give_level().samples(1).age_us(), 0U) << "one of the future is one of now";
+        v1::Envelope answer;
+        answer.mutable_level_status()->set_source("autopilot");
+        end.send(answer);
+        until_closed(end);
+    });
+    disparity::SocketClient client(daemon.unix_address());
+    v1::LevelStatus level;
+    ASSERT_TRUE(level.ParseFromString(client.give_level(
+        {{0.6, 0, 0.8, std::chrono::milliseconds(20)}, {0, -1, 0, std::chrono::milliseconds(-5)}}, patience)));
+    EXPECT_EQ(level.source(), "autopilot");
+}
+
 TEST(SocketClient, AddressesThatAreNoneAreNamed) {
     for (const char* address : {"", "http:x", "tcp:", "tcp:host", "tcp:host:", "tcp:127.0.0.1:65536",
                                 "tcp:127.0.0.1:-1", "tcp:127.0.0.1:80x", "unix:"}) {

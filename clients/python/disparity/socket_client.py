@@ -198,6 +198,14 @@ class SocketClient(FrameSource):
         request = pb.Envelope(camera_request=pb.CameraRequest(settings=wanted))
         return self._ask(request, "camera_controls", "a camera request", timeout)
 
+    def give_level(self, levels: list[tuple[float, float, float, float]], timeout: float = 5.0) -> pb.LevelStatus:
+        """Tells the daemon where up was in the last moments, at most 64 of them in the order of time, for obstacle scans
+        with [scan] ground = "autopilot": (ahead, left, up, age in s), along the robot's axes, of length 1. Returns a
+        disparity_pb2.LevelStatus."""
+        samples = [pb.LevelSample(ahead=a, left=b, up=c, age_us=round(1e6 * age)) for a, b, c, age in levels]
+        request = pb.Envelope(give_level=pb.GiveLevel(samples=samples))
+        return self._ask(request, "level_status", "a level", timeout)
+
     def trace(self, seconds: float = 3.0, timeout: float = 5.0) -> pb.Trace:
         """Has the daemon record what its threads do in the next seconds (0.1 to 10), waits for that and returns a
         disparity_pb2.Trace. The timeout counts from the end of that time."""

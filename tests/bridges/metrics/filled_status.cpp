@@ -84,6 +84,8 @@ v1::Status filled_status() {
     status.set_rate(29.97);
     status.mutable_measured()->set_ratio(0.25);
     status.mutable_measured()->set_likely_cause("dark");
+    status.mutable_level()->set_source("autopilot");
+    status.mutable_level()->set_age_ms(12.5);
     status.mutable_trust()->set_ratio(0.5);
     status.mutable_trust()->add_doubts("dirty-eye");
     status.mutable_trust()->set_alarm("clean it");
