@@ -11,6 +11,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr milliseconds wait_for_scan{100};
+/// With the attitude: what the autopilot sends counts as of the time when it is read.
+constexpr milliseconds wait_between_attitudes{5};
 constexpr milliseconds heartbeat_period{1000};
 /// Without a scan for so long this component counts as failed.
 constexpr milliseconds silence{1000};
@@ -40,11 +42,12 @@ bool RateLimit::pass(Clock::time_point now) {
     return true;
 }
 
-Bridge::Bridge(const BridgeSettings& settings, ScanSource& source, Link& link, Notes& notes)
+Bridge::Bridge(const BridgeSettings& settings, ScanSource& source, Link& link, Notes& notes, AttitudeRelay* attitude)
     : settings_(settings),
       source_(source),
       link_(link),
       notes_(notes),
+      attitude_(attitude),
       writer_(settings.system_id, settings.component_id),
       limit_(settings.rate) {}
 
@@ -55,10 +58,10 @@ void Bridge::run(const std::atomic<bool>& stop) {
 }
 
 void Bridge::step() {
-    link_.drain();
+    relay_attitude();
     link_.forget_old();
     send_heartbeat();
-    if (const auto timed = source_.next(wait_for_scan)) {
+    if (const auto timed = source_.next(attitude_ != nullptr ? wait_between_attitudes : wait_for_scan)) {
         last_came_ = Clock::now();
         note_scan(*timed);
         send_alarms(*timed);
@@ -138,6 +141,22 @@ void Bridge::send_heartbeat() {
     if (link_.send(writer_.frame(heartbeat(state)), now + wait_for_scan)) {
         told_ = state;
         next_heartbeat_ = now + heartbeat_period;
+    }
+}
+
+void Bridge::relay_attitude() {
+    if (attitude_ == nullptr) {
+        link_.drain();
+        return;
+    }
+    const auto now = Clock::now();
+    link_.drain([&](std::span<const std::uint8_t> bytes) { attitude_->take(bytes, now); });
+    attitude_->step(now,
+                    [&](const Message& message) { return link_.send(writer_.frame(message), now + wait_for_scan); });
+    if (const std::string problem = attitude_->problem(now); !problem.empty()) {
+        notes_.say("attitude", "attitude: " + problem);
+    } else {
+        notes_.say("attitude", "the autopilot's attitude is given to the daemon", Notes::Repeat::never);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "bridges/mavlink/alarm_texts.h"
+#include "bridges/mavlink/attitude_relay.h"
 #include "bridges/mavlink/heartbeat.h"
 #include "bridges/mavlink/link.h"
 #include "bridges/mavlink/mavlink_frame.h"
@@ -44,18 +45,22 @@ struct BridgeSettings {
     std::optional<double> camera_height_m = {};  ///< above the ground, for OBSTACLE_DISTANCE_3D
 };
 
-/// Sends the scans of a source over a link, and a HEARTBEAT every second. One thread uses it.
+/// Sends the scans of a source over a link, and a HEARTBEAT every second; takes the attitude the other way. One thread
+/// uses it.
 class Bridge {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// The source and the link outlive the bridge. Notes get what a person should know.
-    Bridge(const BridgeSettings& settings, ScanSource& source, Link& link, Notes& notes);
+    /// All outlive the bridge. Notes get what a person should know. `attitude`: takes what the autopilot sends; null:
+    /// that is thrown away.
+    Bridge(const BridgeSettings& settings, ScanSource& source, Link& link, Notes& notes,
+           AttitudeRelay* attitude = nullptr);
 
     /// Runs until `stop` is true, which it sees within a tenth of a second while neither side blocks.
     void run(const std::atomic<bool>& stop);
 
-    /// Waits for one scan, at most a tenth of a second, and sends what is to be sent.
+    /// Takes what the autopilot has sent, waits for one scan, at most a tenth of a second, and sends what is to be
+    /// sent.
     void step();
 
 private:
@@ -70,6 +75,7 @@ private:
     bool send_in_time(const Message& message, const Until& until);
     void send_alarms(const TimedScan& timed);
     void send_heartbeat();
+    void relay_attitude();
     void note_source();
     void note_scan(const TimedScan& timed);
 
@@ -77,6 +83,7 @@ private:
     ScanSource& source_;
     Link& link_;
     Notes& notes_;
+    AttitudeRelay* attitude_;
     FrameWriter writer_;
     AlarmTexts alarms_;
     RateLimit limit_;

@@ -206,12 +206,15 @@ bool Link::write_all(std::span<const std::uint8_t> bytes, Clock::time_point dead
     return true;
 }
 
-void Link::drain() {
+void Link::drain(const std::function<void(std::span<const std::uint8_t> bytes)>& take) {
     std::array<std::uint8_t, 4096> bytes;
     // Not for ever: a sender may be as fast as this.
     for (int reads = 0; is_open_ && reads < 64; ++reads) {
         const ssize_t got = ::read(descriptor(), bytes.data(), bytes.size());
         const int error = errno;
+        if (got > 0 && take) {
+            take(std::span(bytes).first(static_cast<std::size_t>(got)));
+        }
         if (got > 0 || (got == 0 && outlives(0)) || (got < 0 && error == EINTR)) {
             continue;
         }

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -35,8 +36,8 @@ public:
     /// Returns how long so many bytes need until the last of them has left, behind those that wait already.
     virtual std::chrono::nanoseconds time_for(std::size_t bytes) const = 0;
 
-    /// Reads what has come and throws it away.
-    void drain();
+    /// Reads what has come and gives it to `take`, in order; empty: it is thrown away.
+    void drain(const std::function<void(std::span<const std::uint8_t> bytes)>& take = {});
 
     /// Returns one line: why nothing or not everything is sent, and what to do; empty when all is well.
     const std::string& problem() const { return problem_; }

@@ -3,6 +3,7 @@
 // Sends the daemon's obstacle scans to an autopilot, as MAVLink 2.
 #include <atomic>
 #include <csignal>
+#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -37,9 +38,14 @@ void run(const Options& options) {
     const BridgeSettings settings = options.settings();
     const auto link = options.make_link();
     const auto source = options.make_source();
+    const auto giver = options.make_giver();
+    std::optional<AttitudeRelay> attitude;
+    if (giver) {
+        attitude.emplace(settings.system_id, *giver);
+    }
     Notes notes([](const std::string& line) { disparityd::bridges::print_line(program, "note", line); });
     catch_signals();
-    Bridge(settings, *source, *link, notes).run(stop);
+    Bridge(settings, *source, *link, notes, attitude ? &*attitude : nullptr).run(stop);
 }
 
 }  // namespace
@@ -47,7 +53,8 @@ void run(const Options& options) {
 int main(int argc, char** argv) {
     CLI::App app(
         "Sends the obstacle scans of a running disparityd to an autopilot, as MAVLink 2: OBSTACLE_DISTANCE, a "
-        "HEARTBEAT every second and, with --3d, OBSTACLE_DISTANCE_3D. The daemon needs [scan] enabled = true. "
+        "HEARTBEAT every second and, with --3d, OBSTACLE_DISTANCE_3D. With --attitude it tells the daemon the "
+        "vehicle's attitude. The daemon needs [scan] enabled = true. "
         "It may come and go; so may the link.",
         program);
     Options options;

@@ -7,8 +7,6 @@
 namespace disparityd::mavlink {
 namespace {
 
-constexpr std::uint8_t magic = 0xfd;  // of MAVLink 2
-
 /// Returns the length without the zeros at the end, which are not sent; the first byte always is.
 std::size_t sent_length(std::span<const std::uint8_t> payload) {
     std::size_t length = payload.size();
@@ -51,7 +49,7 @@ std::vector<std::uint8_t> FrameWriter::frame(const Message& message) {
     std::vector<std::uint8_t> bytes;
     bytes.reserve(length + around_payload);
     PayloadWriter(bytes)
-        .u8(magic)
+        .u8(frame_magic)
         .u8(static_cast<std::uint8_t>(length))
         .u8(0)  // nothing that a receiver must understand: no signature
         .u8(0)  // nor what it may ignore

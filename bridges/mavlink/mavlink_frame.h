@@ -44,6 +44,9 @@ inline constexpr std::uint16_t crc_start = 0xffff;
 /// Returns CRC-16/MCRF4XX of the bytes. `before` is the CRC of what precedes them.
 std::uint16_t crc(std::span<const std::uint8_t> bytes, std::uint16_t before = crc_start);
 
+/// The first byte of a frame of MAVLink 2.
+inline constexpr std::uint8_t frame_magic = 0xfd;
+
 /// What a frame adds to the payload at most, bytes.
 inline constexpr std::size_t around_payload = 12;
 

@@ -89,6 +89,11 @@ void add_autopilot(CLI::App& app, Options& options) {
         ->check(between(1, 255))
         ->capture_default_str()
         ->group(group);
+    app.add_flag(
+           "--attitude", options.attitude,
+           "Tell the daemon the attitude of this system's autopilot, for [scan] ground = \"autopilot\"; the daemon "
+           "must let this program control")
+        ->group(group);
     app.add_option("--component-id", options.component_id, "MAVLink component that this is; 196 avoids obstacles")
         ->type_name("NUMBER")
         ->check(between(1, 255))
@@ -167,6 +172,11 @@ std::unique_ptr<Link> Options::make_link() const {
 std::unique_ptr<ScanSource> Options::make_source() const {
     // A little more than is sent, so that none of the right moment is missing.
     return std::make_unique<ScanSource>(daemon.where(), daemon.reach.for_client("disparity-mavlink"), 2 * rate);
+}
+
+std::unique_ptr<LevelGiver> Options::make_giver() const {
+    return attitude ? std::make_unique<LevelGiver>(daemon.where(), daemon.reach.for_client("disparity-mavlink"))
+                    : nullptr;
 }
 
 }  // namespace disparityd::mavlink

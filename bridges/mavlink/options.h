@@ -8,6 +8,7 @@
 #include <string>
 
 #include "bridges/mavlink/bridge.h"
+#include "bridges/mavlink/level_giver.h"
 #include "bridges/mavlink/link.h"
 #include "bridges/mavlink/scan_source.h"
 #include "clients/command_line/daemon_arguments.h"
@@ -31,6 +32,7 @@ struct Options {
     double max_distance_m = 8;
     bool hidden_as_obstacle = false;        ///< see DistanceLimits
     bool send_3d = false;                   ///< OBSTACLE_DISTANCE_3D beside OBSTACLE_DISTANCE
+    bool attitude = false;                  ///< the daemon is told the autopilot's attitude
     std::optional<double> camera_height_m;  ///< above the ground, for OBSTACLE_DISTANCE_3D
 
     /// Adds the options to the program; they are set when it parses.
@@ -40,6 +42,7 @@ struct Options {
     BridgeSettings settings() const;
     std::unique_ptr<Link> make_link() const;
     std::unique_ptr<ScanSource> make_source() const;
+    std::unique_ptr<LevelGiver> make_giver() const;  ///< null without `attitude`
 };
 
 }  // namespace disparityd::mavlink

@@ -4,14 +4,15 @@
 #include <array>
 #include <bit>
 
+#include "bridges/mavlink/attitude.h"
 #include "bridges/mavlink/heartbeat.h"
 
 namespace disparityd::test {
 namespace {
 
 constexpr std::size_t header = 10;
-constexpr std::array kinds{mavlink::heartbeat_kind, mavlink::obstacle_distance_kind,
-                           mavlink::obstacle_distance_3d_kind};
+constexpr std::array kinds{mavlink::heartbeat_kind, mavlink::obstacle_distance_kind, mavlink::obstacle_distance_3d_kind,
+                           mavlink::command_long_kind};
 
 }  // namespace
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "bridges/mavlink/attitude.h"
 #include "bridges/mavlink/heartbeat.h"
 #include "bridges/mavlink/obstacle_message.h"
 
@@ -72,6 +73,16 @@ const std::vector<Field> obstacle_distance_3d_fields{{"uint32_t", "time_boot_ms"
                                                      {"float", "min_distance"},
                                                      {"float", "max_distance"}};
 
+const std::vector<Field> attitude_fields{
+    {"uint32_t", "time_boot_ms"}, {"float", "roll"},       {"float", "pitch"},   {"float", "yaw"},
+    {"float", "rollspeed"},       {"float", "pitchspeed"}, {"float", "yawspeed"}};
+const std::vector<Field> command_long_fields{{"uint8_t", "target_system"}, {"uint8_t", "target_component"},
+                                             {"uint16_t", "command"},      {"uint8_t", "confirmation"},
+                                             {"float", "param1"},          {"float", "param2"},
+                                             {"float", "param3"},          {"float", "param4"},
+                                             {"float", "param5"},          {"float", "param6"},
+                                             {"float", "param7"}};
+
 TEST(MavlinkFrame, CrcIsMcrf4xx) {
     EXPECT_EQ(crc_of("123456789"), 0x6f91);  // the check value of that CRC
     EXPECT_EQ(crc_of(""), 0xffff);
@@ -82,6 +93,10 @@ TEST(MavlinkFrame, KindsAreThoseOfTheDefinition) {
     EXPECT_EQ(heartbeat_kind.crc_extra, crc_extra("HEARTBEAT", heartbeat_fields));
     EXPECT_EQ(obstacle_distance_kind.crc_extra, crc_extra("OBSTACLE_DISTANCE", obstacle_distance_fields));
     EXPECT_EQ(obstacle_distance_3d_kind.crc_extra, crc_extra("OBSTACLE_DISTANCE_3D", obstacle_distance_3d_fields));
+    EXPECT_EQ(attitude_kind.crc_extra, crc_extra("ATTITUDE", attitude_fields));
+    EXPECT_EQ(command_long_kind.crc_extra, crc_extra("COMMAND_LONG", command_long_fields));
+    EXPECT_EQ(attitude_kind.length, length(attitude_fields));
+    EXPECT_EQ(command_long_kind.length, length(command_long_fields));
     EXPECT_EQ(heartbeat_kind.length, length(heartbeat_fields));
     EXPECT_EQ(obstacle_distance_kind.length, length(obstacle_distance_fields));
     EXPECT_EQ(obstacle_distance_3d_kind.length, length(obstacle_distance_3d_fields));

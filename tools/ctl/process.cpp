@@ -294,8 +294,9 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
 /// Tells of scans that wanted to be level and had to do without.
 void note_lack_of_level(const RunFiles& files, const std::optional<ScanOptions>& scan) {
     if (scan && scan->ground == GroundMode::autopilot) {
-        print_note("every sector is unknown: an autopilot's attitude is not recorded; take another ground, such as "
-                   "\"gravity\"");
+        print_note(
+            "every sector is unknown: an autopilot's attitude is not recorded; take another ground, such as "
+            "\"gravity\"");
     }
     if (scan && scan->ground == GroundMode::gravity && files.scans_by_mounting > 0) {
         print_note("the configured ground was taken for " + base::counted(files.scans_by_mounting, "frame") + " of " +
