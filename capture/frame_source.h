@@ -82,7 +82,8 @@ public:
     virtual const SourceInfo& info() const = 0;
 
     /// Waits for the next frame until `deadline`. At most `loans` frames (see SourceOptions) may be out at a time;
-    /// with all of them out, next() waits for one to come back. Allocates nothing for scene: and for live cameras.
+    /// with all of them out, next() waits for one to come back. Allocates nothing for scene: and for live cameras
+    /// (but libjpeg does, for those that send JPEGs).
     /// Throws std::runtime_error with one line for people when the input is damaged; the source has then ended.
     virtual Next next(RawFrame& frame, std::chrono::steady_clock::time_point deadline) = 0;
 
@@ -133,6 +134,7 @@ struct SourceOptions {
     /// adds its own. Empty: it keeps them for itself.
     std::shared_ptr<ControlOverrides> control_overrides;
     std::string likely_port;  ///< USB port of the camera that was used before, the likeliest of several; may be empty
+    int decoders = 2;         ///< threads that decode JPEGs, for a camera that sends them; 0: next() decodes
     std::chrono::milliseconds stall_time{1000};  ///< a camera that gives no frame for so long is restarted
     /// Hears, one line each, what happens to the camera and what is done about it, what images are converted and which
     /// are left out; may be empty. Called in the thread that opens or calls next(), and about the sensors in theirs.

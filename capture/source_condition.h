@@ -41,7 +41,7 @@ struct CameraFacts {
     std::uint64_t restarts = 0;
     std::uint64_t reopens = 0;
     std::uint64_t resets = 0;
-    std::uint64_t damaged = 0;  ///< frames flagged by the driver
+    std::uint64_t damaged = 0;  ///< frames that the driver flagged, or whose JPEG could not be decoded in full
     std::uint64_t too_short = 0;
 };
 

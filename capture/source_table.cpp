@@ -15,7 +15,9 @@ const std::vector<SourceKind>& source_kinds() {
          "a stereo camera: v4l2:auto (the first ZED that is there), v4l2:hd720@30, v4l2:vga@100?serial=12345, "
          "v4l2:2560x720@30?device=/dev/video0 (whole "
          "frame); "
-         "options format=yuyv|grey, layout=side-by-side|top-bottom, port=USB-PORT",
+         "options format=yuyv|grey|mjpeg, layout=side-by-side|top-bottom, first=left|right (the eye in the left or "
+         "upper "
+         "half), port=USB-PORT",
          is_camera, open_camera},
         {"folder",
          "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "

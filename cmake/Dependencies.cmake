@@ -54,6 +54,9 @@ disparityd_need("zstd 1.4" "${ZSTD_FOUND}" PACKAGES "libzstd-dev")
 
 pkg_module(TURBOJPEG libturbojpeg>=2.0)
 disparityd_need("libjpeg-turbo 2.0 (turbojpeg)" "${TURBOJPEG_FOUND}" PACKAGES "libturbojpeg0-dev")
+# Its other interface: only that says what it warns of.
+pkg_module(LIBJPEG libjpeg>=2.0)
+disparityd_need("libjpeg-turbo 2.0 (libjpeg)" "${LIBJPEG_FOUND}" PACKAGES "libjpeg-dev")
 find_package(ZLIB QUIET)
 disparityd_need("zlib" "${ZLIB_FOUND}" PACKAGES "zlib1g-dev")
 find_package(OpenSSL 3.0 QUIET)

@@ -16,6 +16,7 @@
 #include "capture/camera/camera_recovery.h"
 #include "capture/camera/eye_joiner.h"
 #include "capture/camera/frame_counter.h"
+#include "capture/camera/jpeg_workers.h"
 #include "capture/camera/video_stream.h"
 #include "capture/sensors/sensor_reader.h"
 #include "capture/source_condition.h"
@@ -62,11 +63,15 @@ private:
     void apply_controls(const UsbCamera& camera);
     bool try_controls(const UsbCamera& camera, const std::vector<CameraSetting>& settings) const;
     void restart();
+    void started();
     void reset();
     void stream_failed();
     bool still_there();
     VideoStream::Got take(RawFrame& frame, steady_clock::time_point deadline);
     void follow_sensors_of(const std::optional<UsbCamera>& camera);
+    bool take_decoded(RawFrame& frame);
+    void lend(RawFrame& frame, const VideoFrame& captured);
+    void count_damaged_jpeg(const std::string& problem);
     void fill(RawFrame& frame, const VideoFrame& captured);
     void set_state(CameraState state, const std::string& detail);
     void stalled(const std::string& what_is_done);
@@ -84,8 +89,10 @@ private:
     VideoStream stream_;
     CameraRecovery recovery_;
     std::optional<EyeJoiner> joiner_;
+    std::optional<JpegWorkers> jpegs_;  ///< ends before stream_, whose memory it reads
     FrameCounter counter_;
     bool after_reset_ = false;           ///< the next plugging comes from our reset
+    bool told_damage_ = false;           ///< of this stream
     bool broken_ = false;                ///< the stream has failed and waits for the next step
     std::optional<UsbCamera> camera_;    ///< the one that was opened or tried last
     std::optional<UsbCamera> streamed_;  ///< the one whose frames came last
@@ -119,9 +126,10 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Se
     info_.description =
         request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
     identity_.expect_likely(info_, options.likely_port);
-    if (request_.top_bottom) {
-        const int bytes = bytes_per_pixel(request_.format);
-        joiner_.emplace(static_cast<std::size_t>(info_.eye_width * bytes), info_.height, std::max(1, options.loans));
+    if (request_.mjpeg) {
+        jpegs_.emplace(request_.layout(), options.decoders, options.loans, stream_, waker_);
+    } else if (!request_.layout().as_lent()) {
+        joiner_.emplace(request_.layout(), bytes_per_pixel(request_.format), std::max(1, options.loans));
     }
     if (options.sensors && sensors != nullptr) {
         samples_.resize(RawFrame::most_samples);
@@ -142,11 +150,13 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Se
 
 FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point deadline) {
     while (!interrupted_.load()) {
-        // Frames that wait in the driver come first: a caller that was away for long must not see a stall.
-        if (take(frame, std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
+        // Frames that wait in the driver, or are being decoded, come first: a caller that was away for long must not
+        // see a stall.
+        const bool decoding = jpegs_ && jpegs_->busy();
+        if (take(frame, decoding ? deadline : std::min(deadline, recovery_.next())) == VideoStream::Got::frame) {
             return Next::frame;
         }
-        const Step step = recovery_.due(system_.now());
+        const Step step = jpegs_ && jpegs_->busy() ? Step::wait : recovery_.due(system_.now());
         if (step != Step::wait && !interrupted_.load()) {
             // A step may take the kernel seconds: one for each call, so that the caller gets control in between.
             take_step(step);
@@ -163,7 +173,10 @@ FrameSource::Next CameraSource::next(RawFrame& frame, steady_clock::time_point d
 
 /// Waits for a frame, an error, a wake-up or the deadline.
 VideoStream::Got CameraSource::take(RawFrame& frame, steady_clock::time_point deadline) {
-    const bool no_room = joiner_ && !joiner_->has_room();
+    if (jpegs_ && take_decoded(frame)) {
+        return VideoStream::Got::frame;
+    }
+    const bool no_room = (joiner_ && !joiner_->has_room()) || (jpegs_ && !jpegs_->has_room());
     if (!stream_.is_open() || broken_ || no_room) {
         stream_.collect();
         system_.wait(-1, waker_, deadline);
@@ -171,15 +184,47 @@ VideoStream::Got CameraSource::take(RawFrame& frame, steady_clock::time_point de
     }
     VideoFrame captured;
     const VideoStream::Got got = stream_.take(captured, deadline);
+    if (got == VideoStream::Got::frame && jpegs_) {
+        jpegs_->submit(captured);
+        return VideoStream::Got::nothing;
+    }
     if (got == VideoStream::Got::frame) {
-        fill(frame, captured);
-        recovery_.frame(system_.now());
-        streamed_ = camera_;
-        set_state(CameraState::streaming, "");
+        lend(frame, captured);
     } else if (got == VideoStream::Got::failed) {
         stream_failed();
     }
     return got;
+}
+
+/// Takes the next frame whose JPEG was decoded in full, if there is one. Those before it are counted: the gap in the
+/// numbers tells that they are lost.
+bool CameraSource::take_decoded(RawFrame& frame) {
+    while (auto decoded = jpegs_->take()) {
+        if (decoded->problem.empty()) {
+            decoded->frame.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
+            lend(frame, decoded->frame);
+            return true;
+        }
+        count_damaged_jpeg(decoded->problem);
+    }
+    return false;
+}
+
+void CameraSource::count_damaged_jpeg(const std::string& problem) {
+    count(&CameraFacts::damaged);
+    // One line for each start of a stream: a bad cable damages thousands.
+    if (!std::exchange(told_damage_, true)) {
+        report(camera_->label() + " sent a damaged JPEG, which is left out: " + problem +
+                   "; the status counts them, a shorter cable or a lower rate may help",
+               true);
+    }
+}
+
+void CameraSource::lend(RawFrame& frame, const VideoFrame& captured) {
+    fill(frame, captured);
+    recovery_.frame(system_.now());
+    streamed_ = camera_;
+    set_state(CameraState::streaming, "");
 }
 
 void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
@@ -205,7 +250,9 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
 }
 
 void CameraSource::give_back(const RawFrame& frame) noexcept {
-    if (joiner_) {
+    if (jpegs_) {
+        jpegs_->give_back(frame.loan);
+    } else if (joiner_) {
         joiner_->give_back(frame.loan);
         waker_.wake();
     } else {
@@ -296,8 +343,8 @@ std::optional<CameraProblem> CameraSource::open_one(const UsbCamera& camera) {
         return problem;
     }
     try {
-        stream_.open(camera.node,
-                     {request_.frame_width, request_.frame_height, request_.rate, request_.format, options_.loans});
+        stream_.open(camera.node, {request_.frame_width, request_.frame_height, request_.rate, request_.format,
+                                   request_.mjpeg, options_.loans});
         stream_.start();
     } catch (const VideoError& error) {
         stream_.close();
@@ -356,9 +403,7 @@ std::vector<CameraControl> CameraSource::set_camera_controls(const std::vector<C
 
 void CameraSource::opened(const UsbCamera& camera) {
     follow_sensors_of(camera);
-    broken_ = false;
-    counter_.restarted();
-    recovery_.started(system_.now());
+    started();
     const bool stalled_before = facts_.state == CameraState::stalled;
     {
         const std::lock_guard lock(mutex_);
@@ -397,7 +442,16 @@ void CameraSource::restart() {
         stream_failed();
         return;
     }
+    started();
+}
+
+/// The stream has begun anew.
+void CameraSource::started() {
+    if (jpegs_) {
+        jpegs_->forget();  // their numbers are of the stream before
+    }
     broken_ = false;
+    told_damage_ = false;
     counter_.restarted();
     recovery_.started(system_.now());
 }
@@ -480,7 +534,7 @@ SourceCondition CameraSource::condition() const {
     condition.detail = detail_;
     condition.notices = notices_;
     condition.camera = facts_;
-    condition.camera->damaged = stream_.damaged();
+    condition.camera->damaged += stream_.damaged();
     condition.camera->too_short = stream_.too_short();
     condition.sensors = sensors_ ? sensors_->facts() : std::nullopt;
     return condition;

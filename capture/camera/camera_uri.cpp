@@ -49,7 +49,7 @@ void read_mode(const SourceUri& uri, CameraRequest& request) {
 void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter, CameraRequest& request) {
     const std::string value(parameter.value);
     if (value.empty()) {
-        uri.fail("parameter", parameter.text, "serial=, device=, port=, format= or layout= with a value");
+        uri.fail("parameter", parameter.text, "serial=, device=, port=, format=, layout= or first= with a value");
     }
     const bool names_a_camera = parameter.key == "serial" || parameter.key == "device" || parameter.key == "port";
     if (names_a_camera && value.find(',') != std::string::npos) {
@@ -62,17 +62,23 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
     } else if (parameter.key == "port") {
         request.port = value;
     } else if (parameter.key == "format") {
-        if (value != "yuyv" && value != "grey") {
-            uri.fail("format", value, "yuyv or grey");
+        if (value != "yuyv" && value != "grey" && value != "mjpeg") {
+            uri.fail("format", value, "yuyv, grey or mjpeg");
         }
         request.format = value == "grey" ? PixelFormat::grey8 : PixelFormat::yuyv;
+        request.mjpeg = value == "mjpeg";
     } else if (parameter.key == "layout") {
         if (value != "side-by-side" && value != "top-bottom") {
             uri.fail("layout", value, "side-by-side or top-bottom");
         }
         request.top_bottom = value == "top-bottom";
+    } else if (parameter.key == "first") {
+        if (value != "left" && value != "right") {
+            uri.fail("first", value, "left or right: the eye that is the left or upper half of the frame");
+        }
+        request.right_first = value == "right";
     } else {
-        uri.fail("parameter", parameter.key, "serial, device, port, format or layout");
+        uri.fail("parameter", parameter.key, "serial, device, port, format, layout or first");
     }
 }
 

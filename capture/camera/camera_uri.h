@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/camera/eye_layout.h"
 #include "capture/usb/usb_camera.h"
 #include "kernels/raw_image.h"
 
@@ -16,8 +17,10 @@ struct CameraRequest {
     int frame_width = 0;  ///< the whole frame with both eyes, pixels
     int frame_height = 0;
     double rate = 30;
-    PixelFormat format = PixelFormat::yuyv;  ///< or grey8
-    bool top_bottom = false;                 ///< the left eye above the right one instead of beside it
+    PixelFormat format = PixelFormat::yuyv;  ///< of the frames that are lent; or grey8
+    bool mjpeg = false;                      ///< the camera sends JPEGs, which become YUYV
+    bool top_bottom = false;                 ///< one eye above the other instead of beside it
+    bool right_first = false;                ///< the right eye is the left or upper one
 
     // Which camera; empty = any. All that are given must hold.
     std::string serial;
@@ -26,6 +29,8 @@ struct CameraRequest {
 
     int eye_width() const { return top_bottom ? frame_width : frame_width / 2; }
     int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
+
+    EyeLayout layout() const { return {eye_width(), eye_height(), top_bottom, right_first}; }
 
     /// A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
     bool zed_only() const { return !mode.empty() && device.empty() && port.empty(); }

@@ -6,18 +6,19 @@
 #include <mutex>
 #include <vector>
 
+#include "capture/camera/eye_layout.h"
 #include "capture/loan_pool.h"
 
 namespace disparityd::capture {
 
-/// Puts eyes that came one above the other side by side, into buffers of its own that are lent in turn.
-/// give_back() by any thread, the rest by one.
+/// Puts eyes that came one above the other, or the right one first, side by side with the left one first, into buffers
+/// of its own that are lent in turn. give_back() by any thread, the rest by one.
 class EyeJoiner {
 public:
-    /// `eye_bytes` are those of one row of one eye, `rows` those of one eye.
-    EyeJoiner(std::size_t eye_bytes, int rows, int buffers)
-        : eye_bytes_(eye_bytes),
-          rows_(static_cast<std::size_t>(rows)),
+    EyeJoiner(const EyeLayout& layout, int bytes_per_pixel, int buffers)
+        : layout_(layout),
+          eye_bytes_(static_cast<std::size_t>(layout.eye_width) * static_cast<std::size_t>(bytes_per_pixel)),
+          rows_(static_cast<std::size_t>(layout.eye_height)),
           buffers_(static_cast<std::size_t>(buffers), std::vector<std::uint8_t>(2 * eye_bytes_ * rows_)),
           free_(buffers_.size()) {}
 
@@ -34,10 +35,12 @@ public:
             index = free_.take();
         }
         std::uint8_t* to = buffers_[index].data();
-        const std::ptrdiff_t right = stride * static_cast<std::ptrdiff_t>(rows_);
+        const auto second =
+            layout_.top_bottom ? stride * static_cast<std::ptrdiff_t>(rows_) : static_cast<std::ptrdiff_t>(eye_bytes_);
+        const std::ptrdiff_t left = layout_.right_first ? second : 0;
         for (std::size_t row = 0; row < rows_; ++row, frame += stride, to += 2 * eye_bytes_) {
-            std::memcpy(to, frame, eye_bytes_);
-            std::memcpy(to + eye_bytes_, frame + right, eye_bytes_);
+            std::memcpy(to, frame + left, eye_bytes_);
+            std::memcpy(to + eye_bytes_, frame + second - left, eye_bytes_);
         }
         return static_cast<int>(index);
     }
@@ -50,6 +53,7 @@ public:
     }
 
 private:
+    const EyeLayout layout_;
     const std::size_t eye_bytes_;
     const std::size_t rows_;
     std::vector<std::vector<std::uint8_t>> buffers_;

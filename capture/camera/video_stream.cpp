@@ -26,8 +26,11 @@ constexpr int fewest_buffers = 3;
 constexpr std::uint32_t index_bits = 8;
 constexpr std::uint32_t generation_mask = (1U << 22U) - 1;
 
-std::uint32_t fourcc(PixelFormat format) {
-    return format == PixelFormat::grey8 ? V4L2_PIX_FMT_GREY : V4L2_PIX_FMT_YUYV;
+std::uint32_t fourcc(const StreamRequest& request) {
+    if (request.mjpeg) {
+        return V4L2_PIX_FMT_MJPEG;
+    }
+    return request.format == PixelFormat::grey8 ? V4L2_PIX_FMT_GREY : V4L2_PIX_FMT_YUYV;
 }
 
 std::string format_text(const v4l2_pix_format& format) {
@@ -103,7 +106,7 @@ void VideoStream::agree_on_format(const StreamRequest& request) {
     v4l2_pix_format& pixels = format.fmt.pix;
     pixels.width = static_cast<std::uint32_t>(request.width);
     pixels.height = static_cast<std::uint32_t>(request.height);
-    pixels.pixelformat = fourcc(request.format);
+    pixels.pixelformat = fourcc(request);
     pixels.field = V4L2_FIELD_NONE;
     const v4l2_pix_format asked = pixels;
     if (const int code = system_.ioctl(device_, VIDIOC_S_FMT, &format); code != 0) {
@@ -114,6 +117,11 @@ void VideoStream::agree_on_format(const StreamRequest& request) {
              "does not offer " + format_text(asked) + ", nearest is " + format_text(pixels));
     }
     const std::size_t row = std::size_t{pixels.width} * static_cast<std::size_t>(bytes_per_pixel(request.format));
+    if (request.mjpeg) {
+        stride_ = 0;
+        frame_bytes_ = 1;
+        return;
+    }
     stride_ = std::max<std::size_t>(pixels.bytesperline, row);
     frame_bytes_ = stride_ * (pixels.height - 1) + row;
 }
@@ -309,8 +317,12 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
         const bool too_short = buffer.bytesused < frame_bytes_;
         if (!damaged && !too_short) {
-            frame = {static_cast<const std::uint8_t*>(buffers_[buffer.index].memory),
-                     static_cast<std::ptrdiff_t>(stride_), buffer.sequence, capture_time(buffer),
+            const Buffer& filled = buffers_[buffer.index];
+            frame = {static_cast<const std::uint8_t*>(filled.memory),
+                     std::min<std::size_t>(buffer.bytesused, filled.bytes),
+                     static_cast<std::ptrdiff_t>(stride_),
+                     buffer.sequence,
+                     capture_time(buffer),
                      static_cast<int>((generation_ << index_bits) | buffer.index)};
             buffers_[buffer.index].lent = true;
             ++lent_;

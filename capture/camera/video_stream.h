@@ -30,12 +30,14 @@ struct StreamRequest {
     int height = 0;
     double rate = 0;
     PixelFormat format = PixelFormat::yuyv;
-    int loans = 8;  ///< frames that may be out at the same time
+    bool mjpeg = false;  ///< each frame is a JPEG, whatever `format` says
+    int loans = 8;       ///< frames that may be out at the same time
 };
 
 /// A captured buffer; the bytes lie in the driver's memory until give_back().
 struct VideoFrame {
     const std::uint8_t* data = nullptr;
+    std::size_t bytes = 0;  ///< as the driver counts them
     std::ptrdiff_t stride = 0;
     std::uint32_t sequence = 0;     ///< the driver's: 32 bits, from 0 at each start
     std::int64_t monotonic_ns = 0;  ///< CLOCK_MONOTONIC at capture

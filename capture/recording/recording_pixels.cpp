@@ -10,6 +10,8 @@ extern "C" {
 #include <stdexcept>
 #include <string>
 
+#include "capture/yuyv_rows.h"
+
 namespace disparityd::capture {
 namespace {
 
@@ -23,15 +25,6 @@ void unpack_422(const std::uint8_t* from, int pairs, std::uint8_t* luma, std::ui
         u[i] = from[4 * i + 1];
         luma[2 * i + 1] = from[4 * i + 2];
         v[i] = from[4 * i + 3];
-    }
-}
-
-void pack_422(const std::uint8_t* luma, const std::uint8_t* u, const std::uint8_t* v, int pairs, std::uint8_t* to) {
-    for (int i = 0; i < pairs; ++i) {
-        to[4 * i] = luma[2 * i];
-        to[4 * i + 1] = u[i];
-        to[4 * i + 2] = luma[2 * i + 1];
-        to[4 * i + 3] = v[i];
     }
 }
 
@@ -137,7 +130,7 @@ void PixelLoader::load(const AVFrame& frame, std::uint8_t* to) {
         const std::uint8_t* second = plane_row(frame, 1, y);
         const std::uint8_t* third = plane_row(frame, 2, y);
         if (way_ == Way::pack_422) {
-            pack_422(first, second, third, width_ / 2, to);
+            pack_yuyv(first, second, third, width_ / 2, to);
             continue;
         }
         for (int x = 0; x < width_; ++x) {

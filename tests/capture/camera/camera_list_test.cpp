@@ -117,6 +117,12 @@ TEST(CameraUriTest, ModesSizesAndSelection) {
     EXPECT_EQ(request.eye_height(), 480);
     EXPECT_EQ(request.rate, 7.5);
     EXPECT_EQ(request.format, PixelFormat::grey8);
+    EXPECT_FALSE(request.mjpeg);
+    EXPECT_FALSE(request.right_first);
+    const CameraRequest jpegs = parse_camera_uri("v4l2:2560x720@30?device=/dev/video0&format=mjpeg&first=right");
+    EXPECT_EQ(jpegs.format, PixelFormat::yuyv);
+    EXPECT_TRUE(jpegs.mjpeg);
+    EXPECT_TRUE(jpegs.right_first);
     EXPECT_EQ(request.serial, "5");
     EXPECT_EQ(request.device, "/dev/video7");
     EXPECT_EQ(request.port, "1-2.3");
@@ -129,8 +135,9 @@ TEST(CameraUriTest, MistakesAreRefusedWithWhatIsAllowed) {
         {"v4l2:2560x720@0", "1 to 1000"},
         {"v4l2:2560x720@", "1 to 1000"},
         {"v4l2:vga?serial", "with a value"},
-        {"v4l2:vga?colour=red", "serial, device, port, format or layout"},
-        {"v4l2:vga?format=mjpeg", "yuyv or grey"},
+        {"v4l2:vga?colour=red", "serial, device, port, format, layout or first"},
+        {"v4l2:vga?format=h264", "yuyv, grey or mjpeg"},
+        {"v4l2:vga?first=top", "left or right: the eye"},
         {"v4l2:1282x720", "a multiple of 4"},
         {"v4l2:1280x721?layout=top-bottom", "an even height"},
         {"v4l2:vga?device=/dev/video0,/dev/video2", "a pair of separate cameras is not supported"},

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "capture/camera/eye_joiner.h"
 #include "capture/source_condition.h"
 #include "tests/capture/camera/fake_camera.h"
 
@@ -373,6 +374,19 @@ TEST_F(CameraSourceTest, EyesOneAboveTheOtherComeSideBySide) {
     EXPECT_EQ(source_->info().height, 8);
     EXPECT_GT(run(2s), 40) << "buffers go back to the driver";
     EXPECT_EQ(last_.image.stride, 256);
+}
+
+TEST(EyeJoinerTest, PutsTheLeftEyeFirst) {
+    // Two rows of two bytes for each eye, of which the right one is sent first.
+    const std::uint8_t side_by_side[] = {20, 21, 10, 11, 22, 23, 12, 13};
+    const std::uint8_t top_bottom[] = {20, 21, 22, 23, 10, 11, 12, 13};
+    for (const bool above : {false, true}) {
+        EyeJoiner joiner({2, 2, above, true}, 1, 1);
+        const int index = joiner.join(above ? top_bottom : side_by_side, above ? 2 : 4);
+        const std::vector<std::uint8_t> joined(joiner.data(index), joiner.data(index) + 8);
+        EXPECT_THAT(joined, ElementsAre(10, 11, 20, 21, 12, 13, 22, 23));
+        EXPECT_FALSE(joiner.has_room());
+    }
 }
 
 TEST_F(CameraSourceTest, TheSerialNumberIsTheOneInTheCamera) {

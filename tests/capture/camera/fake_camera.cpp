@@ -292,6 +292,11 @@ void FakeVideoSystem::send_frame(Device& device, const Camera& camera) {
     const std::uint32_t index = device.queued.front();
     device.queued.pop_front();
     std::fill(device.memory[index].begin(), device.memory[index].end(), static_cast<std::uint8_t>(sequence));
+    if (!camera.jpegs.empty()) {
+        const auto& jpeg = camera.jpegs[sequence % camera.jpegs.size()];
+        std::copy(jpeg.begin(), jpeg.end(), device.memory[index].begin());
+        fault.bytes = std::min(fault.bytes, static_cast<std::uint32_t>(jpeg.size()));
+    }
     const bool flagged = fault.flagged || camera.flag_stays;
     device.done.push_back(
         {index, flagged ? static_cast<std::uint32_t>(V4L2_BUF_FLAG_ERROR) : 0U, fault.bytes, sequence, now_});

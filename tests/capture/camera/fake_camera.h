@@ -23,7 +23,8 @@ public:
         UsbCamera usb;
         int width = 64;  ///< of the whole frame
         int height = 16;
-        std::uint32_t format = 0x56595559;  ///< YUYV
+        std::uint32_t format = 0x56595559;               ///< YUYV
+        std::vector<std::vector<std::uint8_t>> jpegs{};  ///< sent in turn, for the format MJPG
         int open_error = 0;
         int format_error = 0;
         int buffers_error = 0;

@@ -17,7 +17,7 @@ using Got = VideoStream::Got;
 using test::FakeVideoSystem;
 using test::zed2;
 
-const StreamRequest request{64, 16, 30, PixelFormat::yuyv, 4};
+const StreamRequest request{64, 16, 30, PixelFormat::yuyv, false, 4};
 
 class VideoStreamTest : public ::testing::Test {
 protected:
