@@ -27,7 +27,7 @@ std::string_view to_string(GroundMode mode);
 std::optional<GroundMode> parse_ground_mode(std::string_view name);
 
 /// The names of all modes for a message: "fitted, configured, gravity or autopilot".
-inline constexpr std::string_view ground_mode_names = "fitted, configured or gravity";
+inline constexpr std::string_view ground_mode_names = "fitted, configured, gravity or autopilot";
 
 /// Returns the default of `min_confidence`: four fifths where the confidence is a chance, else 1, which leaves the
 /// matcher's own rejection to decide (a ratio of costs says nothing about the chance).
