@@ -48,6 +48,25 @@ std::string middlebury_calibration(const std::string& more) {
            more;
 }
 
+TEST_F(ProcessToldTest, HowFarTheFramesCanBeTrusted) {
+    make_scene(20, middlebury_calibration(""));
+    const Outcome good = process({path("in"), "--json"});
+    ASSERT_EQ(good.exit_code, 0) << good.err;
+    const auto trust = nlohmann::json::parse(good.out)["trust"];
+    EXPECT_GT(trust["mean"].get<double>(), 0.5);
+    EXPECT_TRUE(trust["frames_with"].empty()) << trust;
+    // As an underexposed camera sees it.
+    const Pair pair = shifted_pair(width, height, 20, 7);
+    images::write_png(path("in/im0.png"), pair.left / 16);
+    images::write_png(path("in/im1.png"), pair.right / 16);
+    const Outcome dark = process({path("in"), "--force"});
+    ASSERT_EQ(dark.exit_code, 0) << dark.err;
+    EXPECT_THAT(dark.out, HasSubstr(" % on the average, dark in 1 frame"));
+    const std::string times = read_file(path("out/times.csv"));
+    EXPECT_THAT(times, HasSubstr(",dropped_before,trust,doubts,"));
+    EXPECT_THAT(times, HasSubstr(",dark"));
+}
+
 TEST_F(ProcessToldTest, TheDistancesThatAreMeasured) {
     make_scene(20, middlebury_calibration(""));
     const Outcome outcome = process({path("in")});

@@ -43,6 +43,7 @@
 #include "tools/ctl/source_arguments.h"
 #include "tools/datasets/announced_range.h"
 #include "tools/images/disparity_file.h"
+#include "trust/trust_stage.h"
 
 namespace disparityd::tools {
 namespace {
@@ -273,13 +274,16 @@ struct RunFiles {
     std::optional<ScanCsv> scans;
     std::optional<empty_result::EmptyResult> measured;
     std::uint64_t scans_by_mounting = 0;  ///< whose ground is the configured one
+    TrustSummary trust;
 };
 
 /// Writes a frame's files. A lack of memory gets a message of its own.
 void write(RunFiles& files, const pipeline::FrameSlot& slot) {
     try {
         const std::uint64_t frame = files.folder->frames();
-        files.folder->write(slot);
+        const trust::Verdict verdict = trust::verdict_of(slot.stage_memory[files.scans ? 1 : 0]);
+        files.folder->write(slot, verdict);
+        files.trust.add(verdict);
         files.measured->add(slot.view.left, slot.view.right, slot.view.confidence);
         if (files.scans) {
             const ScanRecord scan = scan_record(slot.stage_memory.front());
@@ -393,10 +397,13 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     }
     const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
     std::optional<ScanStage> scan_stage;
+    trust::TrustStage trust_stage(rectification.width, rectification.height, {});
+    run.config.stages.clear();
     if (run.scan) {
         scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan);
-        run.config.stages = {&*scan_stage};
+        run.config.stages.push_back(&*scan_stage);
     }
+    run.config.stages.push_back(&trust_stage);
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
@@ -452,6 +459,7 @@ int process(ProcessArguments arguments) {
     run.files.folder->close();
     note_lack_of_level(run.files, run.scan);
     run.done.measured = run.files.measured->measured();
+    run.done.trust = run.files.trust;
     run.done.empty_note = run.files.measured->note(run.calibration);
     return report_process(run.done, arguments.json);
 }

@@ -16,6 +16,7 @@
 
 #include "base/failure_text.h"
 #include "base/file_lock.h"
+#include "proto/doubt.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/csv.h"
 #include "tools/ctl/describe.h"
@@ -155,7 +156,8 @@ Json files_of(const OutputFormats& formats) {
     }
     files.push_back(
         {{"name", times_name},
-         {"content", "a line per frame: OUTPUT, the name of its input, time of each step in microseconds"}});
+         {"content",
+          "a line per frame: OUTPUT, the name of its input, trust in it, time of each step in microseconds"}});
     return files;
 }
 
@@ -233,7 +235,7 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
     begin_part(source, rectification);
 
     times_.open(folder_ + '/' + times_name, std::ios::binary);
-    times_ << "frame,output,input,sequence,monotonic_ns,flags,dropped_before";
+    times_ << "frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts";
     for (const std::string& step : steps) {
         times_ << ',' << step << "_us";
     }
@@ -268,7 +270,7 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-void ProcessOutput::write(const pipeline::FrameSlot& slot) {
+void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict) {
     const std::string name = names_.next(slot.raw.name);
     const std::string path = folder_ + '/' + name;
     const images::DisparityMap map{slot.view.disparity, options_.range};
@@ -289,7 +291,7 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot) {
         }
         images::write_png(path + "_colour.png", picture);
     }
-    write_times(slot, name);
+    write_times(slot, verdict, name);
     note_correction(slot);
     ++frames_;
 }
@@ -315,10 +317,12 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
     }
 }
 
-void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const std::string& name) {
+void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict,
+                                const std::string& name) {
     const std::string_view input = slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name;
     times_ << frames_ << ',' << csv_field(name) << ',' << csv_field(input) << ',' << slot.raw.sequence << ','
-           << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before;
+           << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before << ','
+           << unsigned{verdict.trust} << ',' << proto::doubt_names(verdict.doubts);
     std::chrono::nanoseconds total{0};
     for (const std::chrono::nanoseconds time : slot.step_times) {
         total += time;

@@ -16,6 +16,7 @@
 #include "pipeline/frame_slot.h"
 #include "tools/ctl/describe.h"
 #include "tools/images/picture.h"
+#include "trust/judge.h"
 
 namespace disparityd::tools {
 
@@ -74,7 +75,7 @@ public:
     void begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification);
 
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
-    void write(const pipeline::FrameSlot& slot);
+    void write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict);
 
     /// Throws std::runtime_error when the last lines of times.csv cannot be written.
     void close();
@@ -82,7 +83,7 @@ public:
     std::uint64_t frames() const { return frames_; }
 
 private:
-    void write_times(const pipeline::FrameSlot& slot, const std::string& name);
+    void write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict, const std::string& name);
     void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;

@@ -48,6 +48,7 @@ void print_summary(const ProcessDone& done, bool as_json) {
                   {"seconds", done.seconds},
                   {"frames_per_second", rate},
                   {"measured", done.measured},
+                  {"trust", done.trust.as_json()},
                   {"distances", done.range ? to_json(*done.range) : Json()},
                   {"complete", done.error.empty() && done.left_out.empty() && !interrupted()},
                   {"left_out", done.left_out},
@@ -63,6 +64,9 @@ void print_summary(const ProcessDone& done, bool as_json) {
     }
     for (const std::string& line : done.distances) {
         std::cout << line << '\n';
+    }
+    if (const std::string trust = done.trust.text(); !trust.empty()) {
+        std::cout << trust << '\n';
     }
     std::cout << done.folder << ": " << base::counted(done.frames, "frame") << " in " << fixed(done.seconds, 1)
               << " s, " << fixed(rate, 1) << " frames/s\n";

@@ -8,6 +8,7 @@
 
 #include "calibration/depth_range.h"
 #include "pipeline/calibrating_schedule.h"
+#include "tools/ctl/trust_summary.h"
 
 namespace disparityd::tools {
 
@@ -25,6 +26,7 @@ struct ProcessDone {
     double seconds = 0;
     double measured = 1;     ///< share of the pixels
     std::string empty_note;  ///< where hardly any were
+    TrustSummary trust;
 };
 
 /// Prints the summary, as one JSON object or for people, and what went wrong; returns the exit status.

@@ -161,7 +161,7 @@ TEST_F(ProcessScanTest, TheGroundOfGravityIsThatOfTheRecordingsSamples) {
     const auto table = rows("one.csv");
     ASSERT_GT(table.size(), 1U);
     for (std::size_t i = 1; i < table.size(); ++i) {
-        EXPECT_THAT(std::vector(table[i].end() - 5, table[i].end()),
+        EXPECT_THAT(std::vector(table[i].begin() + 13, table[i].begin() + 18),
                     ElementsAre("gravity", "0", "-0.001", "0.0875", "0.0000"));
     }
     EXPECT_EQ(scan_options("one")["ground"], "gravity");
@@ -198,6 +198,15 @@ TEST(ScanCsv, HasEmptyFieldsForWhatIsNotKnown) {
     head.ground_age = 4;
     head.ground_mm = -12;
     head.ground_slope_ahead = 200;
+    const auto last_of = [](const proto::ScanHead& of) {
+        const std::string row = tools::scan_csv_rows({7, 8, 9}, {of, std::vector<ScanSector>(1)});
+        return row.substr(row.find("0.0000,") + 7);
+    };
+    EXPECT_EQ(last_of(head), ",,\n") << "no mounting was found";
+    proto::ScanHead mounted = head;
+    mounted.mounting_height_mm = 1502;
+    mounted.mounting_pitch_cdeg = -1250;
+    EXPECT_EQ(last_of(mounted), "1.502,-12.50,0.00\n");
     const std::vector<ScanSector> sectors{{-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535},
                                           {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
                                           {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
@@ -208,9 +217,10 @@ TEST(ScanCsv, HasEmptyFieldsForWhatIsNotKnown) {
     }
     EXPECT_THAT(
         lines,
-        ElementsAre("7,8,9,-10.00,-0.05,occupied,1.234,0.056,1.000,-0.020,0.900,65535,200,held,4,-0.012,0.0200,0.0000",
-                    "7,8,9,-0.05,10.00,free,,,2.500,,,,,held,4,-0.012,0.0200,0.0000",
-                    "7,8,9,10.00,20.00,unknown,,,0.000,,,,,held,4,-0.012,0.0200,0.0000"));
+        ElementsAre(
+            "7,8,9,-10.00,-0.05,occupied,1.234,0.056,1.000,-0.020,0.900,65535,200,held,4,-0.012,0.0200,0.0000,,,",
+            "7,8,9,-0.05,10.00,free,,,2.500,,,,,held,4,-0.012,0.0200,0.0000,,,",
+            "7,8,9,10.00,20.00,unknown,,,0.000,,,,,held,4,-0.012,0.0200,0.0000,,,"));
     EXPECT_EQ(tools::csv_fields(tools::scan_csv_head()).size(), tools::csv_fields(lines[0]).size());
 }
 

@@ -44,6 +44,13 @@ std::string ground_fields(const proto::ScanHead& head) {
            decimal(head.ground_slope_ahead, 4) + ',' + decimal(head.ground_slope_left, 4);
 }
 
+std::string mounting_fields(const proto::ScanHead& head) {
+    return head.mounting_height_mm == 0
+               ? ",,"
+               : decimal(head.mounting_height_mm, 3) + ',' + decimal(head.mounting_pitch_cdeg, 2) + ',' +
+                     decimal(head.mounting_roll_cdeg, 2);
+}
+
 [[noreturn]] void refuse_csv(const std::string& path) {
     throw std::runtime_error(path + ": cannot be written: " + base::error_text(errno));
 }
@@ -70,13 +77,14 @@ std::FILE* open_locked(const std::string& path, bool force) {
 
 std::string scan_csv_head() {
     return "frame,sequence,monotonic_ns,from_deg,to_deg,state,distance_m,sigma_m,free_m,low_m,high_m,pixels,confidence,"
-           "ground,ground_age,ground_height_m,ground_slope_ahead,ground_slope_left\n";
+           "ground,ground_age,ground_height_m,ground_slope_ahead,ground_slope_left,"
+           "mounting_height_m,mounting_pitch_deg,mounting_roll_deg\n";
 }
 
 std::string scan_csv_rows(const ScanMoment& moment, const ScanRecord& scan) {
     const std::string begin = std::to_string(moment.frame) + ',' + std::to_string(moment.sequence) + ',' +
                               std::to_string(moment.monotonic_ns) + ',';
-    const std::string end = ',' + ground_fields(scan.head) + '\n';
+    const std::string end = ',' + ground_fields(scan.head) + ',' + mounting_fields(scan.head) + '\n';
     std::string rows;
     for (const ScanSector& sector : scan.sectors) {
         rows += begin;
