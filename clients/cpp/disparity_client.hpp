@@ -45,6 +45,10 @@ constexpr std::uint32_t trust_of(std::uint32_t flags) {
     return flags >> 24U;
 }
 
+/// Returns the doubts in a frame of these flags as words with spaces between them, such as "dirty-eye noisy"; "" where
+/// there is none.
+DISPARITY_API std::string doubt_names(std::uint32_t flags);
+
 /// One plane of a frame: rows follow each other without gaps, little endian.
 struct PlaneData {
     Product product{};                  ///< what the plane holds

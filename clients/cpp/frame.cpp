@@ -7,6 +7,7 @@
 
 #include "clients/cpp/disparity_client.hpp"
 #include "clients/cpp/metres.h"
+#include "proto/doubt.h"
 #include "proto/scan.h"
 
 namespace disparity {
@@ -92,6 +93,10 @@ const Plane* find(const std::vector<Plane>& planes, Product product) {
 }
 
 }  // namespace
+
+std::string doubt_names(std::uint32_t flags) {
+    return proto::doubt_names(flags);
+}
 
 const PlaneData* Frame::plane(Product product) const {
     return find(planes, product);

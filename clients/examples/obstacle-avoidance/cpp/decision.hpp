@@ -8,7 +8,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,7 +15,6 @@
 #include <numbers>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include <disparity_client.hpp>
 
@@ -187,15 +185,6 @@ struct TrustLimit {
 
 /// Returns the limit of a frame of these flags. A daemon that tells no trust limits nothing.
 inline TrustLimit trust_limit(std::uint32_t flags, const Options& options) {
-    using Doubt = std::pair<std::uint32_t, const char*>;
-    static constexpr std::array<Doubt, 8> doubts{{{disparity::dark, "dark"},
-                                                  {disparity::saturated, "saturated"},
-                                                  {disparity::blurred, "blurred"},
-                                                  {disparity::dirty_eye, "dirty-eye"},
-                                                  {disparity::covered_eye, "covered-eye"},
-                                                  {disparity::misaligned, "misaligned"},
-                                                  {disparity::too_near, "too-near"},
-                                                  {disparity::noisy, "noisy"}}};
     const std::uint32_t trust = disparity::trust_of(flags);
     if (trust == 0 || trust >= full_trust) {
         return {};
@@ -203,12 +192,8 @@ inline TrustLimit trust_limit(std::uint32_t flags, const Options& options) {
     TrustLimit limit;
     limit.speed_mps = trust < least_trust ? 0 : options.speed_mps * trust / full_trust;
     limit.reason = "trust in the frame is " + std::to_string(trust) + " of 255";
-    const char* before = ": ";
-    for (const auto& [bit, name] : doubts) {
-        if ((flags & bit) != 0) {
-            limit.reason += before + std::string(name);
-            before = " ";
-        }
+    if (const std::string doubts = disparity::doubt_names(flags); !doubts.empty()) {
+        limit.reason += ": " + doubts;
     }
     return limit;
 }
