@@ -17,6 +17,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
+#include "tools/ctl/calibration/board_arguments.h"
 #include "tools/ctl/calibration/calibration_report.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
@@ -61,60 +62,12 @@ struct CalibrateArguments {
     std::string source;
     std::string output;
     std::string report;
-    std::optional<int> columns;
-    std::optional<int> rows;
-    double square_mm = 0;
-    std::string board = "chessboard";
-    std::optional<double> marker_mm;
-    std::optional<std::string> dictionary;
+    BoardArguments board;
     std::optional<int> views;
     std::optional<int> every;
     bool force = false;
     bool json = false;
 };
-
-calibration::BoardMarkers markers_of(const CalibrateArguments& arguments, const calibration::Board& board) {
-    if (!arguments.marker_mm) {
-        throw std::invalid_argument(
-            "--marker: is missing; a board with markers needs it: the side of a marker in mm, measured on the board");
-    }
-    // The detector finds no marker without a rim, and none of a few pixels.
-    const double part = *arguments.marker_mm / board.square_mm;
-    if (!(part >= 0.3 && part <= 0.95)) {
-        throw std::invalid_argument("--marker: found " + fixed(*arguments.marker_mm, 2) +
-                                    ", allowed: " + fixed(0.3 * board.square_mm, 2) + " to " +
-                                    fixed(0.95 * board.square_mm, 2) + " mm, 0.3 to 0.95 of the square's side");
-    }
-    const std::string name = arguments.dictionary.value_or("4x4");
-    const calibration::MarkerFamily* family = calibration::marker_family(name);
-    if (family == nullptr) {
-        throw std::invalid_argument("--dictionary: found '" + name + "', allowed: 4x4, 5x5 or 6x6");
-    }
-    const int needed = (board.columns + 1) * (board.rows + 1) / 2;
-    if (needed > static_cast<int>(family->codes.size())) {
-        throw std::invalid_argument("--columns, --rows: a board of this size has " + std::to_string(needed) +
-                                    " markers, allowed: " + std::to_string(family->codes.size()));
-    }
-    return {family, part};
-}
-
-calibration::Board board_of(const CalibrateArguments& arguments) {
-    calibration::Board board{arguments.columns.value_or(9), arguments.rows.value_or(6), arguments.square_mm, {}};
-    if (!(board.square_mm >= 1 && board.square_mm <= 1000)) {
-        throw std::invalid_argument("--square: found " + fixed(board.square_mm, 2) +
-                                    ", allowed: 1 to 1000, the side of a square in mm, measured on the board");
-    }
-    if (arguments.board != "chessboard" && arguments.board != "charuco") {
-        throw std::invalid_argument("--board: found '" + arguments.board + "', allowed: chessboard or charuco");
-    }
-    if (arguments.board == "charuco") {
-        board.markers = markers_of(arguments, board);
-    } else if (arguments.marker_mm || arguments.dictionary) {
-        throw std::invalid_argument(
-            "--marker, --dictionary: a chessboard has no markers, allowed: with --board charuco");
-    }
-    return board;
-}
 
 /// Names a frame: by its files where the source consists of images, else by its number.
 class FileNames {
@@ -145,7 +98,7 @@ private:
 class Collector {
 public:
     Collector(const CalibrateArguments& arguments, const capture::SourceInfo& info)
-        : arguments_(arguments), board_(board_of(arguments)), info_(info), files_(arguments.source) {}
+        : arguments_(arguments), board_(board_of(arguments.board)), info_(info), files_(arguments.source) {}
 
     bool enough() const { return views_.size() >= static_cast<std::size_t>(wanted()); }
 
@@ -286,7 +239,7 @@ int run_calibration(const CalibrateArguments& arguments) {
         images::check_picture_name(arguments.report);
         check_output(arguments.report, arguments.force);
     }
-    board_of(arguments);
+    board_of(arguments.board);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.loans = 2;
@@ -328,17 +281,10 @@ void add_calibrate(CLI::App& program, Action& action) {
     command.add_option("-o,--output", arguments->output, "calibration file to write (OpenCV YAML)")
         ->type_name("FILE")
         ->required();
-    command.add_option("--square", arguments->square_mm, "side of a square in mm, as measured")
+    command.add_option("--square", arguments->board.square_mm, "side of a square in mm, as measured")
         ->type_name("MM")
         ->required();
-    add_integer(command, "--columns", arguments->columns, 3, 64, "inner corners along a row of the board; default 9");
-    add_integer(command, "--rows", arguments->rows, 3, 64, "inner corners along a column; default 6");
-    command.add_option("--board", arguments->board, "chessboard or charuco; default chessboard")->type_name("KIND");
-    command.add_option("--marker", arguments->marker_mm, "charuco: side of a marker in mm, as measured")
-        ->type_name("MM");
-    command
-        .add_option("--dictionary", arguments->dictionary, "charuco: 4x4, 5x5 or 6x6, numbers 0 to 249; default 4x4")
-        ->type_name("NAME");
+    add_board_options(command, arguments->board);
     command.add_option("--report", arguments->report, "picture of every view with its corners and errors (.png, .jpg)")
         ->type_name("FILE");
     add_integer(command, "--views", arguments->views, 3, 1000,
