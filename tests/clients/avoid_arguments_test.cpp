@@ -34,6 +34,7 @@ TEST_P(AvoidArgumentsTest, ThatAreOutOfRange) {
     for (const auto& [arguments, allowed] : std::vector<std::pair<Words, std::string>>{
              {{"--width-m", "0"}, "0.01 .. 10"},
              {{"--margin-m", "-1"}, "0.05 .. 10"},
+             {{"--smallest-m", "1.1"}, "0 .. 1"},
              {{"--speed-mps", "fast"}, "0.05 .. 20"},
              {{"--deceleration-mps2", "nan"}, "0.05 .. 20"},
              {{"--reaction-s", "10.5"}, "0 .. 10"},

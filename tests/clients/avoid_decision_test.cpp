@@ -24,6 +24,7 @@ avoid::Options options_of(const json& from) {
     std::map<std::string, double*> numbers{{"width_m", &options.width_m},
                                            {"margin_m", &options.margin_m},
                                            {"speed_mps", &options.speed_mps},
+                                           {"smallest_m", &options.smallest_m},
                                            {"deceleration_mps2", &options.deceleration_mps2},
                                            {"camera_height_m", &options.camera_height_m},
                                            {"camera_pitch_deg", &options.camera_pitch_deg}};

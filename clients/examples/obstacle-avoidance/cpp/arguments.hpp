@@ -25,6 +25,7 @@ Prints a line for each change of state.
 
   --width-m M             width of the corridor (0.5)
   --margin-m M            the robot stands still this far before an obstacle, counted from the scan's origin (0.5)
+  --smallest-m M          width of the smallest obstacle that may hide where nothing is known (0.1)
   --speed-mps V           speed on a free way (1.0)
   --deceleration-mps2 A   of a full brake (1.0)
   --reaction-s S          from a decision until the brakes work (0.2)
@@ -51,10 +52,11 @@ struct NumberOption {
     bool whole = false;
 };
 
-inline const std::array<NumberOption, 9>& number_options() {
-    static const std::array<NumberOption, 9> all{{
+inline const std::array<NumberOption, 10>& number_options() {
+    static const std::array<NumberOption, 10> all{{
         {"--width-m", 0.01, 10, [](Options& options, double value) { options.width_m = value; }},
         {"--margin-m", 0.05, 10, [](Options& options, double value) { options.margin_m = value; }},
+        {"--smallest-m", 0, 1, [](Options& options, double value) { options.smallest_m = value; }},
         {"--speed-mps", 0.05, 20, [](Options& options, double value) { options.speed_mps = value; }},
         {"--deceleration-mps2", 0.05, 20, [](Options& options, double value) { options.deceleration_mps2 = value; }},
         {"--reaction-s", 0, 10, [](Options& options, double value) { options.reaction_s = value; }},

@@ -15,6 +15,7 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <disparity_client.hpp>
 
@@ -24,6 +25,7 @@ namespace avoid {
 struct Options {
     double width_m = 0.5;            ///< of the corridor: the robot's width with some room on both sides
     double margin_m = 0.5;           ///< the robot stands still this far before an obstacle
+    double smallest_m = 0.1;         ///< width of the smallest obstacle that may hide where nothing is known
     double speed_mps = 1.0;          ///< on a free way
     double deceleration_mps2 = 1.0;  ///< of a full brake
     double reaction_s = 0.2;         ///< from a decision until the brakes work
@@ -47,6 +49,9 @@ inline constexpr double other_height_share = 0.15;
 inline constexpr double other_pitch_deg = 6;
 
 enum class State { drive, slow, brake };
+
+/// Edges of sectors have steps of 0.01 degrees: those that are nearer than this are the same.
+inline constexpr double edge_step_deg = 0.005;
 
 /// Why the robot brakes. A change of it is worth a line.
 enum class Cause { start, daemon, age, frame, gap, trust, mounting, view, stop };
@@ -131,12 +136,58 @@ inline std::optional<Limit> limit_of(const disparity::ScanSector& sector, const 
     return limit;
 }
 
+/// Returns how far nothing hides in a sector, which is farther than its free_m where its neighbours know more: beside
+/// each thing is a strip that one eye does not see, too narrow for an obstacle nearby. Unknown sectors in a row hide an
+/// obstacle from the distance on at which it is as wide as they are together. What lies beyond the scan's sectors is
+/// unknown, and beside what is too near to be measured nothing is narrow.
+inline double hidden_from(const std::vector<disparity::ScanSector>& sectors, std::size_t sector,
+                          const Options& options) {
+    const disparity::ScanSector& own = sectors[sector];
+    const double most =
+        own.state == disparity::SectorState::occupied ? own.distance_m : std::numeric_limits<double>::infinity();
+    double free = own.free_m;
+    if (own.is_near() || options.smallest_m <= 0) {
+        return free;
+    }
+    std::size_t first = sector;
+    std::size_t last = sector;
+    while (free < most) {
+        if (first == 0 || last + 1 == sectors.size()) {
+            return free;
+        }
+        const disparity::ScanSector& right = sectors[first - 1];
+        const disparity::ScanSector& left = sectors[last + 1];
+        if (right.to_deg < sectors[first].from_deg - edge_step_deg || left.is_near() || right.is_near() ||
+            left.from_deg > sectors[last].to_deg + edge_step_deg) {
+            return free;
+        }
+        const double wide = (sectors[last].to_deg - sectors[first].from_deg) * std::numbers::pi / 180;
+        const double next = std::min(right.free_m, left.free_m);
+        if (options.smallest_m <= wide * std::max(free, next)) {
+            return std::min(most, std::max(free, options.smallest_m / wide));
+        }
+        free = std::max(free, next);
+        first -= right.free_m <= free ? 1 : 0;
+        last += left.free_m <= free ? 1 : 0;
+    }
+    return std::min(free, std::max(own.free_m, most));
+}
+
+/// Returns the scan with free_m of each sector up to where something may hide.
+inline disparity::Scan without_narrow_gaps(const disparity::Scan& scan, const Options& options) {
+    disparity::Scan wider = scan;
+    for (std::size_t i = 0; i < scan.sectors.size(); ++i) {
+        wider.sectors[i].free_m = hidden_from(scan.sectors, i, options);
+    }
+    return wider;
+}
+
 /// Returns the first bearing of the corridor that no sector covers, from the margin on; nothing when all are covered.
 inline std::optional<double> uncovered(const disparity::Scan& scan, const Options& options) {
     const double end = std::atan2(options.width_m / 2, options.margin_m) * 180 / std::numbers::pi;
     double covered = -end;
     for (const disparity::ScanSector& sector : scan.sectors) {
-        if (sector.from_deg <= covered + 0.005 && sector.to_deg > covered) {  // edges have steps of 0.01
+        if (sector.from_deg <= covered + edge_step_deg && sector.to_deg > covered) {
             covered = sector.to_deg;
         }
     }
@@ -149,7 +200,7 @@ inline Limit way_ahead(const disparity::Scan& scan, const Options& options) {
         return {0, "no sector" + at_bearing(*bearing)};
     }
     Limit nearest;
-    for (const disparity::ScanSector& sector : scan.sectors) {
+    for (const disparity::ScanSector& sector : without_narrow_gaps(scan, options).sectors) {
         const auto limit = limit_of(sector, options);
         if (limit && limit->ahead_m < nearest.ahead_m) {
             nearest = *limit;

@@ -79,6 +79,8 @@ def parse_arguments():
         ("--width-m", usual.width_m, number(0.01, 10), "width of the corridor"),
         ("--margin-m", usual.margin_m, number(0.05, 10),
          "the robot stands still this far before an obstacle, counted from the scan's origin"),
+        ("--smallest-m", usual.smallest_m, number(0, 1),
+         "width of the smallest obstacle that may hide where nothing is known"),
         ("--speed-mps", usual.speed_mps, number(0.05, 20), "speed on a free way"),
         ("--deceleration-mps2", usual.deceleration_mps2, number(0.05, 20), "of a full brake"),
         ("--reaction-s", usual.reaction_s, number(0, 10), "from a decision until the brakes work"),
@@ -154,7 +156,7 @@ def run(daemon, decider, output):
 def main():
     arguments = parse_arguments()
     options = decision.Options(
-        arguments.width_m, arguments.margin_m, arguments.speed_mps, arguments.deceleration_mps2, arguments.reaction_s,
+        arguments.width_m, arguments.margin_m, arguments.smallest_m, arguments.speed_mps, arguments.deceleration_mps2, arguments.reaction_s,
         arguments.max_age_ms / 1000, arguments.good_frames, arguments.camera_height_m, arguments.camera_pitch_deg,
         arguments.synthetic,
     )

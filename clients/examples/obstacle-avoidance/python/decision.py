@@ -19,6 +19,9 @@ _DOUBTS = {0x100: "dark", 0x200: "saturated", 0x400: "blurred", 0x800: "dirty-ey
            0x2000: "misaligned", 0x4000: "too-near", 0x8000: "noisy"}
 _TRUST_SHIFT = 24
 
+# Edges of sectors have steps of 0.01 degrees: those that are nearer than this are the same.
+_EDGE_STEP_DEG = 0.005
+
 # Below this speed the robot stands still.
 LEAST_SPEED_MPS = 0.05
 
@@ -35,6 +38,7 @@ class Options:
 
     width_m: float = 0.5  # of the corridor: the robot's width with some room on both sides
     margin_m: float = 0.5  # the robot stands still this far before an obstacle
+    smallest_m: float = 0.1  # width of the smallest obstacle that may hide where nothing is known
     speed_mps: float = 1.0  # on a free way
     deceleration_mps2: float = 1.0  # of a full brake
     reaction_s: float = 0.2  # from a decision until the brakes work
@@ -68,9 +72,14 @@ def _at_bearing(bearing_deg):
     return f", bearing {math.floor(bearing_deg + 0.5)} deg"
 
 
+def _is_near(sector):
+    """Tells whether a sector shows what is nearer than can be measured."""
+    return sector[2] == _OCCUPIED and sector[5] == 0
+
+
 def _what_limits(state, distance_m, free_m, pixels, obstacle):
     """obstacle: the sector shows one that is in the corridor."""
-    if state == _OCCUPIED and pixels == 0:
+    if _is_near((0, 0, state, distance_m, free_m, pixels)):
         return f"obstacle at most {distance_m:.2f} m away"
     return f"obstacle at {distance_m:.2f} m" if obstacle and free_m >= distance_m else f"unknown beyond {free_m:.2f} m"
 
@@ -100,12 +109,41 @@ def limit_of(from_deg, to_deg, state, distance_m, free_m, pixels, options):
     return free_m * math.cos(min(outer, widest)), what + _at_bearing((from_deg + to_deg) / 2)
 
 
+def _hidden_from(sectors, number, options):
+    """Returns how far nothing hides in a sector, which is farther than its free_m where its neighbours know more.
+
+    Beside each thing is a strip that one eye does not see, too narrow for an obstacle nearby. Unknown sectors in a row
+    hide an obstacle from the distance on at which it is as wide as they are together. What lies beyond the scan's
+    sectors is unknown, and beside what is too near to be measured nothing is narrow.
+    """
+    _, _, state, distance_m, own_free_m, _ = sectors[number]
+    most = distance_m if state == _OCCUPIED else math.inf
+    if _is_near(sectors[number]) or options.smallest_m <= 0:
+        return own_free_m
+    free, first, last = own_free_m, number, number
+    while free < most:
+        if first == 0 or last + 1 == len(sectors):
+            return free
+        right, left = sectors[first - 1], sectors[last + 1]
+        if (right[1] < sectors[first][0] - _EDGE_STEP_DEG or left[0] > sectors[last][1] + _EDGE_STEP_DEG
+                or _is_near(left) or _is_near(right)):
+            return free
+        wide = (sectors[last][1] - sectors[first][0]) * math.pi / 180
+        nearer = min(right[4], left[4])
+        if options.smallest_m <= wide * max(free, nearer):
+            return min(most, max(free, options.smallest_m / wide))
+        free = max(free, nearer)
+        first -= right[4] <= free
+        last += left[4] <= free
+    return min(free, max(own_free_m, most))
+
+
 def uncovered(scan, options):
     """Returns the first bearing of the corridor that no sector covers, from the margin on; None when all are."""
     end = math.atan2(options.width_m / 2, options.margin_m) * 180 / math.pi
     covered = -end
     for start, to in zip(scan.from_deg, scan.to_deg):
-        if start <= covered + 0.005 and to > covered:  # edges have steps of 0.01
+        if start <= covered + _EDGE_STEP_DEG and to > covered:
             covered = float(to)
     return covered if covered < end else None
 
@@ -116,8 +154,10 @@ def way_ahead(scan, options):
     if bearing is not None:
         return 0.0, "no sector" + _at_bearing(bearing)
     nearest = (math.inf, "")
-    for sector in zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m, scan.pixels):
-        limit = limit_of(*map(float, sector), options)
+    sectors = [tuple(map(float, sector)) for sector in
+               zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m, scan.pixels)]
+    for number, (start, to, state, distance_m, _, pixels) in enumerate(sectors):
+        limit = limit_of(start, to, state, distance_m, _hidden_from(sectors, number, options), pixels, options)
         if limit is not None and limit[0] < nearest[0]:
             nearest = limit
     return nearest
