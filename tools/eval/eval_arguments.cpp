@@ -60,7 +60,11 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
             "courses; --repeat says how many of each kind, default 8. Of courses in bad conditions: conditions:SEED, "
             "--repeat courses in each condition at low, middle and high strength; odd seeds are to tune with, even "
             "ones "
-            "to judge with; --output gets pictures of the conditions. Of scenes with ground truth and a calibration: "
+            "to judge with; --output gets pictures of the conditions. Of a robot that drives through courses: "
+            "drive:SEED, "
+            "--repeat courses, default 100, and with --condition the same in bad conditions; --output gets a picture "
+            "of "
+            "each clean drive. Of scenes with ground truth and a calibration: "
             "against the scan that the true disparities give. The preset is obstacles unless --preset says otherwise")
         ->excludes(paper)
         ->excludes(fair)
@@ -88,7 +92,8 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "--preset says otherwise");
     program
         .add_option("--condition", arguments.conditions,
-                    "of conditions:SEED only this condition, such as 'low light'; may be repeated; default all")
+                    "of conditions:SEED only this condition, such as 'low light'; may be repeated; default all. Of "
+                    "drive:SEED this one, too, or all; default none")
         ->allow_extra_args(false)
         ->type_name("NAME")
         ->needs("--scan");

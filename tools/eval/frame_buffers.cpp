@@ -96,4 +96,9 @@ void FrameBuffers::match_alone(Parallel& workers) {
     disparityd::match_alone(matcher_.config().options, frame_, [&] { match(workers); });
 }
 
+void FrameBuffers::match_at(int noise_level, Parallel& workers) {
+    frame_.noise_level = noise_level;
+    match(workers);
+}
+
 }  // namespace disparityd::eval

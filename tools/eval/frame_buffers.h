@@ -32,6 +32,9 @@ public:
     /// have, too.
     void match_alone(Parallel& workers);
 
+    /// Matches the pair at a noise level, 0 .. 3, which matches from then on have, too. No allocation.
+    void match_at(int noise_level, Parallel& workers);
+
     const FrameView& view() const { return frame_; }
 
     /// What the near guard has found; nothing where it is off.

@@ -24,6 +24,7 @@
 #include "tools/command_line/scan_arguments.h"
 #include "tools/eval/conditions/condition_report.h"
 #include "tools/eval/confidence/reliability_report.h"
+#include "tools/eval/drive/drive_report.h"
 #include "tools/eval/eval_arguments.h"
 #include "tools/eval/fair_table.h"
 #include "tools/eval/frame_buffers.h"
@@ -476,9 +477,20 @@ int evaluate_scans(const EvalArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
     const pipeline::WorkerPool::ComputeSlot slot(workers);
     const std::optional<std::uint32_t> conditions_seed = seed_of_conditions(arguments.data);
-    if (!arguments.conditions.empty() && !conditions_seed) {
+    const std::optional<std::uint32_t> drive_seed = seed_of_drives(arguments.data);
+    if (!arguments.conditions.empty() && !conditions_seed && !drive_seed) {
         throw std::invalid_argument("--condition: found '" + arguments.data.front() +
-                                    "' as DATA, allowed: conditions:SEED, such as conditions:1");
+                                    "' as DATA, allowed: conditions:SEED, such as conditions:1, and drive:SEED");
+    }
+    if (drive_seed) {
+        DriveEvaluation evaluation;
+        evaluation.settings = scan_settings(arguments);
+        evaluation.seed = *drive_seed;
+        evaluation.courses = arguments.repeat.value_or(evaluation.courses);
+        evaluation.names = arguments.conditions;
+        evaluation.pictures = arguments.pictures;
+        report_drives(evaluation, workers, arguments.markdown);
+        return tools::exit_done;
     }
     if (conditions_seed) {
         ConditionEvaluation evaluation;

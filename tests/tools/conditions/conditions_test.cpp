@@ -80,7 +80,7 @@ TEST(Conditions, TruthStaysWhereTheSceneDoes) {
     EXPECT_EQ(course.in(named("eyes of two instants"), Strength::high).truth, clean.truth);
     const Taken fence = course.in(named("fence"), Strength::high);
     EXPECT_GT(fence.truth->course.obstacles.size(), clean.truth->course.obstacles.size() + 5);
-    EXPECT_NE(fence.truth->view.object, clean.truth->view.object);
+    EXPECT_NE(fence.truth->view().object, clean.truth->view().object);
 }
 
 TEST(Conditions, LessLightIsDarkerAndMoreIsBrighter) {

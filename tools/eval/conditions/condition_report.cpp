@@ -38,7 +38,7 @@ std::vector<Row> rows_of(const Course& course, const ConditionEvaluation& evalua
     CourseScanner scanner(evaluation.settings, camera, serial);
     const auto judged = [&](const Taken& taken) {
         const Scan& scan = scanner.scan(taken.images[0], taken.images[1], false);
-        return Row{judge(scan, evaluation.settings.scan, taken.truth->view, taken.truth->course, camera,
+        return Row{judge(scan, evaluation.settings.scan, taken.truth->view(), taken.truth->course, camera,
                          evaluation.settings.match.range.count),
                    scanner.density()};
     };

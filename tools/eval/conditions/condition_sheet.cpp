@@ -51,7 +51,7 @@ cv::Mat row_of(const Condition& condition, const CourseInConditions& course) {
     int x = 0;
     for (const Strength strength : all_strengths) {
         const Taken taken = course.in(condition, strength);
-        const cv::Point middle = middle_of_obstacle(taken.truth->view, {});
+        const cv::Point middle = middle_of_obstacle(taken.truth->view(), {});
         for (int eye = 0; eye < 2; ++eye) {
             const cv::Rect to(x + eye * (tile_width + gap), title_height, tile_width, tile_height);
             tile(taken.images[static_cast<std::size_t>(eye)], condition.close, middle).copyTo(row(to));

@@ -28,12 +28,8 @@ bool adds_alone(const Course& course, const Course& base) {
            std::equal(base.obstacles.begin(), base.obstacles.end(), course.obstacles.begin());
 }
 
-std::shared_ptr<const TrueCourse> true_course(Course course, const CourseCamera& camera) {
-    auto truth = std::make_shared<TrueCourse>();
-    add_truth(course, camera, truth->view);
-    truth->course = std::move(course);
-    return truth;
-}
+/// Two frames have nothing of their noise in common.
+constexpr std::uint32_t seeds_of_frame = 7919;
 
 template <typename... Cases>
 struct Overloaded : Cases... {
@@ -44,9 +40,18 @@ Overloaded(Cases...) -> Overloaded<Cases...>;
 
 }  // namespace
 
-CourseInConditions::CourseInConditions(const Course& course, const CourseCamera& camera)
+const CourseView& TrueCourse::view() const {
+    if (!view_) {
+        add_truth(course, camera_, view_.emplace());
+    }
+    return *view_;
+}
+
+CourseInConditions::CourseInConditions(const Course& course, const CourseCamera& camera, std::uint32_t frame)
     : camera_(camera),
-      truth_(true_course(course, camera)),
+      frame_(frame),
+      noise_seed_(course.seed + seeds_of_frame * frame),
+      truth_(std::make_shared<TrueCourse>(course, camera)),
       luma_{draw_luma(course, camera, false, {}), draw_luma(course, camera, true, {})} {}
 
 Light CourseInConditions::light() const {
@@ -65,7 +70,7 @@ Light CourseInConditions::light_of(const Course& changed) const {
 }
 
 Taken CourseInConditions::clean() const {
-    return {exposed(light(), truth_->course.seed), truth_};
+    return {exposed(light(), noise_seed_), truth_};
 }
 
 EyePair CourseInConditions::images_before(double degrees, Draws& draws) const {
@@ -74,7 +79,7 @@ EyePair CourseInConditions::images_before(double degrees, Draws& draws) const {
     before.ahead_m = -draws.between(0.01, 0.03);
     const Course& course = truth_->course;
     return exposed({{drawn(course, camera_, false, before), drawn(course, camera_, true, before)}, {}},
-                   course.seed + 1);
+                   noise_seed_ + 1);
 }
 
 Taken CourseInConditions::in(const Condition& condition, Strength strength) const {
@@ -83,23 +88,26 @@ Taken CourseInConditions::in(const Condition& condition, Strength strength) cons
     const std::uint32_t seed = noise_seed(name, std::to_string(course.seed));
     Draws draws(seed);
     const double drawn_strength = draws.between(condition.range(strength).from, condition.range(strength).to);
+    if (condition.group == "weather" && frame_ > 0) {
+        draws = Draws(seed + seeds_of_frame * frame_);  // drops fall on, what is on a lens stays
+    }
     return std::visit(
         Overloaded{
             [&](ChangeCourse change) {
                 CourseMaker maker(course, seed + 1);
                 change(maker, drawn_strength);
-                return Taken{exposed(light_of(maker.course), course.seed),
-                             true_course(std::move(maker.course), camera_)};
+                return Taken{exposed(light_of(maker.course), noise_seed_),
+                             std::make_shared<TrueCourse>(std::move(maker.course), camera_)};
             },
             [&](ChangeRightEye change) {
                 const EyeError error = change(drawn_strength, draws);
                 Light changed{{image_of_luma(luma_[0], camera_), drawn(course, camera_, true, error)}, {}};
-                return Taken{exposed(changed, course.seed), truth_};
+                return Taken{exposed(changed, noise_seed_), truth_};
             },
             [&](ChangeLight change) {
                 Light changed = light();
                 change(changed, drawn_strength, draws);
-                return Taken{exposed(changed, course.seed), truth_};
+                return Taken{exposed(changed, noise_seed_), truth_};
             },
             [&](ChangePixels change) {
                 Taken taken = clean();

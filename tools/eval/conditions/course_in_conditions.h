@@ -3,6 +3,8 @@
 
 #include <array>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "tools/eval/conditions/condition.h"
@@ -10,10 +12,19 @@
 
 namespace disparityd::eval {
 
-/// What stands in a course, and what is true of each pixel of its left image. The view has no images.
-struct TrueCourse {
-    Course course;
-    CourseView view;
+/// What stands in a course, and what is true of each pixel of its left image. One thread at a time.
+class TrueCourse {
+public:
+    TrueCourse(Course is, const CourseCamera& camera) : course(std::move(is)), camera_(camera) {}
+
+    /// The view has no images. It is drawn when it is first asked for.
+    const CourseView& view() const;
+
+    const Course course;
+
+private:
+    CourseCamera camera_;
+    mutable std::optional<CourseView> view_;
 };
 
 /// A pair of images and what it shows.
@@ -25,7 +36,8 @@ struct Taken {
 /// One course in any condition. What stays the same is drawn once. One thread at a time.
 class CourseInConditions {
 public:
-    CourseInConditions(const Course& course, const CourseCamera& camera);
+    /// `frame`: of a robot that drives through the course; each has other noise and other weather.
+    CourseInConditions(const Course& course, const CourseCamera& camera, std::uint32_t frame = 0);
 
     /// The course as it is, with a good sensor's noise.
     Taken clean() const;
@@ -39,6 +51,8 @@ private:
     EyePair images_before(double degrees, Draws& draws) const;
 
     CourseCamera camera_;
+    std::uint32_t frame_;
+    std::uint32_t noise_seed_;
     std::shared_ptr<const TrueCourse> truth_;
     std::array<std::vector<double>, 2> luma_;  ///< of the course as it is, left and right
 };

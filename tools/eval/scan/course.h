@@ -71,6 +71,11 @@ struct CourseCamera {
     double f = 350;
     double baseline_m = 0.12;
     double height_m = 0.3;
+    /// Where the robot has gone since the course began: to (x_m, y_m), and turned left by so much.
+    double x_m = 0;
+    double y_m = 0;
+    double yaw_deg = 0;
+    int rays = 2;  ///< per pixel and side, 1 or more: with 2, edges of thin objects are grey, as a camera's are
 };
 
 /// How an eye stands apart from where its calibration has it, or from where it is when the frame is taken.
@@ -102,6 +107,9 @@ CourseView draw(const Course& course, const CourseCamera& camera);
 
 /// Fills in what is known of each pixel of the left image: all but the images.
 void add_truth(const Course& course, const CourseCamera& camera, CourseView& view);
+
+/// How far ahead of the left camera the nearest surface of each pixel is, along its axis; infinite where nothing is.
+std::vector<double> draw_depth(const Course& course, const CourseCamera& camera);
 
 /// What arrives at one eye's sensor, row by row: grey levels without noise, light or limits.
 std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, bool right, const EyeError& error);

@@ -15,8 +15,6 @@ namespace {
 constexpr std::int16_t ground_index = -1;
 constexpr std::int16_t wall_index = -2;
 constexpr std::int16_t nothing_index = -3;
-/// Rays per pixel and side: edges of thin objects are grey, as a camera's are.
-constexpr int rays = 2;
 
 struct Hit {
     double distance = std::numeric_limits<double>::infinity();
@@ -143,14 +141,17 @@ public:
         : camera_(camera), f_(camera.f * error.focal), rows_(error.rows) {
         const double pitch = course.pitch_deg * std::numbers::pi / 180;
         const double roll = course.roll_deg * std::numbers::pi / 180;
-        const double yaw = error.yaw_deg * std::numbers::pi / 180;
+        const double robot_yaw = camera.yaw_deg * std::numbers::pi / 180;
+        const double yaw = robot_yaw + error.yaw_deg * std::numbers::pi / 180;
         const auto turned = [yaw](Point p) {
             return Point{p.x * std::cos(yaw) - p.y * std::sin(yaw), p.x * std::sin(yaw) + p.y * std::cos(yaw), p.z};
         };
         ahead_ = turned({std::cos(pitch), 0, -std::sin(pitch)});
         left_ = turned({std::sin(pitch) * std::sin(roll), std::cos(roll), std::cos(pitch) * std::sin(roll)});
         up_ = turned({std::sin(pitch) * std::cos(roll), -std::sin(roll), std::cos(pitch) * std::cos(roll)});
-        place = Point{error.ahead_m, 0, camera.height_m} + (right ? -camera.baseline_m : 0.0) * left_;
+        place = Point{camera.x_m + error.ahead_m * std::cos(robot_yaw),
+                      camera.y_m + error.ahead_m * std::sin(robot_yaw), camera.height_m} +
+                (right ? -camera.baseline_m : 0.0) * left_;
     }
 
     Point direction(double x, double y) const {
@@ -187,6 +188,12 @@ struct Ray {
 
 double seen(const Course& course, const CourseCamera& camera, const Ray& ray, std::int16_t but_for = nothing_index);
 
+/// The finest structure that a lens shows after so many lengths of a direction: a pixel, or two where one ray is cast.
+double finest_m(const CourseCamera& camera, double lengths) {
+    constexpr double usual_rays = 2;
+    return lengths / camera.f * (usual_rays / camera.rays);
+}
+
 /// What a ray that was sent back along x shows: the ground, what stands there, or the wall behind the robot, which
 /// looks as the one ahead.
 double reflected(const Course& course, const CourseCamera& camera, Ray ray, std::int16_t mirror) {
@@ -196,7 +203,7 @@ double reflected(const Course& course, const CourseCamera& camera, Ray ray, std:
     if (cast(course, ray.from, ray.direction, mirror).distance < to_wall) {
         return seen(course, camera, ray, mirror);
     }
-    return luma(course.wall, ray.from + to_wall * ray.direction, (ray.before + to_wall) / camera.f, course.seed);
+    return luma(course.wall, ray.from + to_wall * ray.direction, finest_m(camera, ray.before + to_wall), course.seed);
 }
 
 double seen(const Course& course, const CourseCamera& camera, const Ray& ray, std::int16_t but_for) {
@@ -207,7 +214,7 @@ double seen(const Course& course, const CourseCamera& camera, const Ray& ray, st
     const Surface& surface = surface_of(course, hit.object);
     const Ray on{ray.from + hit.distance * ray.direction, ray.direction, ray.before + hit.distance};
     const std::uint32_t seed = course.seed * 7919U + static_cast<std::uint32_t>(hit.object + 8);
-    const double own = luma(surface, on.from, on.before / camera.f, seed);
+    const double own = luma(surface, on.from, finest_m(camera, on.before), seed);
     // A ray that has met a mirror or glass already sees what the next one is made of.
     if (but_for != nothing_index) {
         return own;
@@ -221,21 +228,19 @@ double seen(const Course& course, const CourseCamera& camera, const Ray& ray, st
            (passes > 0 ? passes * seen(course, camera, on, hit.object) : 0);
 }
 
-std::array<Point, rays * rays> directions_of_pixel(const Eye& eye, int x, int y) {
-    std::array<Point, rays * rays> directions{};
-    for (int i = 0; i < rays * rays; ++i) {
-        directions[static_cast<std::size_t>(i)] =
-            eye.direction(x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
-    }
-    return directions;
+/// Direction `i` of the rays * rays of a pixel.
+Point direction_in_pixel(const CourseCamera& camera, const Eye& eye, int x, int y, int i) {
+    const int rays = camera.rays;
+    return eye.direction(x + (i % rays + 0.5) / rays - 0.5, y + (i / rays + 0.5) / rays - 0.5);
 }
 
 double luma_of_pixel(const Course& course, const CourseCamera& camera, const Eye& eye, int x, int y) {
+    const int count = camera.rays * camera.rays;
     double sum = 0;
-    for (const Point direction : directions_of_pixel(eye, x, y)) {
-        sum += seen(course, camera, {eye.place, direction});
+    for (int i = 0; i < count; ++i) {
+        sum += seen(course, camera, {eye.place, direction_in_pixel(camera, eye, x, y, i)});
     }
-    return sum / (rays * rays);
+    return sum / count;
 }
 
 std::vector<std::uint8_t> with_grain(const std::vector<double>& luma, const Course& course, bool right) {
@@ -270,16 +275,29 @@ std::vector<double> draw_luma(const Course& course, const CourseCamera& camera, 
     return image;
 }
 
+std::vector<double> draw_depth(const Course& course, const CourseCamera& camera) {
+    const Eye eye(course, camera, false);
+    std::vector<double> depth;
+    depth.reserve(static_cast<std::size_t>(camera.width * camera.height));
+    for (int y = 0; y < camera.height; ++y) {
+        for (int x = 0; x < camera.width; ++x) {
+            depth.push_back(cast(course, eye.place, eye.direction(x, y)).distance);
+        }
+    }
+    return depth;
+}
+
 void draw_added(const Course& course, const CourseCamera& camera, bool right, std::size_t first_added,
                 std::vector<double>& luma) {
     const Eye eye(course, camera, right);
     for (int i = 0; i < camera.width * camera.height; ++i) {
         const int x = i % camera.width;
         const int y = i / camera.width;
-        const std::array<Point, rays* rays> directions = directions_of_pixel(eye, x, y);
-        const bool met = std::any_of(directions.begin(), directions.end(), [&](Point direction) {
-            return cast(course, eye.place, direction).object >= static_cast<int>(first_added);
-        });
+        bool met = false;
+        for (int ray = 0; ray < camera.rays * camera.rays && !met; ++ray) {
+            const Hit hit = cast(course, eye.place, direction_in_pixel(camera, eye, x, y, ray));
+            met = hit.object >= static_cast<int>(first_added);
+        }
         if (met) {
             luma[static_cast<std::size_t>(i)] = luma_of_pixel(course, camera, eye, x, y);
         }

@@ -17,8 +17,31 @@ std::uint32_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t
     return static_cast<std::uint32_t>(h >> 32);
 }
 
-/// Smooth noise of one grain size, -1 .. 1.
-double noise(Point p, double grain, std::uint32_t seed) {
+/// The random values at the corners of a cell.
+struct Corners {
+    std::array<std::int64_t, 3> cell{};
+    std::uint32_t seed = 0;
+    bool known = false;
+    std::array<double, 8> values{};
+};
+
+/// Neighbouring pixels mostly lie in the same cell: hashes are most of what drawing a course costs.
+const std::array<double, 8>& values_at(const std::array<std::int64_t, 3>& cell, std::uint32_t seed, int octave) {
+    thread_local std::array<Corners, 16> newest;
+    Corners& corners = newest[static_cast<std::size_t>(octave) % newest.size()];
+    if (!corners.known || corners.cell != cell || corners.seed != seed) {
+        corners = {cell, seed, true, {}};
+        for (int corner = 0; corner < 8; ++corner) {
+            const std::uint32_t random =
+                hash(cell[0] + (corner & 1), cell[1] + ((corner >> 1) & 1), cell[2] + (corner >> 2), seed);
+            corners.values[static_cast<std::size_t>(corner)] = random / 2147483648.0 - 1;
+        }
+    }
+    return corners.values;
+}
+
+/// Smooth noise of one grain size, -1 .. 1. `octave` tells the sizes of one surface apart.
+double noise(Point p, double grain, std::uint32_t seed, int octave) {
     const std::array<double, 3> at{p.x / grain, p.y / grain, p.z / grain};
     std::array<std::int64_t, 3> cell{};
     std::array<double, 3> part{};
@@ -27,6 +50,7 @@ double noise(Point p, double grain, std::uint32_t seed) {
         const double t = at[i] - static_cast<double>(cell[i]);
         part[i] = t * t * (3 - 2 * t);
     }
+    const std::array<double, 8>& values = values_at(cell, seed, octave);
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const int dx = corner & 1;
@@ -34,7 +58,7 @@ double noise(Point p, double grain, std::uint32_t seed) {
         const int dz = corner >> 2;
         const double weight =
             (dx != 0 ? part[0] : 1 - part[0]) * (dy != 0 ? part[1] : 1 - part[1]) * (dz != 0 ? part[2] : 1 - part[2]);
-        sum += weight * (hash(cell[0] + dx, cell[1] + dy, cell[2] + dz, seed) / 2147483648.0 - 1);
+        sum += weight * values[static_cast<std::size_t>(corner)];
     }
     return sum;
 }
@@ -43,8 +67,9 @@ double noise(Point p, double grain, std::uint32_t seed) {
 double rough(const Surface& surface, Point p, double pixel_m, std::uint32_t seed) {
     double value = 0;
     double weight = 0.6;
+    int octave = 0;
     for (double grain = surface.grain_m * 4; grain > std::max(pixel_m, 0.002); grain /= 2, weight *= 0.8) {
-        value += weight * noise(p, grain, seed);
+        value += weight * noise(p, grain, seed, octave++);
     }
     return value;
 }
