@@ -51,6 +51,8 @@ pkg_module(YAMLCPP yaml-cpp>=0.7)
 disparityd_need("yaml-cpp 0.7" "${YAMLCPP_FOUND}" PACKAGES "libyaml-cpp-dev")
 pkg_module(ZSTD libzstd>=1.4)
 disparityd_need("zstd 1.4" "${ZSTD_FOUND}" PACKAGES "libzstd-dev")
+pkg_module(LZ4 liblz4>=1.9)
+disparityd_need("lz4 1.9" "${LZ4_FOUND}" PACKAGES "liblz4-dev")
 
 pkg_module(TURBOJPEG libturbojpeg>=2.0)
 disparityd_need("libjpeg-turbo 2.0 (turbojpeg)" "${TURBOJPEG_FOUND}" PACKAGES "libturbojpeg0-dev")

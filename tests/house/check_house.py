@@ -18,26 +18,27 @@ SOURCES = {".h", ".hpp", ".c", ".cpp", ".cu", ".py", ".sh", ".cmake"}
 # What a folder may include besides itself.
 ARROWS = {
     "base": set(),
+    "formats": {"base"},
     "kernels": set(),
     "proto": set(),
     "calibration": {"base", "kernels"},
-    "capture": {"base", "calibration", "kernels"},
+    "capture": {"base", "calibration", "formats", "kernels"},
     "obstacles": {"base", "kernels", "proto"},
     "trust": {"kernels", "proto"},
-    "pipeline": {"base", "calibration", "capture", "kernels"},
+    "pipeline": {"base", "calibration", "capture", "formats", "kernels"},
     "clients": {"proto"},
-    "bridges": {"base", "clients", "proto"},
-    "daemon": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "trust"},
-    "tools": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "trust"},
-    "lab": {"base", "kernels", "capture", "calibration", "obstacles", "pipeline", "proto", "clients", "bridges", "tools",
-            "trust"},
+    "bridges": {"base", "clients", "formats", "proto"},
+    "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "trust"},
+    "tools": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "trust"},
+    "lab": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "bridges",
+            "tools", "trust"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.
 SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/scan.h"},
         ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
-KINDS = {"camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
+KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "usb": set()}
 # The one file of capture/ itself that knows the kinds.
 KNOWS_KINDS = "capture/source_table.cpp"

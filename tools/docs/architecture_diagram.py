@@ -30,6 +30,7 @@ FOLDERS = {
     "calibration": ("camera models, maps,<br/>self-calibration", CORE),
     "kernels": ("algorithms: reference,<br/>cpu, cuda", GROUND),
     "proto": ("wire messages,<br/>shared-memory layout", GROUND),
+    "formats": ("files of other programs:<br/>MCAP, CDR", GROUND),
     "base": ("text, files, threads", GROUND),
 }
 

@@ -23,7 +23,7 @@ Region region_of(const Frame& frame) {
 
 }  // namespace
 
-std::optional<Bytes> camera_info(const Frame& frame, Camera camera) {
+std::optional<std::string> camera_info(const Frame& frame, Camera camera) {
     if (frame.f <= 0 || frame.baseline_mm <= 0 || (frame.flags & disparity::unrectified) != 0) {
         return std::nullopt;
     }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::foxglove {
@@ -12,6 +12,6 @@ enum class Camera { left, right };
 
 /// Returns a sensor_msgs/msg/CameraInfo of a rectified camera; nothing for a frame without a calibration. Both refer to
 /// the left camera's frame: the right one's P maps points of that frame, with P[3] = -f B in px m.
-std::optional<Bytes> camera_info(const disparity::Frame& frame, Camera camera);
+std::optional<std::string> camera_info(const disparity::Frame& frame, Camera camera);
 
 }  // namespace disparityd::foxglove

@@ -7,18 +7,18 @@
 #include <stdexcept>
 
 #include "bridges/web/foxglove/camera_info_message.h"
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "bridges/web/foxglove/image_messages.h"
 #include "bridges/web/foxglove/laser_scan_message.h"
 #include "bridges/web/foxglove/message_header.h"
 #include "bridges/web/foxglove/point_cloud_message.h"
+#include "formats/cdr_writer.h"
 
 namespace disparityd::foxglove {
 namespace {
 
 /// Returns a tf2_msgs/msg/TFMessage that turns camera_frame (z up) into left_frame (z ahead), so that a viewer shows
 /// points upright.
-Bytes optical_transform(std::int64_t realtime_ns) {
+std::string optical_transform(std::int64_t realtime_ns) {
     CdrWriter cdr(192);
     cdr.length(1);
     write_header(cdr, realtime_ns, camera_frame);
@@ -30,7 +30,7 @@ Bytes optical_transform(std::int64_t realtime_ns) {
 
 using disparity::Frame;
 
-std::optional<Bytes> scan_message(const Frame& frame) {
+std::optional<std::string> scan_message(const Frame& frame) {
     try {
         const std::optional<disparity::Scan> scan = frame.scan();
         return scan ? laser_scan(*scan, frame.realtime_ns) : std::nullopt;
@@ -39,7 +39,7 @@ std::optional<Bytes> scan_message(const Frame& frame) {
     }
 }
 
-std::optional<Bytes> encode(Channel channel, const Frame& frame, const Encoding& encoding) {
+std::optional<std::string> encode(Channel channel, const Frame& frame, const Encoding& encoding) {
     switch (channel) {
         case Channel::left_image: return left_image(frame);
         case Channel::left_jpeg: return left_jpeg(frame, encoding.jpeg_quality);
@@ -64,8 +64,8 @@ EncodedFrame::EncodedFrame(const Frame& frame, const Encoding& encoding) : frame
 Payload EncodedFrame::payload(Channel channel) {
     const auto [place, is_new] = payloads_.try_emplace(channel);
     if (is_new) {
-        if (std::optional<Bytes> bytes = encode(channel, frame_, encoding_)) {
-            place->second = std::make_shared<const Bytes>(std::move(*bytes));
+        if (std::optional<std::string> bytes = encode(channel, frame_, encoding_)) {
+            place->second = std::make_shared<const std::string>(std::move(*bytes));
         }
     }
     return place->second;

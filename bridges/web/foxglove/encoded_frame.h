@@ -4,15 +4,15 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "bridges/web/foxglove/channels.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::foxglove {
 
 /// The bytes of a message; shared, as several sessions may send the same ones. nullptr: there is no message.
-using Payload = std::shared_ptr<const Bytes>;
+using Payload = std::shared_ptr<const std::string>;
 
 /// Messages of several channels.
 using Payloads = std::map<Channel, Payload>;

@@ -37,14 +37,14 @@ void write_image(CdrWriter& cdr, std::int64_t realtime_ns, const Picture& pictur
     cdr.u8(0).u32(picture.width * picture.bytes_per_pixel).u8_sequence(picture.data);  // 0: little endian
 }
 
-Bytes image(std::int64_t realtime_ns, const Picture& picture) {
+std::string image(std::int64_t realtime_ns, const Picture& picture) {
     CdrWriter cdr(picture.data.size() + room_for_fields);
     write_image(cdr, realtime_ns, picture);
     return cdr.take();
 }
 
 /// Returns a plane as it is.
-std::optional<Bytes> plane_image(const Frame& frame, Product product, std::string_view encoding) {
+std::optional<std::string> plane_image(const Frame& frame, Product product, std::string_view encoding) {
     const PlaneData* plane = whole_plane(frame, product);
     if (plane == nullptr) {
         return std::nullopt;
@@ -79,7 +79,7 @@ std::vector<float> adjusted_disparities(const Frame& frame, const PlaneData& pla
 
 }  // namespace
 
-std::optional<Bytes> left_image(const Frame& frame) {
+std::optional<std::string> left_image(const Frame& frame) {
     const PlaneData* plane = left_plane(frame);
     if (plane == nullptr) {
         return std::nullopt;
@@ -88,7 +88,7 @@ std::optional<Bytes> left_image(const Frame& frame) {
     return image(frame.realtime_ns, {plane->width, plane->height, encoding, plane->bytes_per_pixel, plane->bytes});
 }
 
-std::optional<Bytes> left_jpeg(const Frame& frame, int quality) {
+std::optional<std::string> left_jpeg(const Frame& frame, int quality) {
     const PlaneData* plane = left_plane(frame);
     if (plane == nullptr || std::max(plane->width, plane->height) > web::most_jpeg_side) {
         return std::nullopt;
@@ -103,15 +103,15 @@ std::optional<Bytes> left_jpeg(const Frame& frame, int quality) {
     return cdr.take();
 }
 
-std::optional<Bytes> confidence_image(const Frame& frame) {
+std::optional<std::string> confidence_image(const Frame& frame) {
     return plane_image(frame, Product::confidence, "mono8");
 }
 
-std::optional<Bytes> depth_mm_image(const Frame& frame) {
+std::optional<std::string> depth_mm_image(const Frame& frame) {
     return plane_image(frame, Product::depth, "16UC1");
 }
 
-std::optional<Bytes> depth_image(const Frame& frame) {
+std::optional<std::string> depth_image(const Frame& frame) {
     constexpr std::array order{Product::depth, Product::disparity};
     const std::optional<Depths> depths = depths_of(frame, order);
     if (!depths) {
@@ -120,7 +120,7 @@ std::optional<Bytes> depth_image(const Frame& frame) {
     return image(frame.realtime_ns, picture_of(depths->width, depths->height, depths->metres));
 }
 
-std::optional<Bytes> depth_error_image(const Frame& frame) {
+std::optional<std::string> depth_error_image(const Frame& frame) {
     const PlaneData* plane = whole_plane(frame, Product::depth_error);
     if (plane == nullptr) {
         return std::nullopt;
@@ -128,7 +128,7 @@ std::optional<Bytes> depth_error_image(const Frame& frame) {
     return image(frame.realtime_ns, picture_of(plane->width, plane->height, metres_of(plane->bytes)));
 }
 
-std::optional<Bytes> disparity_image(const Frame& frame) {
+std::optional<std::string> disparity_image(const Frame& frame) {
     const PlaneData* plane = whole_plane(frame, Product::disparity);
     if (plane == nullptr) {
         return std::nullopt;

@@ -2,34 +2,34 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 
 /// Images of a frame as ROS 2 messages. Each returns nothing when the frame does not carry what it needs.
 namespace disparityd::foxglove {
 
 /// sensor_msgs/msg/Image: bgr8 when the frame carries the colours, else mono8.
-std::optional<Bytes> left_image(const disparity::Frame& frame);
+std::optional<std::string> left_image(const disparity::Frame& frame);
 
 /// sensor_msgs/msg/CompressedImage: the same as JPEG. `quality` is 1 .. 100.
-std::optional<Bytes> left_jpeg(const disparity::Frame& frame, int quality);
+std::optional<std::string> left_jpeg(const disparity::Frame& frame, int quality);
 
 /// sensor_msgs/msg/Image, mono8: 0 is rejected or interpolated.
-std::optional<Bytes> confidence_image(const disparity::Frame& frame);
+std::optional<std::string> confidence_image(const disparity::Frame& frame);
 
 /// sensor_msgs/msg/Image, 32FC1, m: NaN unknown, +infinity too far. From the depths that the daemon serves; from its
 /// disparities where it serves none.
-std::optional<Bytes> depth_image(const disparity::Frame& frame);
+std::optional<std::string> depth_image(const disparity::Frame& frame);
 
 /// sensor_msgs/msg/Image, 16UC1, mm, as the daemon serves them: 0 unknown, 65535 beyond 65.534 m.
-std::optional<Bytes> depth_mm_image(const disparity::Frame& frame);
+std::optional<std::string> depth_mm_image(const disparity::Frame& frame);
 
 /// sensor_msgs/msg/Image, 32FC1, m: one sigma of the depth, NaN unknown, +infinity 65.535 m or more.
-std::optional<Bytes> depth_error_image(const disparity::Frame& frame);
+std::optional<std::string> depth_error_image(const disparity::Frame& frame);
 
 /// stereo_msgs/msg/DisparityImage, 32FC1, px. The offset of the principal points is in the values, so that
 /// Z = f t / d. A rejected pixel has min_disparity - 1, as the image pipeline of ROS has it.
-std::optional<Bytes> disparity_image(const disparity::Frame& frame);
+std::optional<std::string> disparity_image(const disparity::Frame& frame);
 
 }  // namespace disparityd::foxglove

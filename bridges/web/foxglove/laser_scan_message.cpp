@@ -73,7 +73,7 @@ float radians(double degrees) {
 
 }  // namespace
 
-std::optional<Bytes> laser_scan(const Scan& scan, std::int64_t realtime_ns) {
+std::optional<std::string> laser_scan(const Scan& scan, std::int64_t realtime_ns) {
     if (scan.sectors.empty()) {
         return std::nullopt;
     }

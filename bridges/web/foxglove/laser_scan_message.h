@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::foxglove {
@@ -20,6 +20,6 @@ namespace disparityd::foxglove {
 ///   stand there.
 ///
 /// Intensities are confidences of the obstacle, 0 .. 255, 0 without one.
-std::optional<Bytes> laser_scan(const disparity::Scan& scan, std::int64_t realtime_ns);
+std::optional<std::string> laser_scan(const disparity::Scan& scan, std::int64_t realtime_ns);
 
 }  // namespace disparityd::foxglove

@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <string_view>
 
-#include "bridges/web/foxglove/cdr_writer.h"
+#include "formats/cdr_writer.h"
 
 /// What many messages begin with or contain.
 namespace disparityd::foxglove {
+
+using formats::CdrWriter;
 
 /// The rectified left camera, an optical frame: x right, y down, z ahead. Both cameras' information refers to it.
 inline constexpr std::string_view left_frame = "left_camera";

@@ -91,7 +91,7 @@ void place_point(float* point, const Frame& frame, double column, double row, fl
 
 }  // namespace
 
-std::optional<Bytes> point_cloud(const Frame& frame, std::uint32_t most_points) {
+std::optional<std::string> point_cloud(const Frame& frame, std::uint32_t most_points) {
     constexpr std::array order{Product::disparity, Product::depth};
     const std::optional<Depths> depths = frame.f > 0 ? depths_of(frame, order) : std::nullopt;
     if (!depths) {

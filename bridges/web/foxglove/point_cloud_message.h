@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::foxglove {
@@ -16,6 +16,6 @@ namespace disparityd::foxglove {
 ///
 /// Only each n-th column and row is taken, with the least n that gives at most `most_points` (at least 1). Returns
 /// nothing when the frame has no calibration or neither disparities nor depths.
-std::optional<Bytes> point_cloud(const disparity::Frame& frame, std::uint32_t most_points);
+std::optional<std::string> point_cloud(const disparity::Frame& frame, std::uint32_t most_points);
 
 }  // namespace disparityd::foxglove

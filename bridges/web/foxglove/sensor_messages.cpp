@@ -19,7 +19,7 @@ void write_vector(CdrWriter& cdr, const SensorVector& vector, double unit) {
 }
 
 /// Temperature, pressure and humidity have the same fields: a number and its variance.
-Bytes scalar(const SensorSample& sample, std::string_view frame, double value) {
+std::string scalar(const SensorSample& sample, std::string_view frame, double value) {
     CdrWriter cdr(64);
     write_header(cdr, sample.realtime_ns, frame);
     cdr.f64(value).f64(0);
@@ -28,7 +28,7 @@ Bytes scalar(const SensorSample& sample, std::string_view frame, double value) {
 
 }  // namespace
 
-std::optional<Bytes> imu(const SensorSample& sample) {
+std::optional<std::string> imu(const SensorSample& sample) {
     if (!sample.inertial) {
         return std::nullopt;
     }
@@ -42,7 +42,7 @@ std::optional<Bytes> imu(const SensorSample& sample) {
     return cdr.take();
 }
 
-std::optional<Bytes> magnetic_field(const SensorSample& sample) {
+std::optional<std::string> magnetic_field(const SensorSample& sample) {
     if (!sample.magnetic_field) {
         return std::nullopt;
     }
@@ -53,30 +53,30 @@ std::optional<Bytes> magnetic_field(const SensorSample& sample) {
     return cdr.take();
 }
 
-std::optional<Bytes> imu_temperature(const SensorSample& sample) {
+std::optional<std::string> imu_temperature(const SensorSample& sample) {
     return sample.inertial ? std::optional(scalar(sample, imu_frame, sample.inertial->celsius)) : std::nullopt;
 }
 
-std::optional<Bytes> camera_temperature(const SensorSample& sample) {
+std::optional<std::string> camera_temperature(const SensorSample& sample) {
     return sample.environment ? std::optional(scalar(sample, camera_frame, sample.environment->celsius)) : std::nullopt;
 }
 
-std::optional<Bytes> left_temperature(const SensorSample& sample) {
+std::optional<std::string> left_temperature(const SensorSample& sample) {
     const auto& eyes = sample.eye_temperatures;
     return eyes ? std::optional(scalar(sample, camera_frame, eyes->left_celsius)) : std::nullopt;
 }
 
-std::optional<Bytes> right_temperature(const SensorSample& sample) {
+std::optional<std::string> right_temperature(const SensorSample& sample) {
     const auto& eyes = sample.eye_temperatures;
     return eyes ? std::optional(scalar(sample, camera_frame, eyes->right_celsius)) : std::nullopt;
 }
 
-std::optional<Bytes> pressure(const SensorSample& sample) {
+std::optional<std::string> pressure(const SensorSample& sample) {
     const auto& air = sample.environment;
     return air ? std::optional(scalar(sample, camera_frame, 100.0 * air->hectopascal)) : std::nullopt;
 }
 
-std::optional<Bytes> humidity(const SensorSample& sample) {
+std::optional<std::string> humidity(const SensorSample& sample) {
     const auto& air = sample.environment;
     return air ? std::optional(scalar(sample, camera_frame, air->humidity_percent / 100.0)) : std::nullopt;
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
-#include "bridges/web/foxglove/cdr_writer.h"
 #include "clients/cpp/disparity_client.hpp"
 
 /// What the camera's sensors measured, as ROS 2 messages. Each returns nothing when the sample does not have it.
@@ -12,21 +12,21 @@ namespace disparityd::foxglove {
 
 /// sensor_msgs/msg/Imu: rad/s and m/s², gravity included. The first number of the orientation's covariance is -1:
 /// the orientation is not measured.
-std::optional<Bytes> imu(const disparity::SensorSample& sample);
+std::optional<std::string> imu(const disparity::SensorSample& sample);
 
 /// sensor_msgs/msg/MagneticField, in tesla.
-std::optional<Bytes> magnetic_field(const disparity::SensorSample& sample);
+std::optional<std::string> magnetic_field(const disparity::SensorSample& sample);
 
 /// sensor_msgs/msg/Temperature, in degrees Celsius: of the inertial sensor, inside the camera, of the image sensors.
-std::optional<Bytes> imu_temperature(const disparity::SensorSample& sample);
-std::optional<Bytes> camera_temperature(const disparity::SensorSample& sample);
-std::optional<Bytes> left_temperature(const disparity::SensorSample& sample);
-std::optional<Bytes> right_temperature(const disparity::SensorSample& sample);
+std::optional<std::string> imu_temperature(const disparity::SensorSample& sample);
+std::optional<std::string> camera_temperature(const disparity::SensorSample& sample);
+std::optional<std::string> left_temperature(const disparity::SensorSample& sample);
+std::optional<std::string> right_temperature(const disparity::SensorSample& sample);
 
 /// sensor_msgs/msg/FluidPressure, in pascal.
-std::optional<Bytes> pressure(const disparity::SensorSample& sample);
+std::optional<std::string> pressure(const disparity::SensorSample& sample);
 
 /// sensor_msgs/msg/RelativeHumidity, 0 .. 1.
-std::optional<Bytes> humidity(const disparity::SensorSample& sample);
+std::optional<std::string> humidity(const disparity::SensorSample& sample);
 
 }  // namespace disparityd::foxglove

@@ -46,7 +46,7 @@ Message message(std::uint32_t subscription, std::int64_t received_ns, Payload pa
     std::array<std::uint8_t, 13> head{message_data};
     base::put_little_endian(&head[1], subscription, 4);
     base::put_little_endian(&head[5], static_cast<std::uint64_t>(received_ns), 8);
-    return {Bytes(head.begin(), head.end()), std::move(payload)};
+    return {std::string(head.begin(), head.end()), std::move(payload)};
 }
 
 /// Returns the channels that exist with the first offer and not with the second.
@@ -65,7 +65,7 @@ std::vector<ChannelFacts> all_with(const Offer& offer) {
     return list;
 }
 
-std::optional<Bytes> encode(Channel channel, const disparity::SensorSample& sample) {
+std::optional<std::string> encode(Channel channel, const disparity::SensorSample& sample) {
     switch (channel) {
         case Channel::imu: return imu(sample);
         case Channel::magnetic_field: return magnetic_field(sample);
@@ -240,8 +240,8 @@ std::vector<Message> FoxgloveSession::on_sensors(const disparity::SensorBatch& b
             if (messages.size() == most_sensor_messages) {
                 break;
             }
-            if (std::optional<Bytes> bytes = encode(entry->second, *sample)) {
-                auto payload = std::make_shared<const Bytes>(std::move(*bytes));
+            if (std::optional<std::string> bytes = encode(entry->second, *sample)) {
+                auto payload = std::make_shared<const std::string>(std::move(*bytes));
                 messages.push_back(message(entry->first, received_ns, std::move(payload)));
             }
         }
@@ -255,7 +255,7 @@ std::vector<Message> FoxgloveSession::on_status(const v1::Status& status, std::i
     for (const auto& [id, channel] : subscriptions_) {
         if (channel == Channel::status) {
             std::string text = json::to_text(json::to_json(status), -1);
-            messages.push_back(message(id, received_ns, std::make_shared<const Bytes>(std::move(text))));
+            messages.push_back(message(id, received_ns, std::make_shared<const std::string>(std::move(text))));
         }
     }
     return messages;

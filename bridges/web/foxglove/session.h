@@ -42,8 +42,8 @@ inline constexpr std::size_t most_sensor_messages = 200;
 
 /// A binary message of WebSocket: the head, then the payload.
 struct Message {
-    Bytes head;       ///< 13 bytes: operation 1, u32 subscription, u64 time of receipt, ns since 1970
-    Payload payload;  ///< never nullptr; shared with other sessions
+    std::string head;  ///< 13 bytes: operation 1, u32 subscription, u64 time of receipt, ns since 1970
+    Payload payload;   ///< never nullptr; shared with other sessions
 };
 
 /// One connection that speaks Foxglove's WebSocket protocol: what to answer, what to send. It has no socket, no thread

@@ -43,7 +43,7 @@ Image image_in(CdrReader& cdr) {
     return image;
 }
 
-Image image_of(const std::optional<Bytes>& message) {
+Image image_of(const std::optional<std::string>& message) {
     CdrReader cdr(message.value());
     Image image = image_in(cdr);
     EXPECT_EQ(cdr.left(), 0U);
@@ -96,7 +96,7 @@ TEST(FoxgloveImage, DepthErrorIsInMetres) {
 }
 
 TEST(FoxgloveImage, DisparitiesHaveTheOffset) {
-    const std::optional<Bytes> message = disparity_image(test::grey_frame());
+    const std::optional<std::string> message = disparity_image(test::grey_frame());
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), header);
     const Image image = image_in(cdr);
@@ -126,7 +126,7 @@ TEST(FoxgloveImage, APlaneThatIsNotThereOrNotWholeGivesNoMessage) {
 }
 
 /// Returns the bytes of a message's file.
-Octets jpeg_in(const std::optional<Bytes>& message) {
+Octets jpeg_in(const std::optional<std::string>& message) {
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), header);
     EXPECT_EQ(cdr.text(), "jpeg");
@@ -165,7 +165,7 @@ struct Info {
     std::vector<std::uint32_t> region;
 };
 
-Info info_in(const std::optional<Bytes>& message) {
+Info info_in(const std::optional<std::string>& message) {
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), header);
     EXPECT_EQ(cdr.get<std::uint32_t>(2), (std::vector<std::uint32_t>{test::frame_height, test::frame_width}));
@@ -209,7 +209,7 @@ TEST(FoxgloveCameraInfo, ARegionIsTold) {
     frame.height = 10;
     frame.region_x = 5;
     frame.region_y = 3;
-    const std::optional<Bytes> message = camera_info(frame, Camera::left);
+    const std::optional<std::string> message = camera_info(frame, Camera::left);
     CdrReader cdr(message.value());
     cdr.header();
     EXPECT_EQ(cdr.get<std::uint32_t>(2), (std::vector<std::uint32_t>{10, 20}));

@@ -28,7 +28,7 @@ struct Cloud {
     }
 };
 
-Cloud cloud_in(const std::optional<Bytes>& message) {
+Cloud cloud_in(const std::optional<std::string>& message) {
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), "1700000000.123456789 left_camera");
     Cloud cloud;
@@ -36,7 +36,7 @@ Cloud cloud_in(const std::optional<Bytes>& message) {
     cloud.width = cdr.get<std::uint32_t>();
     const auto fields = cdr.get<std::uint32_t>();
     for (std::uint32_t i = 0; i < fields; ++i) {
-        cloud.fields.push_back(cdr.text());
+        cloud.fields.emplace_back(cdr.text());
         EXPECT_EQ(cdr.get<std::uint32_t>(), 4 * i) << "offset";
         EXPECT_EQ(cdr.get<std::uint8_t>(), 7) << "FLOAT32";
         EXPECT_EQ(cdr.get<std::uint32_t>(), 1U) << "count";

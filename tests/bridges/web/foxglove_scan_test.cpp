@@ -26,7 +26,7 @@ struct Rays {
     std::vector<float> intensities;
 };
 
-Rays rays_in(const std::optional<Bytes>& message) {
+Rays rays_in(const std::optional<std::string>& message) {
     CdrReader cdr(message.value());
     EXPECT_EQ(cdr.header(), "1700000000.123456789 camera_footprint");
     Rays rays;

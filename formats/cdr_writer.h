@@ -7,10 +7,7 @@
 #include <string>
 #include <string_view>
 
-namespace disparityd::foxglove {
-
-/// Bytes of a message.
-using Bytes = std::string;
+namespace disparityd::formats {
 
 /// Writes one message as CDR, as ROS 2 does: XCDR version 1, little endian. A number lies at a multiple of its size,
 /// counted from the end of the header of 4 bytes; what lies between is 0.
@@ -42,7 +39,7 @@ public:
     std::span<std::uint8_t> u8_room(std::size_t size);
 
     /// Returns the message; the writer is then empty.
-    Bytes take();
+    std::string take();
 
 private:
     void align(std::size_t size);
@@ -50,7 +47,7 @@ private:
     template <typename Number>
     CdrWriter& number(Number value);
 
-    Bytes bytes_;
+    std::string bytes_;
 };
 
-}  // namespace disparityd::foxglove
+}  // namespace disparityd::formats

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/web/foxglove/cdr_writer.h"
+#include "formats/cdr_writer.h"
 
 #include <array>
 #include <bit>
@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace disparityd::foxglove {
+namespace disparityd::formats {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in memory");
@@ -108,8 +108,8 @@ std::span<std::uint8_t> CdrWriter::u8_room(std::size_t size) {
     return std::span(reinterpret_cast<std::uint8_t*>(bytes_.data()), bytes_.size()).last(size);
 }
 
-Bytes CdrWriter::take() {
-    return std::exchange(bytes_, Bytes{});
+std::string CdrWriter::take() {
+    return std::exchange(bytes_, std::string{});
 }
 
-}  // namespace disparityd::foxglove
+}  // namespace disparityd::formats

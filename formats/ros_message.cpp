@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/ros_message.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "base/message_text.h"
+#include "formats/cdr_reader.h"
+
+namespace disparityd::formats {
+namespace {
+
+constexpr std::size_t most_numbers = 4096;
+
+std::size_t size_of(RosKind kind) {
+    switch (kind) {
+        case RosKind::int16:
+        case RosKind::uint16: return 2;
+        case RosKind::int32:
+        case RosKind::uint32:
+        case RosKind::float32: return 4;
+        case RosKind::int64:
+        case RosKind::uint64:
+        case RosKind::float64: return 8;
+        default: return 1;
+    }
+}
+
+double read_number(CdrReader& cdr, RosKind kind) {
+    switch (kind) {
+        case RosKind::int8: return cdr.get<std::int8_t>();
+        case RosKind::int16: return cdr.get<std::int16_t>();
+        case RosKind::uint16: return cdr.get<std::uint16_t>();
+        case RosKind::int32: return cdr.get<std::int32_t>();
+        case RosKind::uint32: return cdr.get<std::uint32_t>();
+        case RosKind::int64: return static_cast<double>(cdr.get<std::int64_t>());
+        case RosKind::uint64: return static_cast<double>(cdr.get<std::uint64_t>());
+        case RosKind::float32: return cdr.get<float>();
+        case RosKind::float64: return cdr.get<double>();
+        default: return cdr.get<std::uint8_t>();
+    }
+}
+
+/// Walks through the bytes as the schema says, and keeps what it meets. Each field takes a byte at least, so that it
+/// ends with the message.
+class MessageWalk {
+public:
+    using Fields = std::map<std::string, RosMessage::Value, std::less<>>;
+
+    MessageWalk(const RosSchema& schema, CdrReader& cdr, Fields& fields)
+        : schema_(schema), cdr_(cdr), fields_(fields) {}
+
+    /// `prefix` is the path of the message with a point behind it; nullptr: nothing is kept.
+    void walk(std::size_t definition, const std::string* prefix) {
+        const std::vector<RosField>& fields = schema_.definitions[definition].fields;
+        if (fields.empty()) {
+            cdr_.get<std::uint8_t>();  // what has no field is sent as one byte
+        }
+        for (const RosField& field : fields) {
+            const std::string path = prefix == nullptr ? std::string() : *prefix + field.name;
+            if (field.count == RosField::Count::one) {
+                read_one(field, prefix == nullptr ? nullptr : &path);
+            } else {
+                const std::size_t count =
+                    field.count == RosField::Count::fixed ? field.size : cdr_.get<std::uint32_t>();
+                read_many(field, count, prefix == nullptr ? nullptr : &path);
+            }
+        }
+    }
+
+private:
+    void read_one(const RosField& field, const std::string* path) {
+        if (field.kind == RosKind::message) {
+            const std::string prefix = path == nullptr ? std::string() : *path + ".";
+            walk(field.definition, path == nullptr ? nullptr : &prefix);
+            return;
+        }
+        if (field.kind == RosKind::text || field.kind == RosKind::wide_text) {
+            keep(path, read_text(field));
+        } else {
+            keep(path, read_number(cdr_, field.kind));
+        }
+    }
+
+    void read_many(const RosField& field, std::size_t count, const std::string* path) {
+        const bool words = field.kind == RosKind::text || field.kind == RosKind::wide_text;
+        if (words || field.kind == RosKind::message) {
+            for (std::size_t i = 0; i < count; ++i) {
+                read_one(field, nullptr);
+            }
+            return;
+        }
+        const std::size_t size = size_of(field.kind);
+        if (size == 1) {
+            keep(path, cdr_.elements(count, 1));
+        } else if (path == nullptr || count > most_numbers) {
+            cdr_.elements(count, size);
+        } else {
+            std::vector<double> numbers;
+            for (std::size_t i = 0; i < count; ++i) {
+                numbers.push_back(read_number(cdr_, field.kind));
+            }
+            keep(path, std::move(numbers));
+        }
+    }
+
+    std::string_view read_text(const RosField& field) {
+        if (field.kind == RosKind::wide_text) {
+            throw std::runtime_error("has the field " + base::printable(field.name) +
+                                     " of type wstring, which writers do not agree on: it is not read");
+        }
+        return cdr_.text();
+    }
+
+    void keep(const std::string* path, RosMessage::Value value) {
+        if (path != nullptr) {
+            fields_.emplace(*path, std::move(value));
+        }
+    }
+
+    const RosSchema& schema_;
+    CdrReader& cdr_;
+    Fields& fields_;
+};
+
+}  // namespace
+
+RosMessage::RosMessage(const RosSchema& schema, std::span<const std::uint8_t> cdr) {
+    CdrReader reader(cdr);
+    const std::string prefix;
+    MessageWalk(schema, reader, fields_).walk(0, &prefix);
+}
+
+template <typename Kind>
+const Kind& RosMessage::get(std::string_view path, const char* kind) const {
+    const auto found = fields_.find(path);
+    if (found == fields_.end() || !std::holds_alternative<Kind>(found->second)) {
+        throw std::runtime_error("has no field " + std::string(path) + " that is " + kind);
+    }
+    return std::get<Kind>(found->second);
+}
+
+double RosMessage::number(std::string_view path) const {
+    return get<double>(path, "a number");
+}
+
+std::string_view RosMessage::text(std::string_view path) const {
+    return get<std::string_view>(path, "a text");
+}
+
+std::span<const std::uint8_t> RosMessage::bytes(std::string_view path) const {
+    return get<std::span<const std::uint8_t>>(path, "bytes");
+}
+
+const std::vector<double>& RosMessage::numbers(std::string_view path) const {
+    return get<std::vector<double>>(path, "a list of numbers");
+}
+
+}  // namespace disparityd::formats

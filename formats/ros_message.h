@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "formats/ros_schema.h"
+
+namespace disparityd::formats {
+
+/// The fields of one message of ROS 2, read from CDR by its schema. A field within another message has its path,
+/// "header.stamp.sec". Numbers are doubles, arrays of 8 bits are bytes. Texts and bytes are views of the message, which
+/// must live as long. Fields within arrays of messages, arrays of texts, and arrays of more than 4096 numbers are
+/// passed over.
+class RosMessage {
+public:
+    using Value = std::variant<double, std::string_view, std::span<const std::uint8_t>, std::vector<double>>;
+
+    /// Throws std::runtime_error with one line where the bytes are not what the schema says. The line does not say
+    /// which message it is.
+    RosMessage(const RosSchema& schema, std::span<const std::uint8_t> cdr);
+
+    /// Return a field. Throw std::runtime_error where there is none of this name and kind.
+    double number(std::string_view path) const;
+    std::string_view text(std::string_view path) const;
+    std::span<const std::uint8_t> bytes(std::string_view path) const;
+    const std::vector<double>& numbers(std::string_view path) const;
+
+    bool has(std::string_view path) const { return fields_.find(path) != fields_.end(); }
+    const std::map<std::string, Value, std::less<>>& fields() const { return fields_; }
+
+private:
+    template <typename Kind>
+    const Kind& get(std::string_view path, const char* kind) const;
+
+    std::map<std::string, Value, std::less<>> fields_;
+};
+
+}  // namespace disparityd::formats
