@@ -13,6 +13,7 @@
 #include <memory>
 #include <new>
 #include <span>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -112,6 +113,25 @@ struct OpenImage {
     ImageSize size;
 };
 
+/// Reads the header, and refuses images that are too large or not as they are to be seen.
+ImageSize checked_size(std::istream& file, const std::string& path) {
+    const std::optional<ImageSize> size = read_image_header(file);
+    if (!size) {
+        refuse(path, std::string("is not an image that can be read (") + kinds + "), or is damaged");
+    }
+    if (size->width > largest_side || size->height > largest_side) {
+        refuse(path,
+               "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
+    }
+    if (const int orientation = read_image_orientation(file); orientation != 1) {
+        refuse(path, "declares that it is to be turned or mirrored before it is shown (orientation " +
+                         std::to_string(orientation) +
+                         " of EXIF or TIFF), which is not done here: turn the pixels of both eyes (jpegtran, "
+                         "ImageMagick's -auto-orient), or remove the tag");
+    }
+    return *size;
+}
+
 /// Opens a file that must be an image, and reads its header.
 OpenImage open_image(const std::string& path) {
     std::error_code error;
@@ -131,21 +151,8 @@ OpenImage open_image(const std::string& path) {
     if (!file.is_open()) {
         refuse(path, "cannot be read: " + base::error_text(errno));
     }
-    const std::optional<ImageSize> size = read_image_header(file);
-    if (!size) {
-        refuse(path, std::string("is not an image that can be read (") + kinds + "), or is damaged");
-    }
-    if (size->width > largest_side || size->height > largest_side) {
-        refuse(path,
-               "found " + base::size_text(size->width, size->height) + " pixels, allowed are up to 8192 on a side");
-    }
-    if (const int orientation = read_image_orientation(file); orientation != 1) {
-        refuse(path, "declares that it is to be turned or mirrored before it is shown (orientation " +
-                         std::to_string(orientation) +
-                         " of EXIF or TIFF), which is not done here: turn the pixels of both eyes (jpegtran, "
-                         "ImageMagick's -auto-orient), or remove the tag");
-    }
-    return {std::move(file), *size};
+    const ImageSize size = checked_size(file, path);
+    return {std::move(file), size};
 }
 
 std::vector<std::uint8_t> all_bytes(std::ifstream& file, const std::string& path) {
@@ -185,6 +192,29 @@ cv::Mat decode(std::vector<std::uint8_t> bytes, const std::string& path) {
     return cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
 }
 
+/// Decodes the bytes of an image whose header was checked. `take_bytes` may want more memory than there is, too.
+template <class TakeBytes>
+cv::Mat decode_of_size(TakeBytes&& take_bytes, ImageSize size, const std::string& path) {
+    cv::Mat image;
+    const auto no_memory = [&] {
+        return std::runtime_error(path + ": there is not enough memory for an image of " +
+                                  base::size_text(size.width, size.height) + " pixels");
+    };
+    try {
+        image = decode(take_bytes(), path);
+    } catch (const std::bad_alloc&) {
+        throw no_memory();
+    } catch (const cv::Exception& error) {
+        if (error.code == cv::Error::StsNoMem) {
+            throw no_memory();
+        }
+    }
+    if (image.empty()) {
+        refuse(path, std::string("is damaged, or no image of a kind that can be read (") + kinds + ")");
+    }
+    return image;
+}
+
 }  // namespace
 
 std::optional<ImageSize> peek_image_size(const std::string& path) {
@@ -204,24 +234,13 @@ int bits_of_values(const std::string& path) {
 
 cv::Mat decode_image(const std::string& path) {
     OpenImage opened = open_image(path);
-    cv::Mat image;
-    const auto no_memory = [&] {
-        return std::runtime_error(path + ": there is not enough memory for an image of " +
-                                  base::size_text(opened.size.width, opened.size.height) + " pixels");
-    };
-    try {
-        image = decode(all_bytes(opened.file, path), path);
-    } catch (const std::bad_alloc&) {
-        throw no_memory();
-    } catch (const cv::Exception& error) {
-        if (error.code == cv::Error::StsNoMem) {
-            throw no_memory();
-        }
-    }
-    if (image.empty()) {
-        refuse(path, std::string("is damaged, or no image of a kind that can be read (") + kinds + ")");
-    }
-    return image;
+    return decode_of_size([&] { return all_bytes(opened.file, path); }, opened.size, path);
+}
+
+cv::Mat decode_image(std::span<const std::uint8_t> bytes, const std::string& name) {
+    std::istringstream file(std::string(bytes.begin(), bytes.end()));
+    const ImageSize size = checked_size(file, name);
+    return decode_of_size([&] { return std::vector<std::uint8_t>(bytes.begin(), bytes.end()); }, size, name);
 }
 
 cv::Mat as_8_bits(const cv::Mat& image, const std::string& path, DeepPixels deep) {

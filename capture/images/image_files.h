@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -19,6 +21,9 @@ std::optional<ImageSize> peek_image_size(const std::string& path);
 /// missing, cannot be read, is no PNG, JPEG, PBM, PGM, PPM, PFM, BMP, TIFF or WebP, is damaged, or larger than 8192
 /// pixels on a side.
 cv::Mat decode_image(const std::string& path);
+
+/// Decodes an image that is in memory. Throws as the other one; `name` is for messages.
+cv::Mat decode_image(std::span<const std::uint8_t> bytes, const std::string& name);
 
 /// Says how images of 16 bits per channel become such of 8: of values with `bits` bits the upper 8 are kept
 /// (value >> (bits - 8)), larger values become 255. 9 to 16; 0: as many as the file says, 16 where it says nothing.

@@ -30,7 +30,6 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 }  // namespace
 
 NativeReader::NativeReader(RecordingInput input, int track) : VideoReader(std::move(input), track) {
-    info_.is_native = true;
     read_tags();
     open_decoder(stored_format(info_.format));
 }
@@ -70,7 +69,7 @@ void NativeReader::read_tags() {
         info_.frame_count = frame_count;
     }
     if (const char* source = input().tag(recording::tag_source)) {
-        info_.source = source;
+        info_.content = std::string("recording of ") + source;
     }
     info_.synthetic = input().tag(recording::tag_synthetic) != nullptr;
     read_calibration();

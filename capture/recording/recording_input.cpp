@@ -45,10 +45,7 @@ constexpr std::array other_kinds{
     OtherKind{"\0SVO"sv, as_svo},
     OtherKind{"#ROSBAG"sv, as_bag},
     OtherKind{"SQLite format 3\0"sv, as_bag},
-    OtherKind{
-        "\x89MCAP"sv,
-        "is an MCAP recording, which is not read; export the raw images of both eyes to two folders and name them: "
-        "left_folder,right_folder"},
+    OtherKind{"\x89MCAP"sv, "is an MCAP file: give it a name that ends in .mcap, so that it is read as a ROS 2 bag"},
     OtherKind{"PK\x03\x04"sv, "is a ZIP archive: unpack it"},
     OtherKind{"\x1f\x8b"sv, "is compressed with gzip: unpack it"},
     OtherKind{"\xfd"

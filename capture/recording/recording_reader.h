@@ -13,8 +13,8 @@
 
 namespace disparityd::capture {
 
-/// Reads a recording, or any video of both eyes that FFmpeg can read, from its first frame to its last. One thread
-/// uses an object at a time.
+/// Reads a recording, any video of both eyes that FFmpeg can read, or a bag, from its first frame to its last. One
+/// thread uses an object at a time.
 class RecordingReader {
 public:
     RecordingReader() = default;
@@ -28,10 +28,8 @@ public:
         int height = 0;
         double rate = 0;  ///< frames per second; 0 = unknown
         std::optional<std::uint64_t> frame_count;
-        bool is_native = false;  ///< a recording of this project, with exact times, sequence and flags
-        std::string source;      ///< what was recorded; empty for other videos
+        std::string content;     ///< for people: "recording of scene:vga", "h264 video"
         bool synthetic = false;  ///< drawn frames were recorded
-        std::string codec;
         std::optional<std::string> calibration_text;
         std::vector<std::string> notices{};  ///< one line each: what was assumed about the video
     };

@@ -50,9 +50,8 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
     info.rate = found.rate;
     info.synthetic = found.synthetic;
     info.frame_count = options.loop ? std::nullopt : found.frame_count;
-    info.description = found.is_native ? "recording of " + found.source : found.codec + " video";
-    info.description += ", " + std::to_string(info.eye_width) + " x " + std::to_string(info.height) + " per eye, " +
-                        std::string(to_string(info.format)) + ", " + rate_text(info.rate);
+    info.description = found.content + ", " + std::to_string(info.eye_width) + " x " + std::to_string(info.height) +
+                       " per eye, " + std::string(to_string(info.format)) + ", " + rate_text(info.rate);
     if (found.frame_count) {
         info.description += ", " + base::counted(*found.frame_count, "frame");
     }
@@ -66,9 +65,10 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
 
 class RecordingSource final : public FrameSource {
 public:
-    explicit RecordingSource(const SourceOptions& options)
+    RecordingSource(const SourceOptions& options, OpenReader open_reader)
         : options_(options),
-          reader_(open_recording_reader(options.uri)),
+          open_reader_(std::move(open_reader)),
+          reader_(open_reader_()),
           info_(source_info(options, reader_->info())),
           period_(info_.rate > 0 ? std::llround(1e9 / info_.rate) : 0) {
         if (options.loans < 1) {
@@ -189,9 +189,9 @@ private:
         std::exception_ptr failure;
         try {
             while (decode_round() && options_.loop) {
-                reader_ = open_recording_reader(options_.uri);
+                reader_ = open_reader_();
                 if (reader_->frame_bytes() != buffers_[0].pixels.size()) {
-                    throw std::runtime_error(options_.uri + ": was replaced by another video while it played");
+                    throw std::runtime_error(options_.uri + ": was replaced by another one while it played");
                 }
             }
         } catch (...) {
@@ -246,6 +246,7 @@ private:
     }
 
     const SourceOptions options_;
+    const OpenReader open_reader_;
     std::unique_ptr<RecordingReader> reader_;  // of the decoding thread after the start
     const SourceInfo info_;
     const nanoseconds period_;         ///< 0 = unknown
@@ -280,8 +281,12 @@ bool is_recording(const std::string& uri) {
            std::filesystem::is_regular_file(uri, error) || is_pair_of_videos(uri);
 }
 
+std::unique_ptr<FrameSource> play(const SourceOptions& options, OpenReader open_reader) {
+    return std::make_unique<RecordingSource>(options, std::move(open_reader));
+}
+
 std::unique_ptr<FrameSource> open_recording(const SourceOptions& options) {
-    return std::make_unique<RecordingSource>(options);
+    return play(options, [uri = options.uri] { return open_recording_reader(uri); });
 }
 
 }  // namespace disparityd::capture

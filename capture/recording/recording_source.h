@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "capture/frame_source.h"
+#include "capture/recording/recording_reader.h"
 
 namespace disparityd::capture {
 
@@ -21,5 +23,12 @@ bool is_recording(const std::string& uri);
 /// Throws std::invalid_argument when the file is no video that can be taken. A truncated file plays what is whole;
 /// then next() throws std::runtime_error, once, saying how many frames could be read.
 std::unique_ptr<FrameSource> open_recording(const SourceOptions& options);
+
+/// Opens what is played from its first frame.
+using OpenReader = std::function<std::unique_ptr<RecordingReader>()>;
+
+/// Replays what a reader gives, as open_recording() does. `open_reader` is called at once, in this thread, and with
+/// `loop` for each further round, in the thread that decodes. Throws what it throws.
+std::unique_ptr<FrameSource> play(const SourceOptions& options, OpenReader open_reader);
 
 }  // namespace disparityd::capture

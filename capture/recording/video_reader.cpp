@@ -20,7 +20,7 @@ VideoReader::VideoReader(RecordingInput input, int track) : input_(std::move(inp
     frame_.reset(or_bad_alloc(av_frame_alloc()));
     info_.height = stream().codecpar->height;
     info_.eye_width = stream().codecpar->width / 2;
-    info_.codec = avcodec_get_name(stream().codecpar->codec_id);
+    info_.content = std::string(avcodec_get_name(stream().codecpar->codec_id)) + " video";
 }
 
 std::size_t VideoReader::frame_bytes() const {
@@ -33,7 +33,7 @@ void VideoReader::open_decoder(AVPixelFormat stored) {
     const AVCodecParameters& parameters = *stream().codecpar;
     const AVCodec* codec = avcodec_find_decoder(parameters.codec_id);
     if (codec == nullptr) {
-        throw std::invalid_argument(path + ": this FFmpeg has no decoder for " + info_.codec);
+        throw std::invalid_argument(path + ": this FFmpeg has no decoder for " + avcodec_get_name(parameters.codec_id));
     }
     decoder_.reset(or_bad_alloc(avcodec_alloc_context3(codec)));
     if (avcodec_parameters_to_context(decoder_.get(), &parameters) < 0) {
@@ -44,7 +44,8 @@ void VideoReader::open_decoder(AVPixelFormat stored) {
     decoder_->thread_count = 1;  // the source decodes ahead already; the cores belong to the matcher
     clear_ffmpeg_log();
     if (const int result = avcodec_open2(decoder_.get(), codec, nullptr); result < 0) {
-        throw std::invalid_argument(path + ": cannot decode " + info_.codec + ": " + ffmpeg_reason(result));
+        throw std::invalid_argument(path + ": cannot decode " + avcodec_get_name(parameters.codec_id) + ": " +
+                                    ffmpeg_reason(result));
     }
     const int width = parameters.width;
     const int height = parameters.height;

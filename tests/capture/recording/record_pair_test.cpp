@@ -252,7 +252,7 @@ TEST(RecordPair, FilesOfOtherRecordersAreNamed) {
                           {"a.svo2", "\x89MCAP0\r\n", "recording of the ZED SDK (SVO)"},
                           {"a.bag", "#ROSBAG V2.0\n", "is a ROS bag"},
                           {"a.db3", std::string("SQLite format 3\0", 16), "is a ROS bag"},
-                          {"a.mcap", "\x89MCAP0\r\n", "is an MCAP recording"},
+                          {"a.log", "\x89MCAP0\r\n", "is an MCAP file: give it a name that ends in .mcap"},
                           {"a.zip", "PK\x03\x04", "is a ZIP archive"},
                           {"a.mkv", "\x1f\x8b\x08", "is compressed with gzip"},
                           {"a.gif", "GIF89a", "is an image of a kind that is not read; convert it"},
