@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "capture/bag/bag_source.h"
+#include "capture/bag/bag_uri.h"
 #include "capture/camera/camera_source.h"
 #include "capture/frame_source.h"
 #include "capture/images/folder_source.h"
@@ -19,6 +21,11 @@ const std::vector<SourceKind>& source_kinds() {
          "upper "
          "half), port=USB-PORT",
          is_camera, open_camera},
+        {"bag",
+         "a ROS 2 bag: recording.mcap, or the folder of one; which of several pairs of topics with images is read "
+         "stands "
+         "behind it: recording.mcap?left=/left/image_raw&right=/right/image_raw",
+         is_bag, open_bag},
         {"folder",
          "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "
          "left.png,right.png; or a pattern: left_%04d.png,right_%04d.png; "

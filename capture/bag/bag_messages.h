@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/mcap_reader.h"
+#include "formats/ros_message.h"
+
+namespace disparityd::capture {
+
+/// A topic of a bag.
+struct BagTopic {
+    std::string name;
+    std::string type;                       ///< "sensor_msgs/msg/Image"
+    std::optional<std::uint64_t> messages;  ///< how many there are, where the bag says so
+};
+
+/// Reads the messages of a ROS 2 bag: one MCAP file, or those of a folder with metadata.yaml one after the other. One
+/// thread uses an object at a time. The constructor throws std::invalid_argument with one line for what is no bag that
+/// can be read; all functions throw std::runtime_error with one line for damage.
+class BagMessages {
+public:
+    struct Message {
+        std::string_view topic;  ///< valid until the next call
+        std::int64_t log_ns = 0;
+        std::span<const std::uint8_t> data;  ///< valid until the next call
+    };
+
+    explicit BagMessages(const std::string& path);
+
+    /// Returns the topics that are known: all of them where has_all_topics(), else those of the messages so far.
+    std::vector<BagTopic> topics() const;
+    bool has_all_topics() const;
+
+    /// Reads the next message; false after the last one of the last file.
+    bool next(Message& message);
+
+    /// Reads the message that next() returned last by the schema of its topic. Valid until the next call.
+    formats::RosMessage decode(const Message& message);
+
+    /// Throws std::runtime_error for the message that next() returned last: file, topic, what is wrong with it.
+    [[noreturn]] void fail(const Message& message, const std::string& what) const;
+
+    /// Returns how many bytes were read of all files.
+    std::uint64_t position() const { return before_ + reader_->position(); }
+
+private:
+    void open(std::size_t file);
+    const formats::RosSchema& schema_of(std::uint16_t channel);
+
+    std::vector<std::string> files_;
+    std::vector<BagTopic> earlier_;  ///< of the files before this one
+    std::size_t file_ = 0;
+    std::uint64_t before_ = 0;  ///< bytes of the files before this one
+    std::unique_ptr<formats::McapReader> reader_;
+    std::map<std::uint16_t, formats::RosSchema> schemas_;  ///< by channels of this file
+    std::uint16_t channel_ = 0;                            ///< of the last message
+};
+
+}  // namespace disparityd::capture
