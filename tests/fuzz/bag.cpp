@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// MCAP files: their records, chunks, schemas and messages, and a bag as a source, from which frames are read.
+#include <algorithm>
+
+#include "capture/bag/bag_reader.h"
+#include "formats/mcap_reader.h"
+#include "formats/ros_message.h"
+#include "tests/fuzz/memory_file.h"
+#include "tests/fuzz/outcome.h"
+
+using namespace disparityd;
+
+namespace {
+
+/// Whether both refusals of a reader are lines that begin with the file.
+template <class Parser>
+void expect_refusal_in_a_line(const std::string& begin, Parser&& parser) {
+    fuzz::accepted<std::invalid_argument>(begin, [&] { fuzz::accepted<std::runtime_error>(begin, parser); });
+}
+
+void read_messages(const std::string& path) {
+    formats::McapReader reader(path);
+    formats::McapMessage message;
+    while (reader.next(message)) {
+        const formats::McapChannel& channel = reader.definitions().channels().at(message.channel);
+        if (channel.schema == 0) {
+            continue;
+        }
+        const formats::McapSchema& schema = reader.definitions().schemas().at(channel.schema);
+        fuzz::accepted<std::runtime_error>("", [&] {
+            const formats::RosMessage fields(formats::parse_ros_schema(schema.name, schema.text), message.data);
+            fuzz::expect(fields.fields().size() <= message.data.size(), "fields without bytes");
+        });
+    }
+}
+
+void read_frames(const std::string& path) {
+    capture::BagUri uri;
+    uri.path = path;
+    uri.within_ns = 1'000'000'000;
+    capture::BagReader reader(uri, true);
+    std::vector<std::uint8_t> pixels(reader.frame_bytes());
+    capture::recording::FrameFacts facts;
+    for (int i = 0; i < 4 && reader.read(facts, pixels.data()); ++i) {
+        fuzz::expect(facts.sensors.size() <= capture::RawFrame::most_samples, "more samples than a frame carries");
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const fuzz::MemoryFile file(fuzz::text_of(data, size));
+    expect_refusal_in_a_line(file.path(), [&] { read_messages(file.path()); });
+    fuzz::accepted<std::invalid_argument>(
+        "", [&] { fuzz::accepted<std::runtime_error>("", [&] { read_frames(file.path()); }); });
+    return 0;
+}
