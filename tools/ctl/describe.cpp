@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "capture/camera/camera_problem.h"
+#include "capture/camera/stereo_advice.h"
 #include "capture/pixel_format.h"
 #include "kernels/match_fields.h"
 
@@ -45,6 +46,8 @@ Json to_json(const capture::CameraSurvey& survey) {
                                  {"height", mode.height},
                                  {"frames_per_second", mode.rates}});
     }
+    const auto advice = capture::advise(survey);
+    json["stereo"] = advice ? Json{{"reason", advice->reason}, {"uri", advice->uri}} : Json(nullptr);
     return json;
 }
 

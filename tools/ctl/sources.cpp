@@ -4,8 +4,10 @@
 #include <CLI/CLI.hpp>
 
 #include "base/message_text.h"
+#include "calibration/calibration_lookup.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_survey.h"
+#include "capture/camera/stereo_advice.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
@@ -20,20 +22,44 @@ struct SourcesArguments {
     bool json = false;
 };
 
-/// Returns lines such as "2560x720 at 60, 30, 15 frames/s", of the formats that can be used.
+/// Returns lines such as "YUYV 2560x720 at 60, 30, 15 frames/s".
 std::vector<std::string> mode_lines(const capture::CameraSurvey& survey) {
     std::vector<std::string> lines;
     for (const capture::VideoMode& mode : survey.modes) {
-        if (mode.format != "YUYV" && mode.format != "GREY") {
-            continue;
-        }
+        const bool read = mode.format == "YUYV" || mode.format == "GREY" || mode.format == "MJPG";
         std::string line = mode.format + " " + std::to_string(mode.width) + "x" + std::to_string(mode.height);
         for (std::size_t i = 0; i < mode.rates.size(); ++i) {
             line += (i == 0 ? " at " : ", ") + fixed(mode.rates[i], 0);
         }
-        lines.push_back(line + (mode.rates.empty() ? "" : " frames/s"));
+        lines.push_back(line + (mode.rates.empty() ? "" : " frames/s") + (read ? "" : " (this format is not read)"));
     }
     return lines;
+}
+
+/// Whether one of the folders of the default configuration has the camera's calibration.
+bool has_calibration(const capture::UsbCamera& camera, const capture::StereoAdvice& advice) {
+    const auto folders = calibration::folder_list(calibration::standard_calibration_folders);
+    try {
+        return calibration::find_camera_calibration(camera.serial, folders, advice.eye_width, advice.eye_height)
+            .has_value();
+    } catch (const std::invalid_argument& error) {
+        print_note(error.what());
+        return false;
+    }
+}
+
+/// Says how to start with a camera that looks like a stereo pair, and how it gets a calibration where it has none.
+void print_advice(const capture::UsbCamera& camera, const capture::StereoAdvice& advice) {
+    std::cout << "    looks like a stereo camera: " << advice.reason << '\n';
+    const std::string uri = "'" + base::printable(advice.uri, advice.uri.size()) + "'";
+    if (has_calibration(camera, advice)) {
+        std::cout << "    start with: disparityd --source " << uri << '\n';
+        return;
+    }
+    std::cout << "    it has no calibration yet: disparityctl board -o board.pdf, print that, then\n"
+              << "      disparityctl calibrate " << uri << " --square 25 -o my.yml\n"
+              << "    start with: disparityd --source " << uri << " --set source.calibration=my.yml\n"
+              << "      without calibration there are no distances: --set source.allow_unrectified=true\n";
 }
 
 void print_cameras(const std::vector<capture::CameraSurvey>& cameras) {
@@ -55,6 +81,11 @@ void print_cameras(const std::vector<capture::CameraSurvey>& cameras) {
         }
         for (const std::string& line : mode_lines(survey)) {
             std::cout << "    " << line << '\n';
+        }
+        if (const auto advice = capture::advise(survey)) {
+            print_advice(camera, *advice);
+        } else if (survey.problem.empty()) {
+            std::cout << "    does not look like a stereo camera: no mode is two usual pictures side by side\n";
         }
     }
 }
