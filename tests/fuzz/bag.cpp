@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "capture/bag/bag_reader.h"
+#include "capture/frame_source.h"
 #include "formats/mcap_reader.h"
 #include "formats/ros_message.h"
 #include "tests/fuzz/memory_file.h"
