@@ -50,17 +50,18 @@ FrameView without_depth(FrameView view) {
 /// in place of the matcher, with its bytes.
 class DepthStage final : public AddedStage {
 public:
-    explicit DepthStage(const MatcherConfig& config) : range_(config.options.range), height_(config.height) {}
+    explicit DepthStage(const MatcherConfig& config)
+        : steps_(fastest_frame_steps()), range_(config.options.range), height_(config.height) {}
 
     std::string_view name() const override { return "depth"; }
     StagePlace place() const override { return StagePlace::after_matching; }
     bool depends_on_earlier_frames() const override { return false; }
     void run(const StageFrame& frame, Parallel& workers) override {
-        parallel_rows(height_, workers,
-                      [&](Rows rows) { write_depth(fastest_frame_steps(), range_, frame.view, rows); });
+        parallel_rows(height_, workers, [&](Rows rows) { write_depth(steps_, range_, frame.view, rows); });
     }
 
 private:
+    const FrameSteps& steps_;  // finding them allocates
     DisparityRange range_;
     int height_;
 };
