@@ -6,6 +6,7 @@
 
 #include "obstacles/scan_stage.h"
 #include "proto/doubt.h"
+#include "temporal/temporal_stage.h"
 #include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
@@ -21,6 +22,11 @@ std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int heigh
     ScanOptions options = config.scan.options;
     options.subpixel_error_px = config.match.subpixel_error_px;
     return std::make_unique<ScanStage>(width, height, config.match.options.range, options, levels);
+}
+
+std::unique_ptr<AddedStage> make_temporal(const Config& config, int width, int height,
+                                          const scan::GivenLevels* /*levels*/) {
+    return config.temporal.enabled ? std::make_unique<temporal::TemporalStage>(width, height) : nullptr;
 }
 
 std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height,
@@ -43,7 +49,8 @@ struct Row {
     decltype(ConfiguredStage::flags) flags = nullptr;
 };
 
-constexpr std::array table{Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
+constexpr std::array table{Row{v1::PRODUCT_NONE, make_temporal}, Row{v1::SCAN, make_scan},
+                           Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
 
 }  // namespace
 

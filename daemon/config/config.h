@@ -50,6 +50,10 @@ struct Config {
         double subpixel_error_px = ScanOptions{}.subpixel_error_px;  ///< one sigma of a disparity
     } match;
 
+    struct Temporal {
+        bool enabled = false;
+    } temporal;
+
     struct ObstacleScan {
         bool enabled = false;
         ScanOptions options;  ///< but for subpixel_error_px

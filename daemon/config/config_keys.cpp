@@ -338,6 +338,10 @@ void add_scan_keys(std::vector<ConfigKey>& keys) {
     }
 }
 
+void add_temporal_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(bool_key("temporal", "enabled", FIELD(temporal.enabled)));
+}
+
 void add_trust_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("trust", "enabled", FIELD(trust.enabled)));
     keys.push_back(range_key("trust", "dark_level", 1, 255, FIELD(trust.options.dark_level)));
@@ -402,6 +406,7 @@ const std::vector<ConfigKey>& config_keys() {
         std::vector<ConfigKey> list;
         add_input_keys(list);
         add_match_keys(list);
+        add_temporal_keys(list);
         add_scan_keys(list);
         add_trust_keys(list);
         add_output_keys(list);
