@@ -27,6 +27,11 @@ struct Range {
     }
 };
 
+/// Returns the texture that an eye surely shows in a cell: none where the picture is cut, whose edge is no texture.
+std::int32_t sure_texture(const EyeTexture& eye, std::size_t cell) {
+    return eye.cut[cell] ? 0 : eye.coarse[cell];
+}
+
 std::size_t cell_at(int row, int column) {
     return static_cast<std::size_t>(row * cell_columns + column);
 }
@@ -111,12 +116,12 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
                                    cell_begin(other + 1, width, cell_columns) > first_x;
                 if (meets) {
                     const std::size_t there = cell_at(row, other);
-                    least = std::min(least, right.coarse[there]);
-                    least_of_left[there] = std::min(least_of_left[there], left.coarse[here]);
+                    least = std::min(least, sure_texture(right, there));
+                    least_of_left[there] = std::min(least_of_left[there], sure_texture(left, here));
                     farthest_right[there] = std::max(farthest_right[there], range.last);
                 }
             }
-            if (first_x >= 0 && last_x < width) {
+            if (first_x >= 0 && last_x < width && !left.cut[here]) {
                 found.left[here] = compared(left.coarse[here], least);
             }
         }
@@ -126,7 +131,8 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
             const std::size_t here = cell_at(row, column);
             const bool seen = least_of_left[here] != std::numeric_limits<std::int32_t>::max() &&
                               cell_begin(column + 1, width, cell_columns) + farthest_right[here] <= width;
-            found.right[here] = seen ? compared(right.coarse[here], least_of_left[here]) : CellState::unknown;
+            found.right[here] =
+                seen && !right.cut[here] ? compared(right.coarse[here], least_of_left[here]) : CellState::unknown;
         }
     }
 }

@@ -39,6 +39,7 @@ void EyeMeter::measure(Plane<const std::uint8_t> image, EyeTexture& found) {
     measure_coarse(found);
     measure_fine(image, found);
     take_noise_off(found);
+    find_cut(image, found);
 }
 
 /// Writes the means of squares of step_ x step_ pixels, rounded down.
@@ -87,6 +88,37 @@ void EyeMeter::measure_coarse(EyeTexture& found) const {
             }
             found.coarse[static_cast<std::size_t>(row * cell_columns + column)] =
                 static_cast<std::int32_t>(coarse_unit * sum / count);
+        }
+    }
+}
+
+/// What lies outside of the captured picture is black after rectification, and reaches the image's outline.
+void EyeMeter::find_cut(Plane<const std::uint8_t> image, EyeTexture& found) const {
+    constexpr std::ptrdiff_t enough = 4;  // pixels of the outline; noise makes single ones black
+    const auto black_in_row = [](const std::uint8_t* row, int from, int to) {
+        return std::count(row + from, row + to, 0);
+    };
+    for (int row = 0; row < cell_rows; ++row) {
+        for (int column = 0; column < cell_columns; ++column) {
+            std::ptrdiff_t black = 0;
+            const int left = cell_begin(column, image.width, cell_columns);
+            const int right = cell_begin(column + 1, image.width, cell_columns);
+            if (row == 0 || row == cell_rows - 1) {
+                black += black_in_row(image.row(row == 0 ? 0 : image.height - 1), left, right);
+            }
+            if (column == 0 || column == cell_columns - 1) {
+                const int at = column == 0 ? 0 : image.width - 1;
+                for (int y = cell_begin(row, image.height, cell_rows); y < cell_begin(row + 1, image.height, cell_rows);
+                     ++y) {
+                    black += image.row(y)[at] == 0 ? 1 : 0;
+                }
+            }
+            for (int y = cell_begin(row, height_, cell_rows); y < cell_begin(row + 1, height_, cell_rows); ++y) {
+                black += enough * black_in_row(reduced_.data() + static_cast<std::ptrdiff_t>(y) * width_,
+                                               cell_begin(column, width_, cell_columns),
+                                               cell_begin(column + 1, width_, cell_columns));
+            }
+            found.cut[static_cast<std::size_t>(row * cell_columns + column)] = black >= enough;
         }
     }
 }

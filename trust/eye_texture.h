@@ -28,6 +28,7 @@ constexpr int cell_begin(int index, int size, int cells) {
 struct EyeTexture {
     Cells<std::int32_t> coarse{};  ///< per cell: mean square of changes of the reduced image, without noise, in 1/16
     Cells<std::int32_t> fine{};    ///< per cell: mean square of changes over 2 px, noise included
+    Cells<bool> cut{};             ///< per cell: some of it is black, as where a rectified picture shows nothing
     std::array<std::int32_t, 256> levels{};  ///< of the reduced image: pixels of each grey level
     std::int32_t reduced_pixels = 0;
 };
@@ -53,6 +54,7 @@ public:
 private:
     void reduce(Plane<const std::uint8_t> image);
     void measure_coarse(EyeTexture& found) const;
+    void find_cut(Plane<const std::uint8_t> image, EyeTexture& found) const;
     void take_noise_off(EyeTexture& found) const;
     void measure_fine(Plane<const std::uint8_t> image, EyeTexture& found) const;
 

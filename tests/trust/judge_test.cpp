@@ -134,6 +134,24 @@ TEST_F(JudgeTest, WhatIsPlainForBothEyesIsNoDirt) {
     EXPECT_EQ(see(6, plain).doubts, 0U);
 }
 
+// The edge of what rectification leaves black is no texture that the other eye lacks.
+TEST_F(JudgeTest, WhatRectificationLeavesBlackIsNoDirt) {
+    const auto cut = [](int slope, int least) {
+        return [slope, least](TexturedPair& pair, int) {
+            for (int y = 3 * TexturedPair::height / 4; y < TexturedPair::height; ++y) {
+                for (int x = 0; x < TexturedPair::width; ++x) {
+                    pair.left[TexturedPair::at(x, y)] = 150;
+                    const bool seen = y < TexturedPair::height - least - x * slope / TexturedPair::width;
+                    pair.right[TexturedPair::at(x, y)] = seen ? std::uint8_t{150} : std::uint8_t{0};
+                }
+            }
+        };
+    };
+    EXPECT_EQ(see(6, cut(0, 0)).doubts, 0U) << "a plain floor";
+    EXPECT_EQ(see(6, cut(14, 4)).doubts, 0U) << "with a black wedge below it";
+    EXPECT_EQ(see(6, cut(0, 1)).doubts, 0U) << "or a row, in one eye";
+}
+
 TEST_F(JudgeTest, RowsThatDoNotFitAreNamedWithinFiveSeconds) {
     see(2);
     EXPECT_EQ(see(5, lower_by_one).doubts, proto::doubt_misaligned);
