@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/ros_message.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -142,6 +143,15 @@ const Kind& RosMessage::get(std::string_view path, const char* kind) const {
 
 double RosMessage::number(std::string_view path) const {
     return get<double>(path, "a number");
+}
+
+std::int64_t RosMessage::integer(std::string_view path) const {
+    constexpr double most = 4294967295.0;
+    const double value = number(path);
+    if (!(value >= -most && value <= most) || value != std::trunc(value)) {
+        throw std::runtime_error("has a field " + std::string(path) + " that is no whole number of 32 bits");
+    }
+    return static_cast<std::int64_t>(value);
 }
 
 std::string_view RosMessage::text(std::string_view path) const {

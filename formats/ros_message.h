@@ -28,6 +28,7 @@ public:
 
     /// Return a field. Throw std::runtime_error where there is none of this name and kind.
     double number(std::string_view path) const;
+    std::int64_t integer(std::string_view path) const;  ///< a whole number of at most 32 bits
     std::string_view text(std::string_view path) const;
     std::span<const std::uint8_t> bytes(std::string_view path) const;
     const std::vector<double>& numbers(std::string_view path) const;

@@ -86,20 +86,20 @@ BagCameraInfo camera_info_of(const formats::RosMessage& message, const std::stri
     info.camera = matrix(message, "k", 9);
     info.rotation = matrix(message, "r", 9);
     info.projection = matrix(message, "p", 12);
-    const double part_width = message.number("roi.width");
-    const double part_height = message.number("roi.height");
-    double width = part_width != 0 ? part_width : message.number("width");
-    double height = part_height != 0 ? part_height : message.number("height");
+    const std::int64_t part_width = message.integer("roi.width");
+    const std::int64_t part_height = message.integer("roi.height");
+    const std::int64_t width = part_width != 0 ? part_width : message.integer("width");
+    const std::int64_t height = part_height != 0 ? part_height : message.integer("height");
     // The part is given in pixels of the whole sensor, before several of them are made one.
-    const double x = message.number("roi.x_offset");
-    const double y = message.number("roi.y_offset");
+    const auto x = static_cast<double>(message.integer("roi.x_offset"));
+    const auto y = static_cast<double>(message.integer("roi.y_offset"));
     for (std::vector<double>* numbers : {&info.camera, &info.projection}) {
         const std::size_t row = numbers->size() / 3;
         (*numbers)[2] -= x;
         (*numbers)[row + 2] -= y;
     }
-    const double binning_x = std::max(1.0, message.number("binning_x"));
-    const double binning_y = std::max(1.0, message.number("binning_y"));
+    const double binning_x = static_cast<double>(std::max<std::int64_t>(1, message.integer("binning_x")));
+    const double binning_y = static_cast<double>(std::max<std::int64_t>(1, message.integer("binning_y")));
     for (std::vector<double>* numbers : {&info.camera, &info.projection}) {
         const std::size_t row = numbers->size() / 3;
         for (std::size_t i = 0; i < row; ++i) {
@@ -107,8 +107,8 @@ BagCameraInfo camera_info_of(const formats::RosMessage& message, const std::stri
             (*numbers)[row + i] /= binning_y;
         }
     }
-    info.width = whole(width / binning_x);
-    info.height = whole(height / binning_y);
+    info.width = whole(static_cast<double>(width) / binning_x);
+    info.height = whole(static_cast<double>(height) / binning_y);
     return info;
 }
 

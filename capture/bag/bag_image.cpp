@@ -12,7 +12,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/message_text.h"
-#include "base/number_text.h"
 #include "capture/images/image_files.h"
 
 namespace disparityd::capture {
@@ -57,9 +56,9 @@ const Encoding& encoding_of(std::string_view name) {
 
 int side(const formats::RosMessage& message, std::string_view field) {
     constexpr int most = 8192;
-    const double value = message.number(field);
+    const std::int64_t value = message.integer(field);
     if (value < 1 || value > most) {
-        throw std::runtime_error("found an image whose " + std::string(field) + " is " + base::number_text(value) +
+        throw std::runtime_error("found an image whose " + std::string(field) + " is " + std::to_string(value) +
                                  ", allowed is 1 to " + std::to_string(most));
     }
     return static_cast<int>(value);
@@ -80,7 +79,7 @@ cv::Mat raw_pixels(const formats::RosMessage& message, const Encoding& encoding)
     cv::Mat image(side(message, "height"), side(message, "width"), encoding.type);
     const std::span<const std::uint8_t> data = message.bytes("data");
     const std::size_t row = static_cast<std::size_t>(image.cols) * image.elemSize();
-    const auto step = static_cast<std::size_t>(message.number("step"));
+    const auto step = static_cast<std::size_t>(std::max<std::int64_t>(message.integer("step"), 0));
     const auto rows = static_cast<std::size_t>(image.rows);
     if (step < row || data.size() < (rows - 1) * step + row) {
         throw std::runtime_error("found an image of " + base::size_text(image.cols, image.rows) + " " +
@@ -135,8 +134,13 @@ cv::Mat pixels_of_compressed(const formats::RosMessage& message, int bits) {
 
 std::int64_t stamp_of(const formats::RosMessage& message, std::int64_t log_ns) {
     constexpr std::int64_t second_ns = 1'000'000'000;
-    const std::int64_t stamp = static_cast<std::int64_t>(message.number("header.stamp.sec")) * second_ns +
-                               static_cast<std::int64_t>(message.number("header.stamp.nanosec"));
+    const std::int64_t seconds = message.integer("header.stamp.sec");
+    const std::int64_t nanoseconds = message.integer("header.stamp.nanosec");
+    if (seconds < 0 || nanoseconds < 0) {
+        throw std::runtime_error("found a stamp of " + std::to_string(seconds) + " s and " +
+                                 std::to_string(nanoseconds) + " ns, allowed are times from 1970 on");
+    }
+    const std::int64_t stamp = seconds * second_ns + nanoseconds;
     return stamp != 0 ? stamp : log_ns;
 }
 

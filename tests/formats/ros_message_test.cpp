@@ -3,6 +3,7 @@
 // Schemas and messages that are wrong. other_mcap.cjs compares whole ones with another implementation.
 #include "formats/ros_message.h"
 
+#include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -38,6 +39,15 @@ TEST(RosMessage, FieldsHaveThePathsOfTheirMessages) {
     EXPECT_FALSE(message.has("inner"));
     EXPECT_THAT(refusal([&] { message.text("two"); }), HasSubstr("has no field two that is a text"));
     EXPECT_THAT(refusal([&] { message.number("three"); }), HasSubstr("has no field three that is a number"));
+}
+
+TEST(RosMessage, WhatIsNoWholeNumberIsRefusedAsOne) {
+    const RosSchema schema = parse_ros_schema("a/A", "float64 x");
+    const auto read_integer = [&](double value) { return read(schema, CdrWriter().f64(value).take()).integer("x"); };
+    EXPECT_EQ(read_integer(-4294967295.0), -4294967295);
+    for (const double value : {0.5, 4294967296.0, std::numeric_limits<double>::quiet_NaN()}) {
+        EXPECT_THAT(refusal([&] { read_integer(value); }), HasSubstr("a field x that is no whole number of 32 bits"));
+    }
 }
 
 TEST(RosMessage, OneThatEndsTooSoonIsRefused) {
