@@ -233,6 +233,26 @@ TEST_F(ProcessFilesTest, EachPairIsMatchedAtItsOwnSizeWithItsOwnCalibration) {
     const Outcome refused = process({path("in"), "--self-calibrate", "--force"});
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_THAT(refused.err, HasSubstr("several sizes or calibrations, allowed: those of one camera and size"));
+    const Outcome unordered = process({path("in"), "--temporal", "--force"});
+    EXPECT_EQ(unordered.exit_code, 2);
+    EXPECT_THAT(unordered.err, HasSubstr("several sizes or calibrations, allowed: frames of one camera"));
+}
+
+TEST_F(ProcessFilesTest, MeansOverTimeAreTheSameInEveryRun) {
+    const std::string scene = "scene:vga@30?width=160&height=96&frames=6&loop=32";
+    const auto frame = [&](const std::string& folder, const std::string& name,
+                           const std::vector<std::string>& options) {
+        std::vector<std::string> words{"process", scene, "-o", path(folder), "--force"};
+        words.insert(words.end(), options.begin(), options.end());
+        const Outcome outcome = run(DISPARITYCTL, words);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return read_file(path(folder + "/" + name));
+    };
+    const std::string last = frame("one", "000005.png", {"--temporal", "--workers", "1"});
+    EXPECT_EQ(frame("again", "000005.png", {"--temporal", "--workers", "1"}), last);
+    EXPECT_EQ(frame("three", "000005.png", {"--temporal", "--workers", "3"}), last);
+    EXPECT_NE(frame("without", "000005.png", {}), last);
+    EXPECT_EQ(read_file(path("without/000000.png")), read_file(path("one/000000.png")));
 }
 
 TEST_F(ProcessFilesTest, OneProcessAtATimeFillsAFolder) {

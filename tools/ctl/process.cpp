@@ -26,6 +26,7 @@
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
+#include "temporal/temporal_stage.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/number_argument.h"
@@ -133,6 +134,7 @@ struct ProcessArguments {
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
+    bool temporal = false;
     bool self_calibrate = false;
     bool no_self_calibration = false;
     bool pfm = false;
@@ -186,6 +188,11 @@ std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& argument
             throw std::invalid_argument(
                 "--self-calibrate: " + arguments.source +
                 " has images of several sizes or calibrations, allowed: those of one camera and size");
+        }
+        if (arguments.temporal) {
+            throw std::invalid_argument(
+                "--temporal: " + arguments.source +
+                " has images of several sizes or calibrations, allowed: frames of one camera, in their order");
         }
         print_note(arguments.source +
                    ": images of several sizes or calibrations, each pair is matched with its own; geometry.json has " +
@@ -404,6 +411,11 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         run.config.stages.push_back(&*scan_stage);
     }
     run.config.stages.push_back(&trust_stage);
+    std::optional<temporal::TemporalStage> temporal_stage;
+    if (arguments.temporal) {
+        temporal_stage.emplace(rectification.width, rectification.height);
+        run.config.stages.push_back(&*temporal_stage);  // last: records are found by their place in this list
+    }
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
@@ -490,6 +502,8 @@ void add_process(CLI::App& program, Action& action) {
         ->type_name("X,Y,W,H");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
+    command.add_flag("--temporal", arguments->temporal,
+                     "make a mean over time of disparities that agree, as [temporal] of the daemon does");
     CLI::Option& self_calibrate =
         *command.add_flag("--self-calibrate", arguments->self_calibrate,
                           "estimate corrections of the calibration from the frames, four times in every 80 frames");
