@@ -111,7 +111,7 @@ TEST(DriveFigures, NoCollisionAndMostOfTheSpeedInCleanCourses) {
     DriveEvaluation evaluation;
     evaluation.settings = settings();
     DriveCounts counts;
-    for (const Course& course : make_base_courses(4, 3)) {
+    for (const Course& course : make_base_courses(2, 3)) {
         counts.add(count_drive(course, {}, evaluation));
     }
     EXPECT_EQ(counts.courses, 3);

@@ -12,9 +12,9 @@
 namespace disparityd::eval {
 namespace {
 
-constexpr double scale = 90;  // px in a metre
+constexpr double scale = 80;  // px in a metre
 constexpr double behind_m = 0.5;
-constexpr double beside_m = 2.2;
+constexpr double beside_m = 2.8;
 const cv::Scalar floor_colour(245, 245, 245);
 const cv::Scalar thing_colour(70, 70, 70);
 const cv::Scalar text_colour(30, 30, 30);
