@@ -19,8 +19,8 @@ struct BagImage {
     std::size_t bytes() const { return pixels.total() * pixels.elemSize(); }
 };
 
-/// Returns the stamp of a message's header, ns since 1970; `log_ns` where it has none. Throws std::runtime_error for one
-/// before 1970.
+/// Returns the stamp of a message's header, ns since 1970; `log_ns` where it has none. Throws std::runtime_error for
+/// one before 1970.
 std::int64_t stamp_of(const formats::RosMessage& message, std::int64_t log_ns);
 
 /// Reads a sensor_msgs/msg/Image or CompressedImage. `bits` are those of values in images of 16 bits, 9 to 16; 0: 16.

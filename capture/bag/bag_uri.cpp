@@ -3,9 +3,9 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <stdexcept>
 
-#include "base/file_kind.h"
 #include "base/words.h"
 #include "capture/source_uri.h"
 
@@ -16,11 +16,20 @@ std::string path_of(const std::string& uri) {
     return uri.substr(0, uri.rfind('?'));
 }
 
+/// Whether a folder is that of a bag. Other folders of images have a metadata.yaml, too.
+bool is_bag_folder(const std::filesystem::path& folder) {
+    constexpr std::size_t enough = 4096;
+    std::string begin(enough, '\0');
+    std::ifstream file(folder / "metadata.yaml", std::ios::binary);
+    file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+    return begin.find("rosbag2_bagfile_information") != std::string::npos;
+}
+
 }  // namespace
 
 bool is_bag(const std::string& uri) {
     const std::filesystem::path path(path_of(uri));
-    return base::lower_case(path.extension().string()) == ".mcap" || base::is_file(path / "metadata.yaml");
+    return base::lower_case(path.extension().string()) == ".mcap" || is_bag_folder(path);
 }
 
 BagUri parse_bag_uri(const std::string& uri) {

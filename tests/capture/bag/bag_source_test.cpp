@@ -339,10 +339,12 @@ TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
                 HasSubstr("metadata.yaml: found a bag stored as 'sqlite3', allowed is mcap"));
     metadata("mcap", "zstd");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("a bag packed by 'zstd'"));
-    folder.write("metadata.yaml", "a: [");
+    folder.write("metadata.yaml", "rosbag2_bagfile_information: [");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("is no YAML file: line"));
-    folder.write("metadata.yaml", "a: 1");
+    folder.write("metadata.yaml", "rosbag2_bagfile_information: 1");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("this is no ROS 2 bag"));
+    folder.write("metadata.yaml", "camera: left");
+    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("holds no stereo images"));
 }
 
 TEST(BagSource, ABagThatWasCutOffPlaysWhatIsWhole) {
