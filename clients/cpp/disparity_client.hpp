@@ -388,9 +388,9 @@ struct SensorBatch {
 
 /// Where up was at one instant, along the robot's axes; of length 1.
 struct Level {
-    double ahead = 0;
-    double left = 0;
-    double up = 1;
+    double ahead = 0;                  ///< the part of the direction along the axis that points ahead
+    double left = 0;                   ///< along the axis to the left
+    double up = 1;                     ///< along the axis upwards
     std::chrono::microseconds age{0};  ///< when it is given; at most a second
 };
 
