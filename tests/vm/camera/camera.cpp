@@ -10,7 +10,7 @@ namespace simulated_camera {
 Camera::Camera(const CameraOptions& options, Plug plug)
     : options_(options),
       plug_(std::move(plug)),
-      feed_(options.frames_file),
+      feed_(options.frames_file, options.jpeg),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
     if (!timer_) {
         throw std::runtime_error("the system gives no timer");

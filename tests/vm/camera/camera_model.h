@@ -53,6 +53,8 @@ struct CameraOptions {
     bool sensors = false;             ///< plug in the model's sensors, too
     std::string frames_file;          ///< raw frames of the mode in use, repeated; empty: the numbered pattern
 
+    bool jpeg = false;  ///< offers MJPEG in place of YUYV; frames_file is a JPEG, which every frame is
+
     bool only_smallest_mode() const { return link == Link::usb2 || model->old_firmware; }
 
     std::span<const Mode> offered_modes() const {

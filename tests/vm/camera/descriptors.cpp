@@ -138,7 +138,7 @@ Bytes control_units() {
                                      .done()});
 }
 
-Bytes frame_descriptor(std::uint8_t index, const Mode& mode) {
+Bytes frame_descriptor(std::uint8_t index, const Mode& mode, bool jpeg) {
     const auto rates =
         static_cast<std::uint8_t>(std::count_if(mode.rates.begin(), mode.rates.end(), [](int r) { return r > 0; }));
     const auto bits_per_second = [&](int rate) {
@@ -146,7 +146,7 @@ Bytes frame_descriptor(std::uint8_t index, const Mode& mode) {
             std::min<std::uint64_t>(0xffff'ffff, 8ULL * mode.frame_bytes() * static_cast<unsigned>(rate)));
     };
     Descriptor frame(class_interface);
-    frame.byte(5).byte(index).byte(0).word(mode.width).word(mode.height);
+    frame.byte(jpeg ? 7 : 5).byte(index).byte(0).word(mode.width).word(mode.height);
     frame.dword(bits_per_second(mode.rates[rates - 1U]))
         .dword(bits_per_second(mode.rates[0]))
         .dword(mode.frame_bytes());
@@ -161,15 +161,20 @@ Bytes video_formats(const CameraOptions& camera) {
     const auto offered = camera.offered_modes();
     Bytes frames;
     for (std::size_t i = 0; i < offered.size(); ++i) {
-        append(frames, frame_descriptor(static_cast<std::uint8_t>(i + 1), offered[i]));
+        append(frames, frame_descriptor(static_cast<std::uint8_t>(i + 1), offered[i], camera.jpeg));
     }
-    // The identifier of YUY2: its four letters, then the end that such identifiers of media types share.
     Descriptor format(class_interface);
-    format.byte(4).byte(1).byte(static_cast<std::uint8_t>(offered.size())).text("YUY2");
-    for (const int value : {0x00, 0x00, 0x10, 0x00, 0x80, 0x00, 0x00, 0xaa, 0x00, 0x38, 0x9b, 0x71}) {
-        format.byte(static_cast<std::uint8_t>(value));
+    if (camera.jpeg) {
+        format.byte(6).byte(1).byte(static_cast<std::uint8_t>(offered.size())).byte(1);
+    } else {
+        // The identifier of YUY2: its four letters, then the end that such identifiers of media types share.
+        format.byte(4).byte(1).byte(static_cast<std::uint8_t>(offered.size())).text("YUY2");
+        for (const int value : {0x00, 0x00, 0x10, 0x00, 0x80, 0x00, 0x00, 0xaa, 0x00, 0x38, 0x9b, 0x71}) {
+            format.byte(static_cast<std::uint8_t>(value));
+        }
+        format.byte(16);
     }
-    format.byte(16).byte(1).byte(0).byte(0).byte(0).byte(0);
+    format.byte(1).byte(0).byte(0).byte(0).byte(0);
     return with_total_length(
         4, {Descriptor(class_interface)
                 .byte(1)

@@ -73,11 +73,12 @@ FileDescriptor plug_into_virtual_port(Link link) {
 void usage() {
     std::printf(
         "usage: simulated_camera --socket PATH [--model MODEL] [--serial N] [--firmware BCD] [--usb2] [--isochronous]\n"
-        "                        [--sensors] [--frames FILE]\n"
+        "                        [--sensors] [--frames FILE | --jpeg FILE]\n"
         "       simulated_camera --socket PATH --tell COMMAND\n"
         "Plugs a camera into the virtual USB controller (module vhci-hcd) and serves it until it is ended.\n"
         "  --model    zed, zed-old, mini, mini-old, zed2, zed2i\n"
         "  --frames   raw YUYV frames of the mode in use, repeated; without: a numbered pattern\n"
+        "  --jpeg     offers MJPEG in place of YUYV; each frame is this file\n"
         "  --sensors  plugs in the sensors of a mini, zed2 or zed2i as well\n"
         "  --tell     gives a command to a running one: %s\n"
         "example: simulated_camera --socket /run/camera --tell 'err 3'\n",
@@ -101,6 +102,9 @@ void take_value(Arguments& arguments, const std::string& option, const std::stri
         arguments.command = value;
     } else if (option == "--frames") {
         arguments.camera.frames_file = value;
+    } else if (option == "--jpeg") {
+        arguments.camera.frames_file = value;
+        arguments.camera.jpeg = true;
     } else if (option == "--serial") {
         arguments.camera.serial = static_cast<std::uint32_t>(std::stoul(value));
     } else if (option == "--firmware") {

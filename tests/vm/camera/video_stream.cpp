@@ -30,7 +30,7 @@ bool take_one(int& count) {
 
 }  // namespace
 
-FrameFeed::FrameFeed(const std::string& file) : from_file_(!file.empty()) {
+FrameFeed::FrameFeed(const std::string& file, bool whole) : from_file_(!file.empty()), whole_(whole) {
     if (!from_file_) {
         return;
     }
@@ -42,6 +42,9 @@ FrameFeed::FrameFeed(const std::string& file) : from_file_(!file.empty()) {
 }
 
 std::span<const std::uint8_t> FrameFeed::frame(std::uint32_t number, std::size_t frame_bytes) {
+    if (whole_) {
+        return file_;
+    }
     const std::size_t frames_in_file = file_.size() / frame_bytes;
     if (frames_in_file > 0) {
         return std::span(file_).subspan(number % frames_in_file * frame_bytes, frame_bytes);

@@ -15,14 +15,16 @@ namespace simulated_camera {
 /// What the camera sees: raw frames of a file, over and over, or the numbered pattern.
 class FrameFeed {
 public:
-    /// An empty name stands for the pattern. Throws std::runtime_error when the file cannot be read.
-    explicit FrameFeed(const std::string& file);
+    /// An empty name stands for the pattern; `whole`: each frame is all of the file, whatever its size. Throws
+    /// std::runtime_error when the file cannot be read.
+    FrameFeed(const std::string& file, bool whole);
 
     /// The frame with this number, valid until the next call. A file that holds less than one frame gives zeros.
     std::span<const std::uint8_t> frame(std::uint32_t number, std::size_t frame_bytes);
 
 private:
     bool from_file_;
+    bool whole_;
     std::vector<std::uint8_t> file_;
     std::vector<std::uint8_t> made_;
 };
