@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // A camera that sends JPEGs, whole and damaged, as the kernel hands them on.
+#include <algorithm>
 #include <fstream>
 #include <memory>
 
