@@ -15,6 +15,7 @@
 #include "calibration/formats/calibration_format.h"
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/calibration_name.h"
+#include "calibration/lens.h"
 
 namespace disparityd::calibration {
 
@@ -33,11 +34,11 @@ CalibrationText load(const std::string& path) {
 
 /// Refuses settings behind the name that say nothing about such a file, as they would not be applied.
 void check_settings(const CalibrationName& name, CalibrationFormat format) {
-    const bool brown = name.brown && format != CalibrationFormat::opencv && format != CalibrationFormat::ros;
-    if (brown || (name.pair && format != CalibrationFormat::kitti)) {
+    const bool lens = name.lens && format != CalibrationFormat::opencv && format != CalibrationFormat::ros;
+    if (lens || (name.pair && format != CalibrationFormat::kitti)) {
         refuse_calibration(name.first, std::string("is ") + format_name(format) + ", for which " +
-                                           (brown ? "model=brown says nothing: it is for OpenCV and ROS"
-                                                  : "pair says nothing: it is for KITTI") +
+                                           (lens ? "model says nothing: it is for OpenCV and ROS"
+                                                 : "pair says nothing: it is for KITTI") +
                                            ": take it out");
     }
 }
@@ -49,10 +50,10 @@ FileCalibration read_pair(const CalibrationName& name, int width, int height) {
     const CalibrationFormat other = calibration_format(second.path, second.text);
     check_settings(name, format);
     if (format == other && format == CalibrationFormat::ros) {
-        return read_ros_calibration(first, second, width, height, name.brown);
+        return read_ros_calibration(first, second, width, height, name.lens);
     }
     if (format == other && format == CalibrationFormat::opencv) {
-        return read_opencv_calibration(first, second, width, height, name.brown);
+        return read_opencv_calibration(first, second, width, height, name.lens);
     }
     refuse_calibration(name.first, "is " + format_name(format) + ", and " + base::printable(name.second, longest_name) +
                                        " is " + format_name(other) +
@@ -71,7 +72,7 @@ FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> p
             // Cameras with 18 mm are made.
             read.least_baseline_mm = 15;
             return read;
-        case CalibrationFormat::opencv: return read_opencv_calibration(file, file, width, height, name.brown);
+        case CalibrationFormat::opencv: return read_opencv_calibration(file, file, width, height, name.lens);
         case CalibrationFormat::orbslam: return read_orbslam_settings(file, width, height);
         case CalibrationFormat::kalibr: return read_kalibr_camchain(file, width, height);
         case CalibrationFormat::middlebury:
@@ -87,7 +88,7 @@ FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> p
     refuse_calibration(file.path, "found the ROS camera_info of one camera; name both, as left.yaml,right.yaml");
 }
 
-void put(std::string& text, const std::string& key, std::initializer_list<double> numbers) {
+void put(std::string& text, const std::string& key, const std::vector<double>& numbers) {
     text += key + " =";
     for (const double number : numbers) {
         text += ' ';
@@ -98,14 +99,27 @@ void put(std::string& text, const std::string& key, std::initializer_list<double
 
 void put_camera(std::string& text, const std::string& key, const CameraModel& camera) {
     put(text, key, {camera.fx, camera.fy, camera.cx, camera.cy});
-    const auto& k = camera.distortion;
-    put(text, key + "_distortion", {k[0], k[1], k[2], k[3], k[4]});
+    put(text, key + "_distortion", lens_coefficients(camera));
 }
 
 void check_range(double value, double least, double most, const std::string& what, const std::string& path) {
     if (!(value >= least && value <= most)) {
         refuse_calibration(path, what + ": found " + base::number_text(value) + ", allowed is " +
                                      base::number_text(least) + " to " + base::number_text(most));
+    }
+}
+
+/// Numerator and denominator of the rational model may both be large.
+void check_coefficients(const CameraModel& camera, const std::string& eye, const std::string& path) {
+    const std::vector<double> coefficients = lens_coefficients(camera);
+    const double most = coefficients.size() <= 5 ? 50 : 1000;
+    for (const double k : coefficients) {
+        check_range(k, -most, most, eye + " distortion", path);
+    }
+    constexpr double largest_tilt = 1;  // rad
+    if (camera.lens == LensModel::pinhole) {
+        check_range(camera.distortion[12], -largest_tilt, largest_tilt, eye + " tau x", path);
+        check_range(camera.distortion[13], -largest_tilt, largest_tilt, eye + " tau y", path);
     }
 }
 
@@ -221,9 +235,7 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
         const double beyond = calibration.rectified ? 10 : 0;
         check_range(camera->cx, -beyond * calibration.width, (1 + beyond) * calibration.width, eye + " cx", path);
         check_range(camera->cy, -beyond * calibration.height, (1 + beyond) * calibration.height, eye + " cy", path);
-        for (const double k : camera->distortion) {
-            check_range(k, -50, 50, eye + " distortion", path);
-        }
+        check_coefficients(*camera, eye, path);
     }
     if (!calibration.rectified) {
         check_rotation(calibration.rotation, path);
@@ -274,8 +286,12 @@ StereoCalibration calibration_from_text(const std::string& text, const std::stri
     const auto camera = [&](const std::string& key) {
         const auto& pinhole = take(key, 4);
         CameraModel model{pinhole[0], pinhole[1], pinhole[2], pinhole[3], {}};
-        const auto& k = take(key + "_distortion", 5);
-        std::copy(k.begin(), k.end(), model.distortion.begin());
+        const auto coefficients = values.find(key + "_distortion");
+        if (coefficients == values.end() || !set_lens_coefficients(model, coefficients->second)) {
+            throw std::invalid_argument("calibration of " + origin + ": '" + key +
+                                        "_distortion' is missing or damaged; 5, 8, 12 or 14 numbers are expected, or 4 "
+                                        "of a fisheye lens");
+        }
         return model;
     };
     StereoCalibration calibration;

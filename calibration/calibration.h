@@ -7,13 +7,21 @@
 
 namespace disparityd::calibration {
 
-/// One camera: pinhole with Brown distortion, OpenCV's order of coefficients (k1 k2 p1 p2 k3), pixels.
+/// How a lens takes rays to the image.
+enum class LensModel {
+    pinhole,  ///< Brown's model, and what widens it: rational, thin prisms, tilted sensor
+    fisheye,  ///< equidistant (Kannala-Brandt)
+};
+
+/// One camera, pixels. Coefficients stand in OpenCV's order: of a pinhole k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x
+/// tau_y, of a fisheye k1 k2 k3 k4; the others are 0.
 struct CameraModel {
     double fx = 0;
     double fy = 0;
     double cx = 0;
     double cy = 0;
-    std::array<double, 5> distortion{};
+    std::array<double, 14> distortion{};
+    LensModel lens = LensModel::pinhole;
 };
 
 /// The calibration of a stereo pair for one capture size, as OpenCV's stereoRectify takes it.
@@ -37,9 +45,9 @@ enum class KittiPair { grey, colour };
 /// factory .conf; OpenCV's YAML, JSON or XML (M1 D1 M2 D2 R T, or K_LEFT ... of the vendor's own tool; R and T may
 /// stand in a second file); a pair of ROS camera_info; settings of ORB-SLAM; Kalibr's camchain; calib.txt of
 /// Middlebury, ETH3D and KITTI. docs/calibration.md lists the keys. Behind a question mark stands what the files leave
-/// open, as in "stereo.yml?unit=m": unit=mm, cm, m or the side of the board's squares as 25mm; model=brown; pair=grey
-/// or colour. `pair` is which of KITTI's pairs the frames are of, where the caller knows. Throws std::invalid_argument
-/// with one line: file, key, what was found, what is allowed.
+/// open, as in "stereo.yml?unit=m": unit=mm, cm, m or the side of the board's squares as 25mm; model=brown or
+/// fisheye; pair=grey or colour. `pair` is which of KITTI's pairs the frames are of, where the caller knows. Throws
+/// std::invalid_argument with one line: file, key, what was found, what is allowed.
 StereoCalibration read_calibration(const std::string& path, int width, int height,
                                    std::optional<KittiPair> pair = std::nullopt);
 

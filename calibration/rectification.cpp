@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/rectification.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -12,6 +13,7 @@
 #include "base/message_text.h"
 #include "calibration/calibration.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/lens.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -26,60 +28,90 @@ std::string short_text(double number) {
     return text;
 }
 
-/// What the rectified camera has, for the size of the raw eyes.
+/// The rectified camera, and what turns the raw ones to it.
 struct View {
-    cv::Mat turn[2];
+    std::array<double, 9> turn[2];  ///< row-major, OpenCV's R1 and R2
     double f = 0;
     double cx = 0;
     double cy = 0;
+    double baseline_mm = 0;
 };
 
 cv::Matx33d matrix_of(const CameraModel& camera) {
     return {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
 }
 
-View view_of(const StereoCalibration& calibration) {
+/// Sets the rectified camera of fisheye lenses, whose whole field fits into no flat image: in the middle it is as large
+/// as in the eyes, and the optical axes lie, in the mean of both eyes, where they lie in the raw images.
+void see_as_fisheye(View& view, const StereoCalibration& calibration, cv::Size size) {
+    const double scale_x = static_cast<double>(size.width) / calibration.width;
+    const double scale_y = static_cast<double>(size.height) / calibration.height;
+    view.f = scale_y * std::min({calibration.left.fx, calibration.left.fy, calibration.right.fx, calibration.right.fy});
+    view.cx = 0;
+    view.cy = 0;
+    for (const int eye : {0, 1}) {
+        const CameraModel& camera = eye == 0 ? calibration.left : calibration.right;
+        const auto& turn = view.turn[eye];
+        view.cx += 0.5 * ((camera.cx + 0.5) * scale_x - 0.5 - view.f * turn[2] / turn[8]);
+        view.cy += 0.5 * ((camera.cy + 0.5) * scale_y - 0.5 - view.f * turn[5] / turn[8]);
+    }
+}
+
+/// `size` is that of the rectified image.
+View view_of(const StereoCalibration& calibration, cv::Size size) {
+    const bool fisheye = calibration.left.lens == LensModel::fisheye || calibration.right.lens == LensModel::fisheye;
+    const auto distortion = [&](const CameraModel& camera) {
+        return cv::Mat(fisheye ? std::array<double, 14>{} : camera.distortion, true);
+    };
     View view;
-    cv::Mat projection[2], to_depth;
-    cv::stereoRectify(matrix_of(calibration.left), calibration.left.distortion, matrix_of(calibration.right),
-                      calibration.right.distortion, {calibration.width, calibration.height},
-                      cv::Matx33d(calibration.rotation.data()), cv::Vec3d(calibration.translation.data()), view.turn[0],
-                      view.turn[1], projection[0], projection[1], to_depth, cv::CALIB_ZERO_DISPARITY, 0);
+    cv::Mat turn[2], projection[2], to_depth;
+    cv::stereoRectify(matrix_of(calibration.left), distortion(calibration.left), matrix_of(calibration.right),
+                      distortion(calibration.right), {calibration.width, calibration.height},
+                      cv::Matx33d(calibration.rotation.data()), cv::Vec3d(calibration.translation.data()), turn[0],
+                      turn[1], projection[0], projection[1], to_depth, cv::CALIB_ZERO_DISPARITY, 0, size);
+    for (const int eye : {0, 1}) {
+        std::copy_n(turn[eye].ptr<double>(), 9, view.turn[eye].begin());
+    }
     view.f = projection[0].at<double>(0, 0);
     view.cx = projection[0].at<double>(0, 2);
     view.cy = projection[0].at<double>(1, 2);
+    view.baseline_mm = -projection[1].at<double>(0, 3) / view.f;
+    if (fisheye) {
+        see_as_fisheye(view, calibration, size);
+    }
     return view;
 }
 
-/// Returns where the grid's points lie in the raw image; nothing when some lie behind the camera.
-std::vector<cv::Point2d> grid_in_raw_image(const StereoCalibration& calibration, const CameraModel& camera,
-                                           const View& view, const cv::Mat& turn) {
-    const cv::Matx33d back = cv::Matx33d(turn).t();
-    std::vector<cv::Point3d> rays;
+/// Returns the place in the raw image of a place in the rectified one.
+Pixel raw_pixel(const Lens& lens, const std::array<double, 9>& turn, double x, double y) {
+    return lens.pixel_of(turn[0] * x + turn[3] * y + turn[6], turn[1] * x + turn[4] * y + turn[7],
+                         turn[2] * x + turn[5] * y + turn[8]);
+}
+
+/// Returns where the grid's points lie in the raw image; not numbers behind the camera.
+std::vector<Pixel> grid_in_raw_image(const StereoCalibration& calibration, const CameraModel& camera, const View& view,
+                                     const std::array<double, 9>& turn) {
+    const Lens lens(camera);
+    std::vector<Pixel> points;
     for (int y = 0; y <= steps; ++y) {
         for (int x = 0; x <= steps; ++x) {
-            const cv::Vec3d ray = back * cv::Vec3d((calibration.width * x / double{steps} - view.cx) / view.f,
-                                                   (calibration.height * y / double{steps} - view.cy) / view.f, 1);
-            if (!(ray[2] > 0)) {
-                return {};
-            }
-            rays.emplace_back(ray);
+            points.push_back(raw_pixel(lens, turn, (calibration.width * x / double{steps} - view.cx) / view.f,
+                                       (calibration.height * y / double{steps} - view.cy) / view.f));
         }
     }
-    std::vector<cv::Point2d> points;
-    cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), matrix_of(camera), camera.distortion, points);
     return points;
 }
 
 /// The area of the grid in the raw image; negative when a cell of it is turned over.
-double area_of(const std::vector<cv::Point2d>& points) {
+double area_of(const std::vector<Pixel>& points) {
     double sum = 0;
     for (int y = 0; y < steps; ++y) {
         for (int x = 0; x < steps; ++x) {
             const auto at = [&](int right, int down) {
                 return points[static_cast<std::size_t>((y + down) * (steps + 1) + x + right)];
             };
-            const double area = 0.5 * (at(1, 1) - at(0, 0)).cross(at(0, 1) - at(1, 0));
+            const Pixel a = at(0, 0), b = at(1, 1), c = at(1, 0), d = at(0, 1);
+            const double area = 0.5 * ((b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x));
             if (!(area > 0)) {
                 return -1;
             }
@@ -93,7 +125,7 @@ double area_of(const std::vector<cv::Point2d>& points) {
 /// four times theirs, it shows at least a quarter of each eye's image, and the lenses do not fold what it shows.
 /// Numbers may each be possible and together be those of no camera. Throws std::invalid_argument with one line.
 void check_rectified_view(const StereoCalibration& calibration) {
-    const View view = view_of(calibration);
+    const View view = view_of(calibration, {calibration.width, calibration.height});
     const std::string advice =
         ": these numbers are not those of a stereo camera with images of this size; compare the size that the "
         "calibration was made for, "
@@ -110,7 +142,7 @@ void check_rectified_view(const StereoCalibration& calibration) {
     for (const int eye : {0, 1}) {
         const CameraModel& camera = eye == 0 ? calibration.left : calibration.right;
         const auto points = grid_in_raw_image(calibration, camera, view, view.turn[eye]);
-        const double area = points.empty() ? -1 : area_of(points);
+        const double area = area_of(points);
         const double share = area / (static_cast<double>(calibration.width) * calibration.height);
         const std::string name = eye == 0 ? "left" : "right";
         if (area < 0) {
@@ -151,24 +183,32 @@ RectifiedGeometry complete(RectifiedGeometry geometry, int eye_width, int height
     return geometry;
 }
 
-cv::Mat camera_matrix(const CameraModel& camera) {
-    return (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1);
+/// Returns a place in 1/32 px, rounded to the nearest, to the even one between two. Places that the map's 16 bits
+/// cannot hold lie outside the image wherever they are.
+int fixed_point(double place) {
+    constexpr double least = -32768.0 * 32, most = 32767.0 * 32;
+    const double scaled = place * 32;
+    return scaled >= least ? static_cast<int>(std::lrint(std::min(scaled, most))) : static_cast<int>(least);
 }
 
-Rectification::Maps make_maps(const cv::Mat& camera, const cv::Mat& distortion, const cv::Mat& rotation,
-                              const cv::Mat& projection, const RectifiedGeometry& geometry) {
-    cv::Mat xy;
-    cv::Mat fraction;
-    cv::initUndistortRectifyMap(camera, distortion, rotation, projection, {geometry.width, geometry.height}, CV_16SC2,
-                                xy, fraction);
-    const auto& region = geometry.region;
-    const cv::Rect crop(region.x, region.y, region.width, region.height);
+/// Makes the map of one eye. `rectified` is the camera of the whole rectified image, which has no distortion.
+Rectification::Maps make_maps(const CameraModel& camera, const std::array<double, 9>& turn,
+                              const CameraModel& rectified, const RectifiedGeometry::Region& region) {
+    const Lens lens(camera);
+    const std::size_t pixels = static_cast<std::size_t>(region.width) * static_cast<std::size_t>(region.height);
     Rectification::Maps maps;
-    for (int y = crop.y; y < crop.y + crop.height; ++y) {
-        const auto* row = xy.ptr<std::int16_t>(y) + 2 * static_cast<std::ptrdiff_t>(crop.x);
-        maps.xy.insert(maps.xy.end(), row, row + 2 * static_cast<std::ptrdiff_t>(crop.width));
-        const auto* rest = fraction.ptr<std::uint16_t>(y) + crop.x;
-        maps.fraction.insert(maps.fraction.end(), rest, rest + crop.width);
+    maps.xy.reserve(2 * pixels);
+    maps.fraction.reserve(pixels);
+    for (int y = region.y; y < region.y + region.height; ++y) {
+        for (int x = region.x; x < region.x + region.width; ++x) {
+            const Pixel raw =
+                raw_pixel(lens, turn, (x - rectified.cx) / rectified.fx, (y - rectified.cy) / rectified.fy);
+            const int column = fixed_point(raw.x);
+            const int row = fixed_point(raw.y);
+            maps.xy.push_back(static_cast<std::int16_t>(column >> 5));
+            maps.xy.push_back(static_cast<std::int16_t>(row >> 5));
+            maps.fraction.push_back(static_cast<std::uint16_t>((row & 31) * 32 + (column & 31)));
+        }
     }
     return maps;
 }
@@ -179,31 +219,21 @@ void use_projection(Rectification& result, double f, double cx, double cy, const
     result.cy = cy - geometry.region.y;
 }
 
-// Rectifies two raw eyes by OpenCV: both principal points alike (CALIB_ZERO_DISPARITY), only valid pixels.
+// Rectifies two raw eyes to OpenCV's camera: both principal points alike (CALIB_ZERO_DISPARITY), only valid pixels.
 void rectify_raw(Rectification& result, const StereoCalibration& calibration, const RectifiedGeometry& geometry) {
-    const cv::Mat left = camera_matrix(calibration.left);
-    const cv::Mat right = camera_matrix(calibration.right);
-    const cv::Mat left_distortion = cv::Mat(calibration.left.distortion, true);
-    const cv::Mat right_distortion = cv::Mat(calibration.right.distortion, true);
-    const cv::Mat rotation = cv::Mat(calibration.rotation, true).reshape(1, 3);
-    const cv::Mat translation = cv::Mat(calibration.translation, true);
-    cv::Mat left_turn, right_turn, left_projection, right_projection, to_depth;
-    cv::stereoRectify(left, left_distortion, right, right_distortion, {calibration.width, calibration.height}, rotation,
-                      translation, left_turn, right_turn, left_projection, right_projection, to_depth,
-                      cv::CALIB_ZERO_DISPARITY, 0, {geometry.width, geometry.height});
-    const double f = left_projection.at<double>(0, 0);
-    const double shift = right_projection.at<double>(0, 3);
-    if (!std::isfinite(f) || f <= 0 || !std::isfinite(shift) || shift >= 0) {
+    const View view = view_of(calibration, {geometry.width, geometry.height});
+    if (!std::isfinite(view.f) || view.f <= 0 || !std::isfinite(view.baseline_mm) || view.baseline_mm <= 0) {
         throw std::invalid_argument("calibration " + calibration.origin +
                                     ": cannot be rectified: the cameras do not look side by side the same way");
     }
     check_rectified_view(calibration);
-    use_projection(result, f, left_projection.at<double>(0, 2), left_projection.at<double>(1, 2), geometry);
-    result.baseline_mm = -shift / f;
-    std::copy_n(left_turn.ptr<double>(), 9, result.left_rotation.begin());
-    std::copy_n(right_turn.ptr<double>(), 9, result.right_rotation.begin());
-    result.left = make_maps(left, left_distortion, left_turn, left_projection, geometry);
-    result.right = make_maps(right, right_distortion, right_turn, right_projection, geometry);
+    use_projection(result, view.f, view.cx, view.cy, geometry);
+    result.baseline_mm = view.baseline_mm;
+    result.left_rotation = view.turn[0];
+    result.right_rotation = view.turn[1];
+    const CameraModel rectified{view.f, view.f, view.cx, view.cy, {}};
+    result.left = make_maps(calibration.left, view.turn[0], rectified, geometry.region);
+    result.right = make_maps(calibration.right, view.turn[1], rectified, geometry.region);
 }
 
 // Takes eyes as they are, or scales them. Without a focal length only the scale is known.
@@ -231,9 +261,7 @@ void scale_rectified(Rectification& result, const StereoCalibration& calibration
     }
     // Both eyes use the same map: a pixel keeps its place in the image, whatever the principal points.
     const CameraModel plain{1, 1, 0, 0, {}};
-    const cv::Mat none = cv::Mat::zeros(5, 1, CV_64F);
-    result.left =
-        make_maps(camera_matrix(plain), none, cv::Mat::eye(3, 3, CV_64F), camera_matrix(scaled(plain)), geometry);
+    result.left = make_maps(plain, {1, 0, 0, 0, 1, 0, 0, 0, 1}, scaled(plain), geometry.region);
     result.right = result.left;
 }
 

@@ -53,9 +53,10 @@ public:
     int crop_y = 0;
 };
 
-/// Builds maps by OpenCV's stereoRectify (CALIB_ZERO_DISPARITY, alpha 0) and initUndistortRectifyMap (CV_16SC2), step 1
-/// of docs/algorithm.md. No calibration, or one that says "rectified" at the same size: no maps, only the region.
-/// Throws std::invalid_argument when calibration, capture size and geometry do not fit together.
+/// Builds the maps of step 1 of docs/algorithm.md, in 1/32 px as OpenCV's CV_16SC2 has them. The rectified camera is
+/// that of OpenCV's stereoRectify (CALIB_ZERO_DISPARITY, alpha 0); where an eye has a fisheye lens, f is that of the
+/// lens. No calibration, or one that says "rectified" at the same size: no maps, only the region. Throws
+/// std::invalid_argument when calibration, capture size and geometry do not fit together.
 Rectification make_rectification(const std::optional<StereoCalibration>& calibration, int eye_width, int height,
                                  const RectifiedGeometry& geometry);
 

@@ -92,8 +92,24 @@ CameraModel camera_of(const cv::Mat& matrix, const cv::Mat& distortion) {
     CameraModel camera{
         matrix.at<double>(0, 0), matrix.at<double>(1, 1), matrix.at<double>(0, 2), matrix.at<double>(1, 2), {}};
     const cv::Mat flat = distortion.reshape(1, 1);
-    std::copy_n(flat.ptr<double>(), std::min<int>(5, flat.cols), camera.distortion.begin());
+    std::copy_n(flat.ptr<double>(), std::min<int>(14, flat.cols), camera.distortion.begin());
+    camera.lens = flat.cols == 4 ? LensModel::fisheye : LensModel::pinhole;
     return camera;
+}
+
+using Corners = std::vector<cv::Point2f>;
+
+/// Fits one fisheye eye, and takes its corners to where a pinhole with the same matrix sees them.
+void fit_fisheye(const std::vector<std::vector<cv::Point3f>>& points, std::vector<Corners>& corners, cv::Size size,
+                 cv::Mat& matrix, cv::Mat& lens) {
+    std::vector<cv::Mat> turns;
+    std::vector<cv::Mat> shifts;
+    cv::fisheye::calibrate(points, corners, size, matrix, lens, turns, shifts,
+                           cv::fisheye::CALIB_RECOMPUTE_EXTRINSIC | cv::fisheye::CALIB_FIX_SKEW,
+                           {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-6});
+    for (Corners& seen : corners) {
+        cv::fisheye::undistortPoints(Corners(seen), seen, matrix, lens, cv::noArray(), matrix);
+    }
 }
 
 /// Input and output of stereoCalibrate().
@@ -102,18 +118,17 @@ struct Cameras {
 };
 
 /// Measures the mean difference of the rows of the corners after rectification, for each view.
-void measure_rows(const Cameras& cameras, const std::vector<BoardView>& views, cv::Size size,
-                  std::vector<BoardCalibration::View>& results) {
+void measure_rows(const Cameras& cameras, const std::vector<Corners>& lefts, const std::vector<Corners>& rights,
+                  cv::Size size, std::vector<BoardCalibration::View>& results) {
     cv::Mat left_turn, right_turn, left_projection, right_projection, to_depth;
     cv::stereoRectify(cameras.left, cameras.left_distortion, cameras.right, cameras.right_distortion, size,
                       cameras.rotation, cameras.translation, left_turn, right_turn, left_projection, right_projection,
                       to_depth, cv::CALIB_ZERO_DISPARITY, 0);
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        std::vector<cv::Point2f> left;
-        std::vector<cv::Point2f> right;
-        cv::undistortPoints(views[i].left, left, cameras.left, cameras.left_distortion, left_turn, left_projection);
-        cv::undistortPoints(views[i].right, right, cameras.right, cameras.right_distortion, right_turn,
-                            right_projection);
+    for (std::size_t i = 0; i < lefts.size(); ++i) {
+        Corners left;
+        Corners right;
+        cv::undistortPoints(lefts[i], left, cameras.left, cameras.left_distortion, left_turn, left_projection);
+        cv::undistortPoints(rights[i], right, cameras.right, cameras.right_distortion, right_turn, right_projection);
         double sum = 0;
         for (std::size_t k = 0; k < left.size(); ++k) {
             sum += std::abs(left[k].y - right[k].y);
@@ -222,14 +237,15 @@ std::vector<std::string> missing_views(const std::vector<BoardView>& views, cons
     return missing;
 }
 
-BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height) {
+BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height,
+                           BoardLens lens) {
     if (views.size() < 3) {
         throw std::invalid_argument("calibrate: the board is seen by both eyes in " +
                                     base::counted(views.size(), "view") + ", at least 3 are needed, 15 are better");
     }
     std::vector<std::vector<cv::Point3f>> points;
-    std::vector<std::vector<cv::Point2f>> left;
-    std::vector<std::vector<cv::Point2f>> right;
+    std::vector<Corners> left;
+    std::vector<Corners> right;
     for (const BoardView& view : views) {
         points.push_back(board_points(board, view.numbers));
         left.push_back(view.left);
@@ -237,29 +253,38 @@ BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& boa
     }
     const cv::Size size(width, height);
     Cameras cameras;
+    cv::Mat left_lens, right_lens;
+    const bool fisheye = lens == BoardLens::fisheye;
+    const int model = lens == BoardLens::rational ? cv::CALIB_RATIONAL_MODEL : 0;
     BoardCalibration result;
     try {
-        std::vector<cv::Mat> turns;
-        std::vector<cv::Mat> shifts;
-        cv::calibrateCamera(points, left, size, cameras.left, cameras.left_distortion, turns, shifts);
-        cv::calibrateCamera(points, right, size, cameras.right, cameras.right_distortion, turns, shifts);
+        if (fisheye) {
+            fit_fisheye(points, left, size, cameras.left, left_lens);
+            fit_fisheye(points, right, size, cameras.right, right_lens);
+        } else {
+            std::vector<cv::Mat> turns;
+            std::vector<cv::Mat> shifts;
+            cv::calibrateCamera(points, left, size, cameras.left, cameras.left_distortion, turns, shifts, model);
+            cv::calibrateCamera(points, right, size, cameras.right, cameras.right_distortion, turns, shifts, model);
+        }
         cv::Mat essential, fundamental, errors;
         const cv::TermCriteria precise(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-6);
-        result.rms = cv::stereoCalibrate(points, left, right, cameras.left, cameras.left_distortion, cameras.right,
-                                         cameras.right_distortion, size, cameras.rotation, cameras.translation,
-                                         essential, fundamental, errors, cv::CALIB_USE_INTRINSIC_GUESS, precise);
+        result.rms = cv::stereoCalibrate(
+            points, left, right, cameras.left, cameras.left_distortion, cameras.right, cameras.right_distortion, size,
+            cameras.rotation, cameras.translation, essential, fundamental, errors,
+            fisheye ? cv::CALIB_FIX_INTRINSIC : cv::CALIB_USE_INTRINSIC_GUESS | model, precise);
         for (int i = 0; i < errors.rows; ++i) {
             result.views.push_back({errors.at<double>(i, 0), errors.at<double>(i, 1), 0});
         }
-        measure_rows(cameras, views, size, result.views);
+        measure_rows(cameras, left, right, size, result.views);
     } catch (const cv::Exception&) {
         throw std::invalid_argument(
             "calibrate: the views do not determine the cameras: show the board from more sides, tilted, near and far");
     }
     result.calibration.width = width;
     result.calibration.height = height;
-    result.calibration.left = camera_of(cameras.left, cameras.left_distortion);
-    result.calibration.right = camera_of(cameras.right, cameras.right_distortion);
+    result.calibration.left = camera_of(cameras.left, fisheye ? left_lens : cameras.left_distortion);
+    result.calibration.right = camera_of(cameras.right, fisheye ? right_lens : cameras.right_distortion);
     std::copy_n(cameras.rotation.ptr<double>(), 9, result.calibration.rotation.begin());
     std::copy_n(cameras.translation.ptr<double>(), 3, result.calibration.translation.begin());
     result.calibration.origin = "calibrate";

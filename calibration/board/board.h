@@ -65,8 +65,17 @@ struct BoardCalibration {
     std::vector<View> views;  ///< as given
 };
 
-/// Calibrates both cameras by OpenCV: each eye by itself, then both together, with five coefficients of distortion.
-/// Throws std::invalid_argument with one line when there are fewer than 3 views or they do not determine the cameras.
-BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height);
+/// The lens model that a calibration finds.
+enum class BoardLens {
+    brown,     ///< k1 k2 p1 p2 k3
+    rational,  ///< 8 coefficients, for wide pinholes; needs views up to the edges
+    fisheye,   ///< equidistant, k1 to k4
+};
+
+/// Calibrates both cameras by OpenCV: each eye by itself, then both together. Of fisheye lenses only the pose is found
+/// together; errors are px of pinholes with the same focal length. Throws std::invalid_argument with one line when
+/// there are fewer than 3 views or they do not determine the cameras.
+BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height,
+                           BoardLens lens = BoardLens::brown);
 
 }  // namespace disparityd::calibration

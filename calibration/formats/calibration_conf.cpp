@@ -179,8 +179,8 @@ private:
 };
 
 /// Reads the coefficients of one eye. They stand in the camera's section or, for all modes, in one of their own.
-std::array<double, 5> read_distortion(const ConfFile& file, const std::string& path, const std::string& camera,
-                                      const std::string& disto) {
+void read_distortion(CameraModel& model, const ConfFile& file, const std::string& path, const std::string& camera,
+                     const std::string& disto) {
     constexpr std::array<const char*, 8> names{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
     const auto any = [&](const std::string& section) {
         return std::any_of(names.begin(), names.end(), [&](const char* name) { return file.has(section, name); });
@@ -205,7 +205,7 @@ std::array<double, 5> read_distortion(const ConfFile& file, const std::string& p
     if (file.has(section, "k4") && !file.has(section, "p1") && !zero) {
         refuse_fisheye(path, shown, "k1 to k4 without p1 and p2");
     }
-    return brown_coefficients(path, shown + " k1 k2 p1 p2 k3 k4 k5 k6", coefficients);
+    set_lens(model, path, shown + " k1 k2 p1 p2 k3 k4 k5 k6", coefficients, LensModel::pinhole);
 }
 
 CameraModel read_camera(const ConfFile& file, const std::string& path, const std::string& section,
@@ -217,7 +217,7 @@ CameraModel read_camera(const ConfFile& file, const std::string& path, const std
     camera.fy = file.number(section, "fy");
     camera.cx = file.number(section, "cx");
     camera.cy = file.number(section, "cy");
-    camera.distortion = read_distortion(file, path, section, disto);
+    read_distortion(camera, file, path, section, disto);
     return camera;
 }
 

@@ -33,19 +33,19 @@ struct FileCalibration {
 /// Reads a factory file SN<serial>.conf.
 StereoCalibration read_factory_conf(const std::string& path, const std::string& text, int width, int height);
 
-/// Reads OpenCV's YAML, JSON or XML; parts of it, such as R and T, may stand in a second file. `brown`: four
-/// coefficients are k1 k2 p1 p2.
+/// Reads OpenCV's YAML, JSON or XML; parts of it, such as R and T, may stand in a second file. `lens`: the model
+/// of the user, where the file names none.
 FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
-                                        int height, bool brown);
+                                        int height, std::optional<LensModel> lens);
 
 /// Reads a pair of ROS camera_info, one file per camera.
 FileCalibration read_ros_calibration(const CalibrationText& left, const CalibrationText& right, int width, int height,
-                                     bool brown);
+                                     std::optional<LensModel> lens);
 
 /// Reads the settings of ORB-SLAM 2 (LEFT.K ...) and 3 (Camera1.fx ..., Stereo.T_c1_c2).
 FileCalibration read_orbslam_settings(const CalibrationText& file, int width, int height);
 
-/// Reads the camchain of Kalibr: two cameras of the models pinhole and radtan.
+/// Reads the camchain of Kalibr: two cameras of the model pinhole with radtan or equidistant.
 FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int height);
 
 /// Reads calib.txt of Middlebury 2014, which ETH3D has, too.

@@ -43,12 +43,11 @@ public:
     bool has(const char* key) const { return node_[key].IsDefined(); }
 
     CameraModel model() const {
-        check_model("camera_model");
-        check_model("distortion_model");
+        named_model("camera_model");
         const auto intrinsics = numbers("intrinsics", node_["intrinsics"], 4);
         CameraModel camera{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], {}};
-        camera.distortion = brown_coefficients(path_, name_ + " distortion_coeffs",
-                                               numbers("distortion_coeffs", node_["distortion_coeffs"], 0));
+        set_lens(camera, path_, name_ + " distortion_coeffs",
+                 numbers("distortion_coeffs", node_["distortion_coeffs"], 0), named_model("distortion_model"));
         return camera;
     }
 
@@ -79,11 +78,11 @@ private:
         refuse_calibration(path_, name_ + (key.empty() ? " " : " " + key + ": ") + what);
     }
 
-    void check_model(const char* key) const {
+    LensModel named_model(const char* key) const {
         if (!has(key)) {
-            fail(key, "is missing; pinhole and radtan are allowed");
+            fail(key, "is missing; pinhole with radtan or equidistant is allowed");
         }
-        check_lens_model(path_, name_ + " " + key, word_of(node_[key]));
+        return named_lens(path_, name_ + " " + key, word_of(node_[key]));
     }
 
     std::vector<double> numbers(const char* key, const YAML::Node& list, std::size_t count) const {

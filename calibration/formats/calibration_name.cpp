@@ -16,20 +16,21 @@ void read_setting(CalibrationName& result, std::string_view setting, const std::
     const auto equals = std::min(setting.find('='), setting.size());
     const std::string_view key = setting.substr(0, equals);
     const std::string_view value = setting.substr(std::min(equals + 1, setting.size()));
-    if ((key == "unit" && result.unit_mm) || (key == "pair" && result.pair)) {
+    if ((key == "unit" && result.unit_mm) || (key == "model" && result.lens) || (key == "pair" && result.pair)) {
         refuse_calibration(name,
                            "found '" + base::printable(key) + "' twice behind the question mark; once is allowed");
     }
     if (key == "unit" && millimetres_of_unit(value)) {
         result.unit_mm = millimetres_of_unit(value);
-    } else if (key == "model" && value == "brown") {
-        result.brown = true;
+    } else if (key == "model" && (value == "brown" || value == "fisheye")) {
+        result.lens = value == "brown" ? LensModel::pinhole : LensModel::fisheye;
     } else if (key == "pair" && (value == "grey" || value == "colour")) {
         result.pair = value == "grey" ? KittiPair::grey : KittiPair::colour;
     } else {
-        refuse_calibration(name, "found '" + base::printable(setting) +
-                                     "' behind the question mark; allowed are unit=mm, unit=cm, unit=m, unit=25mm (the "
-                                     "side of a square), model=brown, pair=grey and pair=colour, with & between them");
+        refuse_calibration(
+            name, "found '" + base::printable(setting) +
+                      "' behind the question mark; allowed are unit=mm, unit=cm, unit=m, unit=25mm (the "
+                      "side of a square), model=brown, model=fisheye, pair=grey and pair=colour, with & between them");
     }
 }
 

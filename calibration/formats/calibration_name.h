@@ -14,7 +14,7 @@ struct CalibrationName {
     std::string first;
     std::string second;             ///< empty: one file
     std::optional<double> unit_mm;  ///< unit=mm, cm, m or the side of the board's squares, as 25mm
-    bool brown = false;             ///< model=brown: four coefficients are k1 k2 p1 p2
+    std::optional<LensModel> lens;  ///< model=brown, fisheye: of four coefficients, where the file names no model
     std::optional<KittiPair> pair;  ///< pair=grey, pair=colour
 };
 

@@ -81,9 +81,10 @@ public:
                               is_among(name, unit_keys) || is_size_key(name) || plain_name(name) == "baseline" ||
                               rectification_result(name);
             if (is_among(name, model_keys)) {
-                check_lens_model(path_, base::printable(name), storage_.word(name));
-            } else if (plain_name(name).find("fisheye") != std::string::npos || plain_name(name).ends_with("fe")) {
-                if (storage_.numbers(name) != std::vector<double>{0}) {
+                named_lens(path_, base::printable(name), storage_.word(name));
+            } else if (says_fisheye(name)) {
+                const auto numbers = storage_.numbers(name);
+                if (numbers != std::vector<double>{0} && numbers != std::vector<double>{1}) {
                     refuse_fisheye(path_, base::printable(name), storage_.shown(name));
                 }
             } else if (is_map_key(name)) {
@@ -99,8 +100,19 @@ public:
         }
     }
 
-    /// Returns whether the file says what its lens model is.
-    bool has_model() const { return has(model_keys); }
+    /// Returns the lens model that the file names.
+    std::optional<LensModel> lens() const {
+        std::optional<LensModel> lens;
+        for (const std::string& name : storage_.names()) {
+            if (is_among(name, model_keys)) {
+                const LensModel named = named_lens(path_, base::printable(name), storage_.word(name));
+                lens = lens == LensModel::fisheye ? lens : named;
+            } else if (says_fisheye(name) && storage_.numbers(name) == std::vector<double>{1}) {
+                lens = LensModel::fisheye;
+            }
+        }
+        return lens;
+    }
 
     bool check_size(int width, int height) const { return check_sizes(storage_, path_, width, height); }
 
@@ -158,6 +170,10 @@ public:
     [[noreturn]] void fail(const std::string& what) const { storage_.fail(what); }
 
 private:
+    static bool says_fisheye(const std::string& name) {
+        return plain_name(name).find("fisheye") != std::string::npos || plain_name(name).ends_with("fe");
+    }
+
     std::string path_;
     OpencvStorage storage_;
 };
@@ -173,7 +189,7 @@ struct RawEye {
 };
 
 RawEye read_eye(const CalibrationFile& file, const EyeKeys& keys, const std::string& usual_matrix,
-                const std::string& usual_distortion) {
+                const std::string& usual_distortion, LensModel lens) {
     const auto [name, matrix] = file.matrix(keys.matrix, usual_matrix);
     if (matrix.rows != 3 || matrix.columns != 3) {
         file.fail(base::printable(name) + ": found a camera matrix of " + size_text(matrix) + ", expected 3x3");
@@ -182,8 +198,8 @@ RawEye read_eye(const CalibrationFile& file, const EyeKeys& keys, const std::str
     eye.camera = camera_of_matrix(file.path(), base::printable(name), matrix.numbers);
     const auto [distortion_name, distortion] = file.matrix(keys.distortion, usual_distortion);
     eye.distortion_name = base::printable(distortion_name);
-    eye.camera.distortion = brown_coefficients(file.path(), eye.distortion_name, distortion.numbers);
-    eye.four = distortion.numbers.size() == 4 && eye.camera.distortion != std::array<double, 5>{};
+    set_lens(eye.camera, file.path(), eye.distortion_name, distortion.numbers, lens);
+    eye.four = distortion.numbers.size() == 4 && eye.camera.distortion != CameraModel{}.distortion;
     return eye;
 }
 
@@ -225,7 +241,7 @@ void read_pose(const CalibrationFile& file, StereoCalibration& calibration) {
 }  // namespace
 
 FileCalibration read_opencv_calibration(const CalibrationText& cameras, const CalibrationText& pose, int width,
-                                        int height, bool brown) {
+                                        int height, std::optional<LensModel> lens) {
     CalibrationFile file(cameras);
     const bool two_files = cameras.path != pose.path;
     const CalibrationFile second(pose);
@@ -239,13 +255,15 @@ FileCalibration read_opencv_calibration(const CalibrationText& cameras, const Ca
     StereoCalibration& calibration = result.calibration;
     calibration.width = width;
     calibration.height = height;
-    const RawEye left = read_eye(file, left_eye_keys, "M1", "D1");
-    const RawEye right = read_eye(file, right_eye_keys, "M2", "D2");
-    if (left.four && right.four && !brown && !file.has_model()) {
+    const auto named = file.lens();
+    const LensModel model = named.value_or(lens.value_or(LensModel::pinhole));
+    const RawEye left = read_eye(file, left_eye_keys, "M1", "D1", model);
+    const RawEye right = read_eye(file, right_eye_keys, "M2", "D2", model);
+    if (left.four && right.four && !lens && !named) {
         file.fail(left.distortion_name +
                   ": found 4 coefficients, which are k1 k2 p1 p2 of the Brown model or k1 to k4 of a fisheye lens, and "
-                  "the file does not say which: if it is Brown's, give the name with ?model=brown behind it, or write "
-                  "the fifth (k3), 0, into D1 and D2");
+                  "the file does not say which: give the name with ?model=brown or ?model=fisheye behind it, or write "
+                  "'distortion_model: plumb_bob' or 'distortion_model: equidistant' into the file");
     }
     calibration.left = left.camera;
     calibration.right = right.camera;

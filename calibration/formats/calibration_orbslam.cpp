@@ -110,7 +110,7 @@ void check_tracked_camera(const Settings& file) {
 }
 
 /// ORB-SLAM 2: both raw cameras, and where rectification takes them to, as ROS has it.
-FileCalibration read_two(const Settings& file, int width, int height) {
+FileCalibration read_two(const Settings& file, LensModel lens, int width, int height) {
     FileCalibration result;
     StereoCalibration& calibration = result.calibration;
     file.check_keys({".K",           ".D",
@@ -127,7 +127,7 @@ FileCalibration read_two(const Settings& file, int width, int height) {
     for (const auto& [camera, eye] :
          {std::pair(&calibration.left, std::string("LEFT")), {&calibration.right, "RIGHT"}}) {
         *camera = camera_of_matrix(file.path(), eye + ".K", file.matrix(eye + ".K", 9));
-        camera->distortion = brown_coefficients(file.path(), eye + ".D", file.matrix(eye + ".D", 0));
+        set_lens(*camera, file.path(), eye + ".D", file.matrix(eye + ".D", 0), lens);
     }
     const cv::Matx33d left_turn(file.matrix("LEFT.R", 9).data());
     const cv::Matx33d right_turn(file.matrix("RIGHT.R", 9).data());
@@ -152,23 +152,65 @@ FileCalibration read_two(const Settings& file, int width, int height) {
 }
 
 /// ORB-SLAM 3: both raw cameras, and the pose of the right one in the axes of the left one.
-FileCalibration read_three(const Settings& file) {
+FileCalibration read_three(const Settings& file, LensModel lens) {
     FileCalibration result;
     StereoCalibration& calibration = result.calibration;
-    file.check_keys({"Camera.type",    "Camera1.fx",      "Camera1.fy",       "Camera1.cx", "Camera1.cy",
-                     "Camera1.k1",     "Camera1.k2",      "Camera1.k3",       "Camera1.p1", "Camera1.p2",
-                     "Camera2.fx",     "Camera2.fy",      "Camera2.cx",       "Camera2.cy", "Camera2.k1",
-                     "Camera2.k2",     "Camera2.k3",      "Camera2.p1",       "Camera2.p2", "Camera.width",
-                     "Camera.height",  "Camera.newWidth", "Camera.newHeight", "Camera.fps", "Camera.RGB",
-                     "Stereo.ThDepth", "Stereo.T_c1_c2",  "Stereo.b"});
+    const std::vector<const char*> coefficients = lens == LensModel::fisheye
+                                                      ? std::vector<const char*>{"k1", "k2", "k3", "k4"}
+                                                      : std::vector<const char*>{"k1", "k2", "p1", "p2", "k3"};
+    for (const std::string eye : {"Camera1.", "Camera2."}) {
+        for (const char* other : {"k4", "p1", "p2"}) {
+            const bool used = std::any_of(coefficients.begin(), coefficients.end(),
+                                          [&](std::string_view name) { return name == other; });
+            if (!used && file.number_or(eye + other, 0) != 0) {
+                file.fail(eye + other + ": found " + base::number_text(file.number(eye + other)) +
+                          ", which the lens model of Camera.type does not have: correct the type, or take it out");
+            }
+        }
+    }
+    file.check_keys({"Camera1.k4",
+                     "Camera2.k4",
+                     "Camera1.overlappingBegin",
+                     "Camera1.overlappingEnd",
+                     "Camera2.overlappingBegin",
+                     "Camera2.overlappingEnd",
+                     "Camera.type",
+                     "Camera1.fx",
+                     "Camera1.fy",
+                     "Camera1.cx",
+                     "Camera1.cy",
+                     "Camera1.k1",
+                     "Camera1.k2",
+                     "Camera1.k3",
+                     "Camera1.p1",
+                     "Camera1.p2",
+                     "Camera2.fx",
+                     "Camera2.fy",
+                     "Camera2.cx",
+                     "Camera2.cy",
+                     "Camera2.k1",
+                     "Camera2.k2",
+                     "Camera2.k3",
+                     "Camera2.p1",
+                     "Camera2.p2",
+                     "Camera.width",
+                     "Camera.height",
+                     "Camera.newWidth",
+                     "Camera.newHeight",
+                     "Camera.fps",
+                     "Camera.RGB",
+                     "Stereo.ThDepth",
+                     "Stereo.T_c1_c2",
+                     "Stereo.b"});
     for (const auto& [camera, eye] :
          {std::pair(&calibration.left, std::string("Camera1.")), {&calibration.right, "Camera2."}}) {
-        *camera = {file.number(eye + "fx"),
-                   file.number(eye + "fy"),
-                   file.number(eye + "cx"),
-                   file.number(eye + "cy"),
-                   {file.number_or(eye + "k1", 0), file.number_or(eye + "k2", 0), file.number_or(eye + "p1", 0),
-                    file.number_or(eye + "p2", 0), file.number_or(eye + "k3", 0)}};
+        std::vector<double> numbers;
+        for (const char* name : coefficients) {
+            numbers.push_back(file.number_or(eye + name, 0));
+        }
+        *camera = {
+            file.number(eye + "fx"), file.number(eye + "fy"), file.number(eye + "cx"), file.number(eye + "cy"), {}};
+        set_lens(*camera, file.path(), eye + "k1", numbers, lens);
     }
     const cv::Matx44d pose(file.matrix("Stereo.T_c1_c2", 16).data());
     const cv::Matx33d rotation = pose.get_minor<3, 3>(0, 0).t();
@@ -195,16 +237,15 @@ FileCalibration read_orbslam_settings(const CalibrationText& text, int width, in
             "Camera.type: found 'Rectified': settings for images that are rectified already are not read; allowed "
             "is PinHole with both raw cameras");
     }
-    if (file.has("Camera.type")) {
-        check_lens_model(file.path(), "Camera.type", file.word("Camera.type"));
-    }
+    const LensModel lens =
+        file.has("Camera.type") ? named_lens(file.path(), "Camera.type", file.word("Camera.type")) : LensModel::pinhole;
     file.check_size(width, height);
     if (!file.has("LEFT.K") && !file.has("Camera1.fx")) {
         file.fail(
             "has the settings of one camera: LEFT.K, LEFT.D, LEFT.R, LEFT.P and those of RIGHT are needed, or "
             "Camera1.fx ..., Camera2.fx ... and Stereo.T_c1_c2");
     }
-    FileCalibration result = file.has("LEFT.K") ? read_two(file, width, height) : read_three(file);
+    FileCalibration result = file.has("LEFT.K") ? read_two(file, lens, width, height) : read_three(file, lens);
     result.unit_mm = metre_mm;
     result.calibration.width = width;
     result.calibration.height = height;

@@ -143,22 +143,23 @@ private:
     std::map<std::string, Entry, std::less<>> entries_;
 };
 
-CameraModel camera_of(const CameraInfo& file, bool brown) {
-    bool named = false;
-    for (const char* key : {"distortion_model", "camera_model"}) {
-        if (const auto model = file.text(key)) {
-            check_lens_model(file.path(), key, *model);
-            // "pinhole" says nothing about the lens's distortion.
-            named = named || std::string_view(key) == "distortion_model";
+CameraModel camera_of(const CameraInfo& file, std::optional<LensModel> lens) {
+    for (const char* key : {"camera_model", "distortion_model"}) {
+        const auto name = file.text(key);
+        const LensModel named = name ? named_lens(file.path(), key, *name) : LensModel::pinhole;
+        // "pinhole" as the camera's model says nothing about the lens's distortion.
+        if (name && (std::string_view(key) == "distortion_model" || named == LensModel::fisheye)) {
+            lens = named;
         }
     }
     CameraModel camera = camera_of_matrix(file.path(), file.spelled("camera_matrix"), file.matrix("camera_matrix", 9));
     const auto d = file.matrix("distortion_coefficients", 0);
-    camera.distortion = brown_coefficients(file.path(), file.spelled("distortion_coefficients"), d);
-    if (!named && !brown && d.size() == 4 && camera.distortion != std::array<double, 5>{}) {
+    set_lens(camera, file.path(), file.spelled("distortion_coefficients"), d, lens.value_or(LensModel::pinhole));
+    if (!lens && d.size() == 4 && camera.distortion != CameraModel{}.distortion) {
         file.fail(file.spelled("distortion_coefficients") +
                   ": found 4 coefficients and no distortion_model: they may be Brown's (k1 k2 p1 "
-                  "p2) or a fisheye's: write 'distortion_model: plumb_bob' into the file if they are Brown's");
+                  "p2) or a fisheye's: write 'distortion_model: plumb_bob' into the file if they are Brown's, else "
+                  "'distortion_model: equidistant'");
     }
     return camera;
 }
@@ -197,7 +198,7 @@ void check_shifts(const EyeProjection& left, const EyeProjection& right) {
 }  // namespace
 
 FileCalibration read_ros_calibration(const CalibrationText& left, const CalibrationText& right, int width, int height,
-                                     bool brown) {
+                                     std::optional<LensModel> lens) {
     const CameraInfo left_file(left);
     const CameraInfo right_file(right);
     check_size(left_file, width, height);
@@ -207,8 +208,8 @@ FileCalibration read_ros_calibration(const CalibrationText& left, const Calibrat
     StereoCalibration& calibration = result.calibration;
     calibration.width = width;
     calibration.height = height;
-    calibration.left = camera_of(left_file, brown);
-    calibration.right = camera_of(right_file, brown);
+    calibration.left = camera_of(left_file, lens);
+    calibration.right = camera_of(right_file, lens);
 
     // camera_info holds the rotations to the rectified frame, and in the projections where each eye stands, in metres:
     // X_rect = R1 X_left + (Tx1 / f, 0, 0) and X_rect = R2 X_right + (Tx2 / f, 0, 0) as seen from one and the same

@@ -5,6 +5,7 @@
 
 #include "base/number_text.h"
 #include "calibration/calibration.h"
+#include "calibration/lens.h"
 
 namespace disparityd::calibration {
 
@@ -22,7 +23,7 @@ void put_matrix(std::string& text, const char* name, int rows, std::span<const d
 
 void put_camera(std::string& text, const CameraModel& camera, const char* matrix, const char* distortion) {
     put_matrix(text, matrix, 3, std::array{camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0});
-    put_matrix(text, distortion, 1, camera.distortion);
+    put_matrix(text, distortion, 1, lens_coefficients(camera));
 }
 
 }  // namespace
@@ -30,6 +31,9 @@ void put_camera(std::string& text, const CameraModel& camera, const char* matrix
 std::string to_opencv_yaml(const StereoCalibration& calibration) {
     std::string text = "%YAML:1.0\n---\nimage_width: " + std::to_string(calibration.width) +
                        "\nimage_height: " + std::to_string(calibration.height) + "\nunit: mm\n";
+    if (calibration.left.lens == LensModel::fisheye) {
+        text += "distortion_model: equidistant\n";
+    }
     put_camera(text, calibration.left, "M1", "D1");
     put_camera(text, calibration.right, "M2", "D2");
     put_matrix(text, "R", 3, calibration.rotation);

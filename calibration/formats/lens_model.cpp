@@ -8,13 +8,11 @@
 #include "base/number_text.h"
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
+#include "calibration/lens.h"
 
 namespace disparityd::calibration {
 
 namespace {
-
-constexpr const char* lens_advice =
-    "; allowed is the Brown model (k1 k2 p1 p2 k3): calibrate with it, as disparityctl calibrate does";
 
 bool is_one_of(std::string_view name, std::initializer_list<std::string_view> names) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -24,56 +22,44 @@ bool all_zero(const std::vector<double>& numbers) {
     return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
 }
 
-const char* model_of_coefficient(std::size_t index) {
-    return index < 8    ? "the rational model (k4 k5 k6)"
-           : index < 12 ? "the thin prism model (s1 to s4)"
-                        : "the model of a tilted sensor (tau x, tau y)";
-}
-
 }  // namespace
 
-std::array<double, 5> brown_coefficients(const std::string& path, const std::string& key,
-                                         const std::vector<double>& coefficients) {
-    const std::size_t count = coefficients.size();
-    const bool known = count == 4 || count == 5 || count == 8 || count == 12 || count == 14;
-    if (!known && !all_zero(coefficients)) {
-        refuse_calibration(path, key + ": found " + base::counted(count, "distortion coefficient") +
-                                     ", allowed are 4 or 5 (k1 k2 p1 p2 k3), and 8, 12 or 14 where those beyond the "
-                                     "fifth are 0");
+void set_lens(CameraModel& camera, const std::string& path, const std::string& key,
+              const std::vector<double>& coefficients, LensModel lens) {
+    std::vector<double> numbers = all_zero(coefficients) ? std::vector<double>(4) : coefficients;
+    const bool fisheye = lens == LensModel::fisheye;
+    if (!fisheye && numbers.size() == 4) {
+        numbers.push_back(0);  // k3
     }
-    std::array<double, 5> brown{};
-    for (std::size_t i = 0; i < count; ++i) {
-        if (i < brown.size()) {
-            brown[i] = coefficients[i];
-        } else if (coefficients[i] != 0) {
-            refuse_calibration(path, key + ": found " + base::number_text(coefficients[i]) + " as coefficient " +
-                                         std::to_string(i + 1) + " of " + std::to_string(count) + ": this is " +
-                                         model_of_coefficient(i) + ", which is not applied" + lens_advice);
-        }
+    if ((fisheye && numbers.size() != 4) || !set_lens_coefficients(camera, numbers)) {
+        refuse_calibration(path, key + ": found " + base::counted(coefficients.size(), "distortion coefficient") +
+                                     (fisheye ? ", expected the 4 of a fisheye lens (k1 to k4)"
+                                              : ", allowed are 4 or 5 (k1 k2 p1 p2 k3), 8 (rational: k4 k5 k6), 12 "
+                                                "(thin prism: s1 to s4) and 14 (tilted sensor: tau x, tau y)"));
     }
-    return brown;
 }
 
 void refuse_fisheye(const std::string& path, const std::string& key, const std::string& found) {
     refuse_calibration(path, key + ": found " + found +
-                                 ": this is the fisheye model (equidistant, Kannala-Brandt, k1 to k4), which is not "
-                                 "applied" +
-                                 lens_advice);
+                                 ": this looks like the fisheye model (equidistant, k1 to k4), and the file does not "
+                                 "say so in a way that is known: write both cameras as M1, D1, M2, D2, R and T with "
+                                 "'distortion_model: equidistant' into an OpenCV YAML");
 }
 
-void check_lens_model(const std::string& path, const std::string& key, std::string_view name) {
+LensModel named_lens(const std::string& path, const std::string& key, std::string_view name) {
     const std::string plain = plain_name(name);
     if (is_one_of(plain, {"pinhole", "plumbbob", "radtan", "radialtangential", "brown", "brownconrady", "opencv",
-                          "perspective", "none", "rationalpolynomial", "pinholeradtan", "standard"})) {
-        return;
+                          "perspective", "none", "rational", "rationalpolynomial", "pinholeradtan", "standard"})) {
+        return LensModel::pinhole;
     }
     if (is_one_of(plain, {"fisheye", "equidistant", "equi", "kannalabrandt", "kannalabrandt8", "kannalabrandt4", "kb4",
                           "kb8", "opencvfisheye", "pinholeequi"})) {
-        refuse_fisheye(path, key, "'" + base::printable(name) + "'");
+        return LensModel::fisheye;
     }
     refuse_calibration(path, key + ": found '" + base::printable(name) +
-                                 "', a lens model that is not known; allowed are plumb_bob, radtan, brown and pinhole" +
-                                 lens_advice);
+                                 "', a lens model that is not known; allowed are plumb_bob, radtan, brown, pinhole, "
+                                 "rational_polynomial and equidistant: calibrate with one of them, as disparityctl "
+                                 "calibrate does");
 }
 
 CameraModel camera_of_matrix(const std::string& path, const std::string& key, const std::vector<double>& matrix) {

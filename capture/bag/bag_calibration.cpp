@@ -47,7 +47,8 @@ calibration::CalibrationText file_of(const BagCameraInfo& info) {
                                    [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
     if (!plain) {
         calibration::refuse_calibration(info.topic, "distortion_model: found '" + base::printable(info.model) +
-                                                        "', a lens model that is not known; allowed is plumb_bob");
+                                                        "', a lens model that is not known; allowed are plumb_bob, "
+                                                        "rational_polynomial and equidistant");
     }
     std::string text = "image_width: " + std::to_string(info.width) + "\nimage_height: " + std::to_string(info.height) +
                        "\n" + list("camera_matrix", info.camera) + list("distortion_coefficients", info.distortion) +
@@ -118,8 +119,9 @@ std::optional<StereoCalibration> calibration_of(const BagCameraInfo& left, const
         return std::nullopt;
     }
     StereoCalibration calibration =
-        rectified ? of_rectified(left, right, width, height)
-                  : calibration::read_ros_calibration(file_of(left), file_of(right), width, height, false).calibration;
+        rectified
+            ? of_rectified(left, right, width, height)
+            : calibration::read_ros_calibration(file_of(left), file_of(right), width, height, std::nullopt).calibration;
     calibration.origin = left.topic;
     calibration::check_plausible(calibration, left.topic);
     return calibration;

@@ -16,7 +16,7 @@ namespace {
 // At HD720. The centre is an offset from the middle of the picture.
 struct Eye {
     double fx, fy, centre_x, centre_y;
-    std::array<double, 5> distortion;
+    std::array<double, 14> distortion;
 };
 constexpr Eye left_eye{701.25, 700.75, 6.5, -9.25, {-0.1715, 0.0268, 0.00021, -0.00034, 0}};
 constexpr Eye right_eye{699.5, 699.25, -4.75, 8.5, {-0.1702, 0.0261, -0.00016, 0.00027, 0}};
@@ -87,7 +87,7 @@ std::string scene_calibration_conf() {
 std::vector<RayDirection> pixel_rays(const calibration::CameraModel& camera, int width, int height,
                                      const std::function<void()>& each_row) {
     constexpr int iterations = 20;  // of the fixed point; it gains about a digit each at a ZED's corners
-    const auto [k1, k2, p1, p2, k3] = camera.distortion;
+    const auto& [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y] = camera.distortion;
     std::vector<RayDirection> rays;
     rays.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     for (int v = 0; v < height; ++v) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <sstream>
 #include <string>
 
@@ -26,8 +27,8 @@ inline std::string matrix_text(const std::string& name, const cv::Mat& matrix) {
            "\n  dt: d\n  data: [ " + list_of(matrix) + " ]\n";
 }
 
-inline cv::Mat row(const std::array<double, 5>& distortion) {
-    return cv::Mat(1, 5, CV_64F, const_cast<double*>(distortion.data())).clone();
+inline cv::Mat row(std::span<const double> distortion) {
+    return cv::Mat(1, static_cast<int>(distortion.size()), CV_64F, const_cast<double*>(distortion.data())).clone();
 }
 
 inline std::string with_other(std::string text, const std::string& from, const std::string& to) {

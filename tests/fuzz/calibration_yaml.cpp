@@ -28,8 +28,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto settled = [&](const calibration::FileCalibration& found) {
         return calibration::settle_unit(found, std::nullopt, path);
     };
-    read([&] { return settled(calibration::read_opencv_calibration(file, file, width, height, true)); });
-    read([&] { return settled(calibration::read_ros_calibration(file, file, width, height, false)); });
+    read([&] {
+        return settled(
+            calibration::read_opencv_calibration(file, file, width, height, calibration::LensModel::pinhole));
+    });
+    read([&] { return settled(calibration::read_ros_calibration(file, file, width, height, std::nullopt)); });
     read([&] { return settled(calibration::read_orbslam_settings(file, width, height)); });
     read([&] { return settled(calibration::read_kalibr_camchain(file, width, height)); });
     fuzz::accepted("calibration " + path, [&] { calibration::calibration_format(path, file.text); });

@@ -142,6 +142,7 @@ TEST_F(CalibrateTest, SaysWhatIsMissing) {
     EXPECT_EQ(few.exit_code, 2);
     EXPECT_THAT(few.err, HasSubstr("at least 3 are needed"));
     EXPECT_THAT(calibrate({"--square", "30", "--columns", "12"}).err, HasSubstr("not seen whole"));
+    EXPECT_THAT(calibrate({"--square", "30", "--model", "omni"}).err, HasSubstr("--model: found 'omni'"));
     EXPECT_EQ(calibrate({"--square", "0"}).exit_code, 2);
     EXPECT_EQ(calibrate({}).exit_code, 2);
 }

@@ -5,6 +5,7 @@
 #include <type_traits>
 #include <variant>
 
+#include "calibration/lens.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/stereo_advice.h"
 #include "capture/pixel_format.h"
@@ -14,8 +15,12 @@ namespace disparityd::tools {
 namespace {
 
 Json to_json(const calibration::CameraModel& camera) {
-    return {
-        {"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}, {"distortion", camera.distortion}};
+    return {{"fx", camera.fx},
+            {"fy", camera.fy},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"lens", camera.lens == calibration::LensModel::fisheye ? "fisheye" : "pinhole"},
+            {"distortion", calibration::lens_coefficients(camera)}};
 }
 
 /// JSON has no infinity.

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/board/board.h"
 
+#include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "calibration/lens.h"
 #include "capture/scene/scene_camera.h"
 #include "tests/calibration/board/drawn_board.h"
 
@@ -100,6 +103,66 @@ TEST(BoardCalibration, FindsTheCamerasThatSawIt) {
         EXPECT_LT(view.left_rms, 0.2);
         EXPECT_LT(view.right_rms, 0.2);
         EXPECT_LT(view.rows, 0.2);
+    }
+}
+
+/// What both cameras see of the board in many poses, without noise.
+std::vector<BoardView> projected_views(const StereoCalibration& pair) {
+    std::vector<cv::Point3d> points;
+    std::vector<int> numbers;
+    for (int i = 0; i < 54; ++i) {
+        points.emplace_back(i % 9 * board.square_mm, i / 9 * board.square_mm, 0);
+        numbers.push_back(i);
+    }
+    const Lens eyes[2] = {Lens(pair.left), Lens(pair.right)};
+    std::vector<BoardView> views;
+    for (int k = 0; k < 20; ++k) {
+        cv::Matx33d turn;
+        cv::Rodrigues(cv::Vec3d(0.5 * std::sin(k), 0.5 * std::cos(2.0 * k), 0.3 * std::sin(3.0 * k)), turn);
+        const cv::Vec3d at(-120 + 180 * std::cos(k), -75 + 120 * std::sin(k), 330 + 40 * (k % 4));
+        BoardView view{{}, {}, numbers};
+        for (const cv::Point3d& point : points) {
+            const cv::Vec3d left = turn * cv::Vec3d(point.x, point.y, point.z) + at;
+            const cv::Vec3d right = cv::Matx33d(pair.rotation.data()) * left + cv::Vec3d(pair.translation.data());
+            for (const auto& [lens, ray, corners] :
+                 {std::tuple(&eyes[0], left, &view.left), {&eyes[1], right, &view.right}}) {
+                const Pixel pixel = lens->pixel_of(ray[0], ray[1], ray[2]);
+                corners->emplace_back(static_cast<float>(pixel.x), static_cast<float>(pixel.y));
+            }
+        }
+        views.push_back(view);
+    }
+    return views;
+}
+
+TEST(BoardCalibration, FindsRationalAndFisheyeLenses) {
+    for (const BoardLens model : {BoardLens::rational, BoardLens::fisheye}) {
+        StereoCalibration pair;
+        pair.translation = {-80, 0.5, -0.25};
+        const bool fisheye = model == BoardLens::fisheye;
+        pair.left = {260, 261, 322, 238, {-0.03, 0.02, -0.01, 0.002}, LensModel::fisheye};
+        pair.right = {262, 259, 318, 243, {-0.02, 0.015, -0.01, 0.001}, LensModel::fisheye};
+        if (!fisheye) {
+            pair.left = {260, 261, 322, 238, {0.4, 0.05, 0.001, -0.001, 0.002, 0.65, 0.13, 0.01}};
+            pair.right = {262, 259, 318, 243, {0.38, 0.05, -0.001, 0.001, 0.002, 0.62, 0.12, 0.01}};
+        }
+        const std::vector<BoardView> views = projected_views(pair);
+        const BoardCalibration found = calibrate(views, board, 640, 480, model);
+        EXPECT_LT(found.rms, 0.1);
+        EXPECT_EQ(found.calibration.left.lens, pair.left.lens);
+        EXPECT_EQ(lens_coefficients(found.calibration.right).size(), fisheye ? 4U : 8U);
+        EXPECT_NEAR(found.calibration.left.fx, 260, 1);
+        EXPECT_NEAR(found.calibration.right.cy, 243, 1);
+        EXPECT_NEAR(found.calibration.translation[0], -80, 0.5);
+        EXPECT_LT(found.views[0].rows, 0.1);
+        const Pixel truth = Lens(pair.left).pixel_of(0.7, -0.4, 1);
+        const Pixel seen = Lens(found.calibration.left).pixel_of(0.7, -0.4, 1);
+        EXPECT_NEAR(seen.x, truth.x, 0.5);
+        EXPECT_NEAR(seen.y, truth.y, 0.5);
+        if (!fisheye) {
+            // Five coefficients do not describe this lens.
+            EXPECT_GT(calibrate(views, board, 640, 480).rms, 2 * found.rms);
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // CameraInfo as calibration.
+#include "calibration/lens.h"
 #include "capture/frame_source.h"
 #include "tests/capture/bag/bag_fixture.h"
 #include "tests/capture/images/image_fixture.h"
@@ -78,7 +79,7 @@ TEST(BagCalibration, OfRawImagesHasTheLens) {
     EXPECT_FALSE(found.calibration->rectified);
     EXPECT_EQ(found.calibration->left.fx, 60);
     EXPECT_EQ(found.calibration->left.cx, 31);
-    EXPECT_THAT(found.calibration->left.distortion, ElementsAre(0.1, -0.05, 0.001, 0.002, 0.01));
+    EXPECT_THAT(calibration::lens_coefficients(found.calibration->left), ElementsAre(0.1, -0.05, 0.001, 0.002, 0.01));
     EXPECT_NEAR(found.calibration->translation[0], -120, 1e-9);
 }
 
@@ -90,7 +91,7 @@ TEST(BagCalibration, OfRectifiedImagesIsTheProjection) {
         EXPECT_TRUE(found.calibration->rectified);
         EXPECT_EQ(found.calibration->left.fx, 58);
         EXPECT_EQ(found.calibration->left.cx, 32);
-        EXPECT_THAT(found.calibration->left.distortion, ElementsAre(0, 0, 0, 0, 0));
+        EXPECT_THAT(calibration::lens_coefficients(found.calibration->left), ElementsAre(0, 0, 0, 0, 0));
         EXPECT_NEAR(found.calibration->translation[0], -120, 1e-9);
     }
     EXPECT_FALSE(found_in(bag, "?rectified=no").calibration->rectified);
@@ -112,17 +113,23 @@ TEST(BagCalibration, BinningAndRegionAreThoseOfTheImages) {
     EXPECT_NEAR(found.calibration->translation[0], -120, 1e-9);
 }
 
+TEST(BagCalibration, FisheyeAndRationalLensesAreTaken) {
+    for (const auto& [model, numbers, lens] :
+         {std::tuple("equidistant", std::vector<double>{0.1, 0.1, 0.1, 0.1}, calibration::LensModel::fisheye),
+          {"rational_polynomial", {0.1, 0.1, 0, 0, 0, 0.2, 0.1, 0.1}, calibration::LensModel::pinhole}}) {
+        const Found found = found_in(Bag::with([&model = model, &numbers = numbers](CameraInfoFields& fields) {
+            fields.model = model;
+            fields.distortion = numbers;
+        }));
+        ASSERT_TRUE(found.calibration) << found.problem;
+        EXPECT_EQ(found.calibration->left.lens, lens);
+        EXPECT_EQ(calibration::lens_coefficients(found.calibration->right), numbers);
+    }
+}
+
 TEST(BagCalibration, ThatCannotBeUsedIsRefusedUnlessAnotherIsNamed) {
-    const Bag fisheye = Bag::with([](CameraInfoFields& fields) {
-        fields.model = "equidistant";
-        fields.distortion = {0.1, 0.1, 0.1, 0.1};
-    });
-    EXPECT_THAT(found_in(fisheye).problem, AllOf(HasSubstr("a.mcap: /left/camera_info"), HasSubstr("equidistant")));
-    const Bag rational = Bag::with([](CameraInfoFields& fields) {
-        fields.model = "rational_polynomial";
-        fields.distortion = {0.1, 0.1, 0, 0, 0, 0.2, 0.1, 0.1};
-    });
-    EXPECT_THAT(found_in(rational).problem, HasSubstr("the rational model"));
+    const Bag unknown = Bag::with([](CameraInfoFields& fields) { fields.model = "omni"; });
+    EXPECT_THAT(found_in(unknown).problem, AllOf(HasSubstr("a.mcap: /left/camera_info"), HasSubstr("omni")));
     const Bag odd = Bag::with([](CameraInfoFields& fields) { fields.model = "a: [\n"; });
     EXPECT_THAT(found_in(odd).problem, HasSubstr("found 'a: [?', a lens model that is not known"));
     const Bag other_size = Bag::with([](CameraInfoFields& fields) { fields.width = 640; });
@@ -134,7 +141,7 @@ TEST(BagCalibration, ThatCannotBeUsedIsRefusedUnlessAnotherIsNamed) {
 
     const std::string middlebury =
         "cam0=[60 0 31; 0 60 23; 0 0 1]\ncam1=[60 0 31; 0 60 23; 0 0 1]\ndoffs=0\nbaseline=120\nwidth=64\nheight=48\n";
-    const Found named = found_in(fisheye, "", middlebury);
+    const Found named = found_in(unknown, "", middlebury);
     ASSERT_TRUE(named.calibration) << named.problem;
     EXPECT_EQ(named.calibration->left.fx, 60);
 }

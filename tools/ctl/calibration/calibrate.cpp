@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/board/board.h"
 #include "calibration/formats/calibration_formats.h"
@@ -63,11 +64,24 @@ struct CalibrateArguments {
     std::string output;
     std::string report;
     BoardArguments board;
+    std::string model = "brown";
     std::optional<int> views;
     std::optional<int> every;
     bool force = false;
     bool json = false;
 };
+
+calibration::BoardLens lens_of(const CalibrateArguments& arguments) {
+    for (const auto& [name, lens] : {std::pair("brown", calibration::BoardLens::brown),
+                                     {"rational", calibration::BoardLens::rational},
+                                     {"fisheye", calibration::BoardLens::fisheye}}) {
+        if (arguments.model == name) {
+            return lens;
+        }
+    }
+    throw std::invalid_argument("--model: found '" + base::printable(arguments.model) +
+                                "', allowed: brown, rational or fisheye");
+}
 
 /// Names a frame: by its files where the source consists of images, else by its number.
 class FileNames {
@@ -240,6 +254,7 @@ int run_calibration(const CalibrateArguments& arguments) {
         check_output(arguments.report, arguments.force);
     }
     board_of(arguments.board);
+    const calibration::BoardLens lens = lens_of(arguments);
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.loans = 2;
@@ -255,7 +270,7 @@ int run_calibration(const CalibrateArguments& arguments) {
         return exit_interrupted;
     }
     const calibration::BoardCalibration found =
-        calibration::calibrate(collector.views(), collector.board(), info.eye_width, info.height);
+        calibration::calibrate(collector.views(), collector.board(), info.eye_width, info.height, lens);
     check_result(arguments, found.calibration);
     const std::string text = to_opencv_yaml(found.calibration);
     images::write_file(arguments.output, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -285,6 +300,10 @@ void add_calibrate(CLI::App& program, Action& action) {
         ->type_name("MM")
         ->required();
     add_board_options(command, arguments->board);
+    command
+        .add_option("--model", arguments->model,
+                    "lens: brown, rational (8 coefficients) or fisheye (equidistant, 4); default brown")
+        ->type_name("NAME");
     command.add_option("--report", arguments->report, "picture of every view with its corners and errors (.png, .jpg)")
         ->type_name("FILE");
     add_integer(command, "--views", arguments->views, 3, 1000,
