@@ -52,13 +52,16 @@ FileCalibration read_pair(const CalibrationName& name, int width, int height) {
     if (format == other && format == CalibrationFormat::ros) {
         return read_ros_calibration(first, second, width, height, name.lens);
     }
+    if (format == other && format == CalibrationFormat::euroc) {
+        return read_euroc_sensors(first, second, width, height);
+    }
     if (format == other && format == CalibrationFormat::opencv) {
         return read_opencv_calibration(first, second, width, height, name.lens);
     }
     refuse_calibration(name.first, "is " + format_name(format) + ", and " + base::printable(name.second, longest_name) +
                                        " is " + format_name(other) +
-                                       "; allowed with a comma between them are two ROS camera_info files, or two of "
-                                       "OpenCV with the cameras and the pose");
+                                       "; allowed with a comma between them are two ROS camera_info files, two "
+                                       "sensor.yaml of EuRoC, or two of OpenCV with the cameras and the pose");
 }
 
 FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> pair, int width, int height) {
@@ -83,9 +86,10 @@ FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> p
                 file.path, file.text, kitti_camera(file.path, file.text, name.pair ? name.pair : pair), width, height);
             read.unit_mm = 1000;
             return read;
-        case CalibrationFormat::ros: break;
+        case CalibrationFormat::ros:
+        case CalibrationFormat::euroc: break;
     }
-    refuse_calibration(file.path, "found the ROS camera_info of one camera; name both, as left.yaml,right.yaml");
+    refuse_calibration(file.path, "found " + format_name(format) + "; name both, as left.yaml,right.yaml");
 }
 
 void put(std::string& text, const std::string& key, const std::vector<double>& numbers) {

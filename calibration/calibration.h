@@ -43,11 +43,11 @@ enum class KittiPair { grey, colour };
 
 /// Reads a calibration for frames of width x height per eye: one file, or two with a comma between them. Formats: a
 /// factory .conf; OpenCV's YAML, JSON or XML (M1 D1 M2 D2 R T, or K_LEFT ... of the vendor's own tool; R and T may
-/// stand in a second file); a pair of ROS camera_info; settings of ORB-SLAM; Kalibr's camchain; calib.txt of
-/// Middlebury, ETH3D and KITTI. docs/calibration.md lists the keys. Behind a question mark stands what the files leave
-/// open, as in "stereo.yml?unit=m": unit=mm, cm, m or the side of the board's squares as 25mm; model=brown or
-/// fisheye; pair=grey or colour. `pair` is which of KITTI's pairs the frames are of, where the caller knows. Throws
-/// std::invalid_argument with one line: file, key, what was found, what is allowed.
+/// stand in a second file); a pair of ROS camera_info; settings of ORB-SLAM; Kalibr's camchain; a pair of EuRoC's
+/// sensor.yaml; calib.txt of Middlebury, ETH3D and KITTI. docs/calibration.md lists the keys. Behind a question mark
+/// stands what the files leave open, as in "stereo.yml?unit=m": unit=mm, cm, m or the side of the board's squares as
+/// 25mm; model=brown or fisheye; pair=grey or colour. `pair` is which of KITTI's pairs the frames are of, where the
+/// caller knows. Throws std::invalid_argument with one line: file, key, what was found, what is allowed.
 StereoCalibration read_calibration(const std::string& path, int width, int height,
                                    std::optional<KittiPair> pair = std::nullopt);
 

@@ -91,9 +91,7 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
         return CalibrationFormat::kalibr;
     }
     if (names.contains("T_BS") || names.contains("sensor_type")) {
-        refuse_calibration(path,
-                           "is EuRoC's sensor.yaml, which is not read as a calibration: write M1, D1, M2, D2, R and "
-                           "T into an OpenCV YAML, or both cameras into a camchain of Kalibr");
+        return CalibrationFormat::euroc;
     }
     if (names.contains("LEFT.K") || names.contains("Camera.fx") || names.contains("Camera1.fx") ||
         names.contains("Camera.type")) {
@@ -107,10 +105,11 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
     if (text.starts_with("%YAML") || has_matrices || has_opencv_key(names)) {
         return CalibrationFormat::opencv;
     }
-    refuse_calibration(path,
-                       "no known format; allowed are a factory .conf, OpenCV YAML, JSON or XML, a pair of ROS "
-                       "camera_info files (left.yaml,right.yaml), settings of ORB-SLAM, Kalibr's camchain, and "
-                       "calib.txt of Middlebury, ETH3D and KITTI");
+    refuse_calibration(
+        path,
+        "no known format; allowed are a factory .conf, OpenCV YAML, JSON or XML, a pair of ROS "
+        "camera_info files (left.yaml,right.yaml), settings of ORB-SLAM, Kalibr's camchain, a pair of "
+        "EuRoC's sensor.yaml (cam0/sensor.yaml,cam1/sensor.yaml), and calib.txt of Middlebury, ETH3D and KITTI");
 }
 
 std::string format_name(CalibrationFormat format) {
@@ -120,6 +119,7 @@ std::string format_name(CalibrationFormat format) {
         case CalibrationFormat::ros: return "the ROS camera_info of one camera";
         case CalibrationFormat::orbslam: return "settings of ORB-SLAM";
         case CalibrationFormat::kalibr: return "Kalibr's camchain";
+        case CalibrationFormat::euroc: return "EuRoC's sensor.yaml of one camera";
         case CalibrationFormat::middlebury: return "Middlebury's calib.txt";
         case CalibrationFormat::kitti: return "KITTI's calibration";
     }

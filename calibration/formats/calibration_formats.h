@@ -48,6 +48,9 @@ FileCalibration read_orbslam_settings(const CalibrationText& file, int width, in
 /// Reads the camchain of Kalibr: two cameras of the model pinhole with radtan or equidistant.
 FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int height);
 
+/// Reads a pair of EuRoC's sensor.yaml, one file per camera: T_BS takes points of each to the same body.
+FileCalibration read_euroc_sensors(const CalibrationText& left, const CalibrationText& right, int width, int height);
+
 /// Reads calib.txt of Middlebury 2014, which ETH3D has, too.
 StereoCalibration read_middlebury_calibration(const std::string& path, const std::string& text, int width, int height);
 

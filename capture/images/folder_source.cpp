@@ -166,9 +166,6 @@ public:
         if (!options.skip_damaged) {
             check_sizes(images_, size_);
         }
-        if (options.report && !images_.notice.empty() && options.calibration_path.empty()) {
-            options.report(images_.notice, false);
-        }
         if (options.report && !images_.unpaired.empty()) {
             options.report(images_.unpaired, false);
         }

@@ -15,6 +15,7 @@
 #include "base/number_text.h"
 #include "base/text_file.h"
 #include "base/words.h"
+#include "capture/images/euroc_folder.h"
 #include "capture/images/folder_pair.h"
 #include "capture/images/image_files.h"
 #include "capture/images/image_times.h"
@@ -361,13 +362,11 @@ ImageSequence find_images(const std::string& uri) {
     if (auto found = find_middlebury(uri)) {
         return *std::move(found);
     }
+    if (auto found = find_euroc(uri)) {
+        return *std::move(found);
+    }
     if (const auto folders = find_folders_of_eyes(uri)) {
-        ImageSequence sequence = pair_images(folders->first, folders->second);
-        const fs::path settings = fs::path(folders->first).parent_path() / "sensor.yaml";
-        if (base::is_file(settings)) {
-            sequence.notice = settings.string() + ": EuRoC's calibration is not read: name one with --calibration";
-        }
-        return sequence;
+        return pair_images(folders->first, folders->second);
     }
     throw std::invalid_argument(
         uri +

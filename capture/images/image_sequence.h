@@ -20,8 +20,7 @@ struct ImageSequence {
     bool rectified = false;   ///< by the layout's own rules
     std::string description;  ///< "Middlebury scene", "KITTI image_2/image_3", "pattern"
     std::string calibration;  ///< calib.txt and the like, of all frames; empty = there is none
-    std::string notice;       ///< one line: what the folder has and is not used without a calibration; may be empty
-    std::string unpaired;     ///< one line: right images that no left one belongs to; may be empty
+    std::string unpaired;     ///< one line: images that belong to no pair; may be empty
     int kitti_camera = -1;    ///< number of the left camera in a KITTI calibration; -1 = not KITTI
 };
 

@@ -181,6 +181,33 @@ TEST_F(Formats, OrbSlamAndKalibr) {
     }
 }
 
+TEST_F(Formats, EurocSensorsOfBothCameras) {
+    const auto said_of = [](const std::string& name, int width, int height) {
+        return refusal([&] { read_calibration(name, width, height); });
+    };
+    for (Rig rig : rigs()) {
+        rig.left_distortion[4] = rig.right_distortion[4] = 0;
+        const std::string left = write("left.yaml", euroc_sensor(rig, 0));
+        const std::string right = write("right.yaml", euroc_sensor(rig, 1));
+        expect_rig(left + "," + right, rig);
+        EXPECT_THAT(said_of(left + "," + right, 320, 200), HasSubstr("(resolution)"));
+        EXPECT_THAT(said_of(right + "," + left, rig.width, rig.height), HasSubstr("lies left of the left one"));
+        EXPECT_THAT(said_of(left, rig.width, rig.height),
+                    HasSubstr("found EuRoC's sensor.yaml of one camera; name both"));
+    }
+    const Rig rig;
+    const std::string right = "," + write("right.yaml", euroc_sensor(rig, 1));
+    for (const auto& [from, to, said] :
+         {std::tuple("sensor_type: camera", "sensor_type: imu", "sensor_type: found 'imu', expected camera"),
+          {"radial-tangential", "omni", "distortion_model: found 'omni'"},
+          {"rate_hz", "shutter", "has the key 'shutter'"},
+          {"0, 0, 0, 1]", "0, 0, 0, 2]", "T_BS: is no pose"},
+          {"0, 0, 0, 1]", "0, 0, 1]", "T_BS: expected 16 numbers"}}) {
+        EXPECT_THAT(said_of(write("left.yaml", with_other(euroc_sensor(rig, 0), from, to)) + right, 640, 480),
+                    HasSubstr(said));
+    }
+}
+
 TEST_F(Formats, RationalThinPrismAndTiltedLensesAreRead) {
     const Rig rig;
     const std::string text = opencv_text(rig);

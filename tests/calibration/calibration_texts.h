@@ -149,6 +149,30 @@ inline std::string orbslam_3(const Rig& rig) {
     return text.str() + matrix_text("Stereo.T_c1_c2", pose);
 }
 
+/// sensor.yaml of one eye, on a body whose axes are others. It has four coefficients.
+inline std::string euroc_sensor(const Rig& rig, int eye) {
+    cv::Matx33d turn;
+    cv::Rodrigues(cv::Vec3d(0.02, -0.01, 1.55), turn);
+    cv::Vec3d at(-0.0216, -0.0647, 0.0098);
+    if (eye == 1) {
+        turn = turn * rig.rotation().t();
+        at -= turn * rig.translation * (1 / 1000.0);
+    }
+    const auto& camera = eye == 0 ? rig.left : rig.right;
+    const auto& k = eye == 0 ? rig.left_distortion : rig.right_distortion;
+    std::ostringstream text;
+    text.precision(17);
+    text << "%YAML:1.0\nsensor_type: camera\ncomment: made\nT_BS:\n  cols: 4\n  rows: 4\n  data: [";
+    for (int i = 0; i < 3; ++i) {
+        text << turn(i, 0) << ", " << turn(i, 1) << ", " << turn(i, 2) << ", " << at[i] << ",\n    ";
+    }
+    text << "0, 0, 0, 1]\nrate_hz: 20\nresolution: [" << rig.width << ", " << rig.height
+         << "]\ncamera_model: pinhole\nintrinsics: [" << camera[0] << ", " << camera[1] << ", " << camera[2] << ", "
+         << camera[3] << "] #fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: [" << k[0]
+         << ", " << k[1] << ", " << k[2] << ", " << k[3] << "]\n";
+    return text.str();
+}
+
 /// Kalibr has four coefficients.
 inline std::string camchain(const Rig& rig) {
     std::ostringstream text;

@@ -34,6 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     });
     read([&] { return settled(calibration::read_ros_calibration(file, file, width, height, std::nullopt)); });
     read([&] { return settled(calibration::read_orbslam_settings(file, width, height)); });
+    read([&] { return settled(calibration::read_euroc_sensors(file, file, width, height)); });
     read([&] { return settled(calibration::read_kalibr_camchain(file, width, height)); });
     fuzz::accepted("calibration " + path, [&] { calibration::calibration_format(path, file.text); });
     // Any text may be the name of a calibration, too; no such file is there.
