@@ -83,6 +83,11 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     add_report("--near-guard-report", arguments.near_guard,
                "what the near guard finds, instead: each scene with all candidates that it needs, a half and a "
                "quarter of them. The preset is obstacles unless --preset says otherwise");
+    add_report(
+        "--temporal-report", arguments.temporal,
+        "what the mean over time does, instead: DATA is sequences:SEED, rendered, whose seeds are SEED, SEED + 2 and "
+        "so on; --repeat says how many of each kind, default 4. The preset is obstacles unless --preset says "
+        "otherwise");
     arguments.scan_options.add_to(program)->needs("--scan");
     add_report(
         "--trust", arguments.trust,

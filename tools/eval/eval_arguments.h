@@ -35,6 +35,7 @@ struct EvalArguments {
     bool scan = false;
     bool trust = false;
     bool near_guard = false;
+    bool temporal = false;
     bool paper = false;
     bool json = false;
     bool markdown = false;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
@@ -34,6 +33,7 @@
 #include "tools/eval/noise.h"
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"
+#include "tools/eval/pictures/error_picture.h"
 #include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scan/data_report.h"
@@ -41,12 +41,11 @@
 #include "tools/eval/scene.h"
 #include "tools/eval/subpixel.h"
 #include "tools/eval/summary.h"
+#include "tools/eval/temporal/temporal_report.h"
 #include "tools/eval/thin_widths.h"
 #include "tools/eval/trust/trust_report.h"
 #include "tools/eval/wins.h"
-#include "tools/images/colour_map.h"
 #include "tools/images/image_file.h"
-#include "tools/images/picture.h"
 
 namespace disparityd::eval {
 namespace {
@@ -74,63 +73,6 @@ std::string empty_scene_note(const Scene& scene, const MatcherResult& result) {
     counted.add(view_of(left), view_of(right), {result.confidence.data(), result.width, result.height, result.width});
     const std::string note = counted.note(std::nullopt);
     return note.empty() ? note : scene.name + ": " + note;
-}
-
-const cv::Vec3b wrong(40, 40, 230);
-const cv::Vec3b wrong_and_occluded(30, 150, 240);
-const cv::Vec3b rejected(200, 110, 30);
-const cv::Vec3b no_truth(24, 70, 16);
-constexpr double level_of_one_px = 160;
-
-cv::Vec3b grey_of(double error) {
-    return cv::Vec3b::all(static_cast<std::uint8_t>(std::lround(error * level_of_one_px)));
-}
-
-cv::Vec3b judge(float disparity, float truth, bool occluded) {
-    if (!std::isfinite(truth)) {
-        return no_truth;
-    }
-    if (!std::isfinite(disparity)) {
-        return rejected;
-    }
-    const float error = std::abs(disparity - truth);
-    if (error > 1.0F) {
-        return occluded ? wrong_and_occluded : wrong;
-    }
-    return grey_of(error);
-}
-
-cv::Mat error_legend(int height) {
-    return images::colour_legend(height, "error",
-                                 {{grey_of(0), "0 px"},
-                                  {grey_of(0.5), "0.5 px"},
-                                  {grey_of(1), "1 px"},
-                                  {wrong, "over 1 px"},
-                                  {wrong_and_occluded, "over 1 px, occluded"},
-                                  {rejected, "rejected"},
-                                  {no_truth, "no ground truth"}});
-}
-
-/// Left image, coloured disparity, then where it is wrong: grey by error up to 1 px (black = none), red beyond 1 px,
-/// orange beyond 1 px but occluded, blue rejected, dark green without truth; then the scale of the
-/// disparity's colours and a legend of the errors'.
-cv::Mat error_picture(const Scene& scene, const MatcherResult& result) {
-    const images::FloatMap disparity = images::to_float(result.map());
-    cv::Mat errors(result.height, result.width, CV_8UC3);
-    for (int y = 0; y < result.height; ++y) {
-        for (int x = 0; x < result.width; ++x) {
-            const auto i =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(result.width) + static_cast<std::size_t>(x);
-            const bool occluded = !scene.non_occluded.empty() && scene.non_occluded[i] == 0;
-            errors.at<cv::Vec3b>(y, x) = judge(disparity.at(x, y), scene.truth.at(x, y), occluded);
-        }
-    }
-    // The range that covers the truth: the same colours for every method, so that their pictures can be compared.
-    const images::ColourScale scale = images::whole_range(result.range);
-    const cv::Mat bar = images::scale_bar(result.height, scale, {});
-    const cv::Mat all = images::picture(scene.left, result.map(), scale, {});
-    const cv::Mat left_and_disparity = all(cv::Rect(0, 0, 2 * result.width, result.height));
-    return images::side_by_side({left_and_disparity, errors, bar, error_legend(result.height)});
 }
 
 std::vector<Method> methods_of(const EvalArguments& arguments) {
@@ -533,6 +475,18 @@ int evaluate_trust(const EvalArguments& arguments) {
     return tools::exit_done;
 }
 
+int evaluate_temporal(const EvalArguments& arguments) {
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    const pipeline::WorkerPool::ComputeSlot slot(workers);
+    TemporalEvaluation evaluation;
+    evaluation.match = options_for(arguments, methods_of(arguments).front(), 64);
+    evaluation.backend = backends_of(arguments).front();
+    evaluation.sequences = arguments.repeat.value_or(evaluation.sequences);
+    evaluation.seed = seed_of_sequences(arguments.data);
+    report_temporal(evaluation, workers, arguments.markdown);
+    return tools::exit_done;
+}
+
 int evaluate_near_guard(const EvalArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
     const pipeline::WorkerPool::ComputeSlot slot(workers);
@@ -559,13 +513,12 @@ int evaluate(EvalArguments arguments) {
             throw std::runtime_error(arguments.pictures + ": " + error.message());
         }
     }
-    if (arguments.scan || arguments.near_guard) {
+    if (arguments.scan || arguments.near_guard || arguments.trust || arguments.temporal) {
         arguments.match.set_usual(Preset::obstacles);
-        return arguments.scan ? evaluate_scans(arguments) : evaluate_near_guard(arguments);
-    }
-    if (arguments.trust) {
-        arguments.match.set_usual(Preset::obstacles);
-        return evaluate_trust(arguments);
+        return arguments.scan         ? evaluate_scans(arguments)
+               : arguments.near_guard ? evaluate_near_guard(arguments)
+               : arguments.trust      ? evaluate_trust(arguments)
+                                      : evaluate_temporal(arguments);
     }
     Evaluation evaluation(arguments);
     evaluation.run();
