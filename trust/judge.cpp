@@ -25,6 +25,15 @@ constexpr int covered_factor = 36;
 constexpr std::int64_t least_fine_texture = 12;  // mean square over an eye, beyond the noise
 constexpr int windows_of_dirt = 3;
 
+/// Returns the cell, of so many, in which a pixel lies.
+int cell_of(int pixel, int size, int cells) {
+    int cell = pixel * cells / size;
+    while (cell_begin(cell + 1, size, cells) <= pixel) {
+        ++cell;
+    }
+    return cell;
+}
+
 /// Returns how many of the reduced image's pixels are darker than `level`.
 std::int64_t darker(const EyeTexture& eye, int level) {
     return std::accumulate(eye.levels.begin(), eye.levels.begin() + level, std::int64_t{0});
@@ -115,11 +124,32 @@ void Judge::Held::note(bool found) {
     holds_ = found_ >= until_held_ || (holds_ && missed_ < until_over_);
 }
 
-Judge::Judge(int width, int height, const TrustOptions& options)
+Judge::Judge(int width, int height, const TrustOptions& options, Plane<const std::uint8_t> masked)
     : options_(options),
       rows_limit_(static_cast<int>(std::lround(options.rows_px * RowOffsets::unit))),
       judged_(EyeMeter::fits(width, height)),
-      meters_{EyeMeter(width, height), EyeMeter(width, height)} {}
+      meters_{EyeMeter(width, height), EyeMeter(width, height)} {
+    if (judged_ && masked) {
+        set_masked_cells(masked);
+    }
+}
+
+/// A part of the robot is farther left in the right eye, by a disparity that is not known.
+void Judge::set_masked_cells(Plane<const std::uint8_t> masked) {
+    for (int y = 0; y < masked.height; ++y) {
+        for (int x = 0; x < masked.width; ++x) {
+            if (masked.at(x, y) == 0) {
+                continue;
+            }
+            const int row = cell_of(y, masked.height, cell_rows);
+            const int column = cell_of(x, masked.width, cell_columns);
+            bool* const left_row = &masked_[left][static_cast<std::size_t>(row * cell_columns)];
+            bool* const right_row = &masked_[right][static_cast<std::size_t>(row * cell_columns)];
+            left_row[column] = true;
+            std::fill(right_row, right_row + column + 1, true);
+        }
+    }
+}
 
 Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
     if (!judged_) {
@@ -170,8 +200,9 @@ void Judge::add_to_window(const FrameView& frame) {
     for (const EyeIndex eye : {left, right}) {
         const Cells<CellState>& states = eye == left ? cells_.left : cells_.right;
         for (std::size_t i = 0; i < states.size(); ++i) {
-            window_.judged[eye][i] += states[i] != CellState::unknown ? 1 : 0;
-            window_.dull[eye][i] += states[i] == CellState::dull ? 1 : 0;
+            const CellState state = masked_[eye][i] ? CellState::unknown : states[i];
+            window_.judged[eye][i] += state != CellState::unknown ? 1 : 0;
+            window_.dull[eye][i] += state == CellState::dull ? 1 : 0;
             window_.fine[eye][i] += eyes_[eye].fine[i];
         }
     }

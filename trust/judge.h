@@ -22,8 +22,9 @@ struct Verdict {
 /// and rows that do not fit are decided over windows of a second. All memory is its own. One thread.
 class Judge {
 public:
-    /// The rectified size.
-    Judge(int width, int height, const TrustOptions& options);
+    /// The rectified size. `masked` is not 0 where the left image shows the robot itself; empty where it does nowhere.
+    /// It is read by the constructor only.
+    Judge(int width, int height, const TrustOptions& options, Plane<const std::uint8_t> masked = {});
 
     /// `time_ns` is that of the frame's capture, on any clock. `anew`: earlier frames have nothing to do with it.
     Verdict judge(const FrameView& frame, std::int64_t time_ns, bool anew);
@@ -65,6 +66,7 @@ private:
         std::array<Cells<int>, 2> dull_windows{};  ///< windows in a row in which a cell was dull
     };
 
+    void set_masked_cells(Plane<const std::uint8_t> masked);
     void add_to_window(const FrameView& frame);
     void close_window();
     bool find_blurred() const;
@@ -73,8 +75,9 @@ private:
     std::uint32_t doubts(const FrameView& frame) const;
 
     TrustOptions options_;
-    int rows_limit_;  ///< 1/16 px
-    bool judged_;     ///< images of this size are
+    int rows_limit_;                       ///< 1/16 px
+    bool judged_;                          ///< images of this size are
+    std::array<Cells<bool>, 2> masked_{};  ///< cells that may show the robot itself
     std::array<EyeMeter, 2> meters_;
     std::array<EyeTexture, 2> eyes_{};
     DullCells cells_;

@@ -13,8 +13,9 @@ namespace disparityd::trust {
 /// Judges each finished frame. Its memory of a frame is a Verdict.
 class TrustStage final : public AddedStage {
 public:
-    /// Width and height are those of the rectified image.
-    TrustStage(int width, int height, const TrustOptions& options) : judge_(width, height, options) {}
+    /// Width and height are those of the rectified image; `masked` as Judge has it.
+    TrustStage(int width, int height, const TrustOptions& options, Plane<const std::uint8_t> masked = {})
+        : judge_(width, height, options, masked) {}
 
     std::string_view name() const override { return "trust"; }
     StagePlace place() const override { return StagePlace::record; }
