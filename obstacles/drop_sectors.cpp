@@ -93,8 +93,7 @@ void DropSectors::describe(const Geometry& geometry, int sector, ScanSector& out
     const ScanOptions& options = geometry.options();
     const auto k = static_cast<double>(geometry.camera().scale.k);
     const double distance = std::clamp(k / std::max(m, 1.0), 1000 * options.min_m, 1000 * options.max_m);
-    const bool has_obstacle = out.state != SectorState::unknown && out.state != SectorState::free;
-    if (has_obstacle && out.distance_mm <= distance) {
+    if (out.state == SectorState::occupied && out.distance_mm <= distance) {
         return;
     }
     out.state = SectorState::occupied;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "obstacles/gravity_ground.h"
 
@@ -40,9 +41,11 @@ GroundPlane mean(const GroundPlane& a, const GroundPlane& b) {
 
 }  // namespace
 
-ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps)
+ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps,
+                                 ImageMask mask)
     : steps_(steps),
       options_(checked(options)),
+      mask_(std::move(mask)),
       shift_(scan::is_shifted(options) ? std::optional<scan::OriginShift>(options) : std::nullopt),
       geometry_(width, height, shift_ ? shift_->camera_options() : options),
       band_(width, height),
@@ -101,7 +104,7 @@ void ObstacleScanner::tell_nothing(Scan& scan) {
 
 /// Computes what follows from the geometry.
 void ObstacleScanner::follow_geometry() {
-    decision_.set(geometry_);
+    decision_.set(geometry_, mask_);
     ground_fit_.set(geometry_);
     band_ground_.reset();
 }

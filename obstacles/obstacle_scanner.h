@@ -10,6 +10,7 @@
 #include "obstacles/drop_sectors.h"
 #include "obstacles/floor_finder.h"
 #include "obstacles/ground_fit.h"
+#include "obstacles/image_mask.h"
 #include "obstacles/near_sectors.h"
 #include "obstacles/origin_shift.h"
 #include "obstacles/scan.h"
@@ -24,8 +25,9 @@ namespace disparityd {
 class ObstacleScanner {
 public:
     /// `steps`: those of a back end, or of the reference; it outlives this. Throws std::invalid_argument with
-    /// validate()'s line for bad options.
-    ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps);
+    /// validate()'s line for bad options. The mask is of that size, or empty: what masked pixels
+    /// hide is not known. A frame has them rejected already.
+    ObstacleScanner(int width, int height, const ScanOptions& options, const FrameSteps& steps, ImageMask mask = {});
 
     /// Fills in all of `scan`, which was made by empty_scan(). A camera without a focal length or baseline gives a scan
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
@@ -48,6 +50,7 @@ private:
 
     const FrameSteps& steps_;
     ScanOptions options_;
+    ImageMask mask_;
     std::optional<scan::OriginShift> shift_;  ///< where the camera is not above the robot's origin
     scan::Geometry geometry_;
     scan::Band band_;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 namespace disparityd {
 namespace {
@@ -37,8 +38,8 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
 }  // namespace
 
 ScanStage::ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
-                     const scan::GivenLevels* levels)
-    : scanner_(width, height, options, fastest_frame_steps()),
+                     const scan::GivenLevels* levels, ImageMask mask)
+    : scanner_(width, height, options, fastest_frame_steps(), std::move(mask)),
       last_candidate16_(16 * (range.first + range.count - 1)),
       axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
       levels_(options.ground == GroundMode::autopilot ? levels : nullptr),

@@ -21,9 +21,9 @@ class ScanStage final : public AddedStage {
 public:
     /// Width and height are those of the rectified image, `range` is what frames are matched with. Throws as
     /// ObstacleScanner does. `levels` are for GroundMode::autopilot and outlive the stage; null: there are none, as in
-    /// a replay.
+    /// a replay. `mask` is what a MaskStage before this one has taken out.
     ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
-              const scan::GivenLevels* levels = nullptr);
+              const scan::GivenLevels* levels = nullptr, ImageMask mask = {});
 
     std::string_view name() const override { return "scan"; }
     StagePlace place() const override { return StagePlace::record; }

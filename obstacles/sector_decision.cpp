@@ -13,6 +13,7 @@ namespace {
 constexpr int window = 4;
 /// An obstacle shows itself by this part of the pixels that the smallest one has, in 256ths, and by so many at least.
 constexpr std::uint32_t support_share = 77;
+constexpr int all_shares = 256;
 constexpr std::uint32_t least_support = 8;
 /// It has this part of all obstacle pixels there: fewer are the near end of the spread of a surface.
 constexpr std::uint32_t least_part = 16;
@@ -72,9 +73,11 @@ SectorDecision::SectorDecision(const Geometry& geometry)
       columns_(index(geometry.sectors())),
       resolved_(index(geometry.sectors())),
       area_(index(geometry.sectors()) * index(geometry.groups())),
+      masked_(area_.size()),
+      all_masked_(index(geometry.sectors())),
       found_(index(geometry.sectors())) {}
 
-void SectorDecision::set(const Geometry& geometry) {
+void SectorDecision::set(const Geometry& geometry, const ImageMask& mask) {
     if (!geometry.camera().metric()) {
         return;
     }
@@ -85,16 +88,8 @@ void SectorDecision::set(const Geometry& geometry) {
         const double pixels = geometry.camera().f * side_mm * bin_begin(std::min(b, used_bins)) / k;
         object_side_[index(b)] = static_cast<std::uint32_t>(std::min(16 * pixels, 1e6));
     }
+    set_area(geometry, mask);
     for (int s = 0; s < geometry.sectors(); ++s) {
-        int least = std::numeric_limits<int>::max();
-        for (int group = 0; group < geometry.groups(); ++group) {
-            const std::int16_t* edges = geometry.edges(group);
-            const int columns = edges[s] - edges[s + 1];
-            const int rows = group_end(group, geometry.camera().height) - group * group_rows;
-            area_[index(s * geometry.groups() + group)] = static_cast<std::uint32_t>(columns * rows);
-            least = columns > 0 ? std::min(least, columns) : least;
-        }
-        columns_[index(s)] = least == std::numeric_limits<int>::max() ? 0 : least;
         // The farthest bin in which the share, and not the least number, is what an obstacle needs.
         int b = 0;
         while (b < used_bins &&
@@ -102,6 +97,34 @@ void SectorDecision::set(const Geometry& geometry) {
             ++b;
         }
         resolved_[index(s)] = k / std::max(bin_begin(b), 1);
+    }
+}
+
+/// Counts the pixels of each sector, and those of them that are masked.
+void SectorDecision::set_area(const Geometry& geometry, const ImageMask& mask) {
+    for (int s = 0; s < geometry.sectors(); ++s) {
+        int least = std::numeric_limits<int>::max();
+        std::uint32_t all = 0;
+        std::uint32_t all_masked = 0;
+        for (int group = 0; group < geometry.groups(); ++group) {
+            const std::int16_t* edges = geometry.edges(group);
+            const int columns = edges[s] - edges[s + 1];
+            const int end = group_end(group, geometry.camera().height);
+            std::uint32_t masked = 0;
+            for (int y = group * group_rows; y < end && !mask.empty(); ++y) {
+                for (int x = edges[s + 1]; x < edges[s]; ++x) {
+                    masked += mask.at(x, y) ? 1U : 0U;
+                }
+            }
+            const std::size_t place = index(s * geometry.groups() + group);
+            area_[place] = static_cast<std::uint32_t>(columns * (end - group * group_rows));
+            masked_[place] = masked;
+            all += area_[place];
+            all_masked += masked;
+            least = columns > 0 ? std::min(least, columns) : least;
+        }
+        columns_[index(s)] = least == std::numeric_limits<int>::max() ? 0 : least;
+        all_masked_[index(s)] = all > 0 && all == all_masked;
     }
 }
 
@@ -187,20 +210,28 @@ double SectorDecision::free_distance(const Geometry& geometry, const GroundPlane
     const double least = 1000 * options.min_m;
     double free = std::min({1000 * options.max_m, resolved_[index(sector)],
                             static_cast<double>(geometry.camera().scale.k) / geometry.limits().sure});
+    // The rest of what a mask hides may show too little to be found.
+    HidingRoom behind_mask = room;
+    behind_mask.side *= double{all_shares - support_share} / all_shares;
     bool any = false;
+    bool masked = false;
     int begin = -1;
     for (int group = 0; group <= geometry.groups(); ++group) {
-        const std::uint32_t area = group < geometry.groups() ? area_[index(sector * geometry.groups() + group)] : 0;
+        const std::size_t place = index(sector * geometry.groups() + group);
+        const std::uint32_t area = group < geometry.groups() ? area_[place] : 0;
         any = any || area > 0;
-        const bool hidden = area > 0 && counts.seen_of(sector, group) * seen_denominator < area * seen_numerator;
-        if (hidden) {
+        const bool touches_mask = area > 0 && masked_[place] > 0;
+        if (touches_mask || (area > 0 && counts.seen_of(sector, group) * seen_denominator < area * seen_numerator)) {
             begin = begin < 0 ? group : begin;
+            masked = masked || touches_mask;
             continue;
         }
         if (begin >= 0) {
-            free = std::min(free, hiding_distance(slope - geometry.rise(sector, begin),
-                                                  slope - geometry.rise(sector, group), room, least));
+            free = std::min(free,
+                            hiding_distance(slope - geometry.rise(sector, begin), slope - geometry.rise(sector, group),
+                                            masked ? behind_mask : room, least));
             begin = -1;
+            masked = false;
         }
     }
     return any ? free : 0;
@@ -287,6 +318,8 @@ void SectorDecision::decide(const Pixels& pixels, const Geometry& geometry, cons
             describe(geometry, counts, s, out);
             add_extent(pixels, geometry, ground, counts, s, out);
             out.free_mm = std::min(rounded<std::uint16_t>(free), out.distance_mm);
+        } else if (all_masked_[index(s)]) {
+            out.state = SectorState::masked;
         } else {
             out.free_mm = rounded<std::uint16_t>(free);
             out.state = free > 1000 * geometry.options().min_m ? SectorState::free : SectorState::unknown;

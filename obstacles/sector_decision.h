@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "kernels/scan_counts.h"
+#include "obstacles/image_mask.h"
 #include "obstacles/scan.h"
 #include "obstacles/scan_geometry.h"
 
@@ -17,8 +18,8 @@ class SectorDecision {
 public:
     explicit SectorDecision(const Geometry& geometry);
 
-    /// Computes what follows from the geometry alone; to be called after Geometry::set().
-    void set(const Geometry& geometry);
+    /// Computes what follows from the geometry and the mask alone; to be called after Geometry::set().
+    void set(const Geometry& geometry, const ImageMask& mask);
 
     /// Fills in all sectors. `sectors` has geometry.sectors() elements.
     void decide(const Pixels& pixels, const Geometry& geometry, const GroundPlane& ground, const Counts& counts,
@@ -31,6 +32,7 @@ private:
         int last = -1;
     };
 
+    void set_area(const Geometry& geometry, const ImageMask& mask);
     void sum_windows(const Counts& counts);
     int nearest(const std::uint32_t* one, const std::uint32_t* other, int top, int columns, std::uint32_t all) const;
     void find_obstacles(const Geometry& geometry);
@@ -46,6 +48,8 @@ private:
     std::vector<int> columns_;                ///< of each sector, the least over the groups that show it
     std::vector<double> resolved_;            ///< by sector: the smallest obstacle has pixels enough up to here, mm
     std::vector<std::uint32_t> area_;         ///< by sector and group, px
+    std::vector<std::uint32_t> masked_;       ///< of that, px
+    std::vector<bool> all_masked_;            ///< by sector: it has pixels, and all are masked
     std::vector<Found> found_;
 };
 

@@ -21,6 +21,7 @@ enum class SectorState : std::uint8_t {
     unknown = 0,   ///< nothing is known beyond free_mm, which is less than the scan's least distance
     free = 1,      ///< no obstacle up to free_mm; what lies beyond is unknown
     occupied = 2,  ///< the nearest obstacle is at distance_mm
+    masked = 3,    ///< unknown: the robot's own parts hide all of it; free_mm is 0
 };
 
 enum class GroundSource : std::uint8_t {

@@ -151,9 +151,10 @@ DISPARITY_API const disparity_point* disparity_frame_points(disparity_frame* fra
 
 /** What a sector of an obstacle scan shows. A program takes every other value for unknown. */
 enum {
-    DISPARITY_SECTOR_UNKNOWN = 0, /**< as good as nothing is known: it may hold an obstacle at any distance */
-    DISPARITY_SECTOR_FREE = 1,    /**< no obstacle up to free_m; what lies beyond is unknown */
-    DISPARITY_SECTOR_OCCUPIED = 2 /**< the nearest obstacle is at distance_m */
+    DISPARITY_SECTOR_UNKNOWN = 0,  /**< as good as nothing is known: it may hold an obstacle at any distance */
+    DISPARITY_SECTOR_FREE = 1,     /**< no obstacle up to free_m; what lies beyond is unknown */
+    DISPARITY_SECTOR_OCCUPIED = 2, /**< the nearest obstacle is at distance_m */
+    DISPARITY_SECTOR_MASKED = 3    /**< unknown, because the robot's own parts hide all of it */
 };
 
 /** Where the ground's plane of a scan comes from. A later daemon may send other numbers: the plane holds all the same.

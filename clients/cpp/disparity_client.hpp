@@ -119,9 +119,10 @@ struct Points {
 
 /// What a sector of an obstacle scan shows.
 enum class SectorState : std::uint8_t {
-    unknown = 0,  ///< as good as nothing is known: it may hold an obstacle at any distance
-    free = 1,     ///< no obstacle up to ScanSector::free_m; what lies beyond is unknown
-    occupied = 2  ///< the nearest obstacle is at ScanSector::distance_m
+    unknown = 0,   ///< as good as nothing is known: it may hold an obstacle at any distance
+    free = 1,      ///< no obstacle up to ScanSector::free_m; what lies beyond is unknown
+    occupied = 2,  ///< the nearest obstacle is at ScanSector::distance_m
+    masked = 3     ///< unknown, because the robot's own parts hide all of it
 };
 
 /// One sector of an obstacle scan. Distances are horizontal, from the robot's origin.

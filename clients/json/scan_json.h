@@ -12,7 +12,13 @@ namespace disparityd::json {
 /// Returns "unknown" for every number that has no word, as docs/protocol.md asks for.
 template <typename Enum>
 const char* sector_word(Enum state) {
-    return state == Enum::occupied ? "occupied" : state == Enum::free ? "free" : "unknown";
+    switch (state) {
+        case Enum::unknown: return "unknown";
+        case Enum::free: return "free";
+        case Enum::occupied: return "occupied";
+        case Enum::masked: return "masked";
+    }
+    return "unknown";
 }
 
 /// Returns where the ground's plane comes from; "other" for a number of a later daemon that has no word here.

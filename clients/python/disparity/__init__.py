@@ -13,7 +13,8 @@ from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT
 from .errors import DisparityError, Gone, Refused
 from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, NOISY,
                     SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame)
-from .scan import FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, OCCUPIED, UNKNOWN, Scan
+from .scan import (FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, MASKED, OCCUPIED,
+                   UNKNOWN, Scan)
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
 
@@ -42,6 +43,7 @@ __all__ = [
     "INTERPOLATED",
     "LEFT",
     "LEFT_COLOUR",
+    "MASKED",
     "MISALIGNED",
     "NOISY",
     "OCCUPIED",

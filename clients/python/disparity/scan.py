@@ -14,6 +14,7 @@ from .errors import DisparityError
 UNKNOWN = 0
 FREE = 1
 OCCUPIED = 2
+MASKED = 3
 
 # Where the ground's plane comes from: the configured mounting, a fit to this frame, a fit to an earlier one, the camera's
 # inertial sensor. A later daemon may send other numbers: the plane holds all the same.
@@ -89,7 +90,7 @@ class Scan:
     mounting: typing.Optional[Mounting]  # that the floor of the last seconds shows; None: not found
     from_deg: npt.NDArray[np.float64]  # the right edge
     to_deg: npt.NDArray[np.float64]  # the left edge
-    state: npt.NDArray[np.uint8]  # UNKNOWN, FREE up to free_m, or OCCUPIED at distance_m
+    state: npt.NDArray[np.uint8]  # UNKNOWN, FREE up to free_m, OCCUPIED at distance_m, or MASKED: unknown
     distance_m: npt.NDArray[np.float64]  # to the nearest obstacle of an occupied sector, else NaN
     sigma_m: npt.NDArray[np.float64]  # one-sigma error of distance_m, else NaN
     free_m: npt.NDArray[np.float64]  # no obstacle is nearer, whatever the state; at most distance_m
