@@ -4,6 +4,8 @@
 #include <array>
 #include <utility>
 
+#include "capture/images/mask_image.h"
+#include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "proto/doubt.h"
 #include "temporal/temporal_stage.h"
@@ -12,29 +14,40 @@
 namespace disparityd::daemon {
 namespace {
 
-/// Returns null where the configuration does not want the stage.
-using Make = std::unique_ptr<AddedStage>(const Config& config, int width, int height, const scan::GivenLevels* levels);
+/// What the stages of a configuration need to know of its frames.
+struct Frames {
+    int width;  ///< of the rectified left image
+    int height;
+    ImageMask mask;
+    const scan::GivenLevels* levels;
+};
 
-std::unique_ptr<AddedStage> make_scan(const Config& config, int width, int height, const scan::GivenLevels* levels) {
+/// Returns null where the configuration does not want the stage.
+using Make = std::unique_ptr<AddedStage>(const Config& config, const Frames& frames);
+
+std::unique_ptr<AddedStage> make_mask(const Config& config, const Frames& frames) {
+    return frames.mask.empty() ? nullptr : std::make_unique<MaskStage>(frames.mask, config.match.options.range);
+}
+
+std::unique_ptr<AddedStage> make_scan(const Config& config, const Frames& frames) {
     if (!config.scan.enabled) {
         return nullptr;
     }
     ScanOptions options = config.scan.options;
     options.subpixel_error_px = config.match.subpixel_error_px;
-    return std::make_unique<ScanStage>(width, height, config.match.options.range, options, levels);
+    return std::make_unique<ScanStage>(frames.width, frames.height, config.match.options.range, options, frames.levels,
+                                       frames.mask);
 }
 
-std::unique_ptr<AddedStage> make_temporal(const Config& config, int width, int height,
-                                          const scan::GivenLevels* /*levels*/) {
-    return config.temporal.enabled ? std::make_unique<temporal::TemporalStage>(width, height) : nullptr;
+std::unique_ptr<AddedStage> make_temporal(const Config& config, const Frames& frames) {
+    return config.temporal.enabled ? std::make_unique<temporal::TemporalStage>(frames.width, frames.height) : nullptr;
 }
 
-std::unique_ptr<AddedStage> make_trust(const Config& config, int width, int height,
-                                       const scan::GivenLevels* /*levels*/) {
+std::unique_ptr<AddedStage> make_trust(const Config& config, const Frames& frames) {
     if (!config.trust.enabled) {
         return nullptr;
     }
-    return std::make_unique<trust::TrustStage>(width, height, config.trust.options);
+    return std::make_unique<trust::TrustStage>(frames.width, frames.height, config.trust.options, frames.mask.pixels());
 }
 
 /// Returns the doubts about a frame and the trust in it.
@@ -49,15 +62,19 @@ struct Row {
     decltype(ConfiguredStage::flags) flags = nullptr;
 };
 
-constexpr std::array table{Row{v1::PRODUCT_NONE, make_temporal}, Row{v1::SCAN, make_scan},
-                           Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
+constexpr std::array table{Row{v1::PRODUCT_NONE, make_mask}, Row{v1::PRODUCT_NONE, make_temporal},
+                           Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
 
 }  // namespace
 
 std::vector<ConfiguredStage> make_stages(const Config& config, int width, int height, const scan::GivenLevels* levels) {
+    const capture::MaskImage file =
+        config.mask.image.empty() ? capture::MaskImage{} : capture::read_mask_image(config.mask.image);
+    const Frames frames{width, height, ImageMask(width, height, config.mask.polygons, file.plane(), config.mask.image),
+                        levels};
     std::vector<ConfiguredStage> stages;
     for (const Row& row : table) {
-        if (auto stage = row.make(config, width, height, levels)) {
+        if (auto stage = row.make(config, frames)) {
             stages.push_back({row.product, std::move(stage), row.flags});
         }
     }

@@ -54,6 +54,12 @@ struct Config {
         bool enabled = false;
     } temporal;
 
+    /// What of the rectified left image shows the robot itself: see ImageMask.
+    struct Mask {
+        std::vector<std::string> polygons;
+        std::string image;  ///< a file; empty: none
+    } mask;
+
     struct ObstacleScan {
         bool enabled = false;
         ScanOptions options;  ///< but for subpixel_error_px

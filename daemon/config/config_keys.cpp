@@ -329,6 +329,11 @@ void add_match_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(number_key("match", "subpixel_error_px", error->min, error->max, FIELD(match.subpixel_error_px)));
 }
 
+void add_mask_keys(std::vector<ConfigKey>& keys) {
+    keys.push_back(names_key("mask", "polygons", "[] or polygons \"x,y x,y x,y\" in pixels", FIELD(mask.polygons)));
+    keys.push_back(text_key("mask", "image", "a file name, or \"\"", FIELD(mask.image)));
+}
+
 void add_scan_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(bool_key("scan", "enabled", FIELD(scan.enabled)));
     for (const ScanField& field : scan_fields()) {
@@ -407,6 +412,7 @@ const std::vector<ConfigKey>& config_keys() {
         add_input_keys(list);
         add_match_keys(list);
         add_temporal_keys(list);
+        add_mask_keys(list);
         add_scan_keys(list);
         add_trust_keys(list);
         add_output_keys(list);

@@ -162,6 +162,42 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
     EXPECT_GE(compared, 5);
 }
 
+// The right half is masked, and with it the sectors of the right hand.
+TEST_F(EndToEndTest, WhatShowsTheRobotItselfIsInNoProduct) {
+    const auto daemon = start_ready(config_text(
+        scene, 160, 88, "[mask]\npolygons = [\"80,0 159,0 159,87 80,87\"]\n[scan]\nenabled = true\nsectors = 8\n"));
+    disparity::SocketClient client(daemon->address("tcp:"));
+    disparity::Subscription wanted;
+    wanted.products = {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth,
+                       disparity::Product::scan};
+    client.subscribe(wanted);
+    disparity::Frame frame;
+    ASSERT_EQ(client.read(frame, 10s), disparity::ReadResult::frame);
+    const std::vector<std::uint8_t>& confidence = frame.plane(disparity::Product::confidence)->bytes;
+    std::vector<std::int16_t> d16(confidence.size());
+    std::vector<std::uint16_t> depth(confidence.size());
+    std::memcpy(d16.data(), frame.plane(disparity::Product::disparity)->bytes.data(), 2 * d16.size());
+    std::memcpy(depth.data(), frame.plane(disparity::Product::depth)->bytes.data(), 2 * depth.size());
+    int measured = 0;
+    for (std::size_t i = 0; i < d16.size(); ++i) {
+        if (i % frame.width < 80) {
+            measured += confidence[i] != 0 && depth[i] != 0 ? 1 : 0;
+            continue;
+        }
+        ASSERT_EQ(d16[i], frame.invalid) << i;
+        ASSERT_EQ(confidence[i], 0) << i;
+        ASSERT_EQ(depth[i], 0) << i;
+    }
+    EXPECT_GT(measured, 2000);
+    const auto scan = frame.scan();
+    ASSERT_TRUE(scan);
+    for (std::size_t s = 0; s < 3; ++s) {  // the right-most first
+        EXPECT_EQ(scan->sectors[s].state, disparity::SectorState::masked) << s;
+        EXPECT_EQ(scan->sectors[s].free_m, 0) << s;
+    }
+    EXPECT_NE(scan->sectors[6].state, disparity::SectorState::masked);
+}
+
 TEST_F(EndToEndTest, StatusTellsHowItGoes) {
     const auto daemon = start_ready(config_text());
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY}, "curious");

@@ -63,6 +63,17 @@ TEST_F(RefusalTest, CameraModeThatDoesNotExist) {
     expect_refusal(config_text("v4l2:hd960"), {}, 2, {"v4l2:hd960", "found 'hd960'", "hd720"});
 }
 
+TEST_F(RefusalTest, MasksThatDoNotFit) {
+    const auto polygon = [](const std::string& corners) { return "mask.polygons=[\"" + corners + "\"]"; };
+    expect_refusal(config_text(), {"--set", polygon("0,0 5,5")}, 2, {"0,0 5,5", "2 corners", "at least 3"});
+    expect_refusal(config_text(), {"--check", "--set", polygon("0,0 160,5 3,8")}, 2, {"160,5", "0,0 to 159,87"});
+    expect_refusal(config_text(), {"--set", "mask.image=/nowhere/mask.png"}, 2, {"/nowhere/mask.png"});
+    const std::string small = folder_.write("small.pgm", "P5 2 2 255\n" + std::string(4, '\xff'));
+    expect_refusal(config_text(), {"--check", "--set", "mask.image=" + small}, 2, {small, "2 x 2", "160 x 88"});
+    const std::string coloured = folder_.write("colour.ppm", "P6 1 1 255\n" + std::string(3, '\xff'));
+    expect_refusal(config_text(), {"--set", "mask.image=" + coloured}, 2, {coloured, "3 channels", "one of 8 bits"});
+}
+
 TEST_F(RefusalTest, CalibrationThatIsAWebPage) {
     const std::string page = folder_.write("SN1234.conf", "<!DOCTYPE html>\n<html><body>Not found</body></html>\n");
     expect_refusal(config_text(), {"--set", "source.calibration=" + page}, 2, {page});

@@ -21,7 +21,9 @@
 #include "calibration/empty_result/empty_result.h"
 #include "capture/frame_source.h"
 #include "capture/images/image_sequence.h"
+#include "capture/images/mask_image.h"
 #include "kernels/large_buffer.h"
+#include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
@@ -131,6 +133,8 @@ struct ProcessArguments {
     std::string colours;
     std::string scan;  ///< file of the obstacle scans; empty: none
     ScanArguments scan_options;
+    std::vector<std::string> mask_polygons;
+    std::string mask_image;  ///< a file; empty: none
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
@@ -344,6 +348,12 @@ void check_metres(const ProcessArguments& arguments, const calibration::Rectific
     }
 }
 
+ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
+    const capture::MaskImage file =
+        arguments.mask_image.empty() ? capture::MaskImage{} : capture::read_mask_image(arguments.mask_image);
+    return {rectification.width, rectification.height, arguments.mask_polygons, file.plane(), arguments.mask_image};
+}
+
 /// What the parts of a run share.
 struct Run {
     const ProcessArguments& arguments;
@@ -403,18 +413,25 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         print_note(arguments.source + ": no calibration is known, frames are matched as they are");
     }
     const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
+    const ImageMask mask = mask_of(arguments, rectification);
     std::optional<ScanStage> scan_stage;
-    trust::TrustStage trust_stage(rectification.width, rectification.height, {});
+    std::optional<MaskStage> mask_stage;
+    trust::TrustStage trust_stage(rectification.width, rectification.height, {}, mask.pixels());
     run.config.stages.clear();
     if (run.scan) {
-        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan);
+        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan, nullptr, mask);
         run.config.stages.push_back(&*scan_stage);
     }
     run.config.stages.push_back(&trust_stage);
+    // What makes no record is last: records are found by their place in this list.
+    if (!mask.empty()) {
+        mask_stage.emplace(mask, run.options.range);
+        run.config.stages.push_back(&*mask_stage);
+    }
     std::optional<temporal::TemporalStage> temporal_stage;
     if (arguments.temporal) {
         temporal_stage.emplace(rectification.width, rectification.height);
-        run.config.stages.push_back(&*temporal_stage);  // last: records are found by their place in this list
+        run.config.stages.push_back(&*temporal_stage);
     }
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
@@ -520,6 +537,13 @@ void add_process(CLI::App& program, Action& action) {
             ->type_name("FILE.csv")
             ->check([](const std::string& name) { return name.empty() ? "found no name" : std::string(); });
     arguments->scan_options.add_to(command)->needs(scan);
+    command
+        .add_option("--mask-polygon", arguments->mask_polygons,
+                    "reject what lies in a polygon of the rectified left image; may be given several times")
+        ->allow_extra_args(false)
+        ->type_name("\"X,Y X,Y X,Y\"");
+    command.add_option("--mask-image", arguments->mask_image, "reject where a grey image of that size is black")
+        ->type_name("FILE");
     command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out and go on; they are listed, exit status 1");

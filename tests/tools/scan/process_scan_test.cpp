@@ -53,6 +53,20 @@ protected:
     }
 };
 
+TEST_F(ProcessScanTest, MasksOfTheRobotItselfAreApplied) {
+    const Outcome outcome = process("all", {"--scan", path("all.csv"), "--mask-polygon", "0,0 159,0 159,119 0,119"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto lines = rows("all.csv");
+    const auto state = std::find(lines[0].begin(), lines[0].end(), "state") - lines[0].begin();
+    ASSERT_GT(lines.size(), 1U);
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+        EXPECT_EQ(lines[i][static_cast<std::size_t>(state)], "masked") << i;
+    }
+    expect_refused(process("refused", {"--mask-polygon", "0,0 160,0 0,9"}),
+                   AllOf(HasSubstr("160,0"), HasSubstr("0,0 to 159,119")));
+    expect_refused(process("refused", {"--mask-image", path("absent.png")}), HasSubstr("absent.png"));
+}
+
 TEST_F(ProcessScanTest, ARowPerFrameAndSectorAndTheSameBytesTwice) {
     for (const char* name : {"one", "two"}) {
         const Outcome outcome = process(name, {"--scan", path(std::string(name) + ".csv"), "--scan-set", "sectors=12",
