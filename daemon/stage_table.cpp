@@ -7,6 +7,7 @@
 #include "capture/images/mask_image.h"
 #include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
+#include "pipeline/distance_limits.h"
 #include "proto/doubt.h"
 #include "temporal/temporal_stage.h"
 #include "trust/trust_stage.h"
@@ -43,6 +44,12 @@ std::unique_ptr<AddedStage> make_temporal(const Config& config, const Frames& fr
     return config.temporal.enabled ? std::make_unique<temporal::TemporalStage>(frames.width, frames.height) : nullptr;
 }
 
+std::unique_ptr<AddedStage> make_limits(const Config& config, const Frames& /*frames*/) {
+    return config.output.any()
+               ? std::make_unique<pipeline::DistanceLimitStage>(config.output, config.match.options.range)
+               : nullptr;
+}
+
 std::unique_ptr<AddedStage> make_trust(const Config& config, const Frames& frames) {
     if (!config.trust.enabled) {
         return nullptr;
@@ -63,7 +70,8 @@ struct Row {
 };
 
 constexpr std::array table{Row{v1::PRODUCT_NONE, make_mask}, Row{v1::PRODUCT_NONE, make_temporal},
-                           Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags}};
+                           Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags},
+                           Row{v1::PRODUCT_NONE, make_limits}};
 
 }  // namespace
 

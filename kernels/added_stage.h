@@ -22,6 +22,9 @@ enum class StagePlace : unsigned char {
     after_matching,
     /// Changes no plane. What it finds out is in StageFrame::memory when it returns.
     record,
+    /// May reject pixels of what is served, in all planes: disparity, confidence, depth and depth error. Records have
+    /// been made.
+    served,
 };
 
 /// A direction along the axes of the camera's inertial sensor, of any length above 0.

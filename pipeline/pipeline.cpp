@@ -249,6 +249,7 @@ void Pipeline::add_steps(const PipelineConfig& config) {
     }
     add(StagePlace::after_matching, before_sink_);
     add(StagePlace::record, before_sink_);
+    add(StagePlace::served, before_sink_);
     step_names_.emplace_back("wait-between");
 }
 

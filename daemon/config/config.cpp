@@ -211,6 +211,11 @@ void check_together(const Config& config, const std::vector<Assignment>& assignm
     if (!scan_problem.empty()) {
         refuse(file + ": [scan] " + scan_problem);
     }
+    if (config.output.max_m > 0 && config.output.min_m >= config.output.max_m) {
+        refuse(
+            where_set(assignments, "output", "max_distance_m", file) +
+            ": [output] max_distance_m: found no more than min_distance_m, allowed: more than that, or 0 for no limit");
+    }
     const auto& geometry = config.rectify.geometry;
     if ((geometry.width == 0) != (geometry.height == 0)) {
         refuse(where_set(assignments, "rectify", "width", where_set(assignments, "rectify", "height", file)) +

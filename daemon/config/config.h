@@ -10,6 +10,7 @@
 #include "capture/frame_source.h"
 #include "kernels/options.h"
 #include "obstacles/scan_options.h"
+#include "pipeline/distance_limits.h"
 #include "trust/trust_options.h"
 
 namespace disparityd::daemon {
@@ -69,6 +70,8 @@ struct Config {
         bool enabled = true;
         trust::TrustOptions options;
     } trust;
+
+    pipeline::DistanceLimits output;
 
     struct Pipeline {
         int slots = 4;

@@ -353,6 +353,12 @@ void add_trust_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(number_key("trust", "rows_px", 0.1, 2.5, FIELD(trust.options.rows_px)));
 }
 
+void add_limit_keys(std::vector<ConfigKey>& keys) {
+    constexpr double most_m = 65;
+    keys.push_back(number_key("output", "min_distance_m", 0, most_m, FIELD(output.min_m)));
+    keys.push_back(number_key("output", "max_distance_m", 0, most_m, FIELD(output.max_m)));
+}
+
 void add_output_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("pipeline", "slots", 2, 32, FIELD(pipeline.slots)));
     keys.push_back(range_key("pipeline", "workers", 0, 256, FIELD(pipeline.workers)));
@@ -415,6 +421,7 @@ const std::vector<ConfigKey>& config_keys() {
         add_mask_keys(list);
         add_scan_keys(list);
         add_trust_keys(list);
+        add_limit_keys(list);
         add_output_keys(list);
         return list;
     }();

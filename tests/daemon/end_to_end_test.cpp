@@ -198,6 +198,31 @@ TEST_F(EndToEndTest, WhatShowsTheRobotItselfIsInNoProduct) {
     EXPECT_NE(scan->sectors[6].state, disparity::SectorState::masked);
 }
 
+// The scene has things at 1 to 10 m.
+TEST_F(EndToEndTest, LimitsOfDistanceAreNotThoseOfTheScan) {
+    const auto daemon = start_ready(config_text(scene, 160, 88,
+                                                "[output]\nmin_distance_m = 2.4\nmax_distance_m = 2.5\n[scan]\n"
+                                                "enabled = true\n"));
+    disparity::SocketClient client(daemon->address("tcp:"));
+    disparity::Subscription wanted;
+    wanted.products = {disparity::Product::depth, disparity::Product::confidence, disparity::Product::scan};
+    client.subscribe(wanted);
+    disparity::Frame frame;
+    ASSERT_EQ(client.read(frame, 10s), disparity::ReadResult::frame);
+    const std::vector<std::uint8_t>& confidence = frame.plane(disparity::Product::confidence)->bytes;
+    std::vector<std::uint16_t> depth(confidence.size());
+    std::memcpy(depth.data(), frame.plane(disparity::Product::depth)->bytes.data(), 2 * depth.size());
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        ASSERT_TRUE(depth[i] == 0 || (depth[i] >= 2400 && depth[i] <= 2500)) << depth[i];
+        ASSERT_EQ(depth[i] == 0, confidence[i] == 0) << i;
+    }
+    const auto scan = frame.scan();
+    ASSERT_TRUE(scan);
+    EXPECT_TRUE(std::any_of(scan->sectors.begin(), scan->sectors.end(), [](const disparity::ScanSector& sector) {
+        return sector.state == disparity::SectorState::occupied && (sector.distance_m < 2.2 || sector.distance_m > 2.7);
+    }));
+}
+
 TEST_F(EndToEndTest, StatusTellsHowItGoes) {
     const auto daemon = start_ready(config_text());
     WireClient client = subscriber(daemon->address("tcp:"), {v1::DISPARITY}, "curious");

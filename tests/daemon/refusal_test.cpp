@@ -74,6 +74,11 @@ TEST_F(RefusalTest, MasksThatDoNotFit) {
     expect_refusal(config_text(), {"--set", "mask.image=" + coloured}, 2, {coloured, "3 channels", "one of 8 bits"});
 }
 
+TEST_F(RefusalTest, LimitsOfDistanceWithNothingBetweenThem) {
+    expect_refusal(config_text(), {"--set", "output.min_distance_m=3", "--set", "output.max_distance_m=3"}, 2,
+                   {"--set output.max_distance_m=3", "[output] max_distance_m", "more than"});
+}
+
 TEST_F(RefusalTest, CalibrationThatIsAWebPage) {
     const std::string page = folder_.write("SN1234.conf", "<!DOCTYPE html>\n<html><body>Not found</body></html>\n");
     expect_refusal(config_text(), {"--set", "source.calibration=" + page}, 2, {page});

@@ -14,10 +14,11 @@ import sys
 PARSERS = {"config.h", "config.cpp", "config_keys.h", "config_keys.cpp"}
 # Keys that only say whether the rest of the file is accepted; config.cpp is where they are read.
 DECIDES_IN_PARSER = {"socket.insecure", "match.preset"}
-# Structures that go whole to kernels/, capture/ and trust/. tests/daemon/config_effect_test.cpp and tests/trust/judge_test.cpp show
+# Structures that go whole to kernels/, capture/, pipeline/ and trust/. tests/daemon/config_effect_test.cpp, tests/trust/judge_test.cpp and
+# tests/pipeline/distance_limits_test.cpp show
 # that each field counts there.
 # Keys that config_keys.cpp makes of the tables match_fields() and scan_fields() are of this kind.
-HANDED_ON = {"match.options", "rectify.geometry", "trust.options"}
+HANDED_ON = {"match.options", "rectify.geometry", "trust.options", "output"}
 
 STRING_OR_COMMENT = re.compile(r'"(?:\\.|[^"\\\n])*"|//[^\n]*|/\*.*?\*/', re.DOTALL)
 KEY = re.compile(r'push_back\(\s*(?:\w+(?:<[\w:<>]+>)?\(|\{)\s*"(\w+)",\s*"(\w+)"(.*?)\);\n', re.DOTALL)

@@ -245,6 +245,21 @@ TEST(AddedStages, RunInTheOrderOfTheirPlaces) {
     EXPECT_EQ(means.back(), 100 + 9.5);
 }
 
+TEST(AddedStages, RecordsSeeWhatIsNotServed) {
+    fakes::Source source(5);
+    int recorded = 0;
+    Called rejecting(StagePlace::served,
+                     [](const StageFrame& frame) { frame.view.disparity.at(0, 0) = invalid_disparity({}); });
+    Called recording(StagePlace::record, [&recorded](const StageFrame& frame) {
+        recorded += frame.view.disparity.at(0, 0) != invalid_disparity({}) ? 1 : 0;
+    });
+    int served = 0;
+    run({.stages = {&rejecting, &recording}}, source,
+        [&served](const FrameSlot& slot) { served += slot.view.disparity.at(0, 0) == invalid_disparity({}) ? 1 : 0; });
+    EXPECT_EQ(recorded, 5);
+    EXPECT_EQ(served, 5);
+}
+
 TEST(AddedStages, KnowTheFrameAndItsCamera) {
     fakes::Source source(3);
     std::vector<std::uint64_t> sequences;
@@ -292,7 +307,8 @@ TEST(AddedStages, HaveMemoryOfTheirOwnInEachSlot) {
 }
 
 TEST(AddedStages, OneThatFailsEndsThePipeline) {
-    for (const StagePlace place : {StagePlace::before_matching, StagePlace::after_matching, StagePlace::record}) {
+    for (const StagePlace place :
+         {StagePlace::before_matching, StagePlace::after_matching, StagePlace::record, StagePlace::served}) {
         fakes::Source source(100);
         Called failing(place, [](const StageFrame& frame) {
             if (frame.sequence == 9) {
