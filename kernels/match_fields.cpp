@@ -49,6 +49,8 @@ constexpr std::array fields{
     MatchField{"adaptive_noise", FIELD(adaptive_noise),
                "sgm: take the noise level of each frame from the noise of those before it, at least noise_level"},
     MatchField{"near_guard", FIELD(post.near_guard), "reject what a coarse match finds to be nearer than the range"},
+    MatchField{"saturated_level", FIELD(post.saturated_level),
+               "with near_guard: reject wide areas in which the left eye is at least so bright, 0 = off", 0, 255},
 };
 
 #undef FIELD

@@ -46,6 +46,30 @@ void fill_block(Plane<T> plane, int block_x, int block_y, T value) {
     }
 }
 
+void reject_block(const FrameView& frame, DisparityRange range, int block_x, int block_y) {
+    fill_block(frame.disparity, block_x, block_y, invalid_disparity(range));
+    fill_block(frame.confidence, block_x, block_y, std::uint8_t{0});
+    fill_block(frame.depth, block_x, block_y, std::uint16_t{0});
+    fill_block(frame.depth_error, block_x, block_y, std::uint16_t{0});
+}
+
+bool is_saturated(Plane<const std::uint8_t> left, int level, int x, int top) {
+    for (int y = top; y < top + saturated_rows; ++y) {
+        if (left.at(x, y) < level) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void reject_run(const FrameView& frame, DisparityRange range, int begin, int end, int top) {
+    for (int y = top; y < top + saturated_rows; ++y) {
+        for (int x = begin; x < end; ++x) {
+            reject_block(frame, range, x, y);
+        }
+    }
+}
+
 }  // namespace
 
 MatcherConfig coarse_config(const MatcherConfig& config) {
@@ -72,10 +96,22 @@ void reject_near(Plane<const std::int16_t> coarse, DisparityRange coarse_range, 
             if (frame.near) {
                 frame.near.at(x, y) = static_cast<std::int16_t>(value);
             }
-            fill_block(frame.disparity, x, y, invalid_disparity(range));
-            fill_block(frame.confidence, x, y, std::uint8_t{0});
-            fill_block(frame.depth, x, y, std::uint16_t{0});
-            fill_block(frame.depth_error, x, y, std::uint16_t{0});
+            reject_block(frame, range, x, y);
+        }
+    }
+}
+
+void reject_saturated(Plane<const std::uint8_t> left, int level, DisparityRange range, const FrameView& frame) {
+    for (int top = 0; top + saturated_rows <= left.height; ++top) {
+        int begin = 0;
+        for (int x = 0; x <= left.width; ++x) {
+            if (x < left.width && is_saturated(left, level, x, top)) {
+                continue;
+            }
+            if (x - begin >= saturated_columns) {
+                reject_run(frame, range, begin, x, top);
+            }
+            begin = x + 1;
         }
     }
 }
@@ -118,6 +154,9 @@ void NearGuard::guard(const FrameView& frame, Parallel& workers) {
     });
     match_pair(*coarse_, coarse_view_, workers);
     reject_near(coarse_view_.disparity, coarse.options.range, config_.options.range, frame, {0, coarse.height});
+    if (const int level = config_.options.post.saturated_level; level > 0) {
+        reject_saturated(coarse_view_.left, level, config_.options.range, frame);
+    }
 }
 
 }  // namespace disparityd

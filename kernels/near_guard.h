@@ -23,6 +23,15 @@ MatcherConfig coarse_config(const MatcherConfig& config);
 void reject_near(Plane<const std::int16_t> coarse, DisparityRange coarse_range, DisparityRange range,
                  const FrameView& frame, Rows coarse_rows);
 
+/// The least saturated area, in blocks: what is narrower is bridged by what is around it.
+inline constexpr int saturated_columns = 25;
+inline constexpr int saturated_rows = 3;
+
+/// Rejects saturated areas, step 16 of docs/algorithm.md, in every plane of results that the frame has. `left`: the
+/// coarse left image; `level`: the option, above 0. A matcher has nothing to go by there, and smoothness alone finds
+/// one wrong disparity for all of it.
+void reject_saturated(Plane<const std::uint8_t> left, int level, DisparityRange range, const FrameView& frame);
+
 /// A matcher whose results leave out what is nearer than its range: a coarse matcher looks for it in a pair of a
 /// quarter of the size. Its stages are those of the matcher that it guards; the last one has the step `near-guard`
 /// more.

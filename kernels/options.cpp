@@ -99,6 +99,7 @@ MatchOptions preset_options(Preset preset, DisparityRange range) {
                    .calibrated_confidence = true};
     options.post.speckle_step = 1;
     options.post.near_guard = preset == Preset::obstacles;
+    options.post.saturated_level = preset == Preset::obstacles ? 250 : 0;
     if (preset == Preset::dense) {
         options.post.uniqueness = 0;
         options.post.speckle_size = 40;

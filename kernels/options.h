@@ -51,6 +51,7 @@ struct PostOptions {
     bool interpolate = false;      ///< step 11
     int guided_median = 0;         ///< step 12: 0 (off), 5 or 7
     bool near_guard = false;       ///< step 16: reject what a coarse match finds to be nearer than the range
+    int saturated_level = 0;       ///< step 16: with it, reject wide areas from this grey level on, 0 (off) .. 255
 };
 
 /// What is set here is not tuned: start from default_options().

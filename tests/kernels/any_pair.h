@@ -73,6 +73,7 @@ inline MatchOptions any_options(Random& random) {
     options.post.interpolate = pick(random, 0, 1) == 1;
     options.post.guided_median = std::array{0, 5, 7}[static_cast<std::size_t>(pick(random, 0, 2))];
     options.post.near_guard = pick(random, 0, 1) == 1;
+    options.post.saturated_level = pick(random, 0, 1) * pick(random, 1, 255);
     return options;
 }
 

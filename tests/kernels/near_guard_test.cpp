@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels/near_guard.h"
 
+#include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -110,13 +112,71 @@ TEST(NearGuard, ReachesTwiceTheLargestDisparityAndAllOfTheRange) {
     }
 }
 
+/// Returns which blocks are rejected of a frame that is measured all over, where `columns` x `rows` blocks from (20, 2)
+/// on are as bright as `luma` and the rest has 249.
+std::vector<int> rejected_as_saturated(int columns, int rows, int luma, int level = 250) {
+    Image<std::uint8_t> coarse(60, 8, 249);
+    for (int y = 2; y < 2 + rows; ++y) {
+        std::fill_n(&coarse.at(20, y), columns, static_cast<std::uint8_t>(luma));
+    }
+    Image<std::int16_t> disparity(238, 30, 128);
+    Image<std::uint8_t> confidence(238, 30, 200);
+    Image<std::uint16_t> depth(238, 30, 1000);
+    Image<std::uint16_t> error(238, 30, 10);
+    FrameView frame;
+    frame.disparity = disparity.plane();
+    frame.confidence = confidence.plane();
+    frame.depth = depth.plane();
+    frame.depth_error = error.plane();
+    reject_saturated(coarse.plane(), level, range, frame);
+    std::vector<int> blocks;
+    for (int y = 0; y < 30; ++y) {
+        for (int x = 0; x < 238; ++x) {
+            const bool rejected = disparity.at(x, y) == invalid_disparity(range);
+            EXPECT_EQ(confidence.at(x, y), rejected ? 0 : 200);
+            EXPECT_EQ(depth.at(x, y), rejected ? 0 : 1000);
+            EXPECT_EQ(error.at(x, y), rejected ? 0 : 10);
+            if (rejected && x % near_block == 0 && y % near_block == 0) {
+                blocks.push_back(60 * (y / near_block) + x / near_block);
+            }
+        }
+    }
+    return blocks;
+}
+
+TEST(NearGuard, RejectsASaturatedAreaOf25By3Blocks) {
+    std::vector<int> area;
+    for (int y = 2; y < 5; ++y) {
+        for (int x = 20; x < 45; ++x) {
+            area.push_back(60 * y + x);
+        }
+    }
+    EXPECT_EQ(rejected_as_saturated(25, 3, 250), area);
+    EXPECT_EQ(rejected_as_saturated(25, 3, 255), area);
+}
+
+TEST(NearGuard, KeepsASmallerOrDarkerArea) {
+    EXPECT_EQ(rejected_as_saturated(24, 3, 255), std::vector<int>());
+    EXPECT_EQ(rejected_as_saturated(25, 2, 255), std::vector<int>());
+    EXPECT_EQ(rejected_as_saturated(40, 6, 250, 251), std::vector<int>());
+}
+
+TEST(NearGuard, ASaturatedAreaReachesTheEdgesOfTheImage) {
+    EXPECT_EQ(rejected_as_saturated(40, 6, 255).size(), 40U * 6U);
+    EXPECT_EQ(rejected_as_saturated(1, 1, 249, 249).size(), 60U * 8U);
+}
+
 TEST(NearGuard, EveryInstructionSetEqualsTheReference) {
-    const Pair pair = wall_and_near_thing();
+    Pair pair = wall_and_near_thing();
+    for (int y = 0; y < 40; ++y) {
+        std::fill_n(&pair.left.at(0, y), 120, std::uint8_t{255});
+    }
     for (const cpu::InstructionSet& instruction_set : cpu::instruction_sets()) {
         for (const Method method : {Method::sad, Method::census, Method::sgm}) {
             for (const bool interpolate : {false, true}) {
                 MatchOptions options = default_options(method, {-3, 16});
                 options.post.near_guard = true;
+                options.post.saturated_level = 250;
                 options.post.interpolate = interpolate;
                 const auto matcher = cpu::create({pair.width(), pair.height(), options}, instruction_set);
                 ShuffledWorkers workers(3, 32);
