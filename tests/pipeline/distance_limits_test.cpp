@@ -13,7 +13,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr int all_disparities = 1040;  // one for each disparity of the searched, from -1 px on
+constexpr int all_disparities = 1040;  // one for each disparity of the range, from -1 px on
 constexpr DisparityRange searched{0, 64};
 constexpr std::int64_t scale_k = 16 * 100 * 120;  // f = 100 px, 120 mm
 
