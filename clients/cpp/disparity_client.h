@@ -143,9 +143,9 @@ typedef struct disparity_point {
     uint8_t unused; /**< 0 */
 } disparity_point;
 
-/** Returns the points of each `step`-th column and row (0 counts as 1), row by row, width * height of them. They come
- * from the disparities, else from DISPARITY_PRODUCT_DEPTH, their colours from DISPARITY_PRODUCT_LEFT_COLOUR or
- * DISPARITY_PRODUCT_LEFT. NULL and valid as above. */
+/** Returns the nearest point of each block of `step` columns and rows (0 counts as 1), so that nothing thin is lost:
+ * row by row, width * height of them. They come from the disparities, else from DISPARITY_PRODUCT_DEPTH, their colours
+ * from DISPARITY_PRODUCT_LEFT_COLOUR or DISPARITY_PRODUCT_LEFT. NULL and valid as above. */
 DISPARITY_API const disparity_point* disparity_frame_points(disparity_frame* frame, uint32_t step, uint32_t* width,
                                                             uint32_t* height);
 

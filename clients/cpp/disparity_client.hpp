@@ -200,9 +200,9 @@ struct DISPARITY_API Frame : FrameInfo {
     /// Product::depth_error.
     std::optional<FloatImage> depth_error_m() const;
 
-    /// Returns the points of each `step`-th column and row, from the first one on (0 counts as 1). They come from the
-    /// disparities, which are finer than a millimetre near the camera, else from Product::depth; nothing when the frame
-    /// carries neither or has no calibration.
+    /// Returns the nearest point of each block of `step` columns and rows (0 counts as 1), so that nothing thin is
+    /// lost. They come from the disparities, which are finer than a millimetre near the camera, else from
+    /// Product::depth; nothing when the frame carries neither or has no calibration.
     std::optional<Points> points(std::uint32_t step = 1) const;
 };
 

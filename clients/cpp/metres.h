@@ -6,8 +6,10 @@
 #include <cstring>
 #include <initializer_list>
 #include <limits>
+#include <vector>
 
 #include "clients/cpp/disparity_client.hpp"
+#include "clients/cpp/nearest_pixel.h"
 
 /// Computes distances from a frame's planes, copied or borrowed. clients/python/disparity/frame.py does the same in the
 /// same steps, so that both have the same bits; a test compares them.
@@ -94,9 +96,10 @@ std::optional<FloatImage> depth_error_m_of(const AnyFrame& frame) {
     return image_of<std::uint16_t>(whole_plane(frame, Product::depth_error, 2), metres_of);
 }
 
-/// Gives points the colours of the image that the frame carries.
+/// Gives points the colours of the image that the frame carries. `pixels` are where they are in it.
 template <typename AnyFrame>
-void paint(Points& points, const AnyFrame& frame, std::uint32_t width, std::uint32_t height, std::uint32_t step) {
+void paint(Points& points, const AnyFrame& frame, std::uint32_t width, std::uint32_t height,
+           const std::vector<std::size_t>& pixels) {
     for (const Product product : {Product::left_colour, Product::left}) {
         const std::size_t bytes = product == Product::left_colour ? 3 : 1;
         const auto* image = whole_plane(frame, product, static_cast<std::uint32_t>(bytes));
@@ -104,8 +107,7 @@ void paint(Points& points, const AnyFrame& frame, std::uint32_t width, std::uint
             continue;
         }
         for (std::size_t i = 0; i < points.points.size(); ++i) {
-            const std::size_t pixel = i / points.width * step * width + i % points.width * step;
-            const std::uint8_t* blue = image->bytes.data() + pixel * bytes;
+            const std::uint8_t* blue = image->bytes.data() + pixels[i] * bytes;
             points.points[i].blue = blue[0];
             points.points[i].green = blue[bytes / 2];
             points.points[i].red = blue[bytes - 1];
@@ -122,19 +124,25 @@ Points points_at(const AnyFrame& frame, const AnyPlane& plane, std::uint32_t ste
     points.width = (plane.width + step - 1) / step;
     points.height = (plane.height + step - 1) / step;
     points.points.reserve(std::size_t{points.width} * points.height);
+    std::vector<std::size_t> pixels;
+    pixels.reserve(points.points.capacity());
     for (std::uint32_t row = 0; row < plane.height; row += step) {
         for (std::uint32_t column = 0; column < plane.width; column += step) {
+            const std::size_t pixel = nearest_pixel(plane.width, plane.height, column, row, step, depth_at);
+            const float z = depth_at(pixel);
             Point point{unknown_m, unknown_m, unknown_m};
-            const float z = depth_at(std::size_t{row} * plane.width + column);
             if (std::isfinite(z)) {
-                point.x = static_cast<float>((column + static_cast<double>(frame.region_x) - frame.cx) * z / frame.f);
-                point.y = static_cast<float>((row + static_cast<double>(frame.region_y) - frame.cy) * z / frame.f);
+                const auto x = static_cast<double>(pixel % plane.width);
+                const auto y = static_cast<double>(pixel / plane.width);
+                point.x = static_cast<float>((x + static_cast<double>(frame.region_x) - frame.cx) * z / frame.f);
+                point.y = static_cast<float>((y + static_cast<double>(frame.region_y) - frame.cy) * z / frame.f);
                 point.z = z;
             }
             points.points.push_back(point);
+            pixels.push_back(pixel);
         }
     }
-    paint(points, frame, plane.width, plane.height, step);
+    paint(points, frame, plane.width, plane.height, pixels);
     return points;
 }
 

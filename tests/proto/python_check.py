@@ -59,12 +59,30 @@ def check_arrays(frame):
     assert np.isnan(points[0, 1]).all()
     assert abs(points[0, 0, 2] - 0.5 * 120 / 12) < 1e-5
     assert abs(points[0, 0, 0] - points[0, 0, 2] * -0.5 / 500) < 1e-6
+    check_thinned_points(frame)
     frame.planes[disparity.DEPTH] = np.array([[0, 65535, 1500]], np.uint16)
     assert np.isnan(frame.depth_m[0, 0]) and np.isinf(frame.depth_m[0, 1]) and frame.depth_m[0, 2] == 1.5
     frame.planes[disparity.DEPTH_ERROR] = np.array([[0, 65535, 250]], np.uint16)
     assert frame.depth_error.dtype == np.uint16 and frame.depth_error[0, 2] == 250
     errors = frame.depth_error_m
     assert errors.dtype == np.float32 and np.isnan(errors[0, 0]) and np.isinf(errors[0, 1]) and errors[0, 2] == 0.25
+
+
+def check_thinned_points(frame):
+    """A block of a thinned image has its nearest point, with the place and the colour of that pixel."""
+    before = dict(frame.planes)
+    frame.planes.pop(disparity.LEFT_COLOUR, None)
+    pixels = np.full((3, 5), frame.invalid, np.int16)
+    pixels[0, 1], pixels[1, 0], pixels[2, 4] = 160, 320, 480
+    frame.planes[disparity.DISPARITY] = pixels
+    frame.planes[disparity.LEFT] = np.arange(15, dtype=np.uint8).reshape(3, 5)
+    whole, points = frame.points(), frame.points(2)
+    assert points.shape == (2, 3, 3)
+    assert np.array_equal(points[0, 0], whole[1, 0]) and np.array_equal(points[1, 2], whole[2, 4])
+    assert np.isnan(points[0, 1:]).all() and np.isnan(points[1, :2]).all()
+    assert np.array_equal(frame.colours(2)[..., 0], [[5, 2, 4], [10, 12, 14]])
+    assert np.array_equal(frame.points(100), whole[2:3, 4:5]) and np.array_equal(frame.points(0), whole, equal_nan=True)
+    frame.planes = before
 
 
 def check_fields():

@@ -11,6 +11,7 @@
 #include "bridges/web/foxglove/depth_metres.h"
 #include "bridges/web/foxglove/message_header.h"
 #include "bridges/web/frames/planes.h"
+#include "clients/cpp/nearest_pixel.h"
 
 namespace disparityd::foxglove {
 namespace {
@@ -112,9 +113,11 @@ std::optional<std::string> point_cloud(const Frame& frame, std::uint32_t most_po
     std::uint8_t* out = cdr.u8_room(std::size_t{point_bytes} * width * height).data();
     for (std::uint32_t row = 0; row < depths->height; row += step) {
         for (std::uint32_t column = 0; column < depths->width; column += step) {
-            const std::size_t pixel = std::size_t{row} * depths->width + column;
+            const std::size_t pixel = disparity::nearest_pixel(depths->width, depths->height, column, row, step,
+                                                               [&](std::size_t i) { return depths->metres[i]; });
             std::array<float, 4> point{};
-            place_point(point.data(), frame, column, row, depths->metres[pixel]);
+            place_point(point.data(), frame, static_cast<double>(pixel % depths->width),
+                        static_cast<double>(pixel / depths->width), depths->metres[pixel]);
             point[3] = paint.plane != nullptr ? paint.value(pixel) : 0;
             std::memcpy(out, point.data(), point_bytes);
             out += point_bytes;

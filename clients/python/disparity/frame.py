@@ -214,32 +214,38 @@ class Frame:
         return read_scan(self._plane(pb.SCAN).tobytes())
 
     def points(self, step: int = 1) -> npt.NDArray[np.float32]:
-        """Returns a float32 array of height x width x 3, x right, y down, z ahead of the rectified left camera in metres,
-        of each step-th column and row; NaN where the depth is unknown or beyond what can be measured. colours() has
-        their colours.
+        """Returns a float32 array of height x width x 3, x right, y down, z ahead of the rectified left camera in
+        metres: the nearest point of each block of step columns and rows, so that nothing thin is lost; NaN where the
+        depth is unknown or beyond what can be measured. colours() has their colours.
 
         The depths come from the disparities, which are finer than a millimetre near the camera, else from DEPTH.
         ValueError without a calibration.
         """
         if self.f <= 0:
             raise ValueError("no points without a calibration: f is unknown")
+        # In the steps of clients/cpp/metres.h: both have the same bits.
+        z = self._finite_depths()
+        rows, columns = _nearest_pixels(z, step)
+        z = z[rows, columns]
+        x = (columns + float(self.region_x) - self.cx) * z / self.f
+        y = (rows + float(self.region_y) - self.cy) * z / self.f
+        return np.stack([x.astype(np.float32), y.astype(np.float32), z], axis=-1)
+
+    def colours(self, step: int = 1) -> npt.NDArray[np.uint8] | None:
+        """Returns the colours of points(step), a uint8 array of height x width x 3, red, green, blue; grey ones where
+        the frame has LEFT only. None where it has neither. Where step is not 1, ValueError as of points()."""
+        if pb.LEFT_COLOUR not in self.planes and pb.LEFT not in self.planes:
+            return None
+        image = self.left_colour[..., ::-1] if pb.LEFT_COLOUR in self.planes else np.repeat(self.left[..., None], 3, -1)
+        return image if step <= 1 else image[_nearest_pixels(self._finite_depths(), step)]
+
+    def _finite_depths(self) -> npt.NDArray[np.float32]:
+        """Returns the metres that points have; NaN where they have none."""
         if pb.DISPARITY in self.planes and (self.baseline_mm > 0 or pb.DEPTH not in self.planes):
             z = self._metres_of_disparities()
         else:
             z = _metres(self.depth)
-        # In the steps of clients/cpp/metres.h: both have the same bits.
-        rows, columns = (np.arange(0, size, step, dtype=np.float64) for size in z.shape)
-        z = np.where(np.isfinite(z), z, np.float32(np.nan))[::step, ::step]
-        x = (columns + self.region_x - self.cx) * z / self.f
-        y = (rows[:, None] + self.region_y - self.cy) * z / self.f
-        return np.stack([x.astype(np.float32), y.astype(np.float32), z], axis=-1)
-
-    def colours(self, step: int = 1) -> npt.NDArray[np.uint8] | None:
-        """Returns the colours of points(step), a uint8 array of height x width x 3, red, green, blue; grey ones where the
-        frame has LEFT only. None where it has neither."""
-        if pb.LEFT_COLOUR in self.planes:
-            return self.left_colour[::step, ::step, ::-1]
-        return np.repeat(self.left[::step, ::step, None], 3, axis=-1) if pb.LEFT in self.planes else None
+        return np.where(np.isfinite(z), z, np.float32(np.nan))
 
     def _metres_of_disparities(self) -> npt.NDArray[np.float32]:
         if self.f <= 0 or self.baseline_mm <= 0:
@@ -249,6 +255,20 @@ class Frame:
         with np.errstate(divide="ignore", invalid="ignore"):
             z = np.where(shift > 0, self.f * self.baseline_mm / 1000 / shift, np.inf)
         return np.where(raw == self.invalid, np.nan, z).astype(np.float32)
+
+
+def _nearest_pixels(z: npt.NDArray[np.float32], step: int) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp]]:
+    """Returns rows and columns of the nearest pixel of each block of step columns and rows: of several the first, row
+    by row; the first of a block where all are NaN."""
+    if step <= 1:
+        return np.arange(z.shape[0])[:, None], np.arange(z.shape[1])
+    step = min(step, max(z.shape))
+    height, width = (-(-size // step) for size in z.shape)
+    blocks = np.full((height * step, width * step), np.inf, np.float32)
+    blocks[: z.shape[0], : z.shape[1]] = np.where(np.isnan(z), np.float32(np.inf), z)
+    blocks = blocks.reshape(height, step, width, step).swapaxes(1, 2).reshape(height, width, step * step)
+    row, column = np.divmod(blocks.argmin(axis=-1), step)
+    return np.arange(height)[:, None] * step + row, np.arange(width) * step + column
 
 
 def _metres(raw: npt.NDArray[np.uint16]) -> npt.NDArray[np.float32]:

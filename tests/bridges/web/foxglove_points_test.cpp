@@ -107,11 +107,14 @@ TEST(FoxglovePoints, ALargeCloudIsThinned) {
     const Cloud thinned = cloud_in(point_cloud(test::grey_frame(), 31));  // 8 x 4 by 2
     EXPECT_EQ(thinned.width, 4U);
     EXPECT_EQ(thinned.height, 2U);
-    EXPECT_EQ(thinned.value(5, 2), whole.value(18, 2)) << "column 2, row 2";
+    for (const std::size_t field : {0U, 1U, 2U, 3U}) {
+        EXPECT_EQ(thinned.value(5, field), whole.value(27, field)) << "the nearest of pixels 18, 19, 26, 27";
+        EXPECT_EQ(thinned.value(0, field), whole.value(9, field)) << "0 is rejected, 1 too far, 9 nearer than 8";
+    }
     const Cloud odd = cloud_in(point_cloud(test::grey_frame(), 7));  // by 3: 3 columns, 2 rows
     EXPECT_EQ(odd.width, 3U);
     EXPECT_EQ(odd.height, 2U);
-    EXPECT_EQ(odd.value(5, 3), 210) << "column 6, row 3 is pixel 30";
+    EXPECT_EQ(odd.value(5, 3), 217) << "of columns 6 and 7, row 3, pixel 31 is nearest";
     EXPECT_EQ(cloud_in(point_cloud(test::grey_frame(), 0)).data.size(), 16U);
 }
 
