@@ -14,7 +14,7 @@ namespace {
 
 constexpr double scale = 80;  // px in a metre
 constexpr double behind_m = 0.5;
-constexpr double beside_m = 2.8;
+constexpr double least_beside_m = 2.8;
 const cv::Scalar floor_colour(245, 245, 245);
 const cv::Scalar thing_colour(70, 70, 70);
 const cv::Scalar text_colour(30, 30, 30);
@@ -25,18 +25,30 @@ cv::Scalar colour_of(double speed_mps, const Robot& robot) {
     return {40, 60 + 130 * share, 210 * (1 - share)};
 }
 
+/// Returns how far to both sides the plan reaches that shows all of the drives.
+double width_for(const std::array<DriveResult, 2>& drives, const Robot& robot) {
+    double beside_m = least_beside_m;
+    for (const DriveResult& drive : drives) {
+        for (const Track& track : drive.track) {
+            beside_m = std::max(beside_m, std::abs(track.pose.y) + 1.5 * robot.radius_m);
+        }
+    }
+    return beside_m;
+}
+
 /// A plan of the course.
 class CoursePlan {
 public:
-    explicit CoursePlan(const DriveRules& rules)
+    CoursePlan(const DriveRules& rules, double beside_m)
         : picture(static_cast<int>(2 * beside_m * scale), static_cast<int>((rules.goal_m + 2 * behind_m) * scale),
-                  CV_8UC3, floor_colour) {
+                  CV_8UC3, floor_colour),
+          beside_m_(beside_m) {
         cv::line(picture, at(rules.goal_m, -beside_m), at(rules.goal_m, beside_m), cv::Scalar(200, 120, 40), 2);
     }
 
-    static cv::Point at(double x, double y) {
+    cv::Point at(double x, double y) const {
         return {static_cast<int>(std::lround((x + behind_m) * scale)),
-                static_cast<int>(std::lround((beside_m - y) * scale))};
+                static_cast<int>(std::lround((beside_m_ - y) * scale))};
     }
 
     void draw(const Course& course) {
@@ -70,6 +82,9 @@ public:
     }
 
     cv::Mat picture;
+
+private:
+    double beside_m_;
 };
 
 std::string text_of(const std::string& depth, const DriveResult& drive) {
@@ -85,7 +100,7 @@ void write_drive_picture(const std::string& path, const Course& course, const Ro
     constexpr std::array names{"matched depth", "perfect depth"};
     cv::Mat both;
     for (std::size_t i = 0; i < drives.size(); ++i) {
-        CoursePlan plan(rules);
+        CoursePlan plan(rules, width_for(drives, robot));
         plan.draw(drives[i], robot);
         plan.draw(course);
         plan.write(text_of(names[i], drives[i]));
