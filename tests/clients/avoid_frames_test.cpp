@@ -254,9 +254,10 @@ TEST_P(AvoidFramesTest, AScanThatIsTooShort) {
     expect_brake(frame(Bytes(31)), "BRAKE no scan: the scan has 31 bytes");
 }
 
+/// Nearer than 0.19 m a sector of 30 degrees is narrower than the smallest obstacle, 0.1 m.
 TEST_P(AvoidFramesTest, UnknownAhead) {
     expect_brake(frame(scan_bytes(sector(proto::SectorState::unknown, 0, 0))),
-                 "BRAKE unknown beyond 0.00 m, bearing 15 deg");
+                 "BRAKE unknown beyond 0.19 m, bearing 15 deg");
 }
 
 TEST_P(AvoidFramesTest, AnObstacleAhead) {
@@ -265,8 +266,8 @@ TEST_P(AvoidFramesTest, AnObstacleAhead) {
 }
 
 TEST_P(AvoidFramesTest, AStateThatNobodyKnows) {
-    expect_brake(frame(scan_bytes(sector(proto::SectorState{9}, 3000, 100))),
-                 "BRAKE unknown beyond 0.10 m, bearing 15 deg");
+    expect_brake(frame(scan_bytes(sector(proto::SectorState{9}, 3000, 250))),
+                 "BRAKE unknown beyond 0.25 m, bearing 15 deg");
 }
 
 TEST_P(AvoidFramesTest, AGap) {
