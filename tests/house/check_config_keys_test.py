@@ -68,7 +68,7 @@ class CheckConfigKeys(unittest.TestCase):
         self.assertIn("record.max_s", fields)
         for key, field in fields.items():
             handed_on = [path for path in check_config_keys.HANDED_ON if field.startswith(path + ".")]
-            gone = [field.rsplit(".", 1)[1]] + [path.rsplit(".", 1)[1] for path in handed_on]
+            gone = [field.rsplit(".", 1)[1]] + [path.rsplit(".", 1)[-1] for path in handed_on]
             pattern = re.compile(rf"\.({'|'.join(gone)})\b")
             decides = key in check_config_keys.DECIDES_IN_PARSER
             spared = check_config_keys.PARSERS - ({"config.cpp"} if decides else set())
