@@ -65,16 +65,16 @@ Lens::Lens(const CameraModel& camera) : camera_(camera) {
     }
 }
 
-Pixel Lens::pixel_of(double x, double y, double z) const {
+ImagePoint Lens::pixel_of(double x, double y, double z) const {
     if (!(z > 0)) {
         constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
         return {nowhere, nowhere};
     }
-    const Pixel place = camera_.lens == LensModel::fisheye ? fisheye(x / z, y / z) : pinhole(x / z, y / z);
+    const ImagePoint place = camera_.lens == LensModel::fisheye ? fisheye(x / z, y / z) : pinhole(x / z, y / z);
     return {camera_.fx * place.x + camera_.cx, camera_.fy * place.y + camera_.cy};
 }
 
-Pixel Lens::pinhole(double x, double y) const {
+ImagePoint Lens::pinhole(double x, double y) const {
     const auto& [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y] = camera_.distortion;
     const double x2 = x * x;
     const double y2 = y * y;
@@ -90,7 +90,7 @@ Pixel Lens::pinhole(double x, double y) const {
     return {row(0) / row(6), row(3) / row(6)};
 }
 
-Pixel Lens::fisheye(double x, double y) const {
+ImagePoint Lens::fisheye(double x, double y) const {
     const double r = std::sqrt(x * x + y * y);
     if (r == 0) {
         return {0, 0};

@@ -8,7 +8,7 @@
 
 namespace disparityd::calibration {
 
-struct Pixel {
+struct ImagePoint {
     double x = 0;
     double y = 0;
 };
@@ -20,11 +20,11 @@ public:
     explicit Lens(const CameraModel& camera);
 
     /// Returns where the ray (x, y, z) lies in the raw image, px; not a number where z is not more than 0.
-    Pixel pixel_of(double x, double y, double z) const;
+    ImagePoint pixel_of(double x, double y, double z) const;
 
 private:
-    Pixel pinhole(double x, double y) const;
-    Pixel fisheye(double x, double y) const;
+    ImagePoint pinhole(double x, double y) const;
+    ImagePoint fisheye(double x, double y) const;
 
     CameraModel camera_;
     bool tilted_ = false;

@@ -83,16 +83,16 @@ View view_of(const StereoCalibration& calibration, cv::Size size) {
 }
 
 /// Returns the place in the raw image of a place in the rectified one.
-Pixel raw_pixel(const Lens& lens, const std::array<double, 9>& turn, double x, double y) {
+ImagePoint raw_pixel(const Lens& lens, const std::array<double, 9>& turn, double x, double y) {
     return lens.pixel_of(turn[0] * x + turn[3] * y + turn[6], turn[1] * x + turn[4] * y + turn[7],
                          turn[2] * x + turn[5] * y + turn[8]);
 }
 
 /// Returns where the grid's points lie in the raw image; not numbers behind the camera.
-std::vector<Pixel> grid_in_raw_image(const StereoCalibration& calibration, const CameraModel& camera, const View& view,
-                                     const std::array<double, 9>& turn) {
+std::vector<ImagePoint> grid_in_raw_image(const StereoCalibration& calibration, const CameraModel& camera,
+                                          const View& view, const std::array<double, 9>& turn) {
     const Lens lens(camera);
-    std::vector<Pixel> points;
+    std::vector<ImagePoint> points;
     for (int y = 0; y <= steps; ++y) {
         for (int x = 0; x <= steps; ++x) {
             points.push_back(raw_pixel(lens, turn, (calibration.width * x / double{steps} - view.cx) / view.f,
@@ -103,14 +103,14 @@ std::vector<Pixel> grid_in_raw_image(const StereoCalibration& calibration, const
 }
 
 /// The area of the grid in the raw image; negative when a cell of it is turned over.
-double area_of(const std::vector<Pixel>& points) {
+double area_of(const std::vector<ImagePoint>& points) {
     double sum = 0;
     for (int y = 0; y < steps; ++y) {
         for (int x = 0; x < steps; ++x) {
             const auto at = [&](int right, int down) {
                 return points[static_cast<std::size_t>((y + down) * (steps + 1) + x + right)];
             };
-            const Pixel a = at(0, 0), b = at(1, 1), c = at(1, 0), d = at(0, 1);
+            const ImagePoint a = at(0, 0), b = at(1, 1), c = at(1, 0), d = at(0, 1);
             const double area = 0.5 * ((b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x));
             if (!(area > 0)) {
                 return -1;
@@ -201,7 +201,7 @@ Rectification::Maps make_maps(const CameraModel& camera, const std::array<double
     maps.fraction.reserve(pixels);
     for (int y = region.y; y < region.y + region.height; ++y) {
         for (int x = region.x; x < region.x + region.width; ++x) {
-            const Pixel raw =
+            const ImagePoint raw =
                 raw_pixel(lens, turn, (x - rectified.cx) / rectified.fx, (y - rectified.cy) / rectified.fy);
             const int column = fixed_point(raw.x);
             const int row = fixed_point(raw.y);

@@ -52,7 +52,7 @@ TEST(Lens, TakesRaysWhereOpenCvTakesThem) {
             cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), opencv_matrix(camera), used, expected);
         }
         for (std::size_t i = 0; i < rays.size(); ++i) {
-            const Pixel found = lens.pixel_of(rays[i].x, rays[i].y, rays[i].z);
+            const ImagePoint found = lens.pixel_of(rays[i].x, rays[i].y, rays[i].z);
             EXPECT_NEAR(found.x, expected[i].x, 1e-9) << count;
             EXPECT_NEAR(found.y, expected[i].y, 1e-9) << count;
         }
@@ -74,7 +74,7 @@ std::uint64_t bits_of(const CameraModel& camera) {
     std::uint64_t hash = 0xcbf29ce484222325ULL;
     for (int y = -40; y <= 40; ++y) {
         for (int x = -40; x <= 40; ++x) {
-            const Pixel pixel = lens.pixel_of(x / 37.0, y / 41.0, 1.03125);
+            const ImagePoint pixel = lens.pixel_of(x / 37.0, y / 41.0, 1.03125);
             for (const double value : {pixel.x, pixel.y}) {
                 hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3ULL;
             }

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""House rules that a compiler does not see: licence lines, file sizes, direction of includes.
+"""House rules that a compiler does not see: licence lines, file sizes, direction of includes, names of types.
 
 Usage: check_house.py [ROOT]. Prints each violation as FILE:LINE: text; exit status 1 if there is one.
 """
@@ -46,6 +46,8 @@ KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images":
 KNOWS_KINDS = "capture/source_table.cpp"
 MAX_FILES = 40
 VAGUE_NAMES = {"utils", "util", "helpers", "helper", "common", "misc"}
+NAMESPACE = re.compile(r"(?:inline )?namespace ?([\w:]*) ?\{")
+TYPE = re.compile(r"(?:struct|class|union|enum class|enum) (?:alignas\([^)]*\) )?(?:[A-Z_]+ )?(\w+)(?: final)?(?: ?:[^:;].*)?\s*\{")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -133,6 +135,36 @@ def check_name(name):
     return []
 
 
+def types_of(lines):
+    """Yields (line number, name with its namespaces) of the types that other files may see."""
+    spaces = []
+    for number, line in enumerate(lines, 1):
+        if opened := NAMESPACE.match(line):
+            spaces.append(opened[1])
+        elif line.startswith("}  // namespace") and spaces:
+            spaces.pop()
+        elif (defined := TYPE.match(line)) and "" not in spaces:
+            yield number, "::".join([*spaces, defined[1]])
+
+
+class TypesOnce:
+    """A linker takes one of two types that have one name, and says nothing: with another size it overwrites memory.
+    Programs of tests are linked apart, so theirs may be alike."""
+
+    def __init__(self):
+        self.seen = {}
+
+    def check(self, name, lines):
+        if not name.endswith((".h", ".hpp", ".cpp", ".cu")) or name.startswith("tests/"):
+            return []
+        found = []
+        for number, qualified in types_of(lines):
+            before = self.seen.setdefault(qualified, f"{name}:{number}")
+            if not before.startswith(name + ":"):
+                found.append(f"{name}:{number}: {qualified} is also a type in {before}: give it another name")
+        return found
+
+
 def check_folders(names):
     """A folder with many files and no sub-folders hides its architecture."""
     files, split = collections.Counter(), set()
@@ -148,13 +180,14 @@ def check_folders(names):
 def violations(root):
     names = project_files(root)
     found = check_folders(names)
+    types = TypesOnce()
     for name in names:
         found += check_name(name)
         try:
             lines = (root / name).read_text(encoding="utf-8").splitlines()
         except UnicodeDecodeError:
             continue
-        for check in (check_licence, check_size, check_arrows, check_kinds):
+        for check in (check_licence, check_size, check_arrows, check_kinds, types.check):
             found += check(name, lines)
     return found
 

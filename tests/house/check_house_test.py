@@ -55,6 +55,18 @@ class CheckHouse(unittest.TestCase):
             with self.subTest(name=name, header=header):
                 self.assertEqual(self.found_in({name: SPDX_LINE + f'#include "{header}"\n'}), [])
 
+    def test_finds_types_of_one_name(self):
+        def space(name, text):
+            return SPDX_LINE + f"namespace {name} {{\n{text}}}  // namespace {name}\n"
+
+        for kind in ("struct Point {", "class Point final {", "struct Point : Base {", "enum class Point : int {"):
+            one = {"calibration/a.h": space("disparityd", f"{kind}\n}};\n")}
+            for text, count in ((kind, 1), ("struct Point;", 0), ("struct Points {", 0), ("namespace {\n" + kind, 0)):
+                with self.subTest(kind=kind, text=text):
+                    other = space("disparityd", text + "\n};\n" + "}  // namespace\n" * text.startswith("namespace"))
+                    self.assertEqual(len(self.found_in({**one, "calibration/b.cpp": other})), count)
+            self.assertEqual(self.found_in({**one, "calibration/b.h": space("disparityd::scan", kind + "\n};\n")}), [])
+
     def test_finds_names_that_say_nothing(self):
         self.assertEqual(len(self.found_in({"daemon/utils.h": SPDX_LINE, "tools/common/a.h": SPDX_LINE})), 2)
 

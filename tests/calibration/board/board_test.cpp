@@ -126,7 +126,7 @@ std::vector<BoardView> projected_views(const StereoCalibration& pair) {
             const cv::Vec3d right = cv::Matx33d(pair.rotation.data()) * left + cv::Vec3d(pair.translation.data());
             for (const auto& [lens, ray, corners] :
                  {std::tuple(&eyes[0], left, &view.left), {&eyes[1], right, &view.right}}) {
-                const Pixel pixel = lens->pixel_of(ray[0], ray[1], ray[2]);
+                const ImagePoint pixel = lens->pixel_of(ray[0], ray[1], ray[2]);
                 corners->emplace_back(static_cast<float>(pixel.x), static_cast<float>(pixel.y));
             }
         }
@@ -155,8 +155,8 @@ TEST(BoardCalibration, FindsRationalAndFisheyeLenses) {
         EXPECT_NEAR(found.calibration.right.cy, 243, 1);
         EXPECT_NEAR(found.calibration.translation[0], -80, 0.5);
         EXPECT_LT(found.views[0].rows, 0.1);
-        const Pixel truth = Lens(pair.left).pixel_of(0.7, -0.4, 1);
-        const Pixel seen = Lens(found.calibration.left).pixel_of(0.7, -0.4, 1);
+        const ImagePoint truth = Lens(pair.left).pixel_of(0.7, -0.4, 1);
+        const ImagePoint seen = Lens(found.calibration.left).pixel_of(0.7, -0.4, 1);
         EXPECT_NEAR(seen.x, truth.x, 0.5);
         EXPECT_NEAR(seen.y, truth.y, 0.5);
         if (!fisheye) {
