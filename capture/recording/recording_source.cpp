@@ -65,10 +65,10 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
 
 class RecordingSource final : public FrameSource {
 public:
-    RecordingSource(const SourceOptions& options, OpenReader open_reader)
+    RecordingSource(const SourceOptions& options, const OpenReader& open_reader)
         : options_(options),
-          open_reader_(std::move(open_reader)),
-          reader_(open_reader_()),
+          open_reader_(open_reader),
+          reader_(open_reader()),
           info_(source_info(options, reader_->info())),
           period_(info_.rate > 0 ? std::llround(1e9 / info_.rate) : 0) {
         if (options.loans < 1) {
@@ -281,8 +281,8 @@ bool is_recording(const std::string& uri) {
            std::filesystem::is_regular_file(uri, error) || is_pair_of_videos(uri);
 }
 
-std::unique_ptr<FrameSource> play(const SourceOptions& options, OpenReader open_reader) {
-    return std::make_unique<RecordingSource>(options, std::move(open_reader));
+std::unique_ptr<FrameSource> play(const SourceOptions& options, const OpenReader& open_reader) {
+    return std::make_unique<RecordingSource>(options, open_reader);
 }
 
 std::unique_ptr<FrameSource> open_recording(const SourceOptions& options) {

@@ -29,6 +29,6 @@ using OpenReader = std::function<std::unique_ptr<RecordingReader>()>;
 
 /// Replays what a reader gives, as open_recording() does. `open_reader` is called at once, in this thread, and with
 /// `loop` for each further round, in the thread that decodes. Throws what it throws.
-std::unique_ptr<FrameSource> play(const SourceOptions& options, OpenReader open_reader);
+std::unique_ptr<FrameSource> play(const SourceOptions& options, const OpenReader& open_reader);
 
 }  // namespace disparityd::capture
