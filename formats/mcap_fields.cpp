@@ -38,12 +38,31 @@ McapMessage mcap_message(std::span<const std::uint8_t> content) {
     return message;
 }
 
-void McapDefinitions::make_room(std::size_t size) {
+bool McapDefinitions::take(McapOpcode opcode, std::span<const std::uint8_t> content) {
+    switch (opcode) {
+        case McapOpcode::schema: add_schema(content); return true;
+        case McapOpcode::channel: add_channel(content); return true;
+        default: return false;
+    }
+}
+
+/// Files repeat their definitions.
+template <typename Definition>
+void McapDefinitions::add(std::map<std::uint16_t, Definition>& known, std::uint16_t id, Definition definition,
+                          std::size_t bytes, const char* kind) {
     constexpr std::size_t most = std::size_t{16} << 20U;
-    bytes_ += size;
+    if (const auto before = known.find(id); before != known.end()) {
+        if (before->second != definition) {
+            throw std::runtime_error(std::string(kind) + ' ' + std::to_string(id) +
+                                     " is there twice, with different contents");
+        }
+        return;
+    }
+    bytes_ += bytes;
     if (bytes_ > most) {
         throw std::runtime_error("schemas and channels have more than 16 MiB together");
     }
+    known.emplace(id, std::move(definition));
 }
 
 void McapDefinitions::add_schema(std::span<const std::uint8_t> content) {
@@ -56,14 +75,7 @@ void McapDefinitions::add_schema(std::span<const std::uint8_t> content) {
     if (id == 0) {
         throw std::runtime_error("a schema has the number 0, which means none");
     }
-    if (const auto known = schemas_.find(id); known != schemas_.end()) {
-        if (known->second != schema) {
-            throw std::runtime_error("schema " + std::to_string(id) + " is there twice, with different contents");
-        }
-        return;
-    }
-    make_room(content.size());
-    schemas_.emplace(id, std::move(schema));
+    add(schemas_, id, std::move(schema), content.size(), "schema");
 }
 
 void McapDefinitions::add_channel(std::span<const std::uint8_t> content) {
@@ -78,14 +90,7 @@ void McapDefinitions::add_channel(std::span<const std::uint8_t> content) {
         throw std::runtime_error("channel " + std::to_string(id) + " has the schema " + std::to_string(channel.schema) +
                                  ", which is not there");
     }
-    if (const auto known = channels_.find(id); known != channels_.end()) {
-        if (known->second != channel) {
-            throw std::runtime_error("channel " + std::to_string(id) + " is there twice, with different contents");
-        }
-        return;
-    }
-    make_room(content.size());
-    channels_.emplace(id, std::move(channel));
+    add(channels_, id, std::move(channel), content.size(), "channel");
 }
 
 }  // namespace disparityd::formats

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -82,16 +81,19 @@ McapMessage mcap_message(std::span<const std::uint8_t> content);
 /// The schemas and channels that were read so far. Files repeat them.
 class McapDefinitions {
 public:
-    /// Takes a record of a schema or a channel. Throws std::runtime_error for one that contradicts an earlier one, for
-    /// the schema number 0, and where all together have more than 16 MiB.
-    void add_schema(std::span<const std::uint8_t> content);
-    void add_channel(std::span<const std::uint8_t> content);
+    /// Takes a record of a schema or a channel; returns false for one of another kind. Throws std::runtime_error for
+    /// one that contradicts an earlier one, for the schema number 0, and where all together have more than 16 MiB.
+    bool take(McapOpcode opcode, std::span<const std::uint8_t> content);
 
     const std::map<std::uint16_t, McapSchema>& schemas() const { return schemas_; }
     const std::map<std::uint16_t, McapChannel>& channels() const { return channels_; }
 
 private:
-    void make_room(std::size_t size);
+    void add_schema(std::span<const std::uint8_t> content);
+    void add_channel(std::span<const std::uint8_t> content);
+    template <typename Definition>
+    void add(std::map<std::uint16_t, Definition>& known, std::uint16_t id, Definition definition, std::size_t bytes,
+             const char* kind);
 
     std::map<std::uint16_t, McapSchema> schemas_;
     std::map<std::uint16_t, McapChannel> channels_;

@@ -98,15 +98,10 @@ void McapReader::read_summary() {
 
 void McapReader::take_summary(std::span<const std::uint8_t> records) {
     McapFields rest(records);
-    std::map<std::uint16_t, std::uint64_t> messages_of_index;
     while (!rest.rest().empty()) {
         const auto opcode = static_cast<McapOpcode>(rest.number(1));
         const auto content = rest.bytes(rest.u64());
-        if (opcode == McapOpcode::schema) {
-            definitions_.add_schema(content);
-        } else if (opcode == McapOpcode::channel) {
-            definitions_.add_channel(content);
-        } else if (opcode == McapOpcode::statistics) {
+        if (!definitions_.take(opcode, content) && opcode == McapOpcode::statistics) {
             take_statistics(content);
         }
     }
@@ -164,11 +159,7 @@ bool McapReader::next_of_chunk(McapMessage& message) {
         const auto opcode = static_cast<McapOpcode>(rest.number(1));
         const auto content = rest.bytes(rest.u64());
         chunk_ = rest.rest();
-        if (opcode == McapOpcode::schema) {
-            definitions_.add_schema(content);
-        } else if (opcode == McapOpcode::channel) {
-            definitions_.add_channel(content);
-        } else if (opcode == McapOpcode::message) {
+        if (!definitions_.take(opcode, content) && opcode == McapOpcode::message) {
             message = known_message(content);
             return true;
         }
@@ -208,8 +199,8 @@ std::optional<McapReader::RecordHead> McapReader::next_head() {
 bool McapReader::read_record(const RecordHead& head, McapMessage& message) {
     switch (head.opcode) {
         case McapOpcode::chunk: chunk_ = mcap_chunk_records(read_content(head.length), unpacked_); return false;
-        case McapOpcode::schema: definitions_.add_schema(read_content(head.length)); return false;
-        case McapOpcode::channel: definitions_.add_channel(read_content(head.length)); return false;
+        case McapOpcode::schema:
+        case McapOpcode::channel: definitions_.take(head.opcode, read_content(head.length)); return false;
         case McapOpcode::message: message = known_message(read_content(head.length)); return true;
         case McapOpcode::attachment: skip_attachment(head.length); return false;
         default: skip_content(head.length); return false;

@@ -4,15 +4,13 @@
 #include <bit>
 #include <cmath>
 
+#include "base/little_endian.h"
+
 namespace disparityd::mavlink {
 namespace {
 
 double real(std::span<const std::uint8_t> bytes, std::size_t offset) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        value |= std::uint32_t{bytes[offset + i]} << (8 * i);
-    }
-    return std::bit_cast<float>(value);
+    return std::bit_cast<float>(static_cast<std::uint32_t>(base::get_little_endian(&bytes[offset], sizeof(float))));
 }
 
 }  // namespace
