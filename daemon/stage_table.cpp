@@ -8,8 +8,8 @@
 #include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/distance_limits.h"
+#include "pipeline/temporal_stage.h"
 #include "proto/doubt.h"
-#include "temporal/temporal_stage.h"
 #include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
@@ -41,7 +41,7 @@ std::unique_ptr<AddedStage> make_scan(const Config& config, const Frames& frames
 }
 
 std::unique_ptr<AddedStage> make_temporal(const Config& config, const Frames& frames) {
-    return config.temporal.enabled ? std::make_unique<temporal::TemporalStage>(frames.width, frames.height) : nullptr;
+    return config.temporal.enabled ? std::make_unique<pipeline::TemporalStage>(frames.width, frames.height) : nullptr;
 }
 
 std::unique_ptr<AddedStage> make_limits(const Config& config, const Frames& /*frames*/) {

@@ -24,16 +24,14 @@ ARROWS = {
     "calibration": {"base", "kernels"},
     "capture": {"base", "calibration", "formats", "kernels"},
     "obstacles": {"base", "kernels", "proto"},
-    "temporal": {"kernels"},
     "trust": {"kernels", "proto"},
     "pipeline": {"base", "calibration", "capture", "formats", "kernels"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "formats", "proto"},
-    "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "temporal", "trust"},
-    "tools": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "temporal",
-              "trust"},
+    "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "trust"},
+    "tools": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "trust"},
     "lab": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "bridges",
-            "tools", "temporal", "trust"},
+            "tools", "trust"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.

@@ -15,8 +15,8 @@
 #include "kernels/matcher.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/temporal_stage.h"
 #include "proto/shared_memory_writer.h"
-#include "temporal/temporal_stage.h"
 #include "tests/kernels/counted_memory.h"
 #include "trust/trust_stage.h"
 
@@ -51,7 +51,7 @@ public:
             proto::ShmLayout{width, height, {{1, 2}, {2, 1}, {3, 2}, {4, 1}, {5, 3}, {7, 2}}});
         scan_ =
             std::make_unique<ScanStage>(rectification_.width, rectification_.height, DisparityRange{}, ScanOptions{});
-        temporal_ = std::make_unique<temporal::TemporalStage>(rectification_.width, rectification_.height);
+        temporal_ = std::make_unique<pipeline::TemporalStage>(rectification_.width, rectification_.height);
         trust_ =
             std::make_unique<trust::TrustStage>(rectification_.width, rectification_.height, trust::TrustOptions{});
         pipeline_ = std::make_unique<Pipeline>(PipelineConfig{.policy = Policy::live,
@@ -107,7 +107,7 @@ private:
     std::unique_ptr<proto::SharedMemoryWriter> memory_;
     WorkerPool workers_{2};
     std::unique_ptr<ScanStage> scan_;
-    std::unique_ptr<temporal::TemporalStage> temporal_;
+    std::unique_ptr<pipeline::TemporalStage> temporal_;
     std::unique_ptr<trust::TrustStage> trust_;
     std::atomic<std::uint64_t> published_{0};
     std::unique_ptr<Pipeline> pipeline_;  // last: its threads use the rest

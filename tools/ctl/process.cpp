@@ -28,7 +28,7 @@
 #include "pipeline/calibrating_schedule.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
-#include "temporal/temporal_stage.h"
+#include "pipeline/temporal_stage.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/number_argument.h"
@@ -428,7 +428,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         mask_stage.emplace(mask, run.options.range);
         run.config.stages.push_back(&*mask_stage);
     }
-    std::optional<temporal::TemporalStage> temporal_stage;
+    std::optional<pipeline::TemporalStage> temporal_stage;
     if (arguments.temporal) {
         temporal_stage.emplace(rectification.width, rectification.height);
         run.config.stages.push_back(&*temporal_stage);

@@ -26,7 +26,6 @@ FOLDERS = {
     "pipeline": ("stages, queues,<br/>workers, timing", CORE),
     "capture": ("sources of frames,<br/>recordings", CORE),
     "obstacles": ("obstacle scan", CORE),
-    "temporal": ("means over time", CORE),
     "trust": ("trust in frames", CORE),
     "calibration": ("camera models, maps,<br/>self-calibration", CORE),
     "kernels": ("algorithms: reference,<br/>cpu, cuda", GROUND),

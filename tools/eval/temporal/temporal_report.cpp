@@ -16,7 +16,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/number_text.h"
-#include "temporal/temporal_stage.h"
+#include "pipeline/temporal_stage.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/frame_buffers.h"
@@ -148,7 +148,7 @@ struct PixelErrors {
 
 void play(const TemporalEvaluation& evaluation, Sequence& sequence, Parallel& workers, Counts& counts) {
     std::unique_ptr<Matcher> matcher;
-    std::optional<temporal::TemporalStage> stage;
+    std::optional<pipeline::TemporalStage> stage;
     std::vector<PixelErrors> before, after;
     std::vector<float> last_truth;
     for (int i = 0; i < frames; ++i) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "temporal/temporal_stage.h"
+#include "pipeline/temporal_stage.h"
 
 #include <algorithm>
 #include <cstddef>
 
 #include "kernels/parallel_rows.h"
 
-namespace disparityd::temporal {
+namespace disparityd::pipeline {
 namespace {
 
 constexpr std::int64_t longest_gap_ns = 300'000'000;
@@ -67,4 +67,4 @@ void TemporalStage::average(const FrameView& frame, Rows rows) {
     }
 }
 
-}  // namespace disparityd::temporal
+}  // namespace disparityd::pipeline

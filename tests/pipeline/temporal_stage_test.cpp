@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Step 17 of docs/algorithm.md.
-#include "temporal/temporal_stage.h"
+#include "pipeline/temporal_stage.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace disparityd::temporal {
+namespace disparityd::pipeline {
 namespace {
 
 constexpr std::int64_t frame_ns = 33'333'333;
@@ -159,4 +159,4 @@ TEST(TemporalStage, TheNumberOfWorkersChangesNothing) {
 }
 
 }  // namespace
-}  // namespace disparityd::temporal
+}  // namespace disparityd::pipeline

@@ -7,7 +7,7 @@
 
 #include "kernels/added_stage.h"
 
-namespace disparityd::temporal {
+namespace disparityd::pipeline {
 
 /// Step 17 of docs/algorithm.md: a disparity that agrees with the one of the frame before becomes a mean over time,
 /// which makes the noise of what stands still less. It measures no pixel more and none less, moves a disparity by at
@@ -29,4 +29,4 @@ private:
     std::int64_t before_ns_ = 0;       ///< when that was captured
 };
 
-}  // namespace disparityd::temporal
+}  // namespace disparityd::pipeline
