@@ -9,19 +9,8 @@
 const assert = require('node:assert')
 const { execFileSync } = require('node:child_process')
 const { Readable } = require('node:stream')
-const path = require('node:path')
 
-function mavlink() {
-  const folder = process.env.DISPARITYD_NODE_MODULES
-  try {
-    return require(folder ? path.resolve(folder, 'node-mavlink') : 'node-mavlink')
-  } catch (error) {
-    if (error.code !== 'MODULE_NOT_FOUND') throw error
-    console.log('skipped: no node-mavlink; npm install --prefix FOLDER node-mavlink@2.3.0 and set ' +
-      'DISPARITYD_NODE_MODULES=FOLDER/node_modules')
-    process.exit(77)
-  }
-}
+const need = require('../need_package.cjs')('node-mavlink@2.3.0')
 
 function near(value, wanted) {
   assert.ok(Math.abs(value - wanted) < 1e-4, `${value}, expected ${wanted}`)
@@ -53,7 +42,7 @@ function checkObstacle3d(data, x, y, z) {
 }
 
 function main() {
-  const { createMavLinkStream, minimal, common, ardupilotmega } = mavlink()
+  const { createMavLinkStream, minimal, common, ardupilotmega } = need('node-mavlink')
   const registry = { ...minimal.REGISTRY, ...common.REGISTRY, ...ardupilotmega.REGISTRY }
   const checks = [
     [0, checkHeartbeat],

@@ -12,20 +12,8 @@ const fs = require('node:fs')
 const os = require('node:os')
 const path = require('node:path')
 
-const PACKAGES = '@mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/cdr@3.5.0'
-
-// Loads a package. Without it the test is skipped: exit status 77.
-function need (name) {
-  const folder = process.env.DISPARITYD_NODE_MODULES
-  try {
-    return require(folder ? path.resolve(folder, name) : name)
-  } catch (error) {
-    if (error.code !== 'MODULE_NOT_FOUND') throw error
-    console.log(`skipped: no ${name}; npm install --prefix FOLDER ${PACKAGES} and set ` +
-      'DISPARITYD_NODE_MODULES=FOLDER/node_modules')
-    process.exit(77)
-  }
-}
+const need = require('../need_package.cjs')(
+  '@mcap/core@2.2.2 @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/cdr@3.5.0')
 
 const { McapWriter, McapStreamReader, McapIndexedReader, TempBuffer } = need('@mcap/core')
 const { parse } = need('@foxglove/rosmsg')

@@ -4,22 +4,8 @@
 // advertises. For the tests beside it.
 'use strict'
 
-const path = require('node:path')
-
-const PACKAGES = '@foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/ws-protocol@0.8.0 ws@8.23.0'
-
-// Loads a package. Without it the test is skipped: exit status 77.
-function need (name) {
-  const folder = process.env.DISPARITYD_NODE_MODULES
-  try {
-    return require(folder ? path.resolve(folder, name) : name)
-  } catch (error) {
-    if (error.code !== 'MODULE_NOT_FOUND') throw error
-    console.log(`skipped: no ${name}; npm install --prefix FOLDER ${PACKAGES} and set ` +
-      'DISPARITYD_NODE_MODULES=FOLDER/node_modules')
-    process.exit(77)
-  }
-}
+const need = require('../../need_package.cjs')(
+  '@foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 @foxglove/ws-protocol@0.8.0 ws@8.23.0')
 
 // Returns a function that turns the bytes of a channel's messages into an object.
 function decoderOf (channel) {
