@@ -415,6 +415,18 @@ ScanSettings scan_settings(const EvalArguments& arguments) {
     return {match, scan_options(arguments, match), backends_of(arguments).front()};
 }
 
+/// What is to be done with made-up courses in bad conditions: scan them, or drive through them.
+template <typename Evaluation>
+Evaluation course_evaluation(const EvalArguments& arguments, std::uint32_t seed) {
+    Evaluation evaluation;
+    evaluation.settings = scan_settings(arguments);
+    evaluation.seed = seed;
+    evaluation.courses = arguments.repeat.value_or(evaluation.courses);
+    evaluation.names = arguments.conditions;
+    evaluation.pictures = arguments.pictures;
+    return evaluation;
+}
+
 int evaluate_scans(const EvalArguments& arguments) {
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
     const pipeline::WorkerPool::ComputeSlot slot(workers);
@@ -425,23 +437,12 @@ int evaluate_scans(const EvalArguments& arguments) {
                                     "' as DATA, allowed: conditions:SEED, such as conditions:1, and drive:SEED");
     }
     if (drive_seed) {
-        DriveEvaluation evaluation;
-        evaluation.settings = scan_settings(arguments);
-        evaluation.seed = *drive_seed;
-        evaluation.courses = arguments.repeat.value_or(evaluation.courses);
-        evaluation.names = arguments.conditions;
-        evaluation.pictures = arguments.pictures;
-        report_drives(evaluation, workers, arguments.markdown);
+        report_drives(course_evaluation<DriveEvaluation>(arguments, *drive_seed), workers, arguments.markdown);
         return tools::exit_done;
     }
     if (conditions_seed) {
-        ConditionEvaluation evaluation;
-        evaluation.settings = scan_settings(arguments);
-        evaluation.seed = *conditions_seed;
-        evaluation.courses = arguments.repeat.value_or(evaluation.courses);
-        evaluation.names = arguments.conditions;
-        evaluation.pictures = arguments.pictures;
-        report_conditions(evaluation, workers, arguments.markdown);
+        report_conditions(course_evaluation<ConditionEvaluation>(arguments, *conditions_seed), workers,
+                          arguments.markdown);
         return tools::exit_done;
     }
     const std::optional<std::uint32_t> seed = seed_of_courses(arguments.data);
