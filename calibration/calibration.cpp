@@ -175,6 +175,19 @@ void check_side_by_side(const StereoCalibration& calibration, const std::string&
     }
 }
 
+/// Adds what is known alone, so that calibrations without an inertial sensor keep their text.
+void put_inertial(std::string& text, const InertialCalibration& inertial) {
+    if (inertial.to_left_camera) {
+        const auto& [r, t] = *inertial.to_left_camera;
+        put(text, "T_cam_imu", {r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2]});
+    }
+    for (const auto& [key, member] : inertial_numbers) {
+        if (inertial.*member) {
+            put(text, std::string(key), {*(inertial.*member)});
+        }
+    }
+}
+
 using NamedNumbers = std::map<std::string, std::vector<double>, std::less<>>;
 
 /// Reads the lines "name = numbers" below the first, which must name the version. Damaged lines have no numbers.
@@ -250,6 +263,7 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
         check_range(baseline, 0.5, 100000, "baseline in mm", path);
         check_side_by_side(calibration, path);
     }
+    check_inertial(calibration.inertial, path);
 }
 
 StereoCalibration read_calibration(const std::string& path, int width, int height, std::optional<KittiPair> pair) {
@@ -274,6 +288,7 @@ std::string to_text(const StereoCalibration& calibration) {
     put(text, "rotation", {r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8]});
     const auto& t = calibration.translation;
     put(text, "translation", {t[0], t[1], t[2]});
+    put_inertial(text, calibration.inertial);
     return text;
 }
 
@@ -311,6 +326,14 @@ StereoCalibration calibration_from_text(const std::string& text, const std::stri
     std::copy(rotation.begin(), rotation.end(), calibration.rotation.begin());
     const auto& translation = take("translation", 3);
     std::copy(translation.begin(), translation.end(), calibration.translation.begin());
+    if (values.contains("T_cam_imu")) {
+        calibration.inertial.to_left_camera = pose_of_rows(take("T_cam_imu", 12));
+    }
+    for (const auto& [key, member] : inertial_numbers) {
+        if (values.contains(key)) {
+            calibration.inertial.*member = take(key, 1)[0];
+        }
+    }
     calibration.origin = origin;
     check_plausible(calibration, origin);
     return calibration;

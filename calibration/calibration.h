@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "calibration/inertial_calibration.h"
+
 namespace disparityd::calibration {
 
 /// How a lens takes rays to the image.
@@ -35,7 +37,8 @@ struct StereoCalibration {
     /// The images are rectified already: no distortion, no rotation; the principal points may differ in x, which
     /// gives a disparity offset (Middlebury's doffs). baseline 0 = not known: no metric depth.
     bool rectified = false;
-    std::string origin;  ///< where it was read from, for messages: a file name, "recording", "scene"
+    InertialCalibration inertial;  ///< of the inertial sensor beside them
+    std::string origin;            ///< where it was read from, for messages: a file name, "recording", "scene"
 };
 
 /// The two pairs of cameras that a KITTI calibration may hold.
@@ -52,7 +55,8 @@ StereoCalibration read_calibration(const std::string& path, int width, int heigh
                                    std::optional<KittiPair> pair = std::nullopt);
 
 /// Writes the calibration of two raw cameras as OpenCV's YAML (M1 D1 M2 D2 R T, T in mm), which read_calibration() and
-/// OpenCV read back without loss. The same calibration gives the same text.
+/// OpenCV read back without loss. What is known of the inertial sensor stands there, too: T_cam_imu as a matrix of 4x4,
+/// in mm as T, and the numbers under the names of inertial_numbers. The same calibration gives the same text.
 std::string to_opencv_yaml(const StereoCalibration& calibration);
 
 /// Writes the calibration as the text that recordings hold, without loss.

@@ -33,11 +33,20 @@ std::string unit_name(double millimetres) {
 
 }  // namespace
 
+void scale_lengths(StereoCalibration& calibration, double factor) {
+    for (double& length : calibration.translation) {
+        length *= factor;
+    }
+    if (calibration.inertial.to_left_camera) {
+        for (double& length : calibration.inertial.to_left_camera->translation) {
+            length *= factor;
+        }
+    }
+}
+
 StereoCalibration settle_unit(FileCalibration read, std::optional<double> wanted_mm, const std::string& name) {
     if (wanted_mm) {
-        for (double& length : read.calibration.translation) {
-            length *= *wanted_mm / read.unit_mm;
-        }
+        scale_lengths(read.calibration, *wanted_mm / read.unit_mm);
         return read.calibration;
     }
     const double baseline = baseline_of(read.calibration);

@@ -60,6 +60,34 @@ public:
         }
     }
 
+    /// Returns the pose of the inertial sensor, in mm, where the file has it.
+    std::optional<Pose> inertial_pose() const {
+        if (!has("T_cam_imu")) {
+            return std::nullopt;
+        }
+        const cv::Matx44d matrix = pose("T_cam_imu");
+        if (!is_rotation(matrix.get_minor<3, 3>(0, 0)) || matrix.row(3) != cv::Matx14d(0, 0, 0, 1)) {
+            fail("T_cam_imu", "is no pose; expected a rotation and a translation in metres, and 0 0 0 1 below");
+        }
+        Pose pose = pose_of_rows(matrix.val);
+        for (double& length : pose.translation) {
+            length *= metre_mm;
+        }
+        return pose;
+    }
+
+    std::optional<double> time_offset_s() const {
+        if (!has("timeshift_cam_imu")) {
+            return std::nullopt;
+        }
+        const std::string word = word_of(node_["timeshift_cam_imu"]);
+        const auto number = base::parse_number(word);
+        if (!number) {
+            fail("timeshift_cam_imu", "found '" + base::printable(word) + "', expected a number of seconds");
+        }
+        return number;
+    }
+
     cv::Matx44d pose(const char* key) const {
         const YAML::Node rows = node_[key];
         if (!rows || !rows.IsSequence() || rows.size() != 4) {
@@ -124,6 +152,18 @@ void check_imu_poses(const std::string& path, const ChainCamera& left, const Cha
     }
 }
 
+/// Returns where the sensor stands to the left camera, also where the file says it of the right one alone.
+InertialCalibration inertial_of(const StereoCalibration& cameras, const ChainCamera& left, const ChainCamera& right) {
+    InertialCalibration inertial;
+    inertial.to_left_camera = left.inertial_pose();
+    if (const auto to_right = right.inertial_pose(); to_right && !inertial.to_left_camera) {
+        inertial.to_left_camera = chained(*to_right, inverse({cameras.rotation, cameras.translation}));
+    }
+    // Kalibr finds an offset for each camera; those of eyes that are exposed together differ by what it cannot tell.
+    inertial.time_offset_s = left.has("timeshift_cam_imu") ? left.time_offset_s() : right.time_offset_s();
+    return inertial;
+}
+
 }  // namespace
 
 FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int height) {
@@ -160,6 +200,7 @@ FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int
         std::copy(pose.val + 4 * row, pose.val + 4 * row + 3, result.calibration.rotation.begin() + 3 * row);
         result.calibration.translation[row] = metre_mm * pose.val[4 * row + 3];
     }
+    result.calibration.inertial = inertial_of(result.calibration, left, right);
     return result;
 }
 

@@ -8,6 +8,7 @@
 #include "base/message_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
+#include "calibration/formats/baseline_unit.h"
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/calibration_name.h"
 #include "calibration/formats/lens_model.h"
@@ -78,8 +79,8 @@ public:
             const bool used = is_among(name, left_eye_keys.matrix) || is_among(name, left_eye_keys.distortion) ||
                               is_among(name, right_eye_keys.matrix) || is_among(name, right_eye_keys.distortion) ||
                               is_among(name, rotation_keys) || is_among(name, translation_keys) ||
-                              is_among(name, unit_keys) || is_size_key(name) || plain_name(name) == "baseline" ||
-                              rectification_result(name);
+                              is_among(name, unit_keys) || is_inertial_key(name) || is_size_key(name) ||
+                              plain_name(name) == "baseline" || rectification_result(name);
             if (is_among(name, model_keys)) {
                 named_lens(path_, base::printable(name), storage_.word(name));
             } else if (says_fisheye(name)) {
@@ -143,6 +144,32 @@ public:
         return {};
     }
 
+    /// Reads what the file says about the inertial sensor; lengths in the unit of the file.
+    InertialCalibration inertial() const {
+        InertialCalibration inertial;
+        if (const auto matrix = storage_.matrix(pose_key)) {
+            const std::vector<double>& rows = matrix->numbers;
+            if (rows.size() != 16 || matrix->rows != 4 ||
+                !std::equal(rows.begin() + 12, rows.end(), last_row.begin())) {
+                fail(
+                    "T_cam_imu: expected a matrix of 4x4 with a rotation, a translation in the unit of T, and 0 0 0 1 "
+                    "below");
+            }
+            inertial.to_left_camera = pose_of_rows(rows);
+        }
+        for (const auto& [key, member] : inertial_numbers) {
+            const std::string name(key);
+            if (storage_.has(name)) {
+                const auto numbers = storage_.numbers(name);
+                if (!numbers || numbers->size() != 1) {
+                    fail(name + ": found " + storage_.shown(name) + ", expected a number");
+                }
+                inertial.*member = numbers->front();
+            }
+        }
+        return inertial;
+    }
+
     /// Compares T with a baseline that the file states beside it.
     void check_baseline(const std::array<double, 3>& t) const {
         for (const std::string& name : storage_.names()) {
@@ -170,6 +197,13 @@ public:
     [[noreturn]] void fail(const std::string& what) const { storage_.fail(what); }
 
 private:
+    static constexpr const char* pose_key = "T_cam_imu";
+    static constexpr std::array<double, 4> last_row{0, 0, 0, 1};
+
+    static bool is_inertial_key(const std::string& name) {
+        return name == pose_key || std::any_of(inertial_numbers.begin(), inertial_numbers.end(),
+                                               [&](const InertialNumber& number) { return name == number.key; });
+    }
     static bool says_fisheye(const std::string& name) {
         return plain_name(name).find("fisheye") != std::string::npos || plain_name(name).ends_with("fe");
     }
@@ -277,9 +311,8 @@ FileCalibration read_opencv_calibration(const CalibrationText& cameras, const Ca
     result.unit_mm = unit.value_or(1);
     result.unit_stated = unit.has_value();
     result.unit_doubt = file.unit_doubt();
-    for (double& length : calibration.translation) {
-        length *= result.unit_mm;
-    }
+    calibration.inertial = file.inertial();
+    scale_lengths(calibration, result.unit_mm);
     return result;
 }
 

@@ -26,6 +26,20 @@ void put_camera(std::string& text, const CameraModel& camera, const char* matrix
     put_matrix(text, distortion, 1, lens_coefficients(camera));
 }
 
+void put_inertial(std::string& text, const InertialCalibration& inertial) {
+    if (inertial.to_left_camera) {
+        const auto& [r, t] = *inertial.to_left_camera;
+        put_matrix(
+            text, "T_cam_imu", 4,
+            std::array{r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2], 0.0, 0.0, 0.0, 1.0});
+    }
+    for (const auto& [key, member] : inertial_numbers) {
+        if (inertial.*member) {
+            text += std::string(key) + ": " + base::number_text(*(inertial.*member)) + "\n";
+        }
+    }
+}
+
 }  // namespace
 
 std::string to_opencv_yaml(const StereoCalibration& calibration) {
@@ -38,6 +52,7 @@ std::string to_opencv_yaml(const StereoCalibration& calibration) {
     put_camera(text, calibration.right, "M2", "D2");
     put_matrix(text, "R", 3, calibration.rotation);
     put_matrix(text, "T", 3, calibration.translation);
+    put_inertial(text, calibration.inertial);
     return text;
 }
 
