@@ -36,16 +36,15 @@ CalibrationText load(const std::string& path) {
 void check_settings(const CalibrationName& name, CalibrationFormat format) {
     const bool lens = name.lens && format != CalibrationFormat::opencv && format != CalibrationFormat::ros;
     if (lens || (name.pair && format != CalibrationFormat::kitti)) {
-        refuse_calibration(name.first, std::string("is ") + format_name(format) + ", for which " +
-                                           (lens ? "model says nothing: it is for OpenCV and ROS"
-                                                 : "pair says nothing: it is for KITTI") +
-                                           ": take it out");
+        refuse_calibration(name.files.front(), std::string("is ") + format_name(format) + ", for which " +
+                                                   (lens ? "model says nothing: it is for OpenCV and ROS"
+                                                         : "pair says nothing: it is for KITTI") +
+                                                   ": take it out");
     }
 }
 
-FileCalibration read_pair(const CalibrationName& name, int width, int height) {
-    const CalibrationText first = load(name.first);
-    const CalibrationText second = load(name.second);
+FileCalibration read_pair(const CalibrationName& name, const CalibrationText& first, const CalibrationText& second,
+                          int width, int height) {
     const CalibrationFormat format = calibration_format(first.path, first.text);
     const CalibrationFormat other = calibration_format(second.path, second.text);
     check_settings(name, format);
@@ -58,14 +57,16 @@ FileCalibration read_pair(const CalibrationName& name, int width, int height) {
     if (format == other && format == CalibrationFormat::opencv) {
         return read_opencv_calibration(first, second, width, height, name.lens);
     }
-    refuse_calibration(name.first, "is " + format_name(format) + ", and " + base::printable(name.second, longest_name) +
-                                       " is " + format_name(other) +
-                                       "; allowed with a comma between them are two ROS camera_info files, two "
-                                       "sensor.yaml of EuRoC, or two of OpenCV with the cameras and the pose");
+    refuse_calibration(first.path,
+                       "is " + format_name(format) + ", and " + base::printable(second.path, longest_name) + " is " +
+                           format_name(other) +
+                           "; allowed with a comma between them are two ROS camera_info files, two "
+                           "sensor.yaml of EuRoC, or two of OpenCV with the cameras and the pose, and behind "
+                           "any of them a file about the inertial sensor");
 }
 
-FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> pair, int width, int height) {
-    const CalibrationText file = load(name.first);
+FileCalibration read_one(const CalibrationName& name, const CalibrationText& file, std::optional<KittiPair> pair,
+                         int width, int height) {
     FileCalibration read;
     const CalibrationFormat format = calibration_format(file.path, file.text);
     check_settings(name, format);
@@ -86,10 +87,35 @@ FileCalibration read_one(const CalibrationName& name, std::optional<KittiPair> p
                 file.path, file.text, kitti_camera(file.path, file.text, name.pair ? name.pair : pair), width, height);
             read.unit_mm = 1000;
             return read;
+        case CalibrationFormat::inertial:
+            refuse_calibration(file.path,
+                               "is about an inertial sensor alone: name the cameras before it, as "
+                               "camchain.yaml,imu.yaml");
         case CalibrationFormat::ros:
         case CalibrationFormat::euroc: break;
     }
     refuse_calibration(file.path, "found " + format_name(format) + "; name both, as left.yaml,right.yaml");
+}
+
+FileCalibration read_files(const CalibrationName& name, std::optional<KittiPair> pair, int width, int height) {
+    std::vector<CalibrationText> files;
+    for (const std::string& path : name.files) {
+        files.push_back(load(path));
+    }
+    const bool inertial =
+        files.size() > 1 && calibration_format(files.back().path, files.back().text) == CalibrationFormat::inertial;
+    const std::size_t cameras = files.size() - (inertial ? 1 : 0);
+    if (cameras > 2) {
+        refuse_calibration(files.back().path,
+                           "is the third file, which is allowed to be about the inertial sensor "
+                           "alone: Kalibr's imu.yaml or EuRoC's imu0/sensor.yaml");
+    }
+    FileCalibration read = cameras == 1 ? read_one(name, files[0], pair, width, height)
+                                        : read_pair(name, files[0], files[1], width, height);
+    if (inertial) {
+        join_inertial_file(read, files.back());
+    }
+    return read;
 }
 
 void put(std::string& text, const std::string& key, const std::vector<double>& numbers) {
@@ -268,8 +294,7 @@ void check_plausible(const StereoCalibration& calibration, const std::string& pa
 
 StereoCalibration read_calibration(const std::string& path, int width, int height, std::optional<KittiPair> pair) {
     const CalibrationName name = parse_calibration_name(path);
-    const FileCalibration read =
-        name.second.empty() ? read_one(name, pair, width, height) : read_pair(name, width, height);
+    const FileCalibration read = read_files(name, pair, width, height);
     StereoCalibration calibration = settle_unit(read, name.unit_mm, path);
     calibration.origin = path;
     check_plausible(calibration, path);

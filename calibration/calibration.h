@@ -44,7 +44,8 @@ struct StereoCalibration {
 /// The two pairs of cameras that a KITTI calibration may hold.
 enum class KittiPair { grey, colour };
 
-/// Reads a calibration for frames of width x height per eye: one file, or two with a comma between them. Formats: a
+/// Reads a calibration for frames of width x height per eye: one file, or two with a comma between them, and behind
+/// them, with a comma, one about the inertial sensor (Kalibr's imu.yaml, EuRoC's imu0/sensor.yaml). Formats: a
 /// factory .conf; OpenCV's YAML, JSON or XML (M1 D1 M2 D2 R T, or K_LEFT ... of the vendor's own tool; R and T may
 /// stand in a second file); a pair of ROS camera_info; settings of ORB-SLAM; Kalibr's camchain; a pair of EuRoC's
 /// sensor.yaml; calib.txt of Middlebury, ETH3D and KITTI. docs/calibration.md lists the keys. Behind a question mark

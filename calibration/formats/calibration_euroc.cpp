@@ -11,7 +11,7 @@
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/lens_model.h"
-#include "calibration/formats/pose_agreement.h"
+#include "calibration/formats/yaml_numbers.h"
 #include "calibration/formats/yaml_text.h"
 
 namespace disparityd::calibration {
@@ -44,16 +44,15 @@ public:
 
     CameraModel camera() const {
         named_model("camera_model");
-        const auto intrinsics = numbers("intrinsics", root_["intrinsics"], 4);
+        const auto intrinsics = numbers("intrinsics", 4);
         CameraModel camera{intrinsics[0], intrinsics[1], intrinsics[2], intrinsics[3], {}};
-        set_lens(camera, path_, "distortion_coefficients",
-                 numbers("distortion_coefficients", root_["distortion_coefficients"], 0),
+        set_lens(camera, path_, "distortion_coefficients", numbers("distortion_coefficients", 0),
                  named_model("distortion_model"));
         return camera;
     }
 
     void check_size(int width, int height) const {
-        const auto size = numbers("resolution", root_["resolution"], 2);
+        const auto size = numbers("resolution", 2);
         if (size[0] != width || size[1] != height) {
             refuse_other_size(path_, base::number_text(size[0]) + "x" + base::number_text(size[1]) + " (resolution)",
                               width, height);
@@ -61,14 +60,7 @@ public:
     }
 
     /// Returns T_BS, which takes points of the camera to the body.
-    cv::Matx44d to_body() const {
-        const YAML::Node entry = root_["T_BS"];
-        const cv::Matx44d pose(numbers("T_BS", entry && entry.IsMap() ? entry["data"] : entry, 16).data());
-        if (!is_rotation(pose.get_minor<3, 3>(0, 0)) || pose.row(3) != cv::Matx14d(0, 0, 0, 1)) {
-            fail("T_BS: is no pose; expected a rotation and a translation in metres, and 0 0 0 1 below");
-        }
-        return pose;
-    }
+    cv::Matx44d to_body() const { return yaml_pose(path_, "T_BS", root_["T_BS"]); }
 
 private:
     [[noreturn]] void fail(const std::string& what) const { refuse_calibration(path_, what); }
@@ -80,19 +72,8 @@ private:
         return named_lens(path_, key, word_of(root_[key]));
     }
 
-    std::vector<double> numbers(const std::string& key, const YAML::Node& list, std::size_t count) const {
-        if (!list || !list.IsSequence() || (count != 0 && list.size() != count)) {
-            fail(key + ": expected " + (count == 0 ? "numbers" : base::counted(count, "number")) + " in brackets");
-        }
-        std::vector<double> values;
-        for (const YAML::Node& node : list) {
-            const auto number = base::parse_number(word_of(node));
-            if (!number) {
-                fail(key + ": found '" + base::printable(word_of(node)) + "', expected a number");
-            }
-            values.push_back(*number);
-        }
-        return values;
+    std::vector<double> numbers(const std::string& key, std::size_t count) const {
+        return yaml_numbers(path_, key, root_[key], count);
     }
 
     std::string path_;
@@ -115,6 +96,7 @@ FileCalibration read_euroc_sensors(const CalibrationText& left, const Calibratio
     calibration.right = right_file.camera();
     const cv::Matx44d left_pose = left_file.to_body();
     const cv::Matx44d right_pose = right_file.to_body();
+    result.left_to_body = pose_of_metres(left_pose);
     const cv::Matx33d back = right_pose.get_minor<3, 3>(0, 0).t();
     const cv::Matx33d rotation = back * left_pose.get_minor<3, 3>(0, 0);
     const cv::Matx31d translation = back * (left_pose.get_minor<3, 1>(0, 3) - right_pose.get_minor<3, 1>(0, 3));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/formats/calibration_format.h"
 
+#include <algorithm>
 #include <set>
 
 #include "base/words.h"
@@ -55,6 +56,13 @@ bool has_opencv_key(const Names& names) {
     return false;
 }
 
+bool is_inertial(const Names& names) {
+    const bool has_numbers = std::any_of(inertial_numbers.begin(), inertial_numbers.end(),
+                                         [&](const InertialNumber& number) { return names.contains(number.key); });
+    return names.contains("imu0") || (names.contains("sensor_type") && !names.contains("intrinsics")) ||
+           (has_numbers && !has_opencv_key(names));
+}
+
 }  // namespace
 
 CalibrationFormat calibration_format(const std::string& path, const std::string& text) {
@@ -80,6 +88,9 @@ CalibrationFormat calibration_format(const std::string& path, const std::string&
         return CalibrationFormat::middlebury;
     }
     const Names names = names_before(text, ':', false);
+    if (is_inertial(names)) {
+        return CalibrationFormat::inertial;
+    }
     const bool has_matrices = names_before(text, ':', true).contains("rows");
     for (const char* key : {"P0", "P1", "P2", "P3", "P_rect_00", "P_rect_02"}) {
         // OpenCV's P1 and P2 are results of rectification.
@@ -122,6 +133,7 @@ std::string format_name(CalibrationFormat format) {
         case CalibrationFormat::euroc: return "EuRoC's sensor.yaml of one camera";
         case CalibrationFormat::middlebury: return "Middlebury's calib.txt";
         case CalibrationFormat::kitti: return "KITTI's calibration";
+        case CalibrationFormat::inertial: return "about an inertial sensor";
     }
     return "a calibration";
 }

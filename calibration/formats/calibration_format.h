@@ -5,7 +5,7 @@
 
 namespace disparityd::calibration {
 
-enum class CalibrationFormat { factory, opencv, ros, orbslam, kalibr, euroc, middlebury, kitti };
+enum class CalibrationFormat { factory, opencv, ros, orbslam, kalibr, euroc, middlebury, kitti, inertial };
 
 /// Tells the format of a calibration by its content. Throws std::invalid_argument with one line that lists the formats
 /// when it is none of them, or names the format when it is known and cannot be read.

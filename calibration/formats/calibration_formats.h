@@ -22,12 +22,13 @@ struct CalibrationText {
 
 /// What a file says, and what it leaves open.
 struct FileCalibration {
-    StereoCalibration calibration;   ///< translation in mm if the file's unit is `unit_mm`
-    double unit_mm = 1;              ///< what one of the file's lengths is, by the rules of the format or by a key
-    bool unit_stated = false;        ///< by a key of the file
-    double least_baseline_mm = 20;   ///< below this the unit must be stated
-    std::string unit_doubt;          ///< why the unit must be stated at any length, as a message says it
-    std::vector<GivenResult> given;  ///< what the file says beside that must agree with it
+    StereoCalibration calibration;     ///< translation in mm if the file's unit is `unit_mm`
+    double unit_mm = 1;                ///< what one of the file's lengths is, by the rules of the format or by a key
+    bool unit_stated = false;          ///< by a key of the file
+    double least_baseline_mm = 20;     ///< below this the unit must be stated
+    std::string unit_doubt;            ///< why the unit must be stated at any length, as a message says it
+    std::optional<Pose> left_to_body;  ///< where the left camera stands on the body that T_BS of EuRoC's files are of
+    std::vector<GivenResult> given;    ///< what the file says beside that must agree with it
 };
 
 /// Reads a factory file SN<serial>.conf.
@@ -50,6 +51,10 @@ FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int
 
 /// Reads a pair of EuRoC's sensor.yaml, one file per camera: T_BS takes points of each to the same body.
 FileCalibration read_euroc_sensors(const CalibrationText& left, const CalibrationText& right, int width, int height);
+
+/// Adds what a file says about the inertial sensor beside the cameras: EuRoC's sensor.yaml of an imu, or Kalibr's
+/// imu.yaml, also with the entries below imu0.
+void join_inertial_file(FileCalibration& cameras, const CalibrationText& file);
 
 /// Reads calib.txt of Middlebury 2014, which ETH3D has, too.
 StereoCalibration read_middlebury_calibration(const std::string& path, const std::string& text, int width, int height);

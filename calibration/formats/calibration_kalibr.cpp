@@ -13,6 +13,7 @@
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/lens_model.h"
 #include "calibration/formats/pose_agreement.h"
+#include "calibration/formats/yaml_numbers.h"
 #include "calibration/formats/yaml_text.h"
 
 namespace disparityd::calibration {
@@ -65,27 +66,14 @@ public:
         if (!has("T_cam_imu")) {
             return std::nullopt;
         }
-        const cv::Matx44d matrix = pose("T_cam_imu");
-        if (!is_rotation(matrix.get_minor<3, 3>(0, 0)) || matrix.row(3) != cv::Matx14d(0, 0, 0, 1)) {
-            fail("T_cam_imu", "is no pose; expected a rotation and a translation in metres, and 0 0 0 1 below");
-        }
-        Pose pose = pose_of_rows(matrix.val);
-        for (double& length : pose.translation) {
-            length *= metre_mm;
-        }
-        return pose;
+        return pose_of_metres(yaml_pose(path_, name_ + " T_cam_imu", node_["T_cam_imu"]));
     }
 
     std::optional<double> time_offset_s() const {
         if (!has("timeshift_cam_imu")) {
             return std::nullopt;
         }
-        const std::string word = word_of(node_["timeshift_cam_imu"]);
-        const auto number = base::parse_number(word);
-        if (!number) {
-            fail("timeshift_cam_imu", "found '" + base::printable(word) + "', expected a number of seconds");
-        }
-        return number;
+        return yaml_number(path_, name_ + " timeshift_cam_imu", node_["timeshift_cam_imu"]);
     }
 
     cv::Matx44d pose(const char* key) const {
@@ -114,18 +102,7 @@ private:
     }
 
     std::vector<double> numbers(const char* key, const YAML::Node& list, std::size_t count) const {
-        if (!list || !list.IsSequence() || (count != 0 && list.size() != count)) {
-            fail(key, "expected " + (count == 0 ? "numbers" : base::counted(count, "number")) + " in brackets");
-        }
-        std::vector<double> values;
-        for (const YAML::Node& node : list) {
-            const auto number = base::parse_number(word_of(node));
-            if (!number) {
-                fail(key, "found '" + base::printable(word_of(node)) + "', expected a number");
-            }
-            values.push_back(*number);
-        }
-        return values;
+        return yaml_numbers(path_, name_ + " " + key, list, count);
     }
 
     std::string path_;

@@ -12,6 +12,8 @@ namespace disparityd::calibration {
 
 namespace {
 
+constexpr std::size_t most_files = 3;  // two cameras and an inertial sensor
+
 void read_setting(CalibrationName& result, std::string_view setting, const std::string& name) {
     const auto equals = std::min(setting.find('='), setting.size());
     const std::string_view key = setting.substr(0, equals);
@@ -34,26 +36,24 @@ void read_setting(CalibrationName& result, std::string_view setting, const std::
     }
 }
 
-/// Splits at the comma between two files.
-void split_files(CalibrationName& result, const std::string& files) {
-    result.first = files;
-    if (base::is_file(files)) {
-        return;
-    }
-    bool found = false;
-    for (auto comma = files.find(','); comma != std::string::npos; comma = files.find(',', comma + 1)) {
-        const std::string first = files.substr(0, comma);
-        const std::string second = files.substr(comma + 1);
-        const bool both = base::is_file(first) && base::is_file(second);
-        if (both || !found) {
-            result.first = first;
-            result.second = second;
-            found = true;
+/// Splits at the commas between files. Those that exist tell which commas are meant.
+std::vector<std::string> split_files(std::string_view files) {
+    std::vector<std::string> parts;
+    while (parts.size() + 1 < most_files && !base::is_file(std::string(files))) {
+        const auto first = files.find(',');
+        if (first == std::string_view::npos) {
+            break;
         }
-        if (both) {
-            return;
+        auto comma = first;
+        while (comma != std::string_view::npos && !base::is_file(std::string(files.substr(0, comma)))) {
+            comma = files.find(',', comma + 1);
         }
+        comma = comma == std::string_view::npos ? first : comma;
+        parts.emplace_back(files.substr(0, comma));
+        files.remove_prefix(comma + 1);
     }
+    parts.emplace_back(files);
+    return parts;
 }
 
 }  // namespace
@@ -80,10 +80,10 @@ CalibrationName parse_calibration_name(const std::string& name) {
     CalibrationName result;
     const auto mark = name.rfind('?');
     if (mark == std::string::npos || base::is_file(name)) {
-        split_files(result, name);
+        result.files = split_files(name);
         return result;
     }
-    split_files(result, name.substr(0, mark));
+    result.files = split_files(std::string_view(name).substr(0, mark));
     for (const std::string_view setting : base::split(std::string_view(name).substr(mark + 1), '&')) {
         read_setting(result, setting, name);
     }

@@ -3,19 +3,19 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "calibration/calibration.h"
 
 namespace disparityd::calibration {
 
-/// What a user gives as a calibration: "stereo.yml", "left.yaml,right.yaml", and behind it what the files leave open,
-/// as in "stereo.yml?unit=m&model=brown".
+/// What a user gives as a calibration: "stereo.yml", "left.yaml,right.yaml", "left.yaml,right.yaml,imu.yaml", and
+/// behind it what the files leave open, as in "stereo.yml?unit=m&model=brown".
 struct CalibrationName {
-    std::string first;
-    std::string second;             ///< empty: one file
-    std::optional<double> unit_mm;  ///< unit=mm, cm, m or the side of the board's squares, as 25mm
-    std::optional<LensModel> lens;  ///< model=brown, fisheye: of four coefficients, where the file names no model
-    std::optional<KittiPair> pair;  ///< pair=grey, pair=colour
+    std::vector<std::string> files;  ///< one to three
+    std::optional<double> unit_mm;   ///< unit=mm, cm, m or the side of the board's squares, as 25mm
+    std::optional<LensModel> lens;   ///< model=brown, fisheye: of four coefficients, where the file names no model
+    std::optional<KittiPair> pair;   ///< pair=grey, pair=colour
 };
 
 /// Files that exist are preferred where a name holds commas or a question mark. Throws std::invalid_argument with one

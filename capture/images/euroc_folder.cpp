@@ -73,14 +73,28 @@ Images read_images(const fs::path& path) {
     return images;
 }
 
-std::string calibration_of(const fs::path& root) {
-    const fs::path left = root / "cam0" / "sensor.yaml";
-    const fs::path right = root / "cam1" / "sensor.yaml";
-    if (base::is_file(left) && base::is_file(right)) {
-        return left.string() + "," + right.string();
+/// Returns the names of these files with commas between them, and of `sensor` where it is there; empty unless all
+/// others are.
+std::string names_of(const std::vector<fs::path>& files, const fs::path& sensor) {
+    std::string names;
+    for (const fs::path& file : files) {
+        if (!base::is_file(file)) {
+            return {};
+        }
+        names += names.empty() ? "" : ",";
+        names += file.string();
     }
-    const fs::path chain = fs::absolute(root).lexically_normal().parent_path() / "dso" / "camchain.yaml";
-    return base::is_file(chain) ? chain.string() : std::string();
+    return base::is_file(sensor) ? names + "," + sensor.string() : names;
+}
+
+std::string calibration_of(const fs::path& root) {
+    std::string names =
+        names_of({root / "cam0" / "sensor.yaml", root / "cam1" / "sensor.yaml"}, root / "imu0" / "sensor.yaml");
+    if (names.empty()) {
+        const fs::path dso = fs::absolute(root).lexically_normal().parent_path() / "dso";
+        names = names_of({dso / "camchain.yaml"}, dso / "imu_config.yaml");
+    }
+    return names;
 }
 
 /// One eye: what data.csv lists, and what is there.

@@ -137,7 +137,84 @@ TEST_F(InertialFiles, KalibrsCamchainOfCamerasAndSensor) {
     EXPECT_THAT(said_of(write("chain.yaml", with_other(left, "[0, 0, -1, 0]", "[0, 0, 1, 0]"))),
                 HasSubstr("cam0 T_cam_imu: is no pose"));
     EXPECT_THAT(said_of(write("chain.yaml", with_other(left, ": 0.004", ": [1]"))),
-                HasSubstr("cam0 timeshift_cam_imu: found '', expected a number of seconds"));
+                HasSubstr("cam0 timeshift_cam_imu: found '', expected a number"));
+}
+
+const std::string kalibr_imu =
+    "#Accelerometers\naccelerometer_noise_density: 0.0014   # continuous\n"
+    "accelerometer_random_walk: 8.6e-05\ngyroscope_noise_density: 8.0e-05\n"
+    "gyroscope_random_walk: 2.2e-06\nrostopic: /imu0\nupdate_rate: 200.0\n";
+
+TEST_F(InertialFiles, KalibrsNoiseStandsInAFileOfItsOwn) {
+    const std::string chain = write("chain.yaml", with_other(camchain(Rig()), "cam0:\n", "cam0:\n" + chain_pose));
+    const InertialCalibration expected{standing, {}, 8e-5, 2.2e-6, 1.4e-3, 8.6e-5};
+    EXPECT_EQ(read(chain + "," + write("imu.yaml", kalibr_imu)), expected);
+    std::string nested =
+        "imu0:\n  T_i_b:\n  - [1.0, 0.0, 0.0, 0.0]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.0, 0.0, 1.0, 0.0]\n"
+        "  - [0.0, 0.0, 0.0, 1.0]\n  accelerometer_noise_density: 0.0014\n"
+        "  accelerometer_random_walk: 8.6e-05\n  gyroscope_noise_density: 8.0e-05\n"
+        "  gyroscope_random_walk: 2.2e-06\n  model: calibrated\n  rostopic: /imu0\n"
+        "  time_offset: 0.0\n  update_rate: 200.0\n";
+    EXPECT_EQ(read(chain + "," + write("imu.yaml", nested)), expected);
+    EXPECT_THAT(said_of(chain + "," + write("imu.yaml", nested + "imu1:\n  model: calibrated\n")),
+                HasSubstr("has more than the entries of imu0"));
+    for (const auto& [from, to, said] :
+         {std::tuple("time_offset: 0.0", "time_offset: 0.1", "time_offset: found another one than 0"),
+          {"[1.0, 0.0, 0.0, 0.0]", "[1.0, 0.0, 0.0, 0.5]", "T_i_b: found another pose"},
+          {"calibrated", "scale-misalignment", "model: found 'scale-misalignment', expected calibrated"},
+          {"rostopic", "M", "has the key 'M'"},
+          {"8.0e-05", "much", "gyroscope_noise_density: found 'much', expected a number"},
+          {"8.0e-05", "0", "gyroscope_noise_density: found 0, allowed is more than 0"}}) {
+        EXPECT_THAT(said_of(chain + "," + write("imu.yaml", with_other(nested, from, to))), HasSubstr(said));
+    }
+    EXPECT_THAT(said_of(write("imu.yaml", kalibr_imu)), HasSubstr("is about an inertial sensor alone"));
+    EXPECT_THAT(said_of(chain + "," + chain), HasSubstr("is Kalibr's camchain, and"));
+}
+
+TEST_F(InertialFiles, NoiseMayStandBesideAnyFileAndMustAgreeWithIt) {
+    StereoCalibration pair = pair_of(Rig());
+    pair.inertial = known();
+    const std::string own = write("own.yml", to_opencv_yaml(pair));
+    const std::string said = said_of(own + "," + write("imu.yaml", kalibr_imu));
+    EXPECT_THAT(said, HasSubstr("imu.yaml: gyroscope_noise_density: found 8e-05"));
+    EXPECT_THAT(said, HasSubstr("they contradict each other"));
+    pair.inertial = {};
+    EXPECT_EQ(read(write("own.yml", to_opencv_yaml(pair)) + "," + write("imu.yaml", kalibr_imu)).gyroscope_random_walk,
+              2.2e-6);
+}
+
+/// sensor.yaml of a sensor whose axes are those of the body, turned about z by 90 degrees and moved: x of the sensor is
+/// y of the body.
+const std::string euroc_imu =
+    "%YAML:1.0\n#Default\nsensor_type: imu\ncomment: made\nT_BS:\n  cols: 4\n  rows: 4\n"
+    "  data: [0.0, -1.0, 0.0, 0.1, 1.0, 0.0, 0.0, 0.2, 0.0, 0.0, 1.0, 0.3, 0.0, 0.0, 0.0, 1.0]\n"
+    "rate_hz: 200\ngyroscope_noise_density: 1.6968e-04 # [ rad / s / sqrt(Hz) ]\n";
+
+TEST_F(InertialFiles, EurocsSensorStandsOnTheBodyOfTheCameras) {
+    // By hand: the left camera lies at (0.5, 0, 0) of the body, its x is the body's z, its y is -y, its z is x.
+    const auto camera = [](const char* shift) {
+        return std::string("sensor_type: camera\nT_BS: [0, 0, 1, 0.5, 0, -1, 0, 0, 1, 0, 0, ") + shift +
+               ", 0, 0, 0, 1]\nresolution: [640, 480]\ncamera_model: pinhole\nintrinsics: [500, 500, 320, 240]\n"
+               "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n";
+    };
+    const std::string pair = write("left.yaml", camera("0")) + "," + write("right.yaml", camera("0.12"));
+    const InertialCalibration found = read(pair + "," + write("imu.yaml", euroc_imu));
+    ASSERT_TRUE(found.to_left_camera);
+    // The sensor's x is the body's y, so -y of the camera; its y is -x of the body, so -z; its z is z, so x.
+    EXPECT_EQ(found.to_left_camera->rotation, (std::array<double, 9>{0, 0, 1, -1, 0, 0, 0, -1, 0}));
+    // From the camera to the sensor is (-0.4, 0.2, 0.3) on the body: x 300, y -200, z -400 mm.
+    EXPECT_NEAR(found.to_left_camera->translation[0], 300, 1e-9);
+    EXPECT_NEAR(found.to_left_camera->translation[1], -200, 1e-9);
+    EXPECT_NEAR(found.to_left_camera->translation[2], -400, 1e-9);
+    EXPECT_EQ(found.gyroscope_noise_density, 1.6968e-4);
+    EXPECT_FALSE(found.accelerometer_noise_density);
+    EXPECT_FALSE(found.time_offset_s);
+    EXPECT_EQ(read(pair), InertialCalibration());
+    EXPECT_THAT(said_of(pair + "," + write("imu.yaml", with_other(euroc_imu, "[0.0, -1.0", "[0.0, 1.0"))),
+                HasSubstr("imu.yaml: T_BS: is no pose"));
+    EXPECT_THAT(said_of(pair + "," + folder_.file("left.yaml")), HasSubstr("left.yaml: is the third file"));
+    EXPECT_THAT(said_of(write("chain.yaml", camchain(Rig())) + "," + write("imu.yaml", euroc_imu)),
+                HasSubstr("T_BS: says where the sensor stands on a body"));
 }
 
 TEST_F(InertialFiles, KalibrsCamchainMaySayItOfTheRightCameraAlone) {

@@ -163,6 +163,19 @@ TEST(EurocData, RealFoldersAreReadWithTheirCalibration) {
     const auto& t = source->info().calibration->translation;
     EXPECT_NEAR(std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), 110.1, 0.1);
     EXPECT_EQ(find_euroc(options.uri)->frames.size(), 8U);
+    // The sensor's axes are those of the body there, so that T_cam_imu leads back what T_BS of cam0 does.
+    const calibration::InertialCalibration& inertial = source->info().calibration->inertial;
+    ASSERT_TRUE(inertial.to_left_camera);
+    const calibration::Pose back = calibration::inverse(*inertial.to_left_camera);
+    EXPECT_NEAR(back.translation[0], -21.64, 0.01);
+    EXPECT_NEAR(back.translation[1], -64.68, 0.01);
+    EXPECT_NEAR(back.translation[2], 9.81, 0.01);
+    EXPECT_NEAR(back.rotation[3], 0.99956, 1e-5);
+    EXPECT_EQ(inertial.gyroscope_noise_density, 1.6968e-4);
+    EXPECT_EQ(inertial.gyroscope_random_walk, 1.9393e-5);
+    EXPECT_EQ(inertial.accelerometer_noise_density, 2e-3);
+    EXPECT_EQ(inertial.accelerometer_random_walk, 3e-3);
+    EXPECT_FALSE(inertial.time_offset_s);
     const auto fisheye = calibration::read_calibration((folder / "fisheye/left_sensor_fisheye.yaml").string() + "," +
                                                            (folder / "fisheye/right_sensor_fisheye.yaml").string(),
                                                        752, 480);
