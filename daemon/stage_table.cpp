@@ -2,9 +2,11 @@
 #include "daemon/stage_table.h"
 
 #include <array>
+#include <memory>
 #include <utility>
 
 #include "capture/images/mask_image.h"
+#include "kernels/stage_notes.h"
 #include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/distance_limits.h"
@@ -21,6 +23,7 @@ struct Frames {
     int height;
     ImageMask mask;
     const scan::GivenLevels* levels;
+    std::shared_ptr<StageNotes> notes;  ///< null where only one of scan and trust is wanted
 };
 
 /// Returns null where the configuration does not want the stage.
@@ -37,7 +40,7 @@ std::unique_ptr<AddedStage> make_scan(const Config& config, const Frames& frames
     ScanOptions options = config.scan.options;
     options.subpixel_error_px = config.match.subpixel_error_px;
     return std::make_unique<ScanStage>(frames.width, frames.height, config.match.options.range, options, frames.levels,
-                                       frames.mask);
+                                       frames.mask, frames.notes);
 }
 
 std::unique_ptr<AddedStage> make_temporal(const Config& config, const Frames& frames) {
@@ -54,7 +57,8 @@ std::unique_ptr<AddedStage> make_trust(const Config& config, const Frames& frame
     if (!config.trust.enabled) {
         return nullptr;
     }
-    return std::make_unique<trust::TrustStage>(frames.width, frames.height, config.trust.options, frames.mask.pixels());
+    return std::make_unique<trust::TrustStage>(frames.width, frames.height, config.trust.options, frames.mask.pixels(),
+                                               frames.notes);
 }
 
 /// Returns the doubts about a frame and the trust in it.
@@ -79,7 +83,7 @@ std::vector<ConfiguredStage> make_stages(const Config& config, int width, int he
     const capture::MaskImage file =
         config.mask.image.empty() ? capture::MaskImage{} : capture::read_mask_image(config.mask.image);
     const Frames frames{width, height, ImageMask(width, height, config.mask.polygons, file.plane(), config.mask.image),
-                        levels};
+                        levels, config.scan.enabled && config.trust.enabled ? std::make_shared<StageNotes>() : nullptr};
     std::vector<ConfiguredStage> stages;
     for (const Row& row : table) {
         if (auto stage = row.make(config, frames)) {

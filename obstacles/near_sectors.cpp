@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "kernels/near_plane.h"
+#include "proto/doubt.h"
 
 namespace disparityd::scan {
 namespace {
@@ -21,6 +22,10 @@ int pixels_of(const Geometry& geometry, int sector) {
     return pixels;
 }
 
+bool is_much(int blocks, const Geometry& geometry, int sector) {
+    return blocks > 0 && near_part * near_block * near_block * blocks >= pixels_of(geometry, sector);
+}
+
 }  // namespace
 
 void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables) {
@@ -35,9 +40,18 @@ void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const C
                 continue;
             }
             const int x = std::min(near_block * column + near_block / 2, camera.width - 1);
+            const int sixteenths = disparity + camera.scale.offset16;
+            if (sixteenths < tables.low_of_columns[x] + tables.low_of_rows[y]) {
+                continue;  // it is ground
+            }
+            ++blocks_;
             const int sector = tables.sectors_of_columns.at(x, group);
-            if (sector < geometry.sectors() && tables.in_band(x, y, disparity + camera.scale.offset16)) {
-                Found& found = found_[index(sector)];
+            if (sector >= geometry.sectors()) {
+                continue;
+            }
+            Found& found = found_[index(sector)];
+            ++found.not_ground;
+            if (tables.in_band(x, y, sixteenths)) {
                 ++found.blocks;
                 found.m = std::max(found.m, at_horizontal_distance(near.at_least16 + camera.scale.offset16,
                                                                    tables.weights.at(x, group)));
@@ -48,6 +62,7 @@ void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const C
 
 void NearSectors::add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
                       std::span<ScanSector> sectors) {
+    blocks_ = 0;
     if (!near.disparities) {
         return;
     }
@@ -55,8 +70,11 @@ void NearSectors::add(const NearBlocks& near, const Geometry& geometry, const Co
     const ScanOptions& options = geometry.options();
     for (int s = 0; s < geometry.sectors(); ++s) {
         const Found& found = found_[index(s)];
-        const int pixels = near_block * near_block * found.blocks;
-        if (pixels == 0 || near_part * pixels < pixels_of(geometry, s)) {
+        if (!is_much(found.not_ground, geometry, s)) {
+            continue;
+        }
+        sectors[index(s)].doubts |= proto::doubt_too_near >> proto::scan_doubt_shift;
+        if (!is_much(found.blocks, geometry, s)) {
             continue;
         }
         const double limit = static_cast<double>(geometry.camera().scale.k) / std::max(found.m, 1);

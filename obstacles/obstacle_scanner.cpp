@@ -53,6 +53,7 @@ ObstacleScanner::ObstacleScanner(int width, int height, const ScanOptions& optio
       decision_(geometry_),
       drop_sectors_(geometry_),
       near_sectors_(geometry_),
+      sector_doubts_(geometry_),
       camera_sectors_(shift_ ? static_cast<std::size_t>(geometry_.sectors()) : 0) {}
 
 Scan ObstacleScanner::empty_scan() const {
@@ -62,7 +63,11 @@ Scan ObstacleScanner::empty_scan() const {
 }
 
 void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
-                           const std::optional<CameraDirection>& up, const scan::NearBlocks& near) {
+                           const std::optional<CameraDirection>& up, const scan::NearBlocks& near,
+                           const scan::Sight& sight) {
+    if (sight.notes != nullptr) {
+        sight.notes->near_blocks.reset();
+    }
     if (!(camera == geometry_.camera())) {
         geometry_.set(camera);
         follow_geometry();
@@ -87,6 +92,10 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     decision_.decide(pixels, geometry_, scan.ground, counts_, sectors);
     drop_sectors_.add(pixels, geometry_, tables, scan.ground, sectors);
     near_sectors_.add(near, geometry_, tables, sectors);
+    sector_doubts_.add(pixels, sight, geometry_, sectors);
+    if (sight.notes != nullptr) {
+        sight.notes->near_blocks = near_sectors_.blocks();
+    }
     if (!shift_) {
         return;
     }

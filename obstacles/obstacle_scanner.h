@@ -17,6 +17,7 @@
 #include "obstacles/scan_geometry.h"
 #include "obstacles/scan_options.h"
 #include "obstacles/sector_decision.h"
+#include "obstacles/sector_doubts.h"
 
 namespace disparityd {
 
@@ -33,9 +34,10 @@ public:
     /// in which every sector is unknown. Planes have the configured size; interpolated pixels have confidence 0.
     /// `up`: where up is at that time, for GroundMode::gravity and autopilot; without it, the configured ground is
     /// taken for the first one, and every sector is unknown for the other. `near`: what the near guard has found, where
-    /// it is on.
+    /// it is on. `sight`: the frame's left image, and what the stages tell each other.
     void scan(const scan::Pixels& pixels, const scan::Camera& camera, Scan& scan,
-              const std::optional<CameraDirection>& up = std::nullopt, const scan::NearBlocks& near = {});
+              const std::optional<CameraDirection>& up = std::nullopt, const scan::NearBlocks& near = {},
+              const scan::Sight& sight = {});
 
     Scan empty_scan() const;
 
@@ -59,6 +61,7 @@ private:
     scan::SectorDecision decision_;
     scan::DropSectors drop_sectors_;
     scan::NearSectors near_sectors_;
+    scan::SectorDoubts sector_doubts_;
     scan::FloorFinder floor_finder_;
     scan::MountingWatch mounting_watch_;
     int frames_until_floor_ = 0;              ///< that are not asked for the floor

@@ -116,6 +116,8 @@ void OriginShift::set_edges(std::span<const ScanSector> camera_sectors, std::spa
         sectors[s] = {};
         sectors[s].from_cdeg = first[static_cast<std::ptrdiff_t>(s)].from_cdeg;
         sectors[s].to_cdeg = first[static_cast<std::ptrdiff_t>(s)].to_cdeg;
+        sectors[s].doubts = first[static_cast<std::ptrdiff_t>(s)].doubts;
+        sectors[s].trust = first[static_cast<std::ptrdiff_t>(s)].trust;
     }
     from_deg_ = sectors.front().from_cdeg / 100.0;
     width_deg_ = (sectors.back().to_cdeg / 100.0 - from_deg_) / static_cast<double>(sectors.size());
@@ -273,11 +275,15 @@ void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<Scan
             const auto from = out.from_cdeg;
             const auto to = out.to_cdeg;
             const auto free_mm = out.free_mm;
+            const auto doubts = out.doubts;
+            const auto trust = out.trust;
             out = seen;
             out.from_cdeg = from;
             out.to_cdeg = to;
             out.distance_mm = whole_mm(found.obstacle_mm);
             out.free_mm = std::min(free_mm, out.distance_mm);
+            out.doubts |= doubts;
+            out.trust = std::min(out.trust, trust);
         } else {
             out.state = out.free_mm > 0 ? SectorState::free : SectorState::unknown;
         }

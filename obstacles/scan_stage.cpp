@@ -38,11 +38,12 @@ proto::ScanHead head_of(const Scan& scan, const ScanOptions& options) {
 }  // namespace
 
 ScanStage::ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
-                     const scan::GivenLevels* levels, ImageMask mask)
+                     const scan::GivenLevels* levels, ImageMask mask, std::shared_ptr<StageNotes> notes)
     : scanner_(width, height, options, fastest_frame_steps(), std::move(mask)),
       last_candidate16_(16 * (range.first + range.count - 1)),
       axes_(options.ground == GroundMode::gravity ? scan::parse_sensor_axes(options.imu_axes) : std::nullopt),
       levels_(options.ground == GroundMode::autopilot ? levels : nullptr),
+      notes_(std::move(notes)),
       scan_(scanner_.empty_scan()) {}
 
 std::size_t ScanStage::bytes_per_frame() const {
@@ -51,9 +52,12 @@ std::size_t ScanStage::bytes_per_frame() const {
 
 void ScanStage::run(const StageFrame& frame, Parallel& /*workers*/) {
     const FrameView& view = frame.view;
+    if (notes_ != nullptr && frame.discontinuity) {
+        notes_->dirty.clear();
+    }
     scanner_.scan({view.disparity, view.confidence},
                   {view.disparity.width, view.disparity.height, frame.f, frame.cx, frame.cy, view.depth_scale}, scan_,
-                  up_of(frame), {view.near, last_candidate16_});
+                  up_of(frame), {view.near, last_candidate16_}, {view.left, notes_.get()});
     level_unknown_.store(scan_.ground_source == GroundSource::configured, std::memory_order_relaxed);
     const proto::ScanHead head = head_of(scan_, scanner_.options());
     seen_.store({head.mounting_height_mm, head.mounting_pitch_cdeg, head.mounting_roll_cdeg},

@@ -4,12 +4,14 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "kernels/added_stage.h"
+#include "kernels/stage_notes.h"
 #include "obstacles/gravity_ground.h"
 #include "obstacles/obstacle_scanner.h"
 #include "proto/scan.h"
@@ -21,9 +23,11 @@ class ScanStage final : public AddedStage {
 public:
     /// Width and height are those of the rectified image, `range` is what frames are matched with. Throws as
     /// ObstacleScanner does. `levels` are for GroundMode::autopilot and outlive the stage; null: there are none, as in
-    /// a replay. `mask` is what a MaskStage before this one has taken out.
+    /// a replay. `mask` is what a MaskStage before this one has taken out. `notes` are shared with the TrustStage
+    /// behind this one; null: there is none.
     ScanStage(int width, int height, DisparityRange range, const ScanOptions& options,
-              const scan::GivenLevels* levels = nullptr, ImageMask mask = {});
+              const scan::GivenLevels* levels = nullptr, ImageMask mask = {},
+              std::shared_ptr<StageNotes> notes = nullptr);
 
     std::string_view name() const override { return "scan"; }
     StagePlace place() const override { return StagePlace::record; }
@@ -40,7 +44,8 @@ private:
     int last_candidate16_;
     std::optional<scan::SensorAxes> axes_;  ///< where gravity is wanted
     const scan::GivenLevels* levels_;       ///< where an autopilot's is wanted
-    Scan scan_;                             ///< of the frame that is being processed
+    std::shared_ptr<StageNotes> notes_;
+    Scan scan_;  ///< of the frame that is being processed
     std::atomic<bool> level_unknown_{false};
     /// Of the newest scan's head; aligned so that it is lock-free.
     struct alignas(std::uint64_t) SeenMounting {

@@ -14,8 +14,10 @@
 /// horizontal, from the origin.
 namespace disparityd::proto {
 
-inline constexpr std::uint16_t scan_version = 1;
+inline constexpr std::uint16_t scan_version = 2;
 inline constexpr std::uint32_t scan_max_sectors = 360;
+/// Doubts of a sector leave out the bits of Frame.flags below the first doubt.
+inline constexpr unsigned scan_doubt_shift = 8;
 
 enum class SectorState : std::uint8_t {
     unknown = 0,   ///< nothing is known beyond free_mm, which is less than the scan's least distance
@@ -68,11 +70,14 @@ struct ScanSector {
     /// Pixels that show the obstacle; 65535 = so many or more. 0 in an occupied sector: it is nearer than can be
     /// measured, distance_mm is the most that it can be, and sigma_mm is as large.
     std::uint16_t pixels = 0;
+    std::uint16_t doubts = 0;   ///< why it can be trusted less: bits of Doubt, divided by 1 << scan_doubt_shift
+    std::uint8_t trust = 0;     ///< 1 .. 255, more is better; 0: not told
+    std::uint8_t reserved = 0;  ///< 0
 
     friend bool operator==(const ScanSector&, const ScanSector&) = default;
 };
 
-static_assert(sizeof(ScanHead) == 32 && sizeof(ScanSector) == 18, "docs/protocol.md gives the sizes");
+static_assert(sizeof(ScanHead) == 32 && sizeof(ScanSector) == 22, "docs/protocol.md gives the sizes");
 
 /// The bytes of a scan.
 constexpr std::size_t scan_bytes(std::size_t sectors) {

@@ -80,6 +80,32 @@ Range likely_range(const Cells<Range>& measured, int row, int column) {
     return range;
 }
 
+Cells<Range> measured_ranges(const FrameView& frame) {
+    Cells<Range> measured;
+    for (int row = 0; row < cell_rows; ++row) {
+        for (int column = 0; column < cell_columns; ++column) {
+            measured[cell_at(row, column)] = measured_range(frame, row, column);
+        }
+    }
+    return measured;
+}
+
+/// Columns of the right image, both included.
+struct Columns {
+    int first;
+    int last;
+
+    bool meet(int cell, int width) const {
+        return cell_begin(cell, width, cell_columns) <= last && cell_begin(cell + 1, width, cell_columns) > first;
+    }
+};
+
+/// Returns where the right eye sees what a left cell of these disparities shows.
+Columns seen_by_right(const Range& range, int column, int width) {
+    return {cell_begin(column, width, cell_columns) - range.last,
+            cell_begin(column + 1, width, cell_columns) - 1 - range.first};
+}
+
 CellState compared(std::int64_t own, std::int64_t least_of_other) {
     if (least_of_other < least_cell_texture) {
         return CellState::unknown;
@@ -90,12 +116,7 @@ CellState compared(std::int64_t own, std::int64_t least_of_other) {
 }  // namespace
 
 void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTexture& right, DullCells& found) {
-    Cells<Range> measured;
-    for (int row = 0; row < cell_rows; ++row) {
-        for (int column = 0; column < cell_columns; ++column) {
-            measured[cell_at(row, column)] = measured_range(frame, row, column);
-        }
-    }
+    const Cells<Range> measured = measured_ranges(frame);
     const int width = frame.left.width;
     found.left.fill(CellState::unknown);
     Cells<std::int32_t> least_of_left;
@@ -107,21 +128,18 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
             if (!range.known()) {
                 continue;
             }
-            const int first_x = cell_begin(column, width, cell_columns) - range.last;
-            const int last_x = cell_begin(column + 1, width, cell_columns) - 1 - range.first;
+            const Columns seen = seen_by_right(range, column, width);
             std::int32_t least = std::numeric_limits<std::int32_t>::max();
             const std::size_t here = cell_at(row, column);
             for (int other = 0; other < cell_columns; ++other) {
-                const bool meets = cell_begin(other, width, cell_columns) <= last_x &&
-                                   cell_begin(other + 1, width, cell_columns) > first_x;
-                if (meets) {
+                if (seen.meet(other, width)) {
                     const std::size_t there = cell_at(row, other);
                     least = std::min(least, sure_texture(right, there));
                     least_of_left[there] = std::min(least_of_left[there], sure_texture(left, here));
                     farthest_right[there] = std::max(farthest_right[there], range.last);
                 }
             }
-            if (first_x >= 0 && last_x < width && !left.cut[here]) {
+            if (seen.first >= 0 && seen.last < width && !left.cut[here]) {
                 found.left[here] = compared(left.coarse[here], least);
             }
         }
@@ -133,6 +151,24 @@ void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTe
                               cell_begin(column + 1, width, cell_columns) + farthest_right[here] <= width;
             found.right[here] =
                 seen && !right.cut[here] ? compared(right.coarse[here], least_of_left[here]) : CellState::unknown;
+        }
+    }
+}
+
+void add_left_cells(const FrameView& frame, const Cells<bool>& right, Cells<bool>& left) {
+    const Cells<Range> measured = measured_ranges(frame);
+    for (int row = 0; row < cell_rows; ++row) {
+        for (int column = 0; column < cell_columns; ++column) {
+            const Range range = likely_range(measured, row, column);
+            if (!range.known()) {
+                continue;
+            }
+            const Columns seen = seen_by_right(range, column, frame.left.width);
+            for (int other = 0; other < cell_columns; ++other) {
+                if (right[cell_at(row, other)] && seen.meet(other, frame.left.width)) {
+                    left[cell_at(row, column)] = true;
+                }
+            }
         }
     }
 }

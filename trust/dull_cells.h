@@ -23,4 +23,7 @@ struct DullCells {
 /// Where nothing was measured, the nearest cells that were say which disparities may be meant.
 void find_dull_cells(const FrameView& frame, const EyeTexture& left, const EyeTexture& right, DullCells& found);
 
+/// Marks the left cells that may show the same as one of the right cells, by the same disparities.
+void add_left_cells(const FrameView& frame, const Cells<bool>& right, Cells<bool>& left);
+
 }  // namespace disparityd::trust

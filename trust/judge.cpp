@@ -63,20 +63,22 @@ std::int64_t sum_beyond(const Cells<std::int64_t>& values, std::int64_t noise) {
         [noise](std::int64_t sum, std::int64_t value) { return sum + std::max<std::int64_t>(value - noise, 0); });
 }
 
-/// Returns whether two neighbours are dull since some windows.
-bool has_dirt(const Cells<int>& dull_windows) {
+/// Marks the cells that are dull since some windows together with a neighbour. Returns whether there are any.
+bool find_dirt(const Cells<int>& dull_windows, Cells<bool>& dirt) {
     const auto dull = [&](int row, int column) {
-        return row < cell_rows && column < cell_columns &&
+        return row >= 0 && row < cell_rows && column >= 0 && column < cell_columns &&
                dull_windows[static_cast<std::size_t>(row * cell_columns + column)] >= windows_of_dirt;
     };
+    bool any = false;
     for (int row = 0; row < cell_rows; ++row) {
         for (int column = 0; column < cell_columns; ++column) {
-            if (dull(row, column) && (dull(row, column + 1) || dull(row + 1, column))) {
-                return true;
-            }
+            const bool dirty = dull(row, column) && (dull(row, column - 1) || dull(row, column + 1) ||
+                                                     dull(row - 1, column) || dull(row + 1, column));
+            dirt[static_cast<std::size_t>(row * cell_columns + column)] = dirty;
+            any = any || dirty;
         }
     }
-    return false;
+    return any;
 }
 
 /// Returns the share of the pixels that are measured, in 255ths, as every eighth of every eighth row tells.
@@ -93,27 +95,10 @@ int measured_share(Plane<const std::uint8_t> confidence) {
     return 255 * measured / all;
 }
 
-/// Returns whether the near guard has found a twentieth of the image to be nearer than the range.
-bool is_too_near(Plane<const std::int16_t> near) {
-    return near && 20 * near_count(near) >= std::ptrdiff_t{near.width} * near.height;
-}
-
-/// Returns the figure of docs/algorithm.md: all of it where three fifths are measured, less by each doubt.
-std::uint8_t trust_of(int measured, std::uint32_t doubts) {
-    constexpr int enough = 153;
-    constexpr std::array<std::pair<proto::Doubt, int>, 8> sixteenths{{{proto::doubt_dark, 8},
-                                                                      {proto::doubt_saturated, 12},
-                                                                      {proto::doubt_blurred, 8},
-                                                                      {proto::doubt_dirty_eye, 8},
-                                                                      {proto::doubt_covered_eye, 1},
-                                                                      {proto::doubt_misaligned, 6},
-                                                                      {proto::doubt_too_near, 12},
-                                                                      {proto::doubt_noisy, 12}}};
-    int trust = 255 * std::min(measured, enough) / enough;
-    for (const auto& [doubt, factor] : sixteenths) {
-        trust = (doubts & doubt) != 0 ? trust * factor / 16 : trust;
-    }
-    return static_cast<std::uint8_t>(std::max(trust, 1));
+/// Returns whether a twentieth of the image is nearer than the range: so many blocks, where the scan has told which are
+/// no ground, else all that the near guard has found.
+bool is_too_near(Plane<const std::int16_t> near, std::optional<std::ptrdiff_t> blocks) {
+    return near && 20 * blocks.value_or(near_count(near)) >= std::ptrdiff_t{near.width} * near.height;
 }
 
 }  // namespace
@@ -151,7 +136,8 @@ void Judge::set_masked_cells(Plane<const std::uint8_t> masked) {
     }
 }
 
-Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
+Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew,
+                     std::optional<std::ptrdiff_t> near_blocks) {
     if (!judged_) {
         return {};
     }
@@ -171,15 +157,15 @@ Verdict Judge::judge(const FrameView& frame, std::int64_t time_ns, bool anew) {
         add_to_window(frame);
     }
     if ((time_ns - window_.began_ns >= window_ns && window_.frames >= least_frames) || window_.frames >= most_frames) {
-        close_window();
+        close_window(frame);
         window_ = {};
         window_.began_ns = time_ns;
     }
-    const std::uint32_t found = doubts(frame);
-    return {found, trust_of(measured_share(frame.confidence), found)};
+    const std::uint32_t found = doubts(frame, near_blocks);
+    return {found, proto::trust_in(measured_share(frame.confidence), found)};
 }
 
-std::uint32_t Judge::doubts(const FrameView& frame) const {
+std::uint32_t Judge::doubts(const FrameView& frame, std::optional<std::ptrdiff_t> near_blocks) const {
     const EyeTexture& one = eyes_[left];
     const EyeTexture& other = eyes_[right];
     std::uint32_t found = 0;
@@ -190,7 +176,7 @@ std::uint32_t Judge::doubts(const FrameView& frame) const {
     add(proto::doubt_blurred, findings_.blurred.holds());
     add(proto::doubt_dirty_eye, findings_.dirty.holds());
     add(proto::doubt_misaligned, findings_.misaligned.holds());
-    add(proto::doubt_too_near, is_too_near(frame.near));
+    add(proto::doubt_too_near, is_too_near(frame.near, near_blocks));
     add(proto::doubt_noisy, frame.noise_level > 0);
     return found;
 }
@@ -209,12 +195,17 @@ void Judge::add_to_window(const FrameView& frame) {
     window_.rows.add(frame, turn_++);
 }
 
-void Judge::close_window() {
+void Judge::close_window(const FrameView& frame) {
     const bool blurred = find_blurred();
     const bool dirty = find_dirty();
     findings_.blurred.note(blurred);
     findings_.dirty.note(dirty && !blurred);
     findings_.misaligned.note(find_misaligned());
+    if (dirty && !blurred) {
+        find_dirty_cells(frame);
+    } else if (!findings_.dirty.holds()) {
+        findings_.dirty_cells.fill(false);
+    }
 }
 
 /// Noise is no texture: what the dullest cells of either eye have is taken off both.
@@ -235,7 +226,15 @@ bool Judge::find_dirty() {
             windows = dull ? windows + 1 : 0;
         }
     }
-    return has_dirt(findings_.dull_windows[left]) || has_dirt(findings_.dull_windows[right]);
+    const bool of_left = find_dirt(findings_.dull_windows[left], dirt_[left]);
+    const bool of_right = find_dirt(findings_.dull_windows[right], dirt_[right]);
+    return of_left || of_right;
+}
+
+/// Dirt of the right eye shows where the disparities put it.
+void Judge::find_dirty_cells(const FrameView& frame) {
+    findings_.dirty_cells = dirt_[left];
+    add_left_cells(frame, dirt_[right], findings_.dirty_cells);
 }
 
 /// A turned eye, or one of another focal length, fits in some bands.

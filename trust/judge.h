@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "kernels/matcher.h"
 #include "trust/dull_cells.h"
@@ -27,7 +29,12 @@ public:
     Judge(int width, int height, const TrustOptions& options, Plane<const std::uint8_t> masked = {});
 
     /// `time_ns` is that of the frame's capture, on any clock. `anew`: earlier frames have nothing to do with it.
-    Verdict judge(const FrameView& frame, std::int64_t time_ns, bool anew);
+    /// `near_blocks`: how many blocks of frame.near show no ground, where that is known.
+    Verdict judge(const FrameView& frame, std::int64_t time_ns, bool anew,
+                  std::optional<std::ptrdiff_t> near_blocks = std::nullopt);
+
+    /// Returns the cells of the left image that an eye sees through dirt; none as long as no eye is dirty.
+    const Cells<bool>& dirty_cells() const { return findings_.dirty_cells; }
 
 private:
     enum EyeIndex : unsigned char { left, right };
@@ -64,15 +71,17 @@ private:
         Held dirty{1, 3};  // each of its cells for three windows
         Held misaligned{2, 3};
         std::array<Cells<int>, 2> dull_windows{};  ///< windows in a row in which a cell was dull
+        Cells<bool> dirty_cells{};                 ///< of the left image
     };
 
     void set_masked_cells(Plane<const std::uint8_t> masked);
     void add_to_window(const FrameView& frame);
-    void close_window();
+    void close_window(const FrameView& frame);
     bool find_blurred() const;
     bool find_dirty();
     bool find_misaligned() const;
-    std::uint32_t doubts(const FrameView& frame) const;
+    void find_dirty_cells(const FrameView& frame);
+    std::uint32_t doubts(const FrameView& frame, std::optional<std::ptrdiff_t> near_blocks) const;
 
     TrustOptions options_;
     int rows_limit_;                       ///< 1/16 px
@@ -83,6 +92,7 @@ private:
     DullCells cells_;
     Window window_;
     Findings findings_;
+    std::array<Cells<bool>, 2> dirt_{};  ///< of the window that was closed last
     std::uint32_t turn_ = 0;
 };
 

@@ -45,7 +45,7 @@ namespace {
 static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 32 &&
                   sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
                   sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 52 &&
-                  sizeof(disparity_scan_sector) == 40 && sizeof(disparity_point) == 16 &&
+                  sizeof(disparity_scan_sector) == 48 && sizeof(disparity_point) == 16 &&
                   sizeof(disparity_client_options) == 24 + sizeof(disparity_connect_options),
               "part of the binary interface");
 static_assert(sizeof(disparity::Point) == sizeof(disparity_point) && offsetof(disparity::Point, z) == 8 &&
@@ -291,6 +291,8 @@ disparity_scan_sector in_c(const disparity::ScanSector& from) {
     to.pixels = from.pixels;
     to.state = static_cast<std::uint32_t>(from.state);
     to.confidence = from.confidence;
+    to.doubts = from.doubts;
+    to.trust = from.trust;
     return to;
 }
 

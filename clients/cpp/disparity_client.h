@@ -181,6 +181,8 @@ typedef struct disparity_scan_sector {
     uint32_t pixels;     /**< that show the obstacle; 65535 = so many or more */
     uint32_t state;      /**< DISPARITY_SECTOR_... */
     uint32_t confidence; /**< mean of those pixels, 0 to 255 */
+    uint32_t doubts;     /**< why the sector can be trusted less: bits DISPARITY_FLAG_... of doubts */
+    uint32_t trust;      /**< how far it can be trusted: 1 to 255, more is better; 0: not told */
 } disparity_scan_sector;
 
 /** What is common to the sectors of an obstacle scan. The frame of reference is the robot's: x ahead, y left, z up, the

@@ -139,6 +139,8 @@ struct ScanSector {
     double high_m = 0;            ///< its highest part
     std::uint32_t pixels = 0;     ///< that show the obstacle; 65535 = so many or more, 0 where is_near()
     std::uint8_t confidence = 0;  ///< mean of those pixels, as Product::confidence
+    std::uint8_t trust = 0;       ///< how far the sector can be trusted: 1 .. 255, more is better; 0: not told
+    std::uint32_t doubts = 0;     ///< why it can be trusted less: bits of FrameFlags, see doubt_names()
 
     /// Returns whether the obstacle is nearer than can be measured: distance_m is the most that it can be.
     bool is_near() const { return state == SectorState::occupied && pixels == 0; }

@@ -51,6 +51,8 @@ ScanSector sector_of(const proto::ScanSector& record) {
     sector.high_m = metres(record.high_mm);
     sector.pixels = record.pixels;
     sector.confidence = record.confidence;
+    sector.trust = record.trust;
+    sector.doubts = std::uint32_t{record.doubts} << proto::scan_doubt_shift;
     return sector;
 }
 

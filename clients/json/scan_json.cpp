@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "clients/json/scan_json.h"
 
+#include "proto/doubt.h"
+
 namespace disparityd::json {
 namespace {
 
@@ -17,10 +19,22 @@ Json sector_json(const disparity::ScanSector& sector) {
             {"high_m", of_obstacle(sector.high_m)},
             {"pixels", of_obstacle(sector.pixels)},
             {"confidence", of_obstacle(sector.confidence)},
-            {"near", sector.is_near()}};
+            {"near", sector.is_near()},
+            {"trust", sector.trust},
+            {"doubts", doubts_json(sector.doubts)}};
 }
 
 }  // namespace
+
+Json doubts_json(std::uint32_t flags) {
+    Json list = Json::array();
+    for (const proto::DoubtFacts& doubt : proto::doubts) {
+        if ((flags & doubt.bit) != 0) {
+            list.push_back(doubt.name);
+        }
+    }
+    return list;
+}
 
 Json to_json(const disparity::Scan& scan) {
     Json json{{"ground",

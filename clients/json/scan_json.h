@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+
 #include "clients/cpp/disparity_client.hpp"
 #include "clients/json/message_json.h"
 
@@ -33,6 +35,9 @@ const char* ground_word(Enum source) {
     }
     return "other";
 }
+
+/// Returns the words of the doubts in a frame's flags, or in a sector's.
+Json doubts_json(std::uint32_t flags);
 
 /// Converts a scan to one object: the ground's plane, the limits, the sectors by bearing.
 Json to_json(const disparity::Scan& scan);

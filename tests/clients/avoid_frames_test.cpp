@@ -246,8 +246,8 @@ TEST_P(AvoidFramesTest, AFrameWithoutAScan) {
     expect_brake(said, "BRAKE no scan: set enabled = true in [scan]");
 }
 
-TEST_P(AvoidFramesTest, AScanOfAnotherVersion) {
-    expect_brake(frame(scan_bytes(free_ahead, 2)), "BRAKE no scan: the scan has version 2");
+TEST_P(AvoidFramesTest, AScanOfAnOlderVersion) {
+    expect_brake(frame(scan_bytes(free_ahead, 1)), "BRAKE no scan: the scan has version 1");
 }
 
 TEST_P(AvoidFramesTest, AScanThatIsTooShort) {

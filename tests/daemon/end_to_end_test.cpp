@@ -194,8 +194,11 @@ TEST_F(EndToEndTest, WhatShowsTheRobotItselfIsInNoProduct) {
     for (std::size_t s = 0; s < 3; ++s) {  // the right-most first
         EXPECT_EQ(scan->sectors[s].state, disparity::SectorState::masked) << s;
         EXPECT_EQ(scan->sectors[s].free_m, 0) << s;
+        EXPECT_EQ(scan->sectors[s].trust, 1) << s;
     }
     EXPECT_NE(scan->sectors[6].state, disparity::SectorState::masked);
+    EXPECT_GT(scan->sectors[6].trust, 100);
+    EXPECT_EQ(scan->sectors[6].doubts, 0U);
 }
 
 // The scene has things at 1 to 10 m.

@@ -35,7 +35,7 @@ ARROWS = {
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.
-SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/scan.h"},
+SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/doubt.h", "proto/scan.h"},
         ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},

@@ -10,7 +10,9 @@
 
 #include "kernels/near_plane.h"
 #include "kernels/reference/steps.h"
+#include "kernels/stage_notes.h"
 #include "obstacles/obstacle_scanner.h"
+#include "proto/doubt.h"
 #include "tests/kernels/support.h"
 
 namespace disparityd::test {
@@ -41,7 +43,8 @@ protected:
         ObstacleScanner scanner(width, height, options_, reference::steps.frame);
         Scan scan = scanner.empty_scan();
         const scan::Camera camera{width, height, f, (width - 1) / 2.0, (height - 1) / 2.0, {std::lround(k), 0}};
-        scanner.scan({disparity_.plane(), confidence_.plane()}, camera, scan, std::nullopt, {near_.plane(), 16 * last});
+        scanner.scan({disparity_.plane(), confidence_.plane()}, camera, scan, std::nullopt, {near_.plane(), 16 * last},
+                     {{}, &notes_});
         return scan.sectors;
     }
 
@@ -53,6 +56,7 @@ protected:
     static constexpr double limit_mm = k / (16 * last);
 
     ScanOptions options_;
+    StageNotes notes_;
     Image<std::int16_t> disparity_{width, height, static_cast<std::int16_t>(k / 3000)};
     Image<std::uint8_t> confidence_{width, height, 250};
     Image<std::int16_t> near_{near_blocks(width), near_blocks(height), not_near};
@@ -71,9 +75,11 @@ TEST_F(Near, ASectorWithANearThingIsOccupiedAtMostSoFar) {
     EXPECT_EQ(ahead.free_mm, 0);
     EXPECT_EQ(ahead.low_mm, std::lround(1000 * options_.low_m));
     EXPECT_EQ(ahead.high_mm, 500);
+    EXPECT_EQ(ahead.doubts << proto::scan_doubt_shift, proto::doubt_too_near);
     const ScanSector beside = sectors()[20];
     EXPECT_NEAR(beside.distance_mm, 3000, 500);
     EXPECT_GT(beside.pixels, 0);
+    EXPECT_EQ(beside.doubts, 0);
 }
 
 TEST_F(Near, AFewBlocksAreNoObstacle) {
@@ -93,7 +99,21 @@ TEST_F(Near, WhatIsNotInTheBandIsNoObstacle) {
     }
     for (const ScanSector& sector : sectors()) {
         EXPECT_GT(sector.pixels, 0);
+        EXPECT_EQ(sector.doubts, 0) << "a low camera sees such floor all the time";
     }
+    EXPECT_EQ(notes_.near_blocks, 0);
+}
+
+TEST_F(Near, WhatIsAboveTheBandIsDoubtful) {
+    for (int y = 0; y < 12; y += near_block) {
+        for (int x = 140; x < 180; x += near_block) {
+            add_near(x, y);
+        }
+    }
+    const ScanSector ahead = sectors()[15];
+    EXPECT_GT(ahead.pixels, 0);
+    EXPECT_EQ(ahead.doubts << proto::scan_doubt_shift, proto::doubt_too_near);
+    EXPECT_EQ(notes_.near_blocks, 30);
 }
 
 TEST_F(Near, WhatIsMeasuredToBeNearerStays) {

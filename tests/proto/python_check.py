@@ -48,6 +48,24 @@ def print_frame(way, f):
     print(way, "metres", *(f"{value:016x}" for value in sums))
 
 
+def check_scan():
+    """A scan whose bytes are known."""
+    sector = struct.pack("<hhBBHHHhhHHBB", -100, 200, disparity.OCCUPIED, 250, 1500, 30, 900, 100, 700, 80, 0b1001, 90, 0)
+
+    def record(version):
+        return struct.pack("<HHBBHhhhhhHHHhhHH", version, 1, 1, 0, 0, 0, 0, 0, 80, 1000, 200, 20000, 0, 0, 0, 0, 0) + sector
+
+    scan = disparity.scan.read_scan(record(2))
+    assert scan.distance_m[0] == 1.5 and scan.free_m[0] == 0.9 and scan.pixels[0] == 80
+    assert scan.trust[0] == 90 and scan.doubts[0] == disparity.DARK | disparity.DIRTY_EYE
+    assert disparity.doubt_names(scan.doubts[0]) == ["dark", "dirty-eye"]
+    try:
+        disparity.scan.read_scan(record(1))
+        raise AssertionError("a scan of an older daemon was taken")
+    except disparity.DisparityError as error:
+        assert "version 1, this program knows 2" in str(error)
+
+
 def check_arrays(frame):
     """What is made from the planes, on a frame whose numbers are known."""
     assert frame.disparity.dtype == np.int16 and frame.left_colour.shape == (frame.height, frame.width, 3)
@@ -391,6 +409,7 @@ def main():
         check_sensors(client.read_sensors(timeout=0))
         raw = dict(frame.planes)
         check_arrays(frame)
+        check_scan()
         try:
             client.read(timeout=20)
         except disparity.DisparityError as error:

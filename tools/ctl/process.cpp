@@ -23,6 +23,7 @@
 #include "capture/images/image_sequence.h"
 #include "capture/images/mask_image.h"
 #include "kernels/large_buffer.h"
+#include "kernels/stage_notes.h"
 #include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/calibrating_schedule.h"
@@ -416,10 +417,12 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     const ImageMask mask = mask_of(arguments, rectification);
     std::optional<ScanStage> scan_stage;
     std::optional<MaskStage> mask_stage;
-    trust::TrustStage trust_stage(rectification.width, rectification.height, {}, mask.pixels());
+    const auto notes = run.scan ? std::make_shared<StageNotes>() : nullptr;
+    trust::TrustStage trust_stage(rectification.width, rectification.height, {}, mask.pixels(), notes);
     run.config.stages.clear();
     if (run.scan) {
-        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan, nullptr, mask);
+        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan, nullptr, mask,
+                           notes);
         run.config.stages.push_back(&*scan_stage);
     }
     run.config.stages.push_back(&trust_stage);

@@ -12,7 +12,6 @@
 #include "clients/json/message_json.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
-#include "proto/doubt.h"
 #include "proto/products.h"
 
 namespace disparityd::web {
@@ -150,11 +149,8 @@ Json flags_of(std::uint32_t flags) {
             list.push_back(word);
         }
     }
-    for (const proto::DoubtFacts& doubt : proto::doubts) {
-        if ((flags & doubt.bit) != 0) {
-            list.push_back(doubt.name);
-        }
-    }
+    const Json doubts = json::doubts_json(flags);
+    list.insert(list.end(), doubts.begin(), doubts.end());
     return list;
 }
 

@@ -73,6 +73,7 @@ export class Radar {
       context.fillStyle = shade('free')
       context.fill()
     }
+    if (sector.doubts.length) drawDoubt(context, sector, view)
     if (sector.state !== 'occupied' || sector.distance_m > view.reach) return
     // What is too near to be measured may be anywhere up to the distance.
     const depth = sector.near ? 0 : Math.max(view.reach * 0.025, sector.sigma_m ?? 0)
@@ -100,20 +101,27 @@ export class Radar {
   }
 }
 
-/** The nearest obstacle { distance, bearing, near }, or null. */
+/** The nearest obstacle { distance, bearing, near, doubts }, or null. */
 function nearestOf(scan) {
   const occupied = scan.sectors.filter(sector => sector.state === 'occupied').sort((a, b) => a.distance_m - b.distance_m)
   if (!occupied.length) return null
-  const { distance_m: distance, from_deg: from, to_deg: to, near } = occupied[0]
-  return { distance, bearing: (from + to) / 2, near }
+  const { distance_m: distance, from_deg: from, to_deg: to, near, doubts } = occupied[0]
+  return { distance, bearing: (from + to) / 2, near, doubts }
 }
 
 function nearestText(scan) {
   const nearest = nearestOf(scan)
   if (!nearest) return 'no obstacle seen'
-  const { distance, bearing, near } = nearest
+  const { distance, bearing, near, doubts } = nearest
   const side = Math.abs(bearing) < 0.5 ? 'ahead' : `${Math.abs(bearing).toFixed(0)}° ${bearing > 0 ? 'left' : 'right'}`
-  return `nearest ${near ? 'at most ' : ''}${metres(distance)}, ${side}`
+  return `nearest ${near ? 'at most ' : ''}${metres(distance)}, ${side}${doubts.length ? `, in doubt: ${doubts.join(' ')}` : ''}`
+}
+
+/** Marks a sector that can be trusted less at its far end. */
+function drawDoubt(context, sector, view) {
+  wedge(context, view, sector.from_deg, sector.to_deg, view.reach * 0.985, view.reach)
+  context.fillStyle = shade('warn')
+  context.fill()
 }
 
 /** Chooses how far the radar shows, so that most of what is known fits, and the scale that fits the canvas. */

@@ -12,7 +12,7 @@ from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
 from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, NOISY,
-                    SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame)
+                    SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame, doubt_names)
 from .scan import (FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, MASKED, OCCUPIED,
                    UNKNOWN, Scan)
 from .shared_memory import SharedMemoryReader
@@ -60,4 +60,5 @@ __all__ = [
     "UNKNOWN",
     "UNRECTIFIED",
     "connect",
+    "doubt_names",
 ]

@@ -40,6 +40,11 @@ DEPTH_UNKNOWN = 0
 DEPTH_BEYOND = 65535
 
 
+def doubt_names(flags: int) -> list[str]:
+    """Returns the words of the doubts in Frame.flags or in an element of Scan.doubts, such as "dirty-eye"."""
+    return [word for word, bit in _DOUBTS.items() if flags & bit]
+
+
 class Product(typing.NamedTuple):
     """Describes a product. name: the property of Frame. kind: the numpy type of one channel. channels: 0 for a record,
     which is no image but a row of bytes."""
@@ -125,7 +130,7 @@ class Frame:
     @property
     def doubts(self) -> list[str]:
         """Why it can be trusted less: words such as "dirty-eye"."""
-        return [word for word, bit in _DOUBTS.items() if self.flags & bit]
+        return doubt_names(self.flags)
 
     def copy(self) -> Frame:
         """Returns a frame with planes of its own. Of a borrowed one: ask whole() of this one afterwards."""

@@ -24,7 +24,8 @@ GROUND_HELD = 2
 GROUND_GRAVITY = 3
 GROUND_AUTOPILOT = 4
 
-_VERSION = 1
+_VERSION = 2
+_DOUBT_SHIFT = 8  # from the doubts of a sector to bits of Frame.flags
 # The bytes of a scan; docs/protocol.md explains each field. proto/scan.h has the same.
 _HEAD = np.dtype(
     [
@@ -58,6 +59,9 @@ _SECTOR = np.dtype(
         ("low_mm", "<i2"),
         ("high_mm", "<i2"),
         ("pixels", "<u2"),
+        ("doubts", "<u2"),
+        ("trust", "u1"),
+        ("reserved", "u1"),
     ]
 )
 
@@ -98,6 +102,8 @@ class Scan:
     high_m: npt.NDArray[np.float64]  # its highest part
     pixels: npt.NDArray[np.int32]  # that show it
     confidence: npt.NDArray[np.uint8]  # mean of those pixels
+    trust: npt.NDArray[np.uint8]  # how far each sector can be trusted: 1 to 255, more is better; 0: not told
+    doubts: npt.NDArray[np.uint32]  # why it can be trusted less: bits of Frame.flags, such as DIRTY_EYE
 
     @property
     def near(self) -> npt.NDArray[np.bool_]:
@@ -152,4 +158,6 @@ def read_scan(data: bytes) -> Scan:
         high_m=of_obstacles("high_mm"),
         pixels=sectors["pixels"].astype(np.int32),
         confidence=sectors["confidence"].copy(),
+        trust=sectors["trust"].copy(),
+        doubts=sectors["doubts"].astype(np.uint32) << np.uint32(_DOUBT_SHIFT),
     )

@@ -216,25 +216,24 @@ TEST(ScanCsv, HasEmptyFieldsForWhatIsNotKnown) {
         const std::string row = tools::scan_csv_rows({7, 8, 9}, {of, std::vector<ScanSector>(1)});
         return row.substr(row.find("0.0000,") + 7);
     };
-    EXPECT_EQ(last_of(head), ",,\n") << "no mounting was found";
+    EXPECT_EQ(last_of(head), ",,,0,\n") << "no mounting was found";
     proto::ScanHead mounted = head;
     mounted.mounting_height_mm = 1502;
     mounted.mounting_pitch_cdeg = -1250;
-    EXPECT_EQ(last_of(mounted), "1.502,-12.50,0.00\n");
-    const std::vector<ScanSector> sectors{{-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535},
-                                          {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
-                                          {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
+    EXPECT_EQ(last_of(mounted), "1.502,-12.50,0.00,0,\n");
+    const std::vector<ScanSector> sectors{
+        {-1000, -5, SectorState::occupied, 200, 1234, 56, 1000, -20, 900, 65535, 0b1001, 90},
+        {-5, 1000, SectorState::free, 0, 0, 0, 2500, 0, 0, 0},
+        {1000, 2000, SectorState::unknown, 0, 0, 0, 0, 0, 0, 0}};
     std::istringstream rows(tools::scan_csv_rows({7, 8, 9}, {head, sectors}));
     std::vector<std::string> lines;
     for (std::string line; std::getline(rows, line);) {
         lines.push_back(line);
     }
-    EXPECT_THAT(
-        lines,
-        ElementsAre(
-            "7,8,9,-10.00,-0.05,occupied,1.234,0.056,1.000,-0.020,0.900,65535,200,held,4,-0.012,0.0200,0.0000,,,",
-            "7,8,9,-0.05,10.00,free,,,2.500,,,,,held,4,-0.012,0.0200,0.0000,,,",
-            "7,8,9,10.00,20.00,unknown,,,0.000,,,,,held,4,-0.012,0.0200,0.0000,,,"));
+    EXPECT_THAT(lines, ElementsAre("7,8,9,-10.00,-0.05,occupied,1.234,0.056,1.000,-0.020,0.900,65535,200,held,4,-0.012,"
+                                   "0.0200,0.0000,,,,90,dark dirty-eye",
+                                   "7,8,9,-0.05,10.00,free,,,2.500,,,,,held,4,-0.012,0.0200,0.0000,,,,0,",
+                                   "7,8,9,10.00,20.00,unknown,,,0.000,,,,,held,4,-0.012,0.0200,0.0000,,,,0,"));
     EXPECT_EQ(tools::csv_fields(tools::scan_csv_head()).size(), tools::csv_fields(lines[0]).size());
 }
 

@@ -71,6 +71,20 @@ TEST(ScanText, SaysWhyAFrameIsTrustedLess) {
     EXPECT_EQ(tools::scan_json(doubted)["doubts"].dump(), R"(["dark","dirty-eye"])");
 }
 
+TEST(ScanText, SaysWhichSectorsAreInDoubt) {
+    auto doubted = reading();
+    doubted.scan.sectors[0].doubts = disparity::dirty_eye;
+    doubted.scan.sectors[0].trust = 90;
+    doubted.scan.sectors[2].doubts = disparity::dirty_eye | disparity::too_near;
+    EXPECT_THAT(tools::scan_parts(doubted), testing::Contains("50 % in doubt: dirty-eye too-near"));
+    EXPECT_THAT(tools::scan_line(doubted), testing::EndsWith(", 50 % of the sectors: dirty-eye too-near"));
+    const tools::Json json = tools::scan_json(doubted);
+    EXPECT_EQ(json["doubtful"], 0.5);
+    EXPECT_EQ(json["doubts"].dump(), "[]") << "those of the frame";
+    EXPECT_EQ(json["sectors"][0]["trust"], 90);
+    EXPECT_EQ(json["sectors"][2]["doubts"].dump(), R"(["dirty-eye","too-near"])");
+}
+
 TEST(ScanText, SaysWhereTheGroundComesFrom) {
     tools::ScanReading one = reading();
     one.scan.ground = disparity::GroundSource::gravity;
@@ -118,10 +132,10 @@ TEST(ScanText, JsonHasNullForWhatIsNotKnown) {
     ASSERT_EQ(json["sectors"].size(), 4U);
     EXPECT_EQ(json["sectors"][0].dump(),
               R"({"from_deg":-10.0,"to_deg":0.0,"state":"occupied","distance_m":2.5,"sigma_m":0.1,"free_m":2.0,)"
-              R"("low_m":0.1,"high_m":0.9,"pixels":80,"confidence":200,"near":false})");
+              R"("low_m":0.1,"high_m":0.9,"pixels":80,"confidence":200,"near":false,"trust":0,"doubts":[]})");
     EXPECT_EQ(json["sectors"][2].dump(),
               R"({"from_deg":10.1,"to_deg":20.0,"state":"free","distance_m":null,"sigma_m":null,"free_m":4.0,)"
-              R"("low_m":null,"high_m":null,"pixels":null,"confidence":null,"near":false})");
+              R"("low_m":null,"high_m":null,"pixels":null,"confidence":null,"near":false,"trust":0,"doubts":[]})");
     auto bare = reading();
     bare.rate.reset();
     bare.scan.sectors.clear();

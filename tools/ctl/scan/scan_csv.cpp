@@ -12,6 +12,7 @@
 #include "base/failure_text.h"
 #include "base/file_lock.h"
 #include "clients/json/scan_json.h"
+#include "proto/doubt.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/output_file.h"
 
@@ -37,6 +38,11 @@ std::string sector_fields(const ScanSector& sector) {
     }
     return fields + decimal(sector.low_mm, 3) + ',' + decimal(sector.high_mm, 3) + ',' + std::to_string(sector.pixels) +
            ',' + std::to_string(sector.confidence);
+}
+
+std::string trust_fields(const ScanSector& sector) {
+    return std::to_string(sector.trust) + ',' +
+           proto::doubt_names(std::uint32_t{sector.doubts} << proto::scan_doubt_shift);
 }
 
 std::string ground_fields(const proto::ScanHead& head) {
@@ -78,18 +84,19 @@ std::FILE* open_locked(const std::string& path, bool force) {
 std::string scan_csv_head() {
     return "frame,sequence,monotonic_ns,from_deg,to_deg,state,distance_m,sigma_m,free_m,low_m,high_m,pixels,confidence,"
            "ground,ground_age,ground_height_m,ground_slope_ahead,ground_slope_left,"
-           "mounting_height_m,mounting_pitch_deg,mounting_roll_deg\n";
+           "mounting_height_m,mounting_pitch_deg,mounting_roll_deg,trust,doubts\n";
 }
 
 std::string scan_csv_rows(const ScanMoment& moment, const ScanRecord& scan) {
     const std::string begin = std::to_string(moment.frame) + ',' + std::to_string(moment.sequence) + ',' +
                               std::to_string(moment.monotonic_ns) + ',';
-    const std::string end = ',' + ground_fields(scan.head) + ',' + mounting_fields(scan.head) + '\n';
+    const std::string end = ',' + ground_fields(scan.head) + ',' + mounting_fields(scan.head) + ',';
     std::string rows;
     for (const ScanSector& sector : scan.sectors) {
         rows += begin;
         rows += sector_fields(sector);
         rows += end;
+        rows += trust_fields(sector) + '\n';
     }
     return rows;
 }

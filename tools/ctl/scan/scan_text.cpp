@@ -26,18 +26,17 @@ std::string age_text(const ScanReading& reading) {
     return seconds < 1 ? fixed(1000 * seconds, 0) + " ms" : fixed(seconds, 1) + " s";
 }
 
-Json doubts_json(std::uint32_t flags) {
-    Json list = Json::array();
-    for (const proto::DoubtFacts& doubt : proto::doubts) {
-        if ((flags & doubt.bit) != 0) {
-            list.push_back(doubt.name);
-        }
-    }
-    return list;
-}
-
 std::string percent(double share) {
     return fixed(100 * share, 0) + " %";
+}
+
+/// Returns the words of the doubts that any sector has.
+std::string sector_doubts(const disparity::Scan& scan) {
+    std::uint32_t doubts = 0;
+    for (const disparity::ScanSector& sector : scan.sectors) {
+        doubts |= sector.doubts;
+    }
+    return proto::doubt_names(doubts);
 }
 
 std::string bearing_text(const disparity::ScanSector& sector) {
@@ -74,6 +73,7 @@ ScanSummary summary_of(const disparity::Scan& scan) {
     ScanSummary summary;
     int free = 0;
     int occupied = 0;
+    int doubtful = 0;
     for (const disparity::ScanSector& sector : scan.sectors) {
         free += sector.state == disparity::SectorState::free ? 1 : 0;
         occupied += sector.state == disparity::SectorState::occupied ? 1 : 0;
@@ -81,11 +81,13 @@ ScanSummary summary_of(const disparity::Scan& scan) {
             (!summary.nearest || sector.distance_m < summary.nearest->distance_m)) {
             summary.nearest = sector;
         }
+        doubtful += sector.doubts != 0 ? 1 : 0;
     }
     const int all = static_cast<int>(scan.sectors.size());
     if (all > 0) {
         summary.free = static_cast<double>(free) / all;
         summary.occupied = static_cast<double>(occupied) / all;
+        summary.doubtful = static_cast<double>(doubtful) / all;
         summary.unknown = static_cast<double>(all - free - occupied) / all;
     }
     return summary;
@@ -113,6 +115,9 @@ std::vector<std::string> scan_parts(const ScanReading& reading) {
     }
     parts.push_back(percent(seen.free) + " free");
     parts.push_back(percent(seen.unknown) + " unknown");
+    if (const std::string doubts = sector_doubts(reading.scan); !doubts.empty()) {
+        parts.push_back(percent(seen.doubtful) + " in doubt: " + doubts);
+    }
     parts.push_back(ground_text(reading.scan));
     if (reading.scan.mounting) {
         parts.push_back(mounting_text(*reading.scan.mounting));
@@ -164,7 +169,9 @@ std::string scan_line(const ScanReading& reading) {
                   has_metres(reading) ? "" : ", no calibration",
                   (reading.frame.flags & disparity::FrameFlags::synthetic) != 0 ? ", synthetic" : "");
     const std::string doubts = proto::doubt_names(reading.frame.flags);
-    return text + (doubts.empty() ? "" : ", " + doubts);
+    const std::string of_sectors = sector_doubts(reading.scan);
+    return text + (doubts.empty() ? "" : ", " + doubts) +
+           (of_sectors.empty() ? "" : ", " + percent(seen.doubtful) + " of the sectors: " + of_sectors);
 }
 
 std::string no_scan_line(const std::string& why) {
@@ -183,11 +190,12 @@ Json scan_json(const ScanReading& reading) {
               {"calibrated", has_metres(reading)},
               {"synthetic", (reading.frame.flags & disparity::FrameFlags::synthetic) != 0},
               {"trust", disparity::trust_of(reading.frame.flags)},
-              {"doubts", doubts_json(reading.frame.flags)},
+              {"doubts", json::doubts_json(reading.frame.flags)},
               {"nearest", nearest_json(seen)},
               {"free", seen.free},
               {"occupied", seen.occupied},
-              {"unknown", seen.unknown}};
+              {"unknown", seen.unknown},
+              {"doubtful", seen.doubtful}};
     json.update(json::to_json(reading.scan));
     return json;
 }

@@ -26,6 +26,7 @@ struct ScanSummary {
     double free = 0;                               ///< shares of the sectors, 0 .. 1
     double occupied = 0;
     double unknown = 0;
+    double doubtful = 0;  ///< with a doubt of their own, whatever they show
 };
 ScanSummary summary_of(const disparity::Scan& scan);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <variant>
 
 #include "pipeline/heartbeat.h"
@@ -32,8 +33,8 @@ public:
           camera_(camera),
           frames_per_s_(frames_per_s),
           matcher_(settings.backend->create({camera.width, camera.height, settings.match})),
-          scanner_(camera, settings.match.range, settings.scan),
-          trust_(camera.width, camera.height, {}) {}
+          scanner_(camera, settings.match.range, settings.scan, notes_),
+          trust_(camera.width, camera.height, {}, {}, notes_) {}
 
     Seen see(const Pose& pose) {
         const EyePair eyes = taken(pose);
@@ -46,11 +47,11 @@ public:
                                 .discontinuity = first,
                                 .up = {}};
         noise_.run(staged, serial_);
+        disparity::Scan scan = scanner_.scan(frame.view(), serial_);
         trust_.run(staged, serial_);
         ++frames_;
         const trust::Verdict verdict = trust::verdict_of(verdict_);
-        return {scanner_.scan(frame.view(), serial_),
-                verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift};
+        return {std::move(scan), verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift};
     }
 
 private:
@@ -66,6 +67,7 @@ private:
     double frames_per_s_;
     Serial serial_;
     std::unique_ptr<Matcher> matcher_;
+    std::shared_ptr<StageNotes> notes_ = std::make_shared<StageNotes>();
     DriveScanner scanner_;
     trust::TrustStage trust_;
     alignas(64) std::array<std::byte, sizeof(trust::Verdict)> verdict_{};

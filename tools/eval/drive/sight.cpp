@@ -14,8 +14,11 @@ CourseCamera camera_at(CourseCamera camera, const Pose& pose) {
     return camera;
 }
 
-DriveScanner::DriveScanner(const CourseCamera& camera, DisparityRange range, const ScanOptions& options)
-    : camera_(camera), stage_(camera.width, camera.height, range, options), record_(stage_.bytes_per_frame()) {}
+DriveScanner::DriveScanner(const CourseCamera& camera, DisparityRange range, const ScanOptions& options,
+                           std::shared_ptr<StageNotes> notes)
+    : camera_(camera),
+      stage_(camera.width, camera.height, range, options, nullptr, {}, std::move(notes)),
+      record_(stage_.bytes_per_frame()) {}
 
 disparity::Scan DriveScanner::scan(FrameView view, Parallel& workers) {
     view.depth_scale = {std::lround(16 * camera_.f * 1000 * camera_.baseline_m), 0};

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "clients/cpp/disparity_client.hpp"
 #include "kernels/matcher.h"
+#include "kernels/stage_notes.h"
 #include "obstacles/scan_stage.h"
 #include "tools/eval/drive/robot.h"
 #include "tools/eval/scan/course.h"
@@ -29,7 +31,9 @@ CourseCamera camera_at(CourseCamera camera, const Pose& pose);
 /// Makes the scans of a drive: one scanner for all its frames, whose records are read as a client reads them.
 class DriveScanner {
 public:
-    DriveScanner(const CourseCamera& camera, DisparityRange range, const ScanOptions& options);
+    /// `notes`, where trust is told, are shared with its stage.
+    DriveScanner(const CourseCamera& camera, DisparityRange range, const ScanOptions& options,
+                 std::shared_ptr<StageNotes> notes = nullptr);
 
     /// `view` has disparities and confidences, and what the near guard has found where it is on.
     disparity::Scan scan(FrameView view, Parallel& workers);
