@@ -7,6 +7,7 @@
 #include "capture/images/image_sequence.h"
 #include "capture/recording/recording_source.h"
 #include "capture/scene/scene_source.h"
+#include "capture/svo/svo_source.h"
 
 namespace disparityd::capture {
 
@@ -26,6 +27,10 @@ const std::vector<SourceKind>& source_kinds() {
          "stands "
          "behind it: recording.mcap?left=/left/image_raw&right=/right/image_raw",
          is_bag, open_bag},
+        {"svo2",
+         "experimental: a recording of the ZED SDK from 4.1 on, with the calibration of its camera's serial number: "
+         "recording.svo2",
+         is_svo, open_svo},
         {"folder",
          "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "
          "left.png,right.png; or a pattern: left_%04d.png,right_%04d.png; "

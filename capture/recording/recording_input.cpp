@@ -26,8 +26,10 @@ namespace {
 using namespace std::string_view_literals;
 
 constexpr const char* as_svo =
-    "is a recording of the ZED SDK (SVO), which only that SDK can read; its sample \"SVO Export\" makes a side-by-side "
-    "AVI or two folders of images of it, and both are read here";
+    "is a recording of the ZED SDK before 4.1 (SVO 1), which only that SDK can read; its sample \"SVO Export\" makes a "
+    "side-by-side AVI or images of it, and both are read here";
+constexpr const char* as_svo2 =
+    "is a recording of the ZED SDK (SVO2), which holds both eyes: name it alone, with a name that ends in .svo2";
 constexpr const char* as_bag =
     "is a ROS bag, which is not read; export the raw images of both eyes (ROS 1: rosrun image_view extract_images; ROS "
     "2: ros2 run image_view extract_images_sync) to two folders and name them: left_folder,right_folder";
@@ -82,8 +84,8 @@ constexpr std::array other_kinds{
 /// are its first bytes.
 std::optional<std::string> known_otherwise(const std::string& path, std::span<const std::uint8_t> head) {
     const std::string ending = base::lower_case(std::filesystem::path(path).extension().string());
-    if (ending == ".svo" || ending == ".svo2") {  // the second is MCAP inside
-        return as_svo;
+    if (ending == ".svo" || ending == ".svo2") {
+        return ending == ".svo" ? as_svo : as_svo2;
     }
     const std::string_view bytes(reinterpret_cast<const char*>(head.data()), head.size());
     for (const OtherKind& kind : other_kinds) {

@@ -31,6 +31,8 @@ public:
         std::string content;     ///< for people: "recording of scene:vga", "h264 video"
         bool synthetic = false;  ///< drawn frames were recorded
         std::optional<std::string> calibration_text;
+        std::string calibration_origin{};    ///< the file that it was read from; empty: the recording itself
+        std::string serial{};                ///< of the camera whose calibration that is; empty: unknown
         std::vector<std::string> notices{};  ///< one line each: what was assumed about the video
     };
 

@@ -39,7 +39,7 @@ SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "prot
         ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
-         "usb": set()}
+         "svo": {"images", "recording"}, "usb": set()}
 # The one file of capture/ itself that knows the kinds.
 KNOWS_KINDS = "capture/source_table.cpp"
 MAX_FILES = 40

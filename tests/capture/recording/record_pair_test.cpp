@@ -248,8 +248,8 @@ TEST(RecordPair, FilesOfOtherRecordersAreNamed) {
         std::string begins;
         const char* said;
     };
-    const File files[] = {{"a.svo", std::string("\0SVO", 4), "recording of the ZED SDK (SVO)"},
-                          {"a.svo2", "\x89MCAP0\r\n", "recording of the ZED SDK (SVO)"},
+    const File files[] = {{"a.svo", std::string("\0SVO", 4), "recording of the ZED SDK before 4.1 (SVO 1)"},
+                          {"a.svo2", "\x89MCAP0\r\n", "recording of the ZED SDK (SVO2), which holds both eyes"},
                           {"a.bag", "#ROSBAG V2.0\n", "is a ROS bag"},
                           {"a.db3", std::string("SQLite format 3\0", 16), "is a ROS bag"},
                           {"a.log", "\x89MCAP0\r\n", "is an MCAP file: give it a name that ends in .mcap"},
