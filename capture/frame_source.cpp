@@ -11,6 +11,7 @@
 #include "base/message_text.h"
 #include "capture/camera_setting.h"
 #include "capture/source_condition.h"
+#include "capture/time_offset.h"
 
 namespace disparityd::capture {
 
@@ -57,7 +58,7 @@ std::vector<CameraControl> FrameSource::set_camera_controls(const std::vector<Ca
 std::unique_ptr<FrameSource> open_source(const SourceOptions& options) {
     for (const SourceKind& kind : source_kinds()) {
         if (kind.accepts(options.uri)) {
-            return kind.open(options);
+            return with_time_offset(kind.open(options), options);
         }
     }
     throw std::invalid_argument(unknown_source(options.uri));

@@ -65,6 +65,8 @@ struct SourceInfo {
     /// Empty: unknown; the frames can only be used unrectified.
     std::optional<calibration::StereoCalibration> calibration;
     std::string serial;  ///< of the camera that the calibration is used for; empty = unknown
+    int time_offset_us =
+        0;  ///< what SourceOptions::time_offset_us has moved the frames' stamps by, here or when recorded
 };
 
 /// Where frames come from. One thread calls next(); give_back() and interrupt() may come from any thread.
@@ -117,6 +119,8 @@ struct SourceOptions {
     Pace pace = Pace::source;
     bool loop = false;             ///< start again after the last frame
     std::string calibration_path;  ///< overrides what the source brings; empty = the source's own
+    int time_offset_us =
+        0;  ///< is added to the stamps of all frames, unless they contain an offset; -100'000 .. 100'000
     /// Of images: those that cannot be read, or have another size than the first, are left out; each is told to
     /// `report`, and the next frame counts them as dropped. Otherwise they end the source.
     bool skip_damaged = false;

@@ -45,6 +45,7 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, const En
     options.loans = config.pipeline.slots + spare_loans;
     options.pace = config.source.pace;
     options.loop = config.source.loop;
+    options.time_offset_us = config.source.time_offset_us;
     options.calibration_path = config.source.calibration;
     options.wait_for_camera = true;
     options.allow_unrectified = config.source.allow_unrectified;

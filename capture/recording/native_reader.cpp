@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <system_error>
 #include <utility>
 
@@ -72,7 +74,19 @@ void NativeReader::read_tags() {
         info_.content = std::string("recording of ") + source;
     }
     info_.synthetic = input().tag(recording::tag_synthetic) != nullptr;
+    read_time_offset();
     read_calibration();
+}
+
+void NativeReader::read_time_offset() {
+    if (const char* const text = input().tag(recording::tag_time_offset)) {
+        const auto offset_us = base::parse_number(text);
+        if (!offset_us || std::abs(*offset_us) > recording::max_time_offset_us ||
+            *offset_us != std::trunc(*offset_us)) {
+            throw damaged_tag(recording::tag_time_offset);
+        }
+        info_.time_offset_us = static_cast<int>(*offset_us);
+    }
 }
 
 void NativeReader::read_calibration() {

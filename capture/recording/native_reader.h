@@ -27,6 +27,7 @@ private:
     void check_end() const override;
 
     void read_tags();
+    void read_time_offset();
     void read_calibration();
     std::string_view required_tag(const char* key) const;
     std::invalid_argument damaged_tag(const char* key) const;

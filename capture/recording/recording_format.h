@@ -24,6 +24,7 @@ inline constexpr const char* tag_prefix = "DISPARITYD_";
 inline constexpr const char* tag_format = "DISPARITYD_FORMAT";
 inline constexpr const char* tag_source = "DISPARITYD_SOURCE";
 inline constexpr const char* tag_synthetic = "DISPARITYD_SYNTHETIC";
+inline constexpr const char* tag_time_offset = "DISPARITYD_TIME_OFFSET_US";
 inline constexpr const char* tag_pixels = "DISPARITYD_PIXELS";
 inline constexpr const char* tag_eye_width = "DISPARITYD_EYE_WIDTH";
 inline constexpr const char* tag_rate = "DISPARITYD_RATE";
@@ -38,6 +39,9 @@ inline constexpr std::string_view checksums_kind = "crc32";
 /// The frame count has a fixed width, so that it can be filled in when the file is closed.
 inline constexpr int frames_digits = 20;
 std::string frames_text(std::uint64_t frames);
+
+/// The largest offset of stamps that can be set, in microseconds, either way.
+inline constexpr int max_time_offset_us = 100'000;
 
 /// The largest side-by-side picture. No camera comes near it; a damaged file must not claim all memory.
 inline constexpr int max_side = 32768;

@@ -30,6 +30,7 @@ public:
         std::optional<std::uint64_t> frame_count;
         std::string content;     ///< for people: "recording of scene:vga", "h264 video"
         bool synthetic = false;  ///< drawn frames were recorded
+        int time_offset_us = 0;  ///< that the stamps contain
         std::optional<std::string> calibration_text;
         std::string calibration_origin{};    ///< the file that it was read from; empty: the recording itself
         std::string serial{};                ///< of the camera whose calibration that is; empty: unknown

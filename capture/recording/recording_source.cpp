@@ -49,6 +49,7 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
     info.height = found.height;
     info.rate = found.rate;
     info.synthetic = found.synthetic;
+    info.time_offset_us = found.time_offset_us;
     info.frame_count = options.loop ? std::nullopt : found.frame_count;
     info.description = found.content + ", " + std::to_string(info.eye_width) + " x " + std::to_string(info.height) +
                        " per eye, " + std::string(to_string(info.format)) + ", " + rate_text(info.rate);

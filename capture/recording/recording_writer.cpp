@@ -99,6 +99,9 @@ AVDictionary* tags_of(const SourceInfo& info) {
     if (info.synthetic) {
         set(recording::tag_synthetic, "1");
     }
+    if (info.time_offset_us != 0) {
+        set(recording::tag_time_offset, std::to_string(info.time_offset_us));
+    }
     set(recording::tag_pixels, std::string(to_string(info.format)));
     set(recording::tag_eye_width, std::to_string(info.eye_width));
     set(recording::tag_rate, base::number_text(recording::plausible_rate(info.rate)));
