@@ -15,6 +15,7 @@
 #include "base/text_file.h"
 #include "base/words.h"
 #include "capture/images/folder_pair.h"
+#include "capture/images/image_times.h"
 
 namespace disparityd::capture {
 namespace {
@@ -23,20 +24,6 @@ namespace fs = std::filesystem;
 
 /// Names of images by their times.
 using Images = std::map<std::int64_t, std::string>;
-
-/// Returns the time of a line, and takes it and the comma from the front.
-std::optional<std::int64_t> take_time(std::string_view& line) {
-    constexpr std::size_t longest = 18;  // digits of ns that fit beside EuRoC's 19
-    const auto comma = line.find(',');
-    const std::string_view digits = base::trim(line.substr(0, comma));
-    if (comma == std::string_view::npos || digits.empty() || digits.size() > longest + 1 ||
-        (digits.size() == longest + 1 && digits.front() == '9') ||
-        digits.find_first_not_of("0123456789") != std::string_view::npos) {
-        return std::nullopt;
-    }
-    line.remove_prefix(comma + 1);
-    return std::stoll(std::string(digits));
-}
 
 /// Reads data.csv of one camera.
 Images read_images(const fs::path& path) {
@@ -141,6 +128,10 @@ std::optional<ImageSequence> find_euroc(const std::string& folder) {
     sequence.description = "EuRoC cam0/cam1";
     sequence.calibration = calibration_of(root);
     sequence.timed = true;
+    if (const fs::path samples = root / "imu0" / "data.csv"; base::is_file(samples)) {
+        sequence.inertial_list = samples.string();
+        sequence.description += " with imu0";
+    }
     std::size_t alone[2] = {0, 0}, missing = 0;
     for (const std::int64_t time : times) {
         std::string first = left.at(time), second = right.at(time);

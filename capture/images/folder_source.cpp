@@ -19,6 +19,7 @@
 #include "calibration/formats/calibration_formats.h"
 #include "capture/images/image_files.h"
 #include "capture/images/image_sequence.h"
+#include "capture/images/inertial_list.h"
 #include "capture/loan_pool.h"
 #include "capture/pacer.h"
 
@@ -50,14 +51,23 @@ void check_sizes(const ImageSequence& sequence, ImageSize expected) {
     }
 }
 
-/// Returns the frames that the options ask for; `start_ns`: the time of the first of all.
-ImageSequence asked_images(const SourceOptions& options, const std::string& path, std::int64_t& start_ns) {
+/// What lies before the frames that are asked for.
+struct Before {
+    std::int64_t start_ns = 0;              ///< the time of the first of all
+    std::optional<std::int64_t> before_ns;  ///< that of the frame before the first one that is asked for
+};
+
+/// Returns the frames that the options ask for.
+ImageSequence asked_images(const SourceOptions& options, const std::string& path, Before& before) {
     ImageSequence sequence = find_images(path);
     auto& frames = sequence.frames;
-    start_ns = frames.front().time_ns;
+    before.start_ns = frames.front().time_ns;
     if (options.first_image >= frames.size()) {
         throw std::invalid_argument(options.uri + ": image " + std::to_string(options.first_image) +
                                     " is asked for, the first is 0, found " + base::counted(frames.size(), "frame"));
+    }
+    if (options.first_image > 0) {
+        before.before_ns = frames[options.first_image - 1].time_ns;
     }
     const std::size_t count = std::min(options.image_count, frames.size() - options.first_image);
     const auto begin = frames.begin() + static_cast<std::ptrdiff_t>(options.first_image);
@@ -155,7 +165,7 @@ public:
     explicit FolderSource(const SourceOptions& options)
         : options_(options),
           uri_(parse_image_uri(options.uri)),
-          images_(asked_images(options, uri_.path, start_ns_)),
+          images_(asked_images(options, uri_.path, before_)),
           sequence_(options.first_image) {
         if (options.loans < 1) {
             throw std::invalid_argument(options.uri + ": at least 1 frame must be on loan at a time, found " +
@@ -175,6 +185,9 @@ public:
                            false);
         }
         report_deep_pixels(first);
+        if (!images_.inertial_list.empty()) {
+            inertial_.emplace(images_.inertial_list);
+        }
         describe(first.right.empty() ? size_.width / 2 : size_.width,
                  first.left.channels() > 1 || first.right.channels() > 1);
         buffers_.resize(static_cast<std::size_t>(options.loans));
@@ -300,6 +313,7 @@ private:
         bool of_image = false;  // not of the system, such as too little memory
         try {
             decode(buffers_[buffer]);
+            take_samples();
             return true;
         } catch (const std::exception& error) {
             problem = base::failure_text(error);
@@ -378,6 +392,29 @@ private:
         return *due_;
     }
 
+    /// Takes what the inertial sensor measured since the frame before, which may be one that was left out.
+    void take_samples() {
+        if (!inertial_) {
+            return;
+        }
+        if (!samples_begun_) {
+            samples_begun_ = true;
+            inertial_->rewind();
+            if (before_.before_ns) {
+                inertial_->skip_until(*before_.before_ns);
+            }
+        }
+        inertial_->take_until(images_.frames[at_].time_ns, samples_);
+        for (SensorSample& sample : samples_) {
+            sample.monotonic_ns = monotonic_of(sample.camera_ns);
+            sample.realtime_ns = realtime_of(sample.camera_ns);
+        }
+    }
+
+    std::int64_t monotonic_of(std::int64_t time_ns) const { return time_ns - before_.start_ns; }
+    /// Times that count from 0 are no date.
+    std::int64_t realtime_of(std::int64_t time_ns) const { return std::max(time_ns, epoch_ns + monotonic_of(time_ns)); }
+
     void decode(cv::Mat& both) const {
         const ImageSequence::Frame& frame = images_.frames[at_];
         if (frame.right.empty()) {
@@ -408,9 +445,8 @@ private:
         frame.image = {both.data, info_.format, info_.eye_width, info_.height, static_cast<std::ptrdiff_t>(both.step)};
         frame.sequence = sequence_;
         if (images_.timed) {
-            frame.monotonic_ns = images_.frames[at_].time_ns - start_ns_;
-            // Times that count from 0 are no date.
-            frame.realtime_ns = std::max(images_.frames[at_].time_ns, epoch_ns + frame.monotonic_ns);
+            frame.monotonic_ns = monotonic_of(images_.frames[at_].time_ns);
+            frame.realtime_ns = realtime_of(images_.frames[at_].time_ns);
         } else {
             frame.monotonic_ns = static_cast<std::int64_t>(sequence_) * untimed_period_ns;
             frame.realtime_ns = epoch_ns + frame.monotonic_ns;
@@ -421,6 +457,7 @@ private:
         const std::string_view path = images_.frames[at_].left;
         frame.name = path.substr(path.rfind('/') + 1);
         frame.loan = static_cast<int>(buffer);
+        frame.sensors = samples_;
     }
 
     void advance() {
@@ -428,13 +465,14 @@ private:
         ++at_;
         if (at_ == images_.frames.size() && options_.loop) {
             at_ = 0;
+            samples_begun_ = false;
         }
         due_.reset();
     }
 
     const SourceOptions options_;
     const ImageUri uri_;
-    std::int64_t start_ns_ = 0;
+    Before before_;
     const ImageSequence images_;
     SourceInfo info_;
     std::string first_name_;  ///< of the image that all others must be as large as
@@ -447,7 +485,10 @@ private:
     Pacer pacer_;
     std::optional<Clock::time_point> due_;  ///< of the next frame, once it was asked for
     bool ended_ = false;
-    std::vector<cv::Mat> buffers_;  ///< each belongs to whoever has it on loan
+    std::optional<InertialList> inertial_;
+    bool samples_begun_ = false;         ///< in this round
+    std::vector<SensorSample> samples_;  ///< of the frame that next() gave last
+    std::vector<cv::Mat> buffers_;       ///< each belongs to whoever has it on loan
 
     std::mutex mutex_;
     std::condition_variable changed_;

@@ -21,7 +21,9 @@ struct ImageSequence {
     std::string description;  ///< "Middlebury scene", "KITTI image_2/image_3", "pattern"
     std::string calibration;  ///< calib.txt and the like, of all frames; empty = there is none
     std::string unpaired;     ///< one line: images that belong to no pair; may be empty
-    int kitti_camera = -1;    ///< number of the left camera in a KITTI calibration; -1 = not KITTI
+    /// data.csv of an inertial sensor, whose times are those of the frames (inertial_list.h); empty = there is none.
+    std::string inertial_list;
+    int kitti_camera = -1;  ///< number of the left camera in a KITTI calibration; -1 = not KITTI
 };
 
 /// The URI of images: a folder, two folders, a pattern, two files as left.png,right.png, each with "?bits=12" behind it

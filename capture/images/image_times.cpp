@@ -112,4 +112,17 @@ std::vector<std::int64_t> read_image_times(const std::string& path, std::size_t 
     return times;
 }
 
+std::optional<std::int64_t> take_time(std::string_view& line) {
+    constexpr std::size_t longest = 18;  // digits of ns that fit beside EuRoC's 19
+    const auto comma = line.find(',');
+    const std::string_view digits = base::trim(line.substr(0, comma));
+    if (comma == std::string_view::npos || digits.empty() || digits.size() > longest + 1 ||
+        (digits.size() == longest + 1 && digits.front() == '9') ||
+        digits.find_first_not_of("0123456789") != std::string_view::npos) {
+        return std::nullopt;
+    }
+    line.remove_prefix(comma + 1);
+    return std::stoll(std::string(digits));
+}
+
 }  // namespace disparityd::capture

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "capture/recording/recording_writer.h"
 #include "tests/calibration/calibration_texts.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
@@ -111,9 +112,165 @@ TEST_F(EurocFolder, TumViHasItsCalibrationInDso) {
         chain = with_other(chain, "radtan", "equidistant");
     }
     write_file(folder_.file("dso/camchain.yaml"), chain);
+    write_file(folder_.file("dso/imu_config.yaml"), "gyroscope_noise_density: 0.00008\nupdate_rate: 200.0\n");
     const auto source = open();
     ASSERT_TRUE(source->info().calibration);
     EXPECT_EQ(source->info().calibration->left.lens, calibration::LensModel::fisheye);
+    EXPECT_EQ(source->info().calibration->inertial.gyroscope_noise_density, 8e-5);
+}
+
+/// A sample of the list: its values tell its number.
+std::string sample_line(std::int64_t time_ns, int number) {
+    return std::to_string(time_ns) + ",0." + std::to_string(number) + ",-1e-1,0.25,9.5,-0.5," + std::to_string(number) +
+           "\n";
+}
+
+constexpr std::int64_t frame_ns[3] = {1520530308199447626, 1520530308249448034, 1520530308299448626};
+
+/// Samples 1 and 2 until the first frame and with it, 3 until the second one, 4 and 5 until the third, 6 after it.
+std::string list_of_samples() {
+    std::string text = "\xEF\xBB\xBF#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1]\r\n";
+    int number = 0;
+    for (const std::int64_t ns : {frame_ns[0] - 5'000'000, frame_ns[0], frame_ns[0] + 5'000'000, frame_ns[1] + 1,
+                                  frame_ns[2], frame_ns[2] + 1}) {
+        text += sample_line(ns, ++number);
+    }
+    return text;
+}
+
+struct PlayedFrame {
+    std::int64_t monotonic_ns = 0;
+    std::int64_t realtime_ns = 0;
+    std::vector<SensorSample> samples;
+
+    bool operator==(const PlayedFrame&) const = default;
+};
+
+/// Plays so many frames.
+std::vector<PlayedFrame> play_frames(FrameSource& source, std::size_t count) {
+    std::vector<PlayedFrame> frames;
+    RawFrame frame;
+    while (frames.size() < count &&
+           source.next(frame, std::chrono::steady_clock::time_point::max()) == FrameSource::Next::frame) {
+        frames.push_back({frame.monotonic_ns, frame.realtime_ns, {frame.sensors.begin(), frame.sensors.end()}});
+        source.give_back(frame);
+    }
+    return frames;
+}
+
+/// Returns the numbers that sample_line() gave the samples of each frame.
+std::vector<std::vector<int>> numbers_of(const std::vector<PlayedFrame>& frames) {
+    std::vector<std::vector<int>> numbers;
+    for (const PlayedFrame& frame : frames) {
+        numbers.emplace_back();
+        for (const SensorSample& sample : frame.samples) {
+            numbers.back().push_back(static_cast<int>(sample.acceleration.z));
+        }
+    }
+    return numbers;
+}
+
+using Numbers = std::vector<std::vector<int>>;
+
+TEST_F(EurocFolder, SamplesOfTheSensorComeWithTheFrameThatFollowsThem) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    write_file(folder_.file("mav0/imu0/data.csv"), list_of_samples());
+    const auto source = open();
+    EXPECT_THAT(source->info().description, HasSubstr("with imu0"));
+    const std::vector<PlayedFrame> frames = play_frames(*source, 4);
+    ASSERT_EQ(numbers_of(frames), (Numbers{{1, 2}, {3}, {4, 5}}));
+    const SensorSample& sample = frames[0].samples[0];
+    EXPECT_EQ(sample.camera_ns, frame_ns[0] - 5'000'000);
+    EXPECT_EQ(sample.monotonic_ns, -5'000'000) << "the first frame is at 0";
+    EXPECT_EQ(sample.realtime_ns, frame_ns[0] - 5'000'000);
+    EXPECT_EQ(sample.flags, static_cast<std::uint32_t>(sensor_flag_inertial));
+    EXPECT_EQ(sample.lost_before, 0U);
+    EXPECT_EQ(sample.angular_velocity, (SensorVector{0.1F, -0.1F, 0.25F}));
+    EXPECT_EQ(sample.acceleration, (SensorVector{9.5F, -0.5F, 1}));
+    EXPECT_EQ(frames[0].samples[1].monotonic_ns, frames[0].monotonic_ns);
+    EXPECT_EQ(frames[2].samples[1].realtime_ns, frames[2].realtime_ns);
+    EXPECT_EQ(play_frames(*open(), 4), frames) << "the same every time";
+}
+
+TEST_F(EurocFolder, SamplesBeginAnewWithEachRoundAndAfterTheImageBefore) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    write_file(folder_.file("mav0/imu0/data.csv"), list_of_samples());
+    SourceOptions options;
+    options.uri = folder_.file("");
+    options.pace = Pace::fastest;
+    options.loop = true;
+    EXPECT_EQ(numbers_of(play_frames(*open_source(options), 5)), (Numbers{{1, 2}, {3}, {4, 5}, {1, 2}, {3}}));
+    options.first_image = 1;
+    options.image_count = 1;
+    EXPECT_EQ(numbers_of(play_frames(*open_source(options), 2)), (Numbers{{3}, {3}}));
+    // A damaged frame that is left out leaves its samples to the next one, also where a round begins with it.
+    options.first_image = 0;
+    options.image_count = SIZE_MAX;
+    options.skip_damaged = true;
+    write_file(camera(0) + "/data/a.png", "no image");
+    EXPECT_EQ(numbers_of(play_frames(*open_source(options), 3)), (Numbers{{1, 2, 3}, {4, 5}, {1, 2, 3}}));
+}
+
+TEST_F(EurocFolder, OfMoreSamplesThanAFrameCarriesTheNewestStay) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    std::string text;
+    constexpr int count = 3000;
+    for (int i = 0; i < count; ++i) {
+        text += sample_line(frame_ns[0] - count + i, i);
+    }
+    write_file(folder_.file("mav0/imu0/data.csv"), text);
+    const std::vector<PlayedFrame> frames = play_frames(*open(), 1);
+    ASSERT_EQ(frames[0].samples.size(), RawFrame::most_samples);
+    EXPECT_EQ(frames[0].samples[0].lost_before, count - RawFrame::most_samples);
+    for (std::size_t i = 0; i < RawFrame::most_samples; ++i) {
+        ASSERT_EQ(frames[0].samples[i].acceleration.z, static_cast<float>(count - RawFrame::most_samples + i));
+        ASSERT_EQ(frames[0].samples[i].lost_before, i == 0 ? count - RawFrame::most_samples : 0);
+    }
+}
+
+TEST_F(EurocFolder, ADamagedListOfSamplesEndsTheSourceInOneLine) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    for (const auto& [line, said] :
+         {std::pair(std::string("5,1,2,3,4,5"), "data.csv:2: found '5,1,2,3,4,5', expected the time in ns, the"),
+          {"5,1,2,3,4,5,6,7", "data.csv:2: found"},
+          {"5,1,2,3,4,5,nan", "data.csv:2: found"},
+          {"5,1,2,3,4,5,1e40", "data.csv:2: found"},
+          {"-5,1,2,3,4,5,6", "data.csv:2: found"},
+          {"5,1,2,3,4,5,6\n5,1,2,3,4,5,6", "data.csv:3: found the time 5, expected more than 5"},
+          {std::string("5,1,2,3,4,5,6\0", 14) + "\n", "data.csv:2: found"},
+          {std::string(100'000, '1'), "data.csv:2: found a line of more than 511 bytes"}}) {
+        write_file(folder_.file("mav0/imu0/data.csv"), "#time\n" + line + "\n");
+        const auto source = open();
+        RawFrame frame;
+        const auto next = [&] { return source->next(frame, std::chrono::steady_clock::time_point::max()); };
+        EXPECT_THAT(next, testing::ThrowsMessage<std::runtime_error>(HasSubstr(said)));
+        EXPECT_EQ(next(), FrameSource::Next::end);
+    }
+}
+
+TEST_F(EurocFolder, ARecordingKeepsSamplesAndWhereTheSensorStands) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    write_file(folder_.file("mav0/imu0/data.csv"), list_of_samples());
+    write_file(folder_.file("mav0/imu0/sensor.yaml"),
+               "sensor_type: imu\nT_BS: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+               "accelerometer_random_walk: 0.003\n");
+    const auto source = open();
+    const std::string path = folder_.file("recording.mkv");
+    RecordingWriter writer(path, source->info());
+    RawFrame frame;
+    while (source->next(frame, std::chrono::steady_clock::time_point::max()) == FrameSource::Next::frame) {
+        writer.write(frame);
+        source->give_back(frame);
+    }
+    writer.close();
+    SourceOptions options;
+    options.uri = path;
+    options.pace = Pace::fastest;
+    const auto replay = open_source(options);
+    EXPECT_EQ(play_frames(*replay, 4), play_frames(*open(), 4));
+    ASSERT_TRUE(replay->info().calibration);
+    EXPECT_TRUE(replay->info().calibration->inertial.to_left_camera);
+    EXPECT_EQ(replay->info().calibration->inertial, source->info().calibration->inertial);
 }
 
 /// Damages a file in one of many ways: bytes changed, cut, doubled.
@@ -132,14 +289,20 @@ std::string damaged(std::string text, std::mt19937& random) {
 
 TEST_F(EurocFolder, DamagedFilesGiveALineOrFrames) {
     std::mt19937 random(7);
+    fs::create_directories(folder_.file("mav0/imu0"));
     for (const auto& [file, text] :
-         {std::pair("/data.csv", std::string(list_of_three)), {"/sensor.yaml", euroc_sensor(rig_, 0)}}) {
+         {std::pair("/data.csv", std::string(list_of_three)),
+          {"/sensor.yaml", euroc_sensor(rig_, 0)},
+          {"/../imu0/data.csv", list_of_samples()},
+          {"/../imu0/sensor.yaml", "sensor_type: imu\nrate_hz: 200\ngyroscope_noise_density: 1.6968e-04\n"}}) {
         int refused = 0;
         for (int i = 0; i < 300; ++i) {
             write_file(camera(0) + file, damaged(text, random));
             try {
-                EXPECT_EQ(open()->info().eye_width, 48);
-            } catch (const std::invalid_argument& error) {
+                const auto source = open();
+                EXPECT_EQ(source->info().eye_width, 48);
+                play_frames(*source, 3);
+            } catch (const std::exception& error) {
                 EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
                 ++refused;
             }
@@ -163,6 +326,11 @@ TEST(EurocData, RealFoldersAreReadWithTheirCalibration) {
     const auto& t = source->info().calibration->translation;
     EXPECT_NEAR(std::sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]), 110.1, 0.1);
     EXPECT_EQ(find_euroc(options.uri)->frames.size(), 8U);
+    std::size_t samples = 0;
+    for (const PlayedFrame& frame : play_frames(*source, 8)) {
+        samples += frame.samples.size();
+    }
+    EXPECT_EQ(samples, 71U) << "200 a second over seven frames of 20 a second, and that of the first frame";
     // The sensor's axes are those of the body there, so that T_cam_imu leads back what T_BS of cam0 does.
     const calibration::InertialCalibration& inertial = source->info().calibration->inertial;
     ASSERT_TRUE(inertial.to_left_camera);
