@@ -35,6 +35,9 @@ void check_begin(const std::string& path) {
         throw std::invalid_argument(path + ": is a recording of the ZED SDK before 4.1 (SVO 1), which only that SDK " +
                                     "can read; its sample \"SVO Export\" makes a side-by-side AVI or images of it");
     }
+    if (begin.empty()) {
+        throw std::invalid_argument(path + ": is empty; expected an SVO2 recording of the ZED SDK");
+    }
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(begin.data());
     throw std::invalid_argument(path + ": is no SVO2 recording (MCAP), or an encrypted one: it begins with the bytes " +
                                 first_bytes({bytes, begin.size()}) +

@@ -12,6 +12,7 @@
 #include "capture/frame_source.h"
 #include "capture/recording/recording_ffmpeg.h"
 #include "tests/capture/images/image_fixture.h"
+#include "tests/capture/svo/svo_play.h"
 #include "tests/formats/mcap_writer.h"
 #include "tests/temporary_folder.h"
 
@@ -21,13 +22,13 @@ namespace {
 using disparityd::test::McapWriter;
 using disparityd::test::TemporaryFolder;
 using test::numbered_image;
+using test::play_all;
+using test::Played;
 using test::refusal;
-using test::soon;
 using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using Next = FrameSource::Next;
 
 constexpr int width = 128;  // of both eyes
 constexpr int height = 48;
@@ -183,41 +184,6 @@ std::vector<std::string> encode(AVCodecID id, const std::vector<cv::Mat>& images
         }
     }
     return units;
-}
-
-struct Played {
-    SourceInfo info;
-    std::vector<std::string> notices;
-    std::vector<std::vector<std::uint8_t>> frames;
-    std::vector<std::uint64_t> sequences;
-    std::vector<std::uint32_t> lost;
-    std::vector<std::int64_t> times;
-    std::vector<SensorSample> samples;
-    std::string problem;
-};
-
-Played play_all(SourceOptions options) {
-    Played played;
-    options.pace = Pace::fastest;
-    options.report = [&](const std::string& line, bool) { played.notices.push_back(line); };
-    try {
-        const auto source = open_source(options);
-        played.info = source->info();
-        RawFrame frame;
-        while (source->next(frame, soon()) == Next::frame) {
-            const std::uint8_t* bytes = frame.image.data;
-            played.frames.emplace_back(bytes, bytes + frame.image.stride * frame.image.height);
-            played.sequences.push_back(frame.sequence);
-            played.lost.push_back(frame.dropped_before);
-            played.times.push_back(frame.realtime_ns);
-            played.samples.insert(played.samples.end(), frame.sensors.begin(), frame.sensors.end());
-            source->give_back(frame);
-        }
-    } catch (const std::exception& error) {
-        played.problem = error.what();
-        EXPECT_EQ(played.problem.find('\n'), std::string::npos) << played.problem;
-    }
-    return played;
 }
 
 Played play(const std::string& content, const std::string& name = "a.svo2") {
@@ -394,6 +360,7 @@ TEST(SvoSource, RefusesInOneLineWhatItCannotRead) {
     EXPECT_THAT(play(std::string("\0SVO", 4) + std::string(2000, 'x')).problem, HasSubstr("SVO 1"));
     EXPECT_THAT(play(std::string("\0SVO", 4) + std::string(2000, 'x'), "a.svo").problem, HasSubstr("SVO 1"));
     EXPECT_THAT(play(std::string(2000, 'x')).problem, AllOf(HasSubstr("encrypted"), HasSubstr("78 78 78")));
+    EXPECT_THAT(play("").problem, HasSubstr("is empty"));
     EXPECT_THAT(play(Svo().close()).problem, HasSubstr("holds no video of a ZED camera"));
     EXPECT_THAT(refusal([] {
                     SourceOptions options;
