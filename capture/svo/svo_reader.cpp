@@ -276,8 +276,9 @@ void SvoReader::describe() {
     info_.notices.push_back(
         options_.uri + ": reading SVO2 is experimental: it was made from public descriptions, without a real file");
     if (*payload_ == SvoPayload::annex_b || *payload_ == SvoPayload::jpeg_strips) {
-        info_.notices.push_back(options_.uri + ": " + name_of(*payload_, codec_) +
-                                " is lossy unless it was recorded as lossless: that costs accuracy of distances");
+        info_.notices.push_back(options_.uri + ": " + name_of(*payload_, codec_) + " is lossy" +
+                                (*payload_ == SvoPayload::annex_b ? " unless it was recorded as lossless" : "") +
+                                ": that costs accuracy of distances");
     }
     describe_topics();
     if (options_.calibration_path.empty()) {

@@ -75,6 +75,28 @@ TEST(MadeSvo, WithoutLossIsReadByteForByte) {
     }
 }
 
+TEST(MadeSvo, GivesWhatTheSameImagesGiveAsAFolder) {
+    for (const auto& [payload, type] : {std::pair(Svo2Payload::zstd_grey, CV_8UC1), {Svo2Payload::zstd_bgr, CV_8UC3}}) {
+        Svo2File file;
+        file.payload = payload;
+        file.frames = 3;
+        const TemporaryFolder folder;
+        for (const int eye : {0, 1}) {
+            const std::string images = folder.file(eye == 0 ? "left" : "right");
+            std::filesystem::create_directories(images);
+            for (int i = 0; i < file.frames; ++i) {
+                auto pixels = expected_pixels(file, type == CV_8UC1 ? PixelFormat::grey8 : PixelFormat::bgr24, i);
+                const cv::Mat both(file.height, 2 * file.eye_width, type, pixels.data());
+                test::write_image(images + "/" + std::to_string(i) + ".png",
+                                  both.colRange(eye * file.eye_width, (eye + 1) * file.eye_width));
+            }
+        }
+        SourceOptions options;
+        options.uri = folder.path();
+        EXPECT_TRUE(play_all(options).frames == play(file).frames);
+    }
+}
+
 TEST(MadeSvo, TimesNumbersAndSamplesAreThoseOfTheFile) {
     for (const std::uint64_t unit_ns : {1ULL, 1'000ULL, 1'000'000ULL}) {
         Svo2File file;
