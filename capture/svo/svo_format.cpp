@@ -167,6 +167,10 @@ SvoVideoMessage read_svo_video(Bytes message) {
     const std::uint64_t follows = u32_at(message, 0);
     const std::uint64_t size = u32_at(message, 4);
     if (follows + 4 > message.size() || size + 4 > follows) {
+        // A description of JPEGs has them to the end of the message, behind 8 bytes that it takes for times.
+        if (!jpeg_strips_of(message.subspan(head)).empty()) {
+            return {message.subspan(head), std::nullopt};
+        }
         throw std::runtime_error("its sizes do not fit: " + std::to_string(follows) + " and " + std::to_string(size) +
                                  " in a message of " + std::to_string(message.size()) +
                                  " bytes, which begins with the bytes " + first_bytes(message));

@@ -228,6 +228,19 @@ TEST(SvoSource, TakesPicturesThatArePackedWithoutLoss) {
     }
 }
 
+TEST(SvoSource, TakesJpegsWithoutSizesOfTheMessage) {
+    const cv::Mat flat(height, 2 * width, CV_8UC1, cv::Scalar(90));
+    Svo file;
+    for (int i = 0; i < 2; ++i) {
+        file.raw_video(little_endian(0xFFFFFF00U, 4) + little_endian(0xFFFFFF3CU, 4) + jpeg_strips(flat, 4));
+    }
+    const Played played = play(file.close());
+    EXPECT_EQ(played.problem, "");
+    ASSERT_EQ(played.frames.size(), 2U);
+    EXPECT_TRUE(played.frames[1] == bytes_of(flat));
+    EXPECT_EQ(played.times[1] - played.times[0], 1'000'000) << "those of the container";
+}
+
 TEST(SvoSource, DecodesVideo) {
     for (const auto& [id, name] : {std::pair(AV_CODEC_ID_H264, "H.264"), {AV_CODEC_ID_HEVC, "H.265"}}) {
         std::vector<cv::Mat> images;
