@@ -283,6 +283,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     set_log_level(config.log.level);
     recording_.configure(record_rules(config));
     recording_.set_source(engine->source(), "");
+    newest_wanted_.store(true, std::memory_order_relaxed);
     engine->start([this](const PublishedFrame& frame) { publish(frame); },
                   [this, live = engine->source().live](const capture::RawFrame& frame) {
                       recording_.offer(frame);
@@ -402,6 +403,9 @@ void Daemon::publish_sensors(const capture::RawFrame& frame, bool live) {
 void Daemon::publish(const PublishedFrame& frame) {
     if (shared_memory_) {
         shared_memory_->publish(frame);
+        if (!newest_wanted_.load(std::memory_order_relaxed)) {
+            shared_memory_->outdate();  // it was wanted when it was captured, newer ones were not
+        }
     }
     server_.publish(frame);
 }
@@ -410,6 +414,7 @@ void Daemon::publish(const PublishedFrame& frame) {
 bool Daemon::wants_frames() {
     const bool wanted =
         server_.wants_frames() || recording_.is_recording() || (shared_memory_ && shared_memory_->has_reader());
+    newest_wanted_.store(wanted, std::memory_order_relaxed);
     if (!wanted && shared_memory_) {
         shared_memory_->outdate();  // who opens it later is to get a frame of then
     }

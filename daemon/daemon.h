@@ -134,6 +134,7 @@ private:
     PlaceWatch memory_place_;
     PlaceWatch socket_place_;
     std::unique_ptr<SharedMemoryPublisher> shared_memory_;  ///< the publish thread's while an engine runs
+    std::atomic<bool> newest_wanted_{true};                 ///< the newest captured frame, always without on_demand
     SocketServer server_;                                   ///< outlives recording_, which answers through it
     RecordingControl recording_;
     CameraControlService camera_;  ///< answers through the server too, as the next one
