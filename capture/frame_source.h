@@ -13,6 +13,7 @@
 
 #include "calibration/calibration.h"
 #include "calibration/calibration_correction.h"
+#include "capture/eye_layout.h"
 #include "capture/sensor_sample.h"
 #include "kernels/raw_image.h"
 
@@ -39,6 +40,8 @@ struct RawFrame {
     std::uint32_t flags = 0;           ///< FrameFlag bits
     std::uint32_t dropped_before = 0;  ///< frames known to be lost between the previous one and this
     int loan = -1;                     ///< the source's own number for the buffer
+    /// The JPEG that the camera sent the frame as; empty unless SourceInfo::jpegs is set. Valid until give_back().
+    std::span<const std::uint8_t> jpeg{};
     /// What the calibration was corrected by when this frame was rectified; of a source, what a recording says.
     calibration::CalibrationCorrection correction;
     /// What the camera's sensors measured and sent since the frame before, in order; a frame carries at most
@@ -64,6 +67,8 @@ struct SourceInfo {
     std::optional<std::uint64_t> frame_count;  ///< when known beforehand
     /// Empty: unknown; the frames can only be used unrectified.
     std::optional<calibration::StereoCalibration> calibration;
+    /// How the eyes lie in RawFrame::jpeg. Empty: frames are no JPEGs.
+    std::optional<EyeLayout> jpegs;
     std::string serial;  ///< of the camera that the calibration is used for; empty = unknown
     int time_offset_us =
         0;  ///< what SourceOptions::time_offset_us has moved the frames' stamps by, here or when recorded

@@ -128,6 +128,7 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Se
     identity_.expect_likely(info_, options.likely_port);
     if (request_.mjpeg) {
         jpegs_.emplace(request_.layout(), options.decoders, options.loans, stream_, waker_);
+        info_.jpegs = request_.layout();
     } else if (!request_.layout().as_lent()) {
         joiner_.emplace(request_.layout(), bytes_per_pixel(request_.format), std::max(1, options.loans));
     }
@@ -203,6 +204,7 @@ bool CameraSource::take_decoded(RawFrame& frame) {
         if (decoded->problem.empty()) {
             decoded->frame.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
             lend(frame, decoded->frame);
+            frame.jpeg = decoded->jpeg;
             return true;
         }
         count_damaged_jpeg(decoded->problem);
@@ -344,7 +346,7 @@ std::optional<CameraProblem> CameraSource::open_one(const UsbCamera& camera) {
     }
     try {
         stream_.open(camera.node, {request_.frame_width, request_.frame_height, request_.rate, request_.format,
-                                   request_.mjpeg, options_.loans});
+                                   request_.mjpeg, jpegs_ ? jpegs_->most_jpegs() : options_.loans});
         stream_.start();
     } catch (const VideoError& error) {
         stream_.close();

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/camera/eye_layout.h"
+#include "capture/eye_layout.h"
 #include "capture/usb/usb_camera.h"
 #include "kernels/raw_image.h"
 

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <vector>
 
-#include "capture/camera/eye_layout.h"
+#include "capture/eye_layout.h"
 #include "capture/loan_pool.h"
 
 namespace disparityd::capture {

@@ -22,6 +22,7 @@ JpegWorkers::JpegWorkers(const EyeLayout& layout, int threads, int loans, VideoS
       stream_(stream),
       waker_(waker),
       frames_(static_cast<std::size_t>(loans_ + threads + 1), std::vector<std::uint8_t>(frame_bytes(layout))),
+      jpeg_loans_(frames_.size(), -1),
       free_(frames_.size()),
       jobs_(frames_.size()) {
     for (int i = 0; i < std::max(1, threads); ++i) {
@@ -97,7 +98,6 @@ void JpegWorkers::decode(JpegDecoder& decoder, Job& job) {
     const char* problem =
         decoder.decode({job.jpeg.data, job.jpeg.bytes}, frames_[static_cast<std::size_t>(job.slot)].data());
     job.problem = problem == nullptr ? "" : problem;
-    stream_.give_back(job.jpeg.loan);
 }
 
 std::optional<JpegWorkers::Decoded> JpegWorkers::take() {
@@ -106,13 +106,14 @@ std::optional<JpegWorkers::Decoded> JpegWorkers::take() {
         return std::nullopt;
     }
     Job& next = job(taken_++);
-    Decoded decoded{next.jpeg, std::move(next.problem)};
+    Decoded decoded{next.jpeg, {next.jpeg.data, next.jpeg.bytes}, std::move(next.problem)};
     decoded.frame.data = frames_[static_cast<std::size_t>(next.slot)].data();
     decoded.frame.loan = next.slot;
     if (decoded.problem.empty()) {
         ++lent_;
+        jpeg_loans_[static_cast<std::size_t>(next.slot)] = next.jpeg.loan;
     } else {
-        free_.give_back(static_cast<std::size_t>(next.slot));
+        drop(next);
     }
     return decoded;
 }
@@ -121,18 +122,23 @@ void JpegWorkers::forget() {
     std::unique_lock lock(mutex_);
     const std::uint64_t kept = begun_;
     for (; submitted_ > kept; --submitted_) {
-        stream_.give_back(job(submitted_ - 1).jpeg.loan);
-        free_.give_back(static_cast<std::size_t>(job(submitted_ - 1).slot));
+        drop(job(submitted_ - 1));
     }
     for (; taken_ < submitted_; ++taken_) {
         changed_.wait(lock, [this] { return job(taken_).done; });
-        free_.give_back(static_cast<std::size_t>(job(taken_).slot));
+        drop(job(taken_));
     }
+}
+
+void JpegWorkers::drop(const Job& job) {
+    stream_.give_back(job.jpeg.loan);
+    free_.give_back(static_cast<std::size_t>(job.slot));
 }
 
 void JpegWorkers::give_back(int loan) noexcept {
     {
         const std::lock_guard lock(mutex_);
+        stream_.give_back(jpeg_loans_[static_cast<std::size_t>(loan)]);
         free_.give_back(static_cast<std::size_t>(loan));
         --lent_;
     }

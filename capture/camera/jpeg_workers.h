@@ -6,14 +6,15 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "base/waker.h"
-#include "capture/camera/eye_layout.h"
-#include "capture/camera/jpeg_decoder.h"
 #include "capture/camera/video_stream.h"
+#include "capture/eye_layout.h"
+#include "capture/jpeg_decoder.h"
 #include "capture/loan_pool.h"
 
 namespace disparityd::capture {
@@ -24,16 +25,21 @@ class JpegWorkers {
 public:
     /// A JPEG that was decoded, or could not be.
     struct Decoded {
-        VideoFrame frame;     ///< data and loan are of the decoded pixels (JpegDecoder), the rest is of the JPEG
-        std::string problem;  ///< empty: the frame is whole and a loan
+        VideoFrame frame;  ///< data and loan are of the decoded pixels (JpegDecoder), the rest is of the JPEG
+        std::span<const std::uint8_t> jpeg;  ///< valid as long as the loan
+        std::string problem;                 ///< empty: the frame is whole and a loan
     };
 
     /// `threads` 0: submit() decodes. `loans` are the frames that may be out at a time. A JPEG goes back to `stream`
-    /// when it is decoded; then `waker` is woken. Both are borrowed. Throws as base::start_thread().
+    /// with its frame. `waker` is woken when a frame is decoded or comes back. Both are borrowed. Throws as
+    /// base::start_thread().
     JpegWorkers(const EyeLayout& layout, int threads, int loans, VideoStream& stream, base::Waker& waker);
     ~JpegWorkers();
     JpegWorkers(const JpegWorkers&) = delete;
     JpegWorkers& operator=(const JpegWorkers&) = delete;
+
+    /// How many JPEGs are held at most: so many loans the stream must allow.
+    int most_jpegs() const { return static_cast<int>(frames_.size()); }
 
     /// Whether there is memory for one more frame.
     bool has_room();
@@ -60,6 +66,7 @@ private:
         std::string problem;
     };
 
+    void drop(const Job& job);
     Job& job(std::uint64_t number) { return jobs_[number % jobs_.size()]; }
     void end();
     void work(JpegDecoder& decoder);
@@ -69,6 +76,7 @@ private:
     VideoStream& stream_;
     base::Waker& waker_;
     std::vector<std::vector<std::uint8_t>> frames_;
+    std::vector<int> jpeg_loans_;                         ///< of the frame with the same number
     std::vector<std::unique_ptr<JpegDecoder>> decoders_;  ///< one for each thread
 
     std::mutex mutex_;  ///< what follows

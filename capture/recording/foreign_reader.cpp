@@ -167,9 +167,9 @@ bool ForeignReader::accept(const AVPacket& packet) {
 }
 
 /// Videos cut out of longer ones begin with pictures that cannot be decoded: lost frames, not a fault.
-void ForeignReader::refused(int error) {
+void ForeignReader::refused(const std::string& why) {
     ++undecodable_;
-    undecodable_why_ = ffmpeg_reason(error);
+    undecodable_why_ = why;
 }
 
 recording::FrameFacts ForeignReader::take_facts(const AVFrame& frame) {

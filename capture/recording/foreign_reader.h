@@ -24,7 +24,7 @@ public:
 
 private:
     bool accept(const AVPacket& packet) override;
-    void refused(int error) override;
+    void refused(const std::string& why) override;
     recording::FrameFacts take_facts(const AVFrame& frame) override;
     bool keep(recording::FrameFacts&, const RawImage&) override { return true; }
     void check_end() const override;

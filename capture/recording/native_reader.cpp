@@ -33,14 +33,23 @@ std::optional<std::uint64_t> whole_number(std::string_view text) {
 
 NativeReader::NativeReader(RecordingInput input, int track) : VideoReader(std::move(input), track) {
     read_tags();
-    open_decoder(stored_format(info_.format));
+    if (jpegs_) {
+        open_jpegs(read_layout());
+    } else {
+        open_decoder(stored_format(info_.format));
+    }
+    if (whole_number(required_tag(recording::tag_eye_width)) != static_cast<std::uint64_t>(info_.eye_width)) {
+        throw damaged_tag(recording::tag_eye_width);
+    }
 }
 
 void NativeReader::read_tags() {
     const std::string_view version = required_tag(recording::tag_format);
-    if (version != recording::format_version) {
+    jpegs_ = version == recording::version_of_jpegs;
+    if (!jpegs_ && version != recording::version_of_pixels) {
         throw std::invalid_argument(input().path() + ": is a recording of format " + std::string(version) +
-                                    ", this program reads format " + std::string(recording::format_version));
+                                    ", this program reads the formats " + std::string(recording::version_of_pixels) +
+                                    " and " + std::string(recording::version_of_jpegs));
     }
     if (const char* const kind = input().tag(recording::tag_checksums)) {
         has_checksums_ = true;
@@ -49,13 +58,11 @@ void NativeReader::read_tags() {
         }
     }
     const auto format = pixel_format_from_name(required_tag(recording::tag_pixels));
-    if (!format || stream().codecpar->codec_id != AV_CODEC_ID_FFVHUFF) {
+    if (!format || (jpegs_ && *format != PixelFormat::yuyv) ||
+        stream().codecpar->codec_id != (jpegs_ ? AV_CODEC_ID_MJPEG : AV_CODEC_ID_FFVHUFF)) {
         throw damaged_tag(recording::tag_pixels);
     }
     info_.format = *format;
-    if (whole_number(required_tag(recording::tag_eye_width)) != static_cast<std::uint64_t>(info_.eye_width)) {
-        throw damaged_tag(recording::tag_eye_width);
-    }
     const auto rate = base::parse_number(required_tag(recording::tag_rate));
     if (!rate || (*rate != 0 && *rate != recording::plausible_rate(*rate))) {
         throw damaged_tag(recording::tag_rate);
@@ -87,6 +94,23 @@ void NativeReader::read_time_offset() {
         }
         info_.time_offset_us = static_cast<int>(*offset_us);
     }
+}
+
+EyeLayout NativeReader::read_layout() const {
+    const std::string_view layout = required_tag(recording::tag_layout);
+    const std::string_view first = required_tag(recording::tag_first);
+    EyeLayout eyes;
+    eyes.top_bottom = layout == "top-bottom";
+    eyes.right_first = first == "right";
+    if (!eyes.top_bottom && layout != "side-by-side") {
+        throw damaged_tag(recording::tag_layout);
+    }
+    if (!eyes.right_first && first != "left") {
+        throw damaged_tag(recording::tag_first);
+    }
+    eyes.eye_width = stream().codecpar->width / (eyes.top_bottom ? 1 : 2);
+    eyes.eye_height = stream().codecpar->height / (eyes.top_bottom ? 2 : 1);
+    return eyes;
 }
 
 void NativeReader::read_calibration() {
@@ -125,15 +149,23 @@ bool NativeReader::accept(const AVPacket& packet) {
         leave_out("its times are missing or not those that were recorded");
         return false;
     }
+    if (jpegs_ && stored->checksum) {
+        const auto size = static_cast<std::size_t>(packet.size);
+        if (recording::checksum(std::span<const std::uint8_t>(packet.data, size)) != *stored->checksum) {
+            leave_out("its JPEG is not the one that was recorded", stored->facts);
+            return false;
+        }
+        stored->checksum.reset();
+    }
     stored_.push_back(std::move(*stored));
     return true;
 }
 
-void NativeReader::refused(int error) {
+void NativeReader::refused(const std::string& why) {
     if (!stored_.empty()) {
         stored_.pop_back();
     }
-    leave_out(ffmpeg_reason(error));
+    leave_out(why);
 }
 
 void NativeReader::leave_out(const std::string& why) {
@@ -141,6 +173,13 @@ void NativeReader::leave_out(const std::string& why) {
         left_out_why_ = why;
     }
     ++left_out_before_;
+}
+
+void NativeReader::leave_out(const std::string& why, const recording::FrameFacts& facts) {
+    leave_out(why);
+    for (const SensorSample& sample : facts.sensors) {
+        samples_left_out_ += 1 + sample.lost_before;
+    }
 }
 
 /// Returns nothing where the facts are missing or damaged.
@@ -169,7 +208,7 @@ std::optional<NativeReader::Stored> NativeReader::stored_of(const AVPacket& pack
     if (!checksums || !checksums->addition_is_whole) {
         return std::nullopt;
     }
-    return Stored{std::move(*facts), checksums->pixels};
+    return Stored{std::move(*facts), checksums->picture};
 }
 
 recording::FrameFacts NativeReader::take_facts(const AVFrame& frame) {
@@ -184,10 +223,7 @@ recording::FrameFacts NativeReader::take_facts(const AVFrame& frame) {
 
 bool NativeReader::keep(recording::FrameFacts& facts, const RawImage& image) {
     if (checksum_ && *checksum_ != recording::checksum(image)) {
-        leave_out("its pixels are not those that were recorded");
-        for (const SensorSample& sample : facts.sensors) {
-            samples_left_out_ += 1 + sample.lost_before;
-        }
+        leave_out("its pixels are not those that were recorded", facts);
         return false;
     }
     if (!facts.sensors.empty()) {

@@ -21,26 +21,29 @@ public:
 
 private:
     bool accept(const AVPacket& packet) override;
-    void refused(int error) override;
+    void refused(const std::string& why) override;
     recording::FrameFacts take_facts(const AVFrame& frame) override;
     bool keep(recording::FrameFacts& facts, const RawImage& image) override;
     void check_end() const override;
 
     void read_tags();
     void read_time_offset();
+    EyeLayout read_layout() const;
     void read_calibration();
     std::string_view required_tag(const char* key) const;
     std::invalid_argument damaged_tag(const char* key) const;
     void leave_out(const std::string& why);
+    void leave_out(const std::string& why, const recording::FrameFacts& facts);
     void count_gap(recording::FrameFacts& facts);
 
-    /// What stands beside the pixels of a frame.
+    /// What stands beside the picture of a frame.
     struct Stored {
         recording::FrameFacts facts;
-        std::optional<std::uint32_t> checksum;  ///< of the pixels; nothing in recordings of older versions
+        std::optional<std::uint32_t> checksum;  ///< of the picture; nothing in older recordings
     };
     std::optional<Stored> stored_of(const AVPacket& packet) const;
 
+    bool jpegs_ = false;                          ///< frames are stored as the camera's JPEGs
     std::deque<Stored> stored_;                   ///< of the packets in the decoder
     std::optional<std::uint32_t> checksum_;       ///< of the frame that take_facts() was asked for
     std::optional<std::uint64_t> next_sequence_;  ///< if no frame is lost

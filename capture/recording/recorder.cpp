@@ -40,11 +40,12 @@ Recorder::Recorder(const std::string& path, const SourceInfo& info, std::size_t 
       format_(info.format),
       eye_width_(info.eye_width),
       height_(info.height),
+      jpegs_(info.jpegs.has_value()),
       row_bytes_(2 * static_cast<std::size_t>(info.eye_width) * static_cast<std::size_t>(bytes_per_pixel(info.format))),
       free_(buffers),
       full_(buffers) {
     for (Buffer& buffer : buffers_) {
-        buffer.pixels.resize(row_bytes_ * static_cast<std::size_t>(height_));
+        buffer.bytes.resize(row_bytes_ * static_cast<std::size_t>(height_));
         buffer.sensors.reserve(RawFrame::most_samples);
     }
     status_.bytes = writer_.bytes();
@@ -55,15 +56,38 @@ Recorder::~Recorder() {
     finish();
 }
 
-bool Recorder::offer(const RawFrame& frame) noexcept {
+/// A JPEG has fewer bytes than its pixels have, or it is none that a camera sends.
+bool Recorder::fits(const RawFrame& frame) const {
     const RawImage& image = frame.image;
-    const bool fits = image.format == format_ && image.eye_width == eye_width_ && image.height == height_;
+    return image.format == format_ && image.eye_width == eye_width_ && image.height == height_ &&
+           (!jpegs_ || (!frame.jpeg.empty() && frame.jpeg.size() <= row_bytes_ * static_cast<std::size_t>(height_)));
+}
+
+void Recorder::copy(const RawFrame& frame, Buffer& buffer) const {
+    buffer.frame = frame;
+    if (jpegs_) {
+        std::memcpy(buffer.bytes.data(), frame.jpeg.data(), frame.jpeg.size());
+        buffer.frame.jpeg = std::span(buffer.bytes).first(frame.jpeg.size());
+    } else {
+        for (int y = 0; y < height_; ++y) {
+            std::memcpy(buffer.bytes.data() + static_cast<std::size_t>(y) * row_bytes_,
+                        frame.image.data + y * frame.image.stride, row_bytes_);
+        }
+        buffer.frame.image.data = buffer.bytes.data();
+        buffer.frame.image.stride = static_cast<std::ptrdiff_t>(row_bytes_);
+    }
+    const auto samples = frame.sensors.first(std::min(frame.sensors.size(), RawFrame::most_samples));
+    buffer.sensors.assign(samples.begin(), samples.end());
+    buffer.frame.sensors = buffer.sensors;
+}
+
+bool Recorder::offer(const RawFrame& frame) noexcept {
     std::size_t number = 0;
     {
         const std::lock_guard lock(mutex_);
         status_.lost += offered_ ? frame.dropped_before : 0;
         offered_ = true;
-        if (!fits || failed_ || finishing_ || !free_.has_free()) {
+        if (!fits(frame) || failed_ || finishing_ || !free_.has_free()) {
             ++status_.dropped;
             ++lost_before_next_;
             samples_lost_before_next_ += count_of(frame.sensors);
@@ -73,16 +97,7 @@ bool Recorder::offer(const RawFrame& frame) noexcept {
         copying_ = true;
     }
     Buffer& buffer = buffers_[number];  // nobody else knows this buffer now
-    for (int y = 0; y < height_; ++y) {
-        std::memcpy(buffer.pixels.data() + static_cast<std::size_t>(y) * row_bytes_, image.data + y * image.stride,
-                    row_bytes_);
-    }
-    buffer.frame = frame;
-    buffer.frame.image.data = buffer.pixels.data();
-    buffer.frame.image.stride = static_cast<std::ptrdiff_t>(row_bytes_);
-    const auto samples = frame.sensors.first(std::min(frame.sensors.size(), RawFrame::most_samples));
-    buffer.sensors.assign(samples.begin(), samples.end());
-    buffer.frame.sensors = buffer.sensors;
+    copy(frame, buffer);
     const std::lock_guard lock(mutex_);
     copying_ = false;
     if (ended_) {

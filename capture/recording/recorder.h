@@ -52,11 +52,13 @@ public:
 
 private:
     struct Buffer {
-        std::vector<std::uint8_t> pixels;
+        std::vector<std::uint8_t> bytes;  ///< the pixels, or the JPEG
         std::vector<SensorSample> sensors;
         RawFrame frame;
     };
 
+    bool fits(const RawFrame& frame) const;
+    void copy(const RawFrame& frame, Buffer& buffer) const;
     void run();
     void write_all();
 
@@ -65,6 +67,7 @@ private:
     const PixelFormat format_;
     const int eye_width_;
     const int height_;
+    const bool jpegs_;             ///< the camera's JPEGs are written, not the pixels
     const std::size_t row_bytes_;  ///< of both eyes
 
     mutable std::mutex mutex_;  ///< what follows, up to ended_

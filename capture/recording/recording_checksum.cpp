@@ -27,9 +27,9 @@ std::uint32_t checksum(const RawImage& image) {
     return static_cast<std::uint32_t>(sum);
 }
 
-void put_checksums(std::uint32_t pixels, std::span<std::uint8_t> addition) {
+void put_checksums(std::uint32_t picture, std::span<std::uint8_t> addition) {
     const std::span<std::uint8_t> before = addition.first(addition.size() - checksum_size);
-    base::put_little_endian(&before[before.size() - checksum_size], pixels, checksum_size);
+    base::put_little_endian(&before[before.size() - checksum_size], picture, checksum_size);
     base::put_little_endian(&addition[before.size()], checksum(before), checksum_size);
 }
 

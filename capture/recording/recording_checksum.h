@@ -20,13 +20,14 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes);
 /// Returns that of the pixels of both eyes, without the gaps between rows.
 std::uint32_t checksum(const RawImage& image);
 
-/// Writes both checksums to the last checksums_size bytes: that of the pixels, and that of all bytes before its own.
-void put_checksums(std::uint32_t pixels, std::span<std::uint8_t> addition);
+/// Writes both checksums to the last checksums_size bytes: that of the picture (pixels or JPEG), and that of all bytes
+/// before its own.
+void put_checksums(std::uint32_t picture, std::span<std::uint8_t> addition);
 
 /// What the end of a block addition says.
 struct StoredChecksums {
     bool addition_is_whole = false;
-    std::uint32_t pixels = 0;
+    std::uint32_t picture = 0;
 };
 
 /// Reads the checksums of an addition that ends with them; nothing where it is too short.

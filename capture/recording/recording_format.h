@@ -17,7 +17,10 @@
 /// What docs/recordings.md defines: the names and encodings that writer and reader share.
 namespace disparityd::capture::recording {
 
-inline constexpr std::string_view format_version = "1";
+/// Pixels are packed without loss.
+inline constexpr std::string_view version_of_pixels = "1";
+/// The camera's own JPEGs. Readers that know only the first version refuse it.
+inline constexpr std::string_view version_of_jpegs = "2";
 
 /// Tags of the container. A file with others that begin like these, and without the first, is a damaged recording.
 inline constexpr const char* tag_prefix = "DISPARITYD_";
@@ -27,6 +30,9 @@ inline constexpr const char* tag_synthetic = "DISPARITYD_SYNTHETIC";
 inline constexpr const char* tag_time_offset = "DISPARITYD_TIME_OFFSET_US";
 inline constexpr const char* tag_pixels = "DISPARITYD_PIXELS";
 inline constexpr const char* tag_eye_width = "DISPARITYD_EYE_WIDTH";
+/// Of JPEGs, in the words of the source (capture/camera/camera_uri.h): how the eyes lie.
+inline constexpr const char* tag_layout = "DISPARITYD_LAYOUT";
+inline constexpr const char* tag_first = "DISPARITYD_FIRST";
 inline constexpr const char* tag_rate = "DISPARITYD_RATE";
 inline constexpr const char* tag_checksums = "DISPARITYD_CHECKSUMS";
 inline constexpr const char* tag_frames = "DISPARITYD_FRAMES";

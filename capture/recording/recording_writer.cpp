@@ -33,6 +33,8 @@ namespace {
 constexpr std::int64_t cluster_ms = 500;
 constexpr std::uint64_t cluster_bytes = 4U << 20U;
 
+constexpr std::size_t most_jpeg_bytes = std::size_t{1} << 28;
+
 struct MuxerDelete {
     void operator()(AVFormatContext* muxer) const { avformat_free_context(muxer); }
 };
@@ -94,7 +96,7 @@ FramePtr frame_for(const AVCodecContext& encoder) {
 AVDictionary* tags_of(const SourceInfo& info) {
     AVDictionary* tags = nullptr;
     auto set = [&](const char* key, const std::string& value) { av_dict_set(&tags, key, value.c_str(), 0); };
-    set(recording::tag_format, std::string(recording::format_version));
+    set(recording::tag_format, std::string(info.jpegs ? recording::version_of_jpegs : recording::version_of_pixels));
     set(recording::tag_source, info.name);
     if (info.synthetic) {
         set(recording::tag_synthetic, "1");
@@ -104,6 +106,10 @@ AVDictionary* tags_of(const SourceInfo& info) {
     }
     set(recording::tag_pixels, std::string(to_string(info.format)));
     set(recording::tag_eye_width, std::to_string(info.eye_width));
+    if (info.jpegs) {
+        set(recording::tag_layout, info.jpegs->top_bottom ? "top-bottom" : "side-by-side");
+        set(recording::tag_first, info.jpegs->right_first ? "right" : "left");
+    }
     set(recording::tag_rate, base::number_text(recording::plausible_rate(info.rate)));
     set(recording::tag_checksums, std::string(recording::checksums_kind));
     set(recording::tag_frames, recording::frames_text(0));
@@ -155,11 +161,14 @@ public:
           format_(info.format),
           eye_width_(info.eye_width),
           height_(info.height),
+          jpegs_(info.jpegs.has_value()),
           clock_(recording::plausible_rate(info.rate)) {
         keep_ffmpeg_log();
         check(path, info);
-        encoder_ = open_encoder(info);
-        frame_ = frame_for(*encoder_);
+        if (!jpegs_) {
+            encoder_ = open_encoder(info);
+            frame_ = frame_for(*encoder_);
+        }
         packet_.reset(or_bad_alloc(av_packet_alloc()));
         file_.emplace(path, overwrite);
         try {
@@ -190,8 +199,20 @@ public:
                                         size_text(format_, eye_width_, height_) + ", this frame is " +
                                         size_text(image.format, image.eye_width, image.height));
         }
-        encode(frame);
-        const std::int64_t ms = packet_->pts;
+        if (jpegs_ && (frame.jpeg.empty() || frame.jpeg.size() > most_jpeg_bytes)) {
+            throw std::invalid_argument(path_ + ": the recording is one of JPEGs, this frame has " +
+                                        std::to_string(frame.jpeg.size()) + " bytes of one, allowed 1 to " +
+                                        std::to_string(most_jpeg_bytes));
+        }
+        const std::int64_t ms = clock_.stamp(frame.monotonic_ns);
+        if (jpegs_) {
+            take_jpeg(frame.jpeg);
+        } else {
+            encode(image, ms);
+        }
+        packet_->stream_index = 0;
+        packet_->pts = packet_->dts = ms;
+        add_facts(frame, jpegs_ ? recording::checksum(frame.jpeg) : recording::checksum(image));
         pending_bytes_ += static_cast<std::uint64_t>(packet_->size);
         const int result = av_write_frame(muxer_.get(), packet_.get());
         av_packet_unref(packet_.get());
@@ -233,7 +254,12 @@ private:
         muxer_->flush_packets = 0;
         muxer_->metadata = tags_of(info);
         AVStream* stream = or_bad_alloc(avformat_new_stream(made, nullptr));
-        if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) {
+        if (info.jpegs) {
+            stream->codecpar->codec_type = AVMEDIA_TYPE_VIDEO;
+            stream->codecpar->codec_id = AV_CODEC_ID_MJPEG;
+            stream->codecpar->width = info.jpegs->frame_width();
+            stream->codecpar->height = info.jpegs->frame_height();
+        } else if (avcodec_parameters_from_context(stream->codecpar, encoder_.get()) < 0) {
             throw std::bad_alloc();
         }
         stream->time_base = {1, 1000};
@@ -270,12 +296,20 @@ private:
         }
     }
 
-    void encode(const RawFrame& frame) {
+    void take_jpeg(std::span<const std::uint8_t> jpeg) {
+        if (av_new_packet(packet_.get(), static_cast<int>(jpeg.size())) < 0) {
+            throw std::bad_alloc();
+        }
+        std::copy(jpeg.begin(), jpeg.end(), packet_->data);
+        packet_->flags |= AV_PKT_FLAG_KEY;
+    }
+
+    void encode(const RawImage& image, std::int64_t ms) {
         if (av_frame_make_writable(frame_.get()) < 0) {
             throw std::bad_alloc();
         }
-        store_pixels(frame.image, *frame_);
-        frame_->pts = clock_.stamp(frame.monotonic_ns);
+        store_pixels(image, *frame_);
+        frame_->pts = ms;
         clear_ffmpeg_log();
         int result = avcodec_send_frame(encoder_.get(), frame_.get());
         if (result >= 0) {
@@ -284,8 +318,9 @@ private:
         if (result < 0) {
             throw std::runtime_error(path_ + ": cannot compress a frame: " + ffmpeg_reason(result));
         }
-        packet_->stream_index = 0;
-        packet_->pts = packet_->dts = frame_->pts;
+    }
+
+    void add_facts(const RawFrame& frame, std::uint32_t checksum) {
         const std::size_t size =
             recording::facts_size + recording::sensors_size(frame.sensors) + recording::checksums_size;
         std::uint8_t* side =
@@ -299,8 +334,7 @@ private:
                               {}},
                              std::span<std::uint8_t, recording::facts_size>(side, recording::facts_size));
         recording::put_sensors(frame.sensors, std::span(side, size).subspan(recording::facts_size));
-        recording::put_checksums(recording::checksum(frame.image),
-                                 std::span(side, size).subspan(recording::block_add_id_size));
+        recording::put_checksums(checksum, std::span(side, size).subspan(recording::block_add_id_size));
         pending_bytes_ += size;
     }
 
@@ -398,8 +432,9 @@ private:
     PixelFormat format_;
     int eye_width_;
     int height_;
+    bool jpegs_;
     ContainerClock clock_;
-    CodecPtr encoder_;
+    CodecPtr encoder_;  ///< none for JPEGs
     FramePtr frame_;
     PacketPtr packet_;
     std::optional<RecordingFile> file_;  // outlives the muxer, which writes to it

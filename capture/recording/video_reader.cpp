@@ -5,6 +5,7 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
+#include <algorithm>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -47,22 +48,40 @@ void VideoReader::open_decoder(AVPixelFormat stored) {
         throw std::invalid_argument(path + ": cannot decode " + avcodec_get_name(parameters.codec_id) + ": " +
                                     ffmpeg_reason(result));
     }
-    const int width = parameters.width;
-    const int height = parameters.height;
-    if (width < 1 || height < 1 || width > recording::max_side || height > recording::max_side ||
-        std::int64_t{width} * height > recording::max_pixels) {
-        throw std::invalid_argument(path + ": found a picture of " + std::to_string(width) + " x " +
-                                    std::to_string(height) + ", allowed up to " + std::to_string(recording::max_side) +
-                                    " each way and " + std::to_string(recording::max_pixels) + " pixels");
-    }
+    check_limits();
     try {
-        loader_ = std::make_unique<PixelLoader>(stored, width, height);
+        loader_ = std::make_unique<PixelLoader>(stored, parameters.width, parameters.height);
     } catch (const std::invalid_argument& error) {
         throw std::invalid_argument(path + ": cannot be used as frames: " + error.what());
     }
     stored_ = stored;
     info_.format = loader_->format();
     check_size();
+}
+
+void VideoReader::open_jpegs(const EyeLayout& layout) {
+    check_limits();
+    info_.format = PixelFormat::yuyv;
+    info_.eye_width = layout.eye_width;
+    info_.height = layout.eye_height;
+    if (layout.frame_width() != stream().codecpar->width || layout.frame_height() != stream().codecpar->height ||
+        layout.eye_width % 2 != 0) {
+        throw std::invalid_argument(input_.path() + ": found JPEGs of " + std::to_string(stream().codecpar->width) +
+                                    " x " + std::to_string(stream().codecpar->height) +
+                                    ", expected two eyes of even width");
+    }
+    jpegs_ = std::make_unique<JpegDecoder>(layout);
+}
+
+void VideoReader::check_limits() const {
+    const int width = stream().codecpar->width;
+    const int height = stream().codecpar->height;
+    if (width < 1 || height < 1 || width > recording::max_side || height > recording::max_side ||
+        std::int64_t{width} * height > recording::max_pixels) {
+        throw std::invalid_argument(input_.path() + ": found a picture of " + std::to_string(width) + " x " +
+                                    std::to_string(height) + ", allowed up to " + std::to_string(recording::max_side) +
+                                    " each way and " + std::to_string(recording::max_pixels) + " pixels");
+    }
 }
 
 void VideoReader::check_size() const {
@@ -85,21 +104,43 @@ bool VideoReader::read(recording::FrameFacts& facts, std::uint8_t* pixels) {
     const RawImage image{pixels, info_.format, info_.eye_width, info_.height,
                          std::ptrdiff_t{2} * info_.eye_width * bytes_per_pixel(info_.format)};
     do {
-        while (!receive_frame()) {
-            if (draining_) {
-                check_end();
-                return false;
-            }
-            send_packet();
+        if (!(jpegs_ ? next_jpeg(facts, pixels) : next_picture(facts, pixels))) {
+            check_end();
+            return false;
         }
-        check_picture();
-        facts = take_facts(*frame_);
-        loader_->load(*frame_, pixels);
-        av_frame_unref(frame_.get());
     } while (!keep(facts, image));
     ++frames_;
     ended_ = false;
     return true;
+}
+
+bool VideoReader::next_picture(recording::FrameFacts& facts, std::uint8_t* pixels) {
+    while (!receive_frame()) {
+        if (draining_) {
+            return false;
+        }
+        send_packet();
+    }
+    check_picture();
+    facts = take_facts(*frame_);
+    loader_->load(*frame_, pixels);
+    av_frame_unref(frame_.get());
+    return true;
+}
+
+bool VideoReader::next_jpeg(recording::FrameFacts& facts, std::uint8_t* pixels) {
+    while (read_packet()) {
+        if (!accept(*packet_)) {
+            continue;
+        }
+        const char* problem = jpegs_->decode({packet_->data, static_cast<std::size_t>(packet_->size)}, pixels);
+        if (problem == nullptr) {
+            facts = take_facts(*frame_);
+            return true;
+        }
+        refused(problem);
+    }
+    return false;
 }
 
 bool VideoReader::receive_frame() {
@@ -109,21 +150,25 @@ bool VideoReader::receive_frame() {
         return true;
     }
     if (result != AVERROR(EAGAIN) && result != AVERROR_EOF) {
-        refused(result);
+        refused(ffmpeg_reason(result));
     }
     return false;
 }
 
-/// Gives the decoder the next packet, or tells it that there are no more.
-void VideoReader::send_packet() {
+bool VideoReader::read_packet() {
     int result = 0;
     do {
         av_packet_unref(packet_.get());
         clear_ffmpeg_log();
         result = av_read_frame(&input_.context(), packet_.get());
     } while (result >= 0 && packet_->stream_index != stream_);
-    if (result < 0) {
-        end_error_ = result;
+    end_error_ = std::min(result, 0);
+    return result >= 0;
+}
+
+/// Gives the decoder the next packet, or tells it that there are no more.
+void VideoReader::send_packet() {
+    if (!read_packet()) {
         draining_ = true;
         avcodec_send_packet(decoder_.get(), nullptr);
         return;
@@ -133,10 +178,10 @@ void VideoReader::send_packet() {
         return;
     }
     clear_ffmpeg_log();
-    result = avcodec_send_packet(decoder_.get(), packet_.get());
+    const int result = avcodec_send_packet(decoder_.get(), packet_.get());
     av_packet_unref(packet_.get());
     if (result < 0) {
-        refused(result);
+        refused(ffmpeg_reason(result));
     }
 }
 

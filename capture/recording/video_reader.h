@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "capture/jpeg_decoder.h"
 #include "capture/recording/recording_ffmpeg.h"
 #include "capture/recording/recording_input.h"
 #include "capture/recording/recording_pixels.h"
@@ -29,13 +30,17 @@ protected:
     /// Pictures are expected in the pixel format `stored`. Throws std::invalid_argument when they cannot be used.
     void open_decoder(AVPixelFormat stored);
 
+    /// In place of open_decoder(): packets are the JPEGs of a camera, with the eyes so. Throws as open_decoder().
+    void open_jpegs(const EyeLayout& layout);
+
     /// Looks at a packet before it is decoded; false leaves it out. Throws std::runtime_error.
     virtual bool accept(const AVPacket& packet) = 0;
 
-    /// Hears that the decoder has refused a packet, with FFmpeg's code.
-    virtual void refused(int error) = 0;
+    /// Hears that the decoder has refused a packet, and why.
+    virtual void refused(const std::string& why) = 0;
 
-    /// Returns what belongs to the next frame. Throws std::runtime_error when that is missing.
+    /// Returns what belongs to the next frame. Throws std::runtime_error when there is none.
+    /// `frame` is empty where the picture was a JPEG.
     virtual recording::FrameFacts take_facts(const AVFrame& frame) = 0;
 
     /// Looks at a frame whose pixels are there, and may complete its facts; false leaves the frame out.
@@ -60,8 +65,12 @@ protected:
     Info info_;
 
 private:
+    void check_limits() const;
     void check_size() const;
+    bool next_picture(recording::FrameFacts& facts, std::uint8_t* pixels);
+    bool next_jpeg(recording::FrameFacts& facts, std::uint8_t* pixels);
     bool receive_frame();
+    bool read_packet();
     void send_packet();
     void check_picture() const;
 
@@ -72,6 +81,7 @@ private:
     PacketPtr packet_;
     FramePtr frame_;
     std::unique_ptr<PixelLoader> loader_;
+    std::unique_ptr<JpegDecoder> jpegs_;  ///< in place of the three before
 
     std::uint64_t frames_ = 0;  ///< read so far
     int end_error_ = 0;         ///< with which FFmpeg ended the file

@@ -12,7 +12,7 @@
 
 #include <turbojpeg.h>
 
-#include "capture/camera/jpeg_decoder.h"
+#include "capture/jpeg_decoder.h"
 #include "capture/scene/scene_render.h"
 
 namespace disparityd::lab {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "capture/camera/jpeg_decoder.h"
+#include "capture/jpeg_decoder.h"
 #include "tests/fuzz/outcome.h"
 
 using namespace disparityd;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/camera/jpeg_decoder.h"
+#include "capture/jpeg_decoder.h"
 
 #include <algorithm>
 #include <array>

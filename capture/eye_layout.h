@@ -15,6 +15,8 @@ struct EyeLayout {
 
     /// Whether a frame is lent as it was sent: side by side, the left eye first.
     bool as_lent() const { return !top_bottom && !right_first; }
+
+    bool operator==(const EyeLayout&) const = default;
 };
 
 }  // namespace disparityd::capture

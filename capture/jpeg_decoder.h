@@ -5,7 +5,7 @@
 #include <memory>
 #include <span>
 
-#include "capture/camera/eye_layout.h"
+#include "capture/eye_layout.h"
 
 namespace disparityd::capture {
 
