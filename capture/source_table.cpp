@@ -23,7 +23,8 @@ const std::vector<SourceKind>& source_kinds() {
          "half), port=USB-PORT",
          is_camera, open_camera},
         {"bag",
-         "a ROS 2 bag: recording.mcap, or the folder of one; which of several pairs of topics with images is read "
+         "a ROS bag: recording.mcap, recording.db3 or the folder of one, recording.bag of ROS 1; which of several "
+         "pairs of topics with images is read "
          "stands "
          "behind it: recording.mcap?left=/left/image_raw&right=/right/image_raw",
          is_bag, open_bag},

@@ -1,69 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/mcap_chunk.h"
 
-#include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include <lz4frame.h>
 #include <zlib.h>
-#include <zstd.h>
 
 #include "base/message_text.h"
 #include "formats/mcap_fields.h"
+#include "formats/unpack.h"
 
 namespace disparityd::formats {
-namespace {
-
-[[noreturn]] void fail_size(std::string_view packing, std::size_t expected) {
-    throw std::runtime_error("a chunk cannot be unpacked: its " + std::string(packing) + " data are no " +
-                             std::to_string(expected) + " bytes");
-}
-
-void unpack_zstd(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>& room) {
-    const std::size_t size = ZSTD_decompress(room.data(), room.size(), packed.data(), packed.size());
-    if (ZSTD_isError(size) != 0) {
-        throw std::runtime_error(std::string("a chunk cannot be unpacked: zstd: ") + ZSTD_getErrorName(size));
-    }
-    if (size != room.size()) {
-        fail_size("zstd", room.size());
-    }
-}
-
-struct FreeLz4 {
-    void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
-};
-
-void unpack_lz4(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>& room) {
-    LZ4F_dctx* raw = nullptr;
-    if (LZ4F_isError(LZ4F_createDecompressionContext(&raw, LZ4F_VERSION)) != 0) {
-        throw std::bad_alloc();
-    }
-    const std::unique_ptr<LZ4F_dctx, FreeLz4> context(raw);
-    std::size_t done = 0;
-    for (bool ended = room.empty() && packed.empty(); !ended;) {
-        std::size_t taken = packed.size();
-        std::size_t made = room.size() - done;
-        const std::size_t next =
-            LZ4F_decompress(context.get(), room.data() + done, &made, packed.data(), &taken, nullptr);
-        if (LZ4F_isError(next) != 0) {
-            throw std::runtime_error(std::string("a chunk cannot be unpacked: lz4: ") + LZ4F_getErrorName(next));
-        }
-        done += made;
-        packed = packed.subspan(taken);
-        ended = next == 0 && packed.empty();
-        if (!ended && made == 0 && taken == 0) {
-            fail_size("lz4", room.size());
-        }
-    }
-    if (done != room.size()) {
-        fail_size("lz4", room.size());
-    }
-}
-
-}  // namespace
 
 std::span<const std::uint8_t> mcap_chunk_records(std::span<const std::uint8_t> content,
                                                  std::vector<std::uint8_t>& room) {

@@ -3,15 +3,18 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
 #include <utility>
 
 #include "base/message_text.h"
 #include "formats/cdr_reader.h"
+#include "formats/ros1_reader.h"
 
 namespace disparityd::formats {
 namespace {
 
 constexpr std::size_t most_numbers = 4096;
+constexpr std::size_t most_empty = 100'000;
 
 std::size_t size_of(RosKind kind) {
     switch (kind) {
@@ -27,35 +30,37 @@ std::size_t size_of(RosKind kind) {
     }
 }
 
-double read_number(CdrReader& cdr, RosKind kind) {
+template <class Reader>
+double read_number(Reader& bytes, RosKind kind) {
     switch (kind) {
-        case RosKind::int8: return cdr.get<std::int8_t>();
-        case RosKind::int16: return cdr.get<std::int16_t>();
-        case RosKind::uint16: return cdr.get<std::uint16_t>();
-        case RosKind::int32: return cdr.get<std::int32_t>();
-        case RosKind::uint32: return cdr.get<std::uint32_t>();
-        case RosKind::int64: return static_cast<double>(cdr.get<std::int64_t>());
-        case RosKind::uint64: return static_cast<double>(cdr.get<std::uint64_t>());
-        case RosKind::float32: return cdr.get<float>();
-        case RosKind::float64: return cdr.get<double>();
-        default: return cdr.get<std::uint8_t>();
+        case RosKind::int8: return bytes.template get<std::int8_t>();
+        case RosKind::int16: return bytes.template get<std::int16_t>();
+        case RosKind::uint16: return bytes.template get<std::uint16_t>();
+        case RosKind::int32: return bytes.template get<std::int32_t>();
+        case RosKind::uint32: return bytes.template get<std::uint32_t>();
+        case RosKind::int64: return static_cast<double>(bytes.template get<std::int64_t>());
+        case RosKind::uint64: return static_cast<double>(bytes.template get<std::uint64_t>());
+        case RosKind::float32: return bytes.template get<float>();
+        case RosKind::float64: return bytes.template get<double>();
+        default: return bytes.template get<std::uint8_t>();
     }
 }
 
-/// Walks through the bytes as the schema says, and keeps what it meets. Each field takes a byte at least, so that it
-/// ends with the message.
+/// Walks through the bytes as the schema says, and keeps what it meets. It ends with the message: each field takes a
+/// byte at least, and messages without fields, which take none in ROS 1, are counted.
+template <class Reader>
 class MessageWalk {
 public:
     using Fields = std::map<std::string, RosMessage::Value, std::less<>>;
 
-    MessageWalk(const RosSchema& schema, CdrReader& cdr, Fields& fields)
-        : schema_(schema), cdr_(cdr), fields_(fields) {}
+    MessageWalk(const RosSchema& schema, Reader& bytes, Fields& fields)
+        : schema_(schema), bytes_(bytes), fields_(fields) {}
 
     /// `prefix` is the path of the message with a point behind it; nullptr: nothing is kept.
     void walk(std::size_t definition, const std::string* prefix) {
         const std::vector<RosField>& fields = schema_.definitions[definition].fields;
         if (fields.empty()) {
-            cdr_.get<std::uint8_t>();  // what has no field is sent as one byte
+            pass_empty();
         }
         for (const RosField& field : fields) {
             const std::string path = prefix == nullptr ? std::string() : *prefix + field.name;
@@ -63,13 +68,21 @@ public:
                 read_one(field, prefix == nullptr ? nullptr : &path);
             } else {
                 const std::size_t count =
-                    field.count == RosField::Count::fixed ? field.size : cdr_.get<std::uint32_t>();
+                    field.count == RosField::Count::fixed ? field.size : bytes_.template get<std::uint32_t>();
                 read_many(field, count, prefix == nullptr ? nullptr : &path);
             }
         }
     }
 
 private:
+    void pass_empty() {
+        if constexpr (std::is_same_v<Reader, CdrReader>) {
+            bytes_.template get<std::uint8_t>();  // what has no field is sent as one byte
+        } else if (++empty_ > most_empty) {
+            throw std::runtime_error("has more than " + std::to_string(most_empty) + " messages without fields");
+        }
+    }
+
     void read_one(const RosField& field, const std::string* path) {
         if (field.kind == RosKind::message) {
             const std::string prefix = path == nullptr ? std::string() : *path + ".";
@@ -79,7 +92,7 @@ private:
         if (field.kind == RosKind::text || field.kind == RosKind::wide_text) {
             keep(path, read_text(field));
         } else {
-            keep(path, read_number(cdr_, field.kind));
+            keep(path, read_number(bytes_, field.kind));
         }
     }
 
@@ -93,13 +106,13 @@ private:
         }
         const std::size_t size = size_of(field.kind);
         if (size == 1) {
-            keep(path, cdr_.elements(count, 1));
+            keep(path, bytes_.elements(count, 1));
         } else if (path == nullptr || count > most_numbers) {
-            cdr_.elements(count, size);
+            bytes_.elements(count, size);
         } else {
             std::vector<double> numbers;
             for (std::size_t i = 0; i < count; ++i) {
-                numbers.push_back(read_number(cdr_, field.kind));
+                numbers.push_back(read_number(bytes_, field.kind));
             }
             keep(path, std::move(numbers));
         }
@@ -110,7 +123,7 @@ private:
             throw std::runtime_error("has the field " + base::printable(field.name) +
                                      " of type wstring, which writers do not agree on: it is not read");
         }
-        return cdr_.text();
+        return bytes_.text();
     }
 
     void keep(const std::string* path, RosMessage::Value value) {
@@ -120,16 +133,22 @@ private:
     }
 
     const RosSchema& schema_;
-    CdrReader& cdr_;
+    Reader& bytes_;
     Fields& fields_;
+    std::size_t empty_ = 0;
 };
 
 }  // namespace
 
-RosMessage::RosMessage(const RosSchema& schema, std::span<const std::uint8_t> cdr) {
-    CdrReader reader(cdr);
+RosMessage::RosMessage(const RosSchema& schema, std::span<const std::uint8_t> bytes, RosEncoding encoding) {
     const std::string prefix;
-    MessageWalk(schema, reader, fields_).walk(0, &prefix);
+    if (encoding == RosEncoding::cdr) {
+        CdrReader reader(bytes);
+        MessageWalk(schema, reader, fields_).walk(0, &prefix);
+    } else {
+        Ros1Reader reader(bytes);
+        MessageWalk(schema, reader, fields_).walk(0, &prefix);
+    }
 }
 
 template <typename Kind>

@@ -14,7 +14,13 @@
 
 namespace disparityd::formats {
 
-/// The fields of one message of ROS 2, read from CDR by its schema. A field within another message has its path,
+/// How the fields of a message lie in its bytes.
+enum class RosEncoding : std::uint8_t {
+    cdr,   ///< of ROS 2
+    ros1,  ///< little endian, without gaps
+};
+
+/// The fields of one message of ROS, read by its schema. A field within another message has its path,
 /// "header.stamp.sec". Numbers are doubles, arrays of 8 bits are bytes. Texts and bytes are views of the message, which
 /// must live as long. Fields within arrays of messages, arrays of texts, and arrays of more than 4096 numbers are
 /// passed over.
@@ -24,7 +30,7 @@ public:
 
     /// Throws std::runtime_error with one line where the bytes are not what the schema says. The line does not say
     /// which message it is.
-    RosMessage(const RosSchema& schema, std::span<const std::uint8_t> cdr);
+    RosMessage(const RosSchema& schema, std::span<const std::uint8_t> bytes, RosEncoding encoding = RosEncoding::cdr);
 
     /// Return a field. Throw std::runtime_error where there is none of this name and kind.
     double number(std::string_view path) const;

@@ -83,10 +83,11 @@ BagCameraInfo camera_info_of(const formats::RosMessage& message, const std::stri
     BagCameraInfo info;
     info.topic = topic;
     info.model = message.text("distortion_model");
-    info.distortion = message.numbers("d");
-    info.camera = matrix(message, "k", 9);
-    info.rotation = matrix(message, "r", 9);
-    info.projection = matrix(message, "p", 12);
+    const bool capital = message.has("K");  // as ROS 1 names them
+    info.distortion = message.numbers(capital ? "D" : "d");
+    info.camera = matrix(message, capital ? "K" : "k", 9);
+    info.rotation = matrix(message, capital ? "R" : "r", 9);
+    info.projection = matrix(message, capital ? "P" : "p", 12);
     const std::int64_t part_width = message.integer("roi.width");
     const std::int64_t part_height = message.integer("roi.height");
     const std::int64_t width = part_width != 0 ? part_width : message.integer("width");

@@ -2,6 +2,7 @@
 #include "capture/bag/bag_messages.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <stdexcept>
 
@@ -10,6 +11,9 @@
 #include "base/file_kind.h"
 #include "base/message_text.h"
 #include "base/text_file.h"
+#include "base/words.h"
+#include "formats/ros_definitions.h"
+#include "formats/unpack.h"
 
 namespace disparityd::capture {
 namespace {
@@ -31,13 +35,19 @@ std::vector<std::string> files_of_folder(const std::filesystem::path& folder) {
         if (!bag || !bag.IsMap()) {
             refuse("has no rosbag2_bagfile_information: this is no ROS 2 bag");
         }
-        if (const std::string kind = word(bag["storage_identifier"]); kind != "mcap") {
+        if (const std::string kind = word(bag["storage_identifier"]); kind != "mcap" && kind != "sqlite3") {
             refuse("found a bag stored as '" + base::printable(kind) +
-                   "', allowed is mcap: convert it with ros2 bag convert");
+                   "', allowed are mcap and sqlite3: convert it with ros2 bag convert");
         }
-        if (const std::string packing = word(bag["compression_format"]); !packing.empty()) {
+        const std::string packing = word(bag["compression_format"]);
+        if (!packing.empty() && packing != "zstd") {
             refuse("found a bag packed by '" + base::printable(packing) +
-                   "' (--compression-mode), allowed are MCAP's own chunks: convert it with ros2 bag convert");
+                   "', allowed is zstd: convert it with ros2 bag convert");
+        }
+        if (!packing.empty() && base::lower_case(word(bag["compression_mode"])) == "file") {
+            refuse(
+                "found a bag whose files are packed (--compression-mode file), which is not read: unpack them with "
+                "unzstd and name one of them, or convert the bag with ros2 bag convert");
         }
         for (const YAML::Node& file : bag["relative_file_paths"]) {
             // Older bags name the folder, too; none may lead out of it.
@@ -69,43 +79,41 @@ void BagMessages::open(std::size_t file) {
         before_ += reader_->position();
         earlier_ = topics();
     }
-    schemas_.clear();
-    reader_ = std::make_unique<formats::McapReader>(files_[file]);
+    types_.clear();
+    reader_ = formats::open_ros_bag(files_[file]);
     file_ = file;
 }
 
 bool BagMessages::has_all_topics() const {
-    return files_.size() == 1 && reader_->has_summary();
+    return files_.size() == 1 && reader_->lists_all();
 }
 
 std::vector<BagTopic> BagMessages::topics() const {
     std::vector<BagTopic> topics = earlier_;
-    const formats::McapDefinitions& definitions = reader_->definitions();
-    for (const auto& [id, channel] : definitions.channels()) {
-        const auto count = files_.size() == 1 ? reader_->message_count(id) : std::nullopt;
-        const auto known = std::find_if(topics.begin(), topics.end(),
-                                        [&name = channel.topic](const BagTopic& topic) { return topic.name == name; });
+    for (const auto& [id, connection] : reader_->connections()) {
+        const auto count = files_.size() == 1 ? connection.messages : std::nullopt;
+        const auto known =
+            std::find_if(topics.begin(), topics.end(),
+                         [&name = connection.topic](const BagTopic& topic) { return topic.name == name; });
         if (known != topics.end()) {  // several writers on one topic
             known->messages = known->messages && count ? std::optional(*known->messages + *count) : std::nullopt;
         } else {
-            const auto schema = definitions.schemas().find(channel.schema);
-            topics.push_back(
-                {channel.topic, schema == definitions.schemas().end() ? std::string() : schema->second.name, count});
+            topics.push_back({connection.topic, connection.type, count});
         }
     }
     return topics;
 }
 
 bool BagMessages::next(Message& message) {
-    formats::McapMessage found;
+    formats::RosBag::Message found;
     while (!reader_->next(found)) {
         if (file_ + 1 == files_.size()) {
             return false;
         }
         open(file_ + 1);
     }
-    channel_ = found.channel;
-    message.topic = reader_->definitions().channels().at(found.channel).topic;
+    connection_ = found.connection;
+    message.topic = found.topic;
     message.log_ns = clamped(found.log_ns);
     message.data = found.data;
     return true;
@@ -116,27 +124,44 @@ void BagMessages::fail(const Message& message, const std::string& what) const {
                              ": " + what);
 }
 
-const formats::RosSchema& BagMessages::schema_of(std::uint16_t channel) {
-    if (const auto known = schemas_.find(channel); known != schemas_.end()) {
+const BagMessages::Type& BagMessages::type_of(std::uint32_t connection) {
+    if (const auto known = types_.find(connection); known != types_.end()) {
         return known->second;
     }
-    const formats::McapDefinitions& definitions = reader_->definitions();
-    const formats::McapChannel& found = definitions.channels().at(channel);
-    if (found.message_encoding != "cdr" || found.schema == 0) {
-        throw std::runtime_error("found messages encoded as '" + base::printable(found.message_encoding) +
-                                 "', allowed is cdr with a schema");
+    const formats::BagConnection found = reader_->connections().at(connection);
+    if (found.encoding != "cdr" && found.encoding != "ros1") {
+        throw std::runtime_error("found messages encoded as '" + base::printable(found.encoding) +
+                                 "', allowed are cdr and ros1");
     }
-    const formats::McapSchema& schema = definitions.schemas().at(found.schema);
-    if (schema.encoding != "ros2msg") {
-        throw std::runtime_error("found a schema written as '" + base::printable(schema.encoding) +
-                                 "', allowed is ros2msg");
+    const bool cdr = found.encoding == "cdr";
+    const bool usable = !found.definition.empty() && found.definition_encoding == (cdr ? "ros2msg" : "ros1msg");
+    const std::string_view text =
+        usable || !cdr ? std::string_view(found.definition) : formats::published_definition(found.type);
+    if (text.empty() || (!usable && !cdr)) {
+        throw std::runtime_error("found a definition written as '" + base::printable(found.definition_encoding) +
+                                 "' of the type '" + base::printable(found.type) + "', allowed is ros2msg or ros1msg");
     }
-    return schemas_.emplace(channel, formats::parse_ros_schema(schema.name, schema.text)).first->second;
+    const formats::RosEncoding encoding = cdr ? formats::RosEncoding::cdr : formats::RosEncoding::ros1;
+    return types_.emplace(connection, Type{formats::parse_ros_schema(found.type, text), encoding}).first->second;
+}
+
+/// Unpacks a message of a bag that was recorded with --compression-mode message. No message of CDR begins so.
+void BagMessages::unpack(std::span<const std::uint8_t>& data) {
+    constexpr std::array<std::uint8_t, 4> zstd{0x28, 0xb5, 0x2f, 0xfd};
+    if (data.size() >= zstd.size() && std::equal(zstd.begin(), zstd.end(), data.begin())) {
+        formats::unpack_zstd_message(data, unpacked_);
+        data = unpacked_;
+    }
 }
 
 formats::RosMessage BagMessages::decode(const Message& message) {
     try {
-        return {schema_of(channel_), message.data};
+        const Type& type = type_of(connection_);
+        std::span<const std::uint8_t> data = message.data;
+        if (type.encoding == formats::RosEncoding::cdr) {
+            unpack(data);
+        }
+        return {type.schema, data, type.encoding};
     } catch (const std::runtime_error& error) {
         fail(message, error.what());
     }

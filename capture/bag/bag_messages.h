@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/mcap_reader.h"
+#include "formats/ros_bag.h"
 #include "formats/ros_message.h"
 
 namespace disparityd::capture {
@@ -21,9 +21,9 @@ struct BagTopic {
     std::optional<std::uint64_t> messages;  ///< how many there are, where the bag says so
 };
 
-/// Reads the messages of a ROS 2 bag: one MCAP file, or those of a folder with metadata.yaml one after the other. One
-/// thread uses an object at a time. The constructor throws std::invalid_argument with one line for what is no bag that
-/// can be read; all functions throw std::runtime_error with one line for damage.
+/// Reads the messages of a bag of ROS 1 or 2: one file, or those of a folder with metadata.yaml one after the other.
+/// One thread uses an object at a time. The constructor throws std::invalid_argument with one line for what is no bag
+/// that can be read; all functions throw std::runtime_error with one line for damage.
 class BagMessages {
 public:
     struct Message {
@@ -51,16 +51,24 @@ public:
     std::uint64_t position() const { return before_ + reader_->position(); }
 
 private:
+    /// How to read messages of a type.
+    struct Type {
+        formats::RosSchema schema;
+        formats::RosEncoding encoding;
+    };
+
     void open(std::size_t file);
-    const formats::RosSchema& schema_of(std::uint16_t channel);
+    const Type& type_of(std::uint32_t connection);
+    void unpack(std::span<const std::uint8_t>& data);
 
     std::vector<std::string> files_;
     std::vector<BagTopic> earlier_;  ///< of the files before this one
     std::size_t file_ = 0;
     std::uint64_t before_ = 0;  ///< bytes of the files before this one
-    std::unique_ptr<formats::McapReader> reader_;
-    std::map<std::uint16_t, formats::RosSchema> schemas_;  ///< by channels of this file
-    std::uint16_t channel_ = 0;                            ///< of the last message
+    std::unique_ptr<formats::RosBag> reader_;
+    std::map<std::uint32_t, Type> types_;  ///< by connections of this file
+    std::uint32_t connection_ = 0;         ///< of the last message
+    std::vector<std::uint8_t> unpacked_;   ///< the last message, where it was packed
 };
 
 }  // namespace disparityd::capture

@@ -123,7 +123,7 @@ void BagReader::describe(bool calibrated) {
     const Pair& eyes = first_.front().eyes;
     const cv::Mat& left = eyes.left.pixels;
     const bool side_by_side = topics_.right.empty();
-    info_.content = "ROS 2 bag, " + base::printable(topics_.left) +
+    info_.content = "ROS bag, " + base::printable(topics_.left) +
                     (side_by_side ? " side by side" : " and " + base::printable(topics_.right));
     info_.format = format_of(left, eyes.right.pixels);
     info_.eye_width = side_by_side ? left.cols / 2 : left.cols;

@@ -7,7 +7,7 @@
 
 namespace disparityd::capture {
 
-/// Replays the images of two topics of a ROS 2 bag, or of one with both eyes side by side, with the calibration of
+/// Replays the images of two topics of a ROS bag, or of one with both eyes side by side, with the calibration of
 /// their CameraInfo and the samples of an inertial sensor. Threads, pace and loops are those of open_recording().
 /// Images without a partner count as lost frames.
 ///

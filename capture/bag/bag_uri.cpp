@@ -29,7 +29,8 @@ bool is_bag_folder(const std::filesystem::path& folder) {
 
 bool is_bag(const std::string& uri) {
     const std::filesystem::path path(path_of(uri));
-    return base::lower_case(path.extension().string()) == ".mcap" || is_bag_folder(path);
+    const std::string ending = base::lower_case(path.extension().string());
+    return ending == ".mcap" || ending == ".db3" || ending == ".bag" || is_bag_folder(path);
 }
 
 BagUri parse_bag_uri(const std::string& uri) {

@@ -9,7 +9,7 @@ namespace disparityd::capture {
 
 /// A bag and what of it is to be read: "PATH?left=/TOPIC&right=/TOPIC". What is not said is found.
 struct BagUri {
-    std::string path;   ///< a .mcap file, or a folder with metadata.yaml
+    std::string path;   ///< a .mcap, .db3 or .bag file, or a folder with metadata.yaml
     std::string left;   ///< topic; with `right`, or empty
     std::string right;  ///< topic
     std::string both;   ///< topic whose images have both eyes side by side

@@ -31,8 +31,7 @@ constexpr const char* as_svo =
 constexpr const char* as_svo2 =
     "is a recording of the ZED SDK (SVO2), which holds both eyes: name it alone, with a name that ends in .svo2";
 constexpr const char* as_bag =
-    "is a ROS bag, which is not read; export the raw images of both eyes (ROS 1: rosrun image_view extract_images; ROS "
-    "2: ros2 run image_view extract_images_sync) to two folders and name them: left_folder,right_folder";
+    "is a ROS bag: give it a name that ends in .bag (ROS 1) or .db3 (ROS 2), so that it is read as one";
 
 struct OtherKind {
     std::string_view begins;  ///< the file's first bytes

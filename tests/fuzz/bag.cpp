@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// MCAP files: their records, chunks, schemas and messages, and a bag as a source, from which frames are read.
+// MCAP files and bags of ROS 1: their records, chunks, schemas and messages, and a bag as a source, from which frames are
+// read.
 #include <algorithm>
 
 #include "capture/bag/bag_reader.h"
 #include "capture/frame_source.h"
-#include "formats/mcap_reader.h"
+#include "formats/ros_bag.h"
 #include "formats/ros_message.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/outcome.h"
@@ -21,16 +22,14 @@ void expect_refusal_in_a_line(const std::string& begin, Parser&& parser) {
 }
 
 void read_messages(const std::string& path) {
-    formats::McapReader reader(path);
-    formats::McapMessage message;
-    while (reader.next(message)) {
-        const formats::McapChannel& channel = reader.definitions().channels().at(message.channel);
-        if (channel.schema == 0) {
-            continue;
-        }
-        const formats::McapSchema& schema = reader.definitions().schemas().at(channel.schema);
+    const auto bag = formats::open_ros_bag(path);
+    formats::RosBag::Message message;
+    while (bag->next(message)) {
+        const formats::BagConnection connection = bag->connections().at(message.connection);
+        const auto encoding = connection.encoding == "ros1" ? formats::RosEncoding::ros1 : formats::RosEncoding::cdr;
         fuzz::accepted<std::runtime_error>("", [&] {
-            const formats::RosMessage fields(formats::parse_ros_schema(schema.name, schema.text), message.data);
+            const formats::RosMessage fields(formats::parse_ros_schema(connection.type, connection.definition),
+                                             message.data, encoding);
             fuzz::expect(fields.fields().size() <= message.data.size(), "fields without bytes");
         });
     }

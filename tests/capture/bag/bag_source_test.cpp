@@ -9,6 +9,7 @@
 
 #include "capture/frame_source.h"
 #include "tests/capture/bag/bag_fixture.h"
+#include "tests/capture/bag/played_bag.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -18,60 +19,23 @@ namespace {
 using disparityd::test::bag_start_ns;
 using disparityd::test::BagWriter;
 using disparityd::test::TemporaryFolder;
+using test::height;
 using test::numbered_image;
+using test::options_of;
+using test::period;
+using test::play_all;
+using test::Played;
 using test::refusal;
 using test::soon;
+using test::width;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using Next = FrameSource::Next;
 
-constexpr int width = 64;
-constexpr int height = 48;
-constexpr std::int64_t period = 50'000'000;
 const std::string left = "/stereo/left/image_raw";
 const std::string right = "/stereo/right/image_raw";
-
-SourceOptions options_of(const std::string& uri) {
-    SourceOptions options;
-    options.uri = uri;
-    options.pace = Pace::fastest;
-    return options;
-}
-
-/// What a source gives, copied.
-struct Played {
-    std::vector<std::vector<std::uint8_t>> frames;
-    std::vector<std::uint64_t> sequences;
-    std::vector<std::uint32_t> lost;
-    std::vector<std::int64_t> times;
-    std::vector<SensorSample> samples;
-    std::string problem;
-};
-
-Played play_all(const SourceOptions& options) {
-    Played played;
-    try {
-        const auto source = open_source(options);
-        RawFrame frame;
-        while (source->next(frame, soon()) == Next::frame) {
-            std::vector<std::uint8_t>& bytes = played.frames.emplace_back();
-            for (int y = 0; y < frame.image.height; ++y) {
-                const std::uint8_t* row = frame.image.data + y * frame.image.stride;
-                bytes.insert(bytes.end(), row, row + 2 * frame.image.eye_width * bytes_per_pixel(frame.image.format));
-            }
-            played.sequences.push_back(frame.sequence);
-            played.lost.push_back(frame.dropped_before);
-            played.times.push_back(frame.realtime_ns);
-            played.samples.insert(played.samples.end(), frame.sensors.begin(), frame.sensors.end());
-            source->give_back(frame);
-        }
-    } catch (const std::exception& error) {
-        played.problem = error.what();
-    }
-    return played;
-}
 
 std::string grey_bag(int frames, disparityd::test::McapFeatures features = {}) {
     BagWriter bag(std::move(features));
@@ -261,7 +225,7 @@ TEST(BagSource, FindsTheOnePairOfTopicsOrListsSeveral) {
     };
     const auto description = [](const std::string& uri) { return open_source(options_of(uri))->info().description; };
     EXPECT_THAT(description(bag_of({"/rear", "/camera/infra1/image_rect_raw", "/camera/infra2/image_rect_raw"})),
-                HasSubstr("ROS 2 bag, /camera/infra1/image_rect_raw and /camera/infra2/image_rect_raw, 64 x 48"));
+                HasSubstr("ROS bag, /camera/infra1/image_rect_raw and /camera/infra2/image_rect_raw, 64 x 48"));
     EXPECT_THAT(description(bag_of({"/cam0/image_raw", "/cam1/image_raw"})), HasSubstr("/cam0/image_raw and /cam1"));
     const std::string several = bag_of({left, right, "/left", "/right"});
     EXPECT_THAT(refusal([&] { description(several); }),
@@ -334,11 +298,13 @@ TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
     const Played found = play_all(options_of(folder.path()));
     EXPECT_EQ(found.problem, "");
     EXPECT_EQ(found.frames.size(), 5U);
-    metadata("sqlite3", "");
+    metadata("tape", "");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }),
-                HasSubstr("metadata.yaml: found a bag stored as 'sqlite3', allowed is mcap"));
-    metadata("mcap", "zstd");
-    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("a bag packed by 'zstd'"));
+                HasSubstr("metadata.yaml: found a bag stored as 'tape', allowed are mcap and sqlite3"));
+    metadata("mcap", "lzma");
+    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("a bag packed by 'lzma'"));
+    metadata("mcap", "zstd\"\n  compression_mode: \"FILE");
+    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("unpack them with unzstd"));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: [");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("is no YAML file: line"));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: 1");

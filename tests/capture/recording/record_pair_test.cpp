@@ -250,8 +250,8 @@ TEST(RecordPair, FilesOfOtherRecordersAreNamed) {
     };
     const File files[] = {{"a.svo", std::string("\0SVO", 4), "recording of the ZED SDK before 4.1 (SVO 1)"},
                           {"a.svo2", "\x89MCAP0\r\n", "recording of the ZED SDK (SVO2), which holds both eyes"},
-                          {"a.bag", "#ROSBAG V2.0\n", "is a ROS bag"},
-                          {"a.db3", std::string("SQLite format 3\0", 16), "is a ROS bag"},
+                          {"bag.dat", "#ROSBAG V2.0\n", "is a ROS bag"},
+                          {"db3.dat", std::string("SQLite format 3\0", 16), "is a ROS bag"},
                           {"a.log", "\x89MCAP0\r\n", "is an MCAP file: give it a name that ends in .mcap"},
                           {"a.zip", "PK\x03\x04", "is a ZIP archive"},
                           {"a.mkv", "\x1f\x8b\x08", "is compressed with gzip"},
