@@ -2,18 +2,15 @@
 //
 // Measures the processor time that a camera's JPEGs cost: disparity-jpeg-load EYE_WIDTH HEIGHT RATE [QUALITY]
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <memory>
 #include <stdexcept>
 #include <vector>
 
-#include <turbojpeg.h>
-
 #include "capture/jpeg_decoder.h"
 #include "capture/scene/scene_render.h"
+#include "lab/jpeg-load/yuyv_jpeg.h"
 
 namespace disparityd::lab {
 namespace {
@@ -29,31 +26,6 @@ double processor_ms() {
     return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) / 1e6;
 }
 
-struct EndTurbo {
-    void operator()(void* handle) const { tjDestroy(handle); }
-};
-
-/// Returns a frame of YUYV as a JPEG of half as many columns of chroma, as most cameras send it.
-Bytes encode(const Bytes& yuyv, int width, int height, int quality) {
-    Bytes luma, u, v;
-    for (std::size_t i = 0; i < yuyv.size(); i += 4) {
-        luma.insert(luma.end(), {yuyv[i], yuyv[i + 2]});
-        u.push_back(yuyv[i + 1]);
-        v.push_back(yuyv[i + 3]);
-    }
-    std::array<const unsigned char*, 3> planes{luma.data(), u.data(), v.data()};
-    const std::unique_ptr<void, EndTurbo> encoder(tjInitCompress());
-    unsigned char* jpeg = nullptr;
-    unsigned long size = 0;
-    if (tjCompressFromYUVPlanes(encoder.get(), planes.data(), width, nullptr, height, TJSAMP_422, &jpeg, &size, quality,
-                                TJFLAG_ACCURATEDCT) != 0) {
-        throw std::runtime_error(tjGetErrorStr2(encoder.get()));
-    }
-    Bytes bytes(jpeg, jpeg + size);
-    tjFree(jpeg);
-    return bytes;
-}
-
 void measure(int eye_width, int height, double rate, int quality) {
     capture::SceneOptions options;
     options.width = eye_width;
@@ -65,7 +37,7 @@ void measure(int eye_width, int height, double rate, int quality) {
     Bytes frame(renderer.frame_bytes());
     for (int i = 0; i < options.loop; ++i) {
         renderer.render(i, frame.data(), [] {});
-        jpegs.push_back(encode(frame, 2 * eye_width, height, quality));
+        jpegs.push_back(jpeg_of(frame, 2 * eye_width, height, quality));
         bytes += jpegs.back().size();
     }
     capture::JpegDecoder decoder({eye_width, height, false, false});

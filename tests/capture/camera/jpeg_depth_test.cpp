@@ -18,6 +18,7 @@
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
 #include "kernels/parallel.h"
+#include "lab/jpeg-load/yuyv_jpeg.h"
 #include "tests/capture/camera/fake_camera.h"
 #include "tests/capture/camera/made_jpeg.h"
 #include "tests/temporary_folder.h"
@@ -79,7 +80,7 @@ std::vector<test::Bytes> scene_jpegs() {
     for (int i = 0; i < 2; ++i) {
         test::Bytes frame(renderer.frame_bytes());
         renderer.render(i, frame.data(), [] {});
-        jpegs.push_back(test::jpeg_of(frame, 2 * scene_width, scene_height));
+        jpegs.push_back(lab::jpeg_of(frame, 2 * scene_width, scene_height, 90));
     }
     return jpegs;
 }

@@ -38,26 +38,6 @@ Bytes made_jpeg(int width, int height, int subsampling, unsigned seed, int flags
     return bytes;
 }
 
-Bytes jpeg_of(const Bytes& yuyv, int width, int height) {
-    Bytes luma, u, v;
-    for (std::size_t i = 0; i < yuyv.size(); i += 4) {
-        luma.insert(luma.end(), {yuyv[i], yuyv[i + 2]});
-        u.push_back(yuyv[i + 1]);
-        v.push_back(yuyv[i + 3]);
-    }
-    std::array<const unsigned char*, 3> planes{luma.data(), u.data(), v.data()};
-    const Turbo encoder(tjInitCompress());
-    unsigned char* jpeg = nullptr;
-    unsigned long size = 0;
-    if (tjCompressFromYUVPlanes(encoder.get(), planes.data(), width, nullptr, height, TJSAMP_422, &jpeg, &size, 90,
-                                TJFLAG_ACCURATEDCT) != 0) {
-        throw std::runtime_error(tjGetErrorStr2(encoder.get()));
-    }
-    Bytes bytes(jpeg, jpeg + size);
-    tjFree(jpeg);
-    return bytes;
-}
-
 Planes planes_of(const Bytes& jpeg, int width, int height) {
     const Turbo decoder(tjInitDecompress());
     const auto size = static_cast<unsigned long>(jpeg.size());

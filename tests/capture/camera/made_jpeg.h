@@ -12,9 +12,6 @@ using Bytes = std::vector<std::uint8_t>;
 /// `flags` are its own (TJFLAG_PROGRESSIVE).
 Bytes made_jpeg(int width, int height, int subsampling, unsigned seed, int flags = 0);
 
-/// A JPEG of this frame of YUYV, with the same columns of chroma.
-Bytes jpeg_of(const Bytes& yuyv, int width, int height);
-
 /// The values of a JPEG as TurboJPEG decodes them.
 struct Planes {
     Bytes luma, u, v;
