@@ -41,6 +41,9 @@ struct InertialCalibration {
     std::optional<double> accelerometer_random_walk;    ///< of the bias, m/s³/sqrt(Hz), above 0
 
     bool operator==(const InertialCalibration&) const = default;
+
+    /// Returns whether anything is known.
+    bool is_known() const { return *this != InertialCalibration(); }
 };
 
 /// A number of InertialCalibration, under the name that Kalibr gives it.

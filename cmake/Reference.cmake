@@ -10,6 +10,7 @@ set(DISPARITYD_REFERENCE ${PROJECT_BINARY_DIR}/reference)
 set(public_headers
   ${PROJECT_SOURCE_DIR}/clients/cpp/disparity_client.h
   ${PROJECT_SOURCE_DIR}/clients/cpp/disparity_client.hpp
+  ${PROJECT_SOURCE_DIR}/clients/cpp/disparity_inertial.hpp
   ${PROJECT_BINARY_DIR}/clients/cpp/disparity_products.h
   ${PROJECT_BINARY_DIR}/clients/cpp/disparity_products.hpp
   ${PROJECT_SOURCE_DIR}/kernels/pair_matcher.h)

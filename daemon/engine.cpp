@@ -164,7 +164,8 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height, level_.given())),
       layout_(make_layout(config, rectifications_->factory(), stages_)),
       load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count),
-      geometry_(layout_.geometry) {
+      geometry_(layout_.geometry),
+      to_rectified_(rectifications_->factory().left_rotation) {
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
     pipeline::PipelineConfig made = pipeline_config(config_, source().live, stages_);
@@ -305,6 +306,7 @@ void Engine::note_rectification(const calibration::Rectification& used) {
     if (used.calibration_id != geometry_.calibration_id) {
         const std::lock_guard lock(mutex_);
         put_geometry(geometry_, used);
+        to_rectified_ = used.left_rotation;
     }
 }
 
@@ -365,6 +367,9 @@ void Engine::fill(v1::Status& status) const {
     {
         const std::lock_guard lock(mutex_);
         *status.mutable_geometry() = to_message(geometry_);
+        if (const auto& calibration = source().calibration; calibration && calibration->inertial.is_known()) {
+            *status.mutable_inertial_calibration() = to_message(calibration->inertial, to_rectified_);
+        }
     }
     constexpr double far_m = 10;
     if (const auto range = depth_range_of(layout_.geometry, config_.match.options);

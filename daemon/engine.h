@@ -168,10 +168,11 @@ private:
     std::atomic<std::int64_t> last_activity_ns_{0};
     bool memory_checked_ = false;  ///< of the thread that calls check_memory()
     LoadWatch load_;               ///< of the same
-    mutable std::mutex mutex_;     ///< the three below
+    mutable std::mutex mutex_;     ///< the four below
     std::string memory_notice_;
     std::string load_notice_;
     proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
+    std::array<double, 9> to_rectified_;            ///< of the same: how its left image was turned; as geometry_
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 

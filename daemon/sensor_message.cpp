@@ -56,4 +56,22 @@ v1::SensorStatus to_message(const capture::SensorFacts& sensors) {
     return message;
 }
 
+v1::InertialCalibration to_message(const calibration::InertialCalibration& inertial,
+                                   const std::array<double, 9>& to_rectified) {
+    v1::InertialCalibration message;
+    if (inertial.to_left_camera) {
+        const calibration::Pose pose = chained(*inertial.to_left_camera, {to_rectified, {}});
+        message.mutable_pose()->mutable_rotation()->Assign(pose.rotation.begin(), pose.rotation.end());
+        message.mutable_pose()->mutable_translation_mm()->Assign(pose.translation.begin(), pose.translation.end());
+    }
+    if (inertial.time_offset_s) {
+        message.mutable_time_offset()->set_seconds(*inertial.time_offset_s);
+    }
+    message.set_gyroscope_noise_density(inertial.gyroscope_noise_density.value_or(0));
+    message.set_gyroscope_random_walk(inertial.gyroscope_random_walk.value_or(0));
+    message.set_accelerometer_noise_density(inertial.accelerometer_noise_density.value_or(0));
+    message.set_accelerometer_random_walk(inertial.accelerometer_random_walk.value_or(0));
+    return message;
+}
+
 }  // namespace disparityd::daemon

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+
+#include "calibration/inertial_calibration.h"
 #include "capture/sensor_sample.h"
 #include "capture/source_condition.h"
 #include "proto/disparity.pb.h"
@@ -10,5 +13,10 @@ namespace disparityd::daemon {
 
 void fill_message(const capture::SensorSample& sample, v1::SensorSample& message);
 v1::SensorStatus to_message(const capture::SensorFacts& sensors);
+
+/// `to_rectified` leads from the left camera that the calibration describes to the rectified one
+/// (Rectification::left_rotation).
+v1::InertialCalibration to_message(const calibration::InertialCalibration& inertial,
+                                   const std::array<double, 9>& to_rectified);
 
 }  // namespace disparityd::daemon

@@ -46,7 +46,8 @@ static_assert(sizeof(disparity_frame_info) == 144 && sizeof(disparity_plane) == 
                   sizeof(disparity_subscription) == 56 && sizeof(disparity_sensor_sample) == 104 &&
                   sizeof(disparity_connect_options) == 6 * sizeof(char*) && sizeof(disparity_scan_info) == 52 &&
                   sizeof(disparity_scan_sector) == 48 && sizeof(disparity_point) == 16 &&
-                  sizeof(disparity_client_options) == 24 + sizeof(disparity_connect_options),
+                  sizeof(disparity_client_options) == 24 + sizeof(disparity_connect_options) &&
+                  sizeof(disparity_inertial_calibration) == 152,
               "part of the binary interface");
 static_assert(sizeof(disparity::Point) == sizeof(disparity_point) && offsetof(disparity::Point, z) == 8 &&
                   offsetof(disparity::Point, red) == offsetof(disparity_point, red) &&
@@ -192,6 +193,25 @@ disparity::Subscription in_cpp(const disparity_subscription& from) {
     wanted.region_width = from.region_width;
     wanted.region_height = from.region_height;
     return wanted;
+}
+
+disparity_inertial_calibration in_c(const disparity::InertialCalibration& from) {
+    disparity_inertial_calibration to{};
+    to.calibration_id = from.calibration_id;
+    if (from.pose) {
+        to.holds |= DISPARITY_INERTIAL_POSE;
+        std::copy(from.pose->rotation.begin(), from.pose->rotation.end(), to.rotation);
+        std::copy(from.pose->translation_mm.begin(), from.pose->translation_mm.end(), to.translation_mm);
+    }
+    if (from.time_offset_s) {
+        to.holds |= DISPARITY_INERTIAL_TIME_OFFSET;
+        to.time_offset_s = *from.time_offset_s;
+    }
+    to.gyroscope_noise_density = from.gyroscope_noise_density.value_or(0);
+    to.gyroscope_random_walk = from.gyroscope_random_walk.value_or(0);
+    to.accelerometer_noise_density = from.accelerometer_noise_density.value_or(0);
+    to.accelerometer_random_walk = from.accelerometer_random_walk.value_or(0);
+    return to;
 }
 
 /// Of a disparity_socket or a disparity_client.
@@ -463,6 +483,18 @@ int disparity_socket_read_sensors(disparity_socket* client, disparity_sensor_sam
 
 const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes) {
     return read_status(client, timeout_ms, bytes);
+}
+
+int disparity_inertial_calibration_of(const void* status, size_t bytes, disparity_inertial_calibration* calibration,
+                                      size_t calibration_bytes) {
+    return guarded<int>(DISPARITY_ERROR, [&] {
+        const auto* text = &given(static_cast<const char*>(status), "status");
+        given(calibration, "calibration");
+        const auto from = disparity::inertial_calibration(std::string(text, bytes));
+        const disparity_inertial_calibration to = from ? in_c(*from) : disparity_inertial_calibration{};
+        std::memcpy(calibration, &to, std::min(calibration_bytes, sizeof to));
+        return from ? 1 : 0;
+    });
 }
 
 disparity_client* disparity_connect(const char* where, const uint32_t* products, size_t count) {

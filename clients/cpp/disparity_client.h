@@ -333,6 +333,37 @@ DISPARITY_API int disparity_socket_read_sensors(disparity_socket* client, dispar
  * this function; NULL on failure. */
 DISPARITY_API const void* disparity_socket_status(disparity_socket* client, int timeout_ms, size_t* bytes);
 
+/** Bits of disparity_inertial_calibration.holds; the fields of others are 0. */
+enum {
+    DISPARITY_INERTIAL_POSE = 1,       /**< rotation, translation_mm */
+    DISPARITY_INERTIAL_TIME_OFFSET = 2 /**< time_offset_s */
+};
+
+/** What the daemon's calibration knows about the inertial sensor. The numbers have the names, signs and units of
+ * Kalibr. Fields are only added at the end. */
+typedef struct disparity_inertial_calibration {
+    uint64_t calibration_id; /**< of the frames that the pose holds for: self-calibration turns the rectified camera */
+    /** Row by row, takes points of the sensor's axes, which samples have, to those of the rectified left camera, which
+     * disparity_point has: p_camera = rotation p_sensor + translation_mm. It is Kalibr's T_cam_imu, turned as the left
+     * image was rectified. */
+    double rotation[9];
+    double translation_mm[3];           /**< of the sensor's origin, in the camera's axes */
+    double time_offset_s;               /**< what a frame of the time t shows stands in the samples at t + this */
+    double gyroscope_noise_density;     /**< white noise, rad/s/sqrt(Hz); 0 = unknown */
+    double gyroscope_random_walk;       /**< of the bias, rad/s2/sqrt(Hz); 0 = unknown */
+    double accelerometer_noise_density; /**< white noise, m/s2/sqrt(Hz); 0 = unknown */
+    double accelerometer_random_walk;   /**< of the bias, m/s3/sqrt(Hz); 0 = unknown */
+    uint32_t holds;                     /**< bits DISPARITY_INERTIAL_... */
+    uint32_t reserved;                  /**< 0 */
+} disparity_inertial_calibration;
+
+/** Reads it from the bytes of disparity_socket_status() or disparity_client_status(); pass
+ * sizeof(disparity_inertial_calibration). Returns 1; 0 where the calibration knows nothing of an inertial sensor;
+ * DISPARITY_ERROR for bytes that are no status. Any thread. */
+DISPARITY_API int disparity_inertial_calibration_of(const void* status, size_t bytes,
+                                                    disparity_inertial_calibration* calibration,
+                                                    size_t calibration_bytes);
+
 /** How disparity_connect_with() connects; memset to 0 first. The strings are copied. Fields are only added at the end.
  */
 typedef struct disparity_client_options {

@@ -13,10 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "disparity_inertial.hpp"
 #include "disparity_products.hpp"
-
-/// Marks what the library exports.
-#define DISPARITY_API __attribute__((visibility("default")))
 
 /// The client library of disparityd reads frames over shared memory or a socket. It depends on nothing of the daemon.
 /// All calls on one object come from one thread; different objects are independent.

@@ -20,8 +20,9 @@ constexpr int all_samples = frames * samples_per_frame;
 class SensorsTest : public DaemonTest {
 protected:
     /// Frames with samples that are numbered by the camera's clock.
-    std::string make_recording() const {
+    std::string make_recording(std::optional<calibration::StereoCalibration> calibration = std::nullopt) const {
         capture::SourceInfo info;
+        info.calibration = std::move(calibration);
         info.eye_width = 64;
         info.height = 48;
         info.rate = 60;
@@ -92,6 +93,41 @@ TEST_F(SensorsTest, SamplesOfARecordingReachClientsAndRecordings) {
         EXPECT_EQ(raw.sensors[6].acceleration.z, 9.75F);
         again->give_back(raw);
     }
+}
+
+TEST_F(SensorsTest, TheStatusTellsWhereTheSensorStandsToTheRectifiedCamera) {
+    calibration::StereoCalibration calibration;
+    calibration.width = 64;
+    calibration.height = 48;
+    calibration.left = calibration.right = {60, 60, 31.5, 23.5, {}};
+    // The right eye stands lower: both images are turned about z until their rows run from one eye to the other, along
+    // (40, 9) / 41.
+    calibration.translation = {-120, -27, 0};
+    calibration.inertial.to_left_camera = calibration::Pose{{0, -1, 0, -1, 0, 0, 0, 0, -1}, {-20, -10, 5}};
+    calibration.inertial.time_offset_s = -0.0025;
+    calibration.inertial.accelerometer_noise_density = 2e-3;
+    const auto daemon = start_ready(config_text(make_recording(calibration), 0, 0), {"--set", "source.loop=true"});
+    disparity::SocketClient client(daemon->address("unix:"));
+    const auto found = disparity::inertial_calibration(client.status(20s));
+    ASSERT_TRUE(found && found->pose) << daemon->log();
+    // By hand: x of the sensor was (0, -1, 0), so (-9, -40) / 41 of the turned camera; y was (-1, 0, 0).
+    const std::array<double, 9> rotation{-9 / 41.0, -40 / 41.0, 0, -40 / 41.0, 9 / 41.0, 0, 0, 0, -1};
+    // (-20, -10) turned: (-20 x 40 - 10 x 9) / 41 along the rows, (20 x 9 - 10 x 40) / 41 across them.
+    const std::array<double, 3> translation{-890 / 41.0, -220 / 41.0, 5};
+    for (std::size_t i = 0; i < 9; ++i) {
+        EXPECT_NEAR(found->pose->rotation[i], rotation[i], 1e-9) << i;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(found->pose->translation_mm[i], translation[i], 1e-9) << i;
+    }
+    EXPECT_EQ(found->time_offset_s, -0.0025);
+    EXPECT_EQ(found->accelerometer_noise_density, 2e-3);
+    EXPECT_FALSE(found->gyroscope_noise_density);
+    disparity::Subscription subscription;
+    client.subscribe(subscription);
+    disparity::Frame frame;
+    ASSERT_EQ(client.read(frame, 20s), disparity::ReadResult::frame);
+    EXPECT_EQ(found->calibration_id, frame.calibration_id);
 }
 
 }  // namespace

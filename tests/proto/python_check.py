@@ -180,6 +180,23 @@ def check_trust():
     assert (disparity.Frame().trust, disparity.Frame().doubts) == (0, [])
 
 
+def check_inertial_calibration():
+    from disparity import disparity_pb2 as pb
+
+    assert disparity.inertial_calibration(pb.Status()) is None
+    status = pb.Status(geometry=pb.Geometry(calibration_id=77))
+    status.inertial_calibration.gyroscope_random_walk = 0.5
+    found = disparity.inertial_calibration(status)
+    assert found.rotation is None and found.translation_mm is None and found.time_offset_s is None
+    assert found.gyroscope_random_walk == 0.5 and found.accelerometer_random_walk is None
+    status.inertial_calibration.pose.rotation.extend([0, -1, 0, 1, 0, 0, 0, 0, 1])
+    status.inertial_calibration.pose.translation_mm.extend([10.5, -20, 0.25])
+    status.inertial_calibration.time_offset.seconds = 0
+    found = disparity.inertial_calibration(status)
+    assert found.calibration_id == 77 and found.time_offset_s == 0
+    assert np.array_equal(found.rotation @ [1, 0, 0], [0, 1, 0]) and found.translation_mm[1] == -20
+
+
 def check_sensors(sensors):
     """What came before the frame was kept."""
     assert sensors.skipped == 3 and sensors.age_ns == 5000 and len(sensors.samples) == 2
@@ -399,6 +416,7 @@ def main():
     check_words()
     check_limits()
     check_trust()
+    check_inertial_calibration()
     check_trace()
     check_door()
     products = [disparity.DISPARITY, disparity.CONFIDENCE, disparity.LEFT_COLOUR, disparity.DEPTH, disparity.DEPTH_ERROR]

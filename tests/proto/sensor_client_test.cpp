@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <disparity_client.h>
 #include <disparity_client.hpp>
 #include <gtest/gtest.h>
 
@@ -89,6 +90,62 @@ TEST(SensorClient, NobodyGetsThemWhoDoesNotAsk) {
     client.status(sample_patience);
     disparity::SensorBatch batch;
     EXPECT_EQ(client.read_sensors(batch, 0ms), ReadResult::timeout);
+}
+
+/// Numbers that doubles have exactly.
+v1::Status calibrated_status() {
+    v1::Status status;
+    status.mutable_geometry()->set_calibration_id(77);
+    v1::InertialCalibration& inertial = *status.mutable_inertial_calibration();
+    for (const double number : {0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0}) {
+        inertial.mutable_pose()->add_rotation(number);
+    }
+    for (const double number : {10.5, -20.0, 0.25}) {
+        inertial.mutable_pose()->add_translation_mm(number);
+    }
+    inertial.mutable_time_offset()->set_seconds(0);
+    inertial.set_gyroscope_random_walk(0.5);
+    return status;
+}
+
+TEST(InertialCalibration, IsReadFromAStatusInCppAndC) {
+    const std::string bytes = calibrated_status().SerializeAsString();
+    const auto found = disparity::inertial_calibration(bytes);
+    ASSERT_TRUE(found && found->pose);
+    EXPECT_EQ(found->calibration_id, 77U);
+    EXPECT_EQ(found->pose->rotation, (std::array<double, 9>{0, -1, 0, 1, 0, 0, 0, 0, 1}));
+    EXPECT_EQ(found->pose->translation_mm, (std::array<double, 3>{10.5, -20, 0.25}));
+    EXPECT_EQ(found->time_offset_s, 0) << "known, though it is 0";
+    EXPECT_EQ(found->gyroscope_random_walk, 0.5);
+    EXPECT_FALSE(found->gyroscope_noise_density || found->accelerometer_noise_density ||
+                 found->accelerometer_random_walk);
+    disparity_inertial_calibration in_c;
+    ASSERT_EQ(disparity_inertial_calibration_of(bytes.data(), bytes.size(), &in_c, sizeof in_c), 1);
+    EXPECT_EQ(in_c.calibration_id, 77U);
+    EXPECT_EQ(in_c.holds, static_cast<std::uint32_t>(DISPARITY_INERTIAL_POSE | DISPARITY_INERTIAL_TIME_OFFSET));
+    EXPECT_EQ(in_c.rotation[3], 1);
+    EXPECT_EQ(in_c.translation_mm[1], -20);
+    EXPECT_EQ(in_c.gyroscope_random_walk, 0.5);
+    EXPECT_EQ(in_c.accelerometer_random_walk, 0);
+}
+
+TEST(InertialCalibration, WhatIsUnknownIsAbsent) {
+    v1::Status status = calibrated_status();
+    status.mutable_inertial_calibration()->clear_time_offset();
+    status.mutable_inertial_calibration()->mutable_pose()->mutable_rotation()->RemoveLast();
+    const std::string bytes = status.SerializeAsString();
+    const auto found = disparity::inertial_calibration(bytes);
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(found->pose || found->time_offset_s);
+    disparity_inertial_calibration in_c;
+    ASSERT_EQ(disparity_inertial_calibration_of(bytes.data(), bytes.size(), &in_c, sizeof in_c), 1);
+    EXPECT_EQ(in_c.holds, 0U);
+    EXPECT_FALSE(disparity::inertial_calibration(v1::Status().SerializeAsString()));
+    EXPECT_EQ(disparity_inertial_calibration_of("", 0, &in_c, sizeof in_c), 0);
+    EXPECT_EQ(in_c.gyroscope_random_walk, 0);
+    EXPECT_THROW(disparity::inertial_calibration("no status"), std::invalid_argument);
+    EXPECT_EQ(disparity_inertial_calibration_of("no status", 9, &in_c, sizeof in_c), DISPARITY_ERROR);
+    EXPECT_EQ(disparity_inertial_calibration_of(nullptr, 0, &in_c, sizeof in_c), DISPARITY_ERROR);
 }
 
 }  // namespace

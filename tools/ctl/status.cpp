@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <iostream>
 #include <stdexcept>
 
@@ -84,6 +85,18 @@ std::string sensors_text(const v1::SensorStatus& sensors) {
     return text + (sensors.detail().empty() ? "" : ": " + sensors.detail());
 }
 
+std::string inertial_text(const v1::InertialCalibration& inertial) {
+    std::string text;
+    if (const auto& at = inertial.pose().translation_mm(); at.size() == 3) {
+        text = fixed(std::hypot(at[0], at[1], at[2]), 1) + " mm from the left camera";
+    } else {
+        text = "place unknown";
+    }
+    text += inertial.has_time_offset() ? ", samples " + fixed(1000 * inertial.time_offset().seconds(), 3) + " ms later"
+                                       : ", time offset unknown";
+    return text + (inertial.gyroscope_noise_density() > 0 ? ", noise known" : ", noise unknown");
+}
+
 void print(const v1::Status& status) {
     print_row("state", status.state() + (status.detail().empty() ? "" : ": " + status.detail()));
     print_row("version", status.server_version());
@@ -91,6 +104,7 @@ void print(const v1::Status& status) {
     print_row("source", status.source());
     print_row("camera", status.has_camera() ? camera_text(status.camera()) : "");
     print_row("sensors", status.has_sensors() ? sensors_text(status.sensors()) : "");
+    print_row("inertial", status.has_inertial_calibration() ? inertial_text(status.inertial_calibration()) : "");
     if (status.geometry().width() > 0) {  // else the first source is being prepared
         print_row("matching",
                   status.method() + " on " + status.backend() + ", " + base::counted(status.workers(), "worker"));

@@ -18,7 +18,7 @@ inline constexpr std::string_view camera_frame = "camera";
 /// The frame of obstacle scans: on the ground below the camera, x ahead, y left, z up. The daemon does not tell where
 /// the camera is in it, so no transform leads there.
 inline constexpr std::string_view scan_frame = "camera_footprint";
-/// The axes of the inertial sensor, which nothing relates to the camera's.
+/// The axes of the inertial sensor. No transform leads from them to the camera's.
 inline constexpr std::string_view imu_frame = "camera_imu";
 
 /// Writes a std_msgs/msg/Header. `realtime_ns` is counted from 1970.

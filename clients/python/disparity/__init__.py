@@ -13,6 +13,7 @@ from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT
 from .errors import DisparityError, Gone, Refused
 from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, NOISY,
                     SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame, doubt_names)
+from .inertial import InertialCalibration, inertial_calibration
 from .scan import (FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, MASKED, OCCUPIED,
                    UNKNOWN, Scan)
 from .shared_memory import SharedMemoryReader
@@ -41,6 +42,7 @@ __all__ = [
     "GROUND_HELD",
     "Gone",
     "INTERPOLATED",
+    "InertialCalibration",
     "LEFT",
     "LEFT_COLOUR",
     "MASKED",
@@ -61,4 +63,5 @@ __all__ = [
     "UNRECTIFIED",
     "connect",
     "doubt_names",
+    "inertial_calibration",
 ]
