@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <stdexcept>
+#include <tuple>
 #include <utility>
 
 #include "base/message_text.h"
@@ -87,7 +89,21 @@ bool is_called_rectified(const std::string& images) {
     return topic.find("rect", topic.rfind('/') + 1) != std::string::npos;
 }
 
-std::pair<std::string, std::string> choose_images(const BagUri& uri, const Names& images) {
+/// Returns the one pair whose eyes both have a CameraInfo; nothing where several have, or none.
+std::optional<Pairs::value_type> described_pair(const Pairs& pairs, const Names& infos) {
+    std::optional<Pairs::value_type> found;
+    for (const auto& pair : pairs) {
+        if (!info_of(pair.first, infos).empty() && !info_of(pair.second, infos).empty()) {
+            if (found) {
+                return std::nullopt;
+            }
+            found = pair;
+        }
+    }
+    return found;
+}
+
+std::pair<std::string, std::string> choose_images(const BagUri& uri, const Names& images, const Names& infos) {
     const auto refuse = [&](const std::string& what) { throw std::invalid_argument(uri.path + ": " + what); };
     for (const std::string* name : {&uri.left, &uri.right, &uri.both}) {
         if (!name->empty() && !has(images, *name)) {
@@ -105,6 +121,9 @@ std::pair<std::string, std::string> choose_images(const BagUri& uri, const Names
     }
     const Pairs pairs = pairs_of(images);
     if (pairs.size() > 1) {
+        if (auto described = described_pair(pairs, infos)) {
+            return *std::move(described);
+        }
         Names choices;
         for (const auto& [left, right] : pairs) {
             choices.push_back("?left=" + left + "&right=" + right);
@@ -137,14 +156,14 @@ std::string choose_imu(const BagUri& uri, const Names& imus, std::vector<std::st
 
 ChosenTopics choose_topics(const BagUri& uri, const std::vector<BagTopic>& topics) {
     ChosenTopics chosen;
+    const Names infos = names_of(topics, {"sensor_msgs/msg/CameraInfo"});
     std::tie(chosen.left, chosen.right) =
-        choose_images(uri, names_of(topics, {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}));
+        choose_images(uri, names_of(topics, {"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"}), infos);
     chosen.rectified = uri.rectified.value_or(is_called_rectified(chosen.left));
     if (chosen.right.empty()) {
         chosen.notices.push_back(uri.path + ": each image of " + base::printable(chosen.left) +
                                  " is taken as both eyes side by side");
     } else {
-        const Names infos = names_of(topics, {"sensor_msgs/msg/CameraInfo"});
         chosen.left_info = info_of(chosen.left, infos);
         chosen.right_info = info_of(chosen.right, infos);
     }

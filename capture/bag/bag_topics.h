@@ -20,8 +20,8 @@ struct ChosenTopics {
     std::vector<std::string> notices;  ///< one line each: what was found, and what was left out
 };
 
-/// Chooses by names: those that the user gave, else the one pair whose names differ as those of two eyes do, else the
-/// one topic with images, which then has both eyes. Throws std::invalid_argument with one line that lists what there
+/// Chooses by names: those that the user gave, else the one pair whose names differ as those of two eyes do (of several
+/// the one that alone has a CameraInfo for both eyes), else the one topic with images, which then has both eyes. Throws std::invalid_argument with one line that lists what there
 /// is.
 ChosenTopics choose_topics(const BagUri& uri, const std::vector<BagTopic>& topics);
 

@@ -242,6 +242,21 @@ TEST(BagSource, FindsTheOnePairOfTopicsOrListsSeveral) {
     EXPECT_THAT(refusal([&] { description(bag_of({})); }), HasSubstr("it has images of none"));
 }
 
+TEST(BagSource, OfSeveralPairsThatWithCalibrationsIsTaken) {
+    const TemporaryFolder folder;
+    BagWriter bag;
+    for (const std::string pair : {"/debug", "/front", "/rear"}) {
+        for (const std::string eye : {"/left", "/right"}) {
+            bag.image(pair + eye + "/image_raw", bag_start_ns, numbered_image(width, height, CV_8UC1, 1), "mono8");
+        }
+    }
+    bag.camera_info("/front/left/camera_info", bag_start_ns, {});
+    bag.camera_info("/front/right/camera_info", bag_start_ns, disparityd::test::CameraInfoFields().right_of(0.12));
+    bag.camera_info("/rear/left/camera_info", bag_start_ns, {});
+    EXPECT_THAT(open_source(options_of(folder.write("a.mcap", bag.close())))->info().description,
+                HasSubstr("ROS bag, /front/left/image_raw and /front/right/image_raw"));
+}
+
 TEST(BagSource, OneTopicHasBothEyesSideBySide) {
     const TemporaryFolder folder;
     const cv::Mat both = numbered_image(2 * width, height, CV_8UC1, 1);
