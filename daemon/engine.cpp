@@ -368,7 +368,8 @@ void Engine::fill(v1::Status& status) const {
         const std::lock_guard lock(mutex_);
         *status.mutable_geometry() = to_message(geometry_);
         if (const auto& calibration = source().calibration; calibration && calibration->inertial.is_known()) {
-            *status.mutable_inertial_calibration() = to_message(calibration->inertial, to_rectified_);
+            *status.mutable_inertial_calibration() =
+                to_message(calibration->inertial, to_rectified_, source().time_offset_us);
         }
     }
     constexpr double far_m = 10;

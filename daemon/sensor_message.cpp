@@ -57,7 +57,7 @@ v1::SensorStatus to_message(const capture::SensorFacts& sensors) {
 }
 
 v1::InertialCalibration to_message(const calibration::InertialCalibration& inertial,
-                                   const std::array<double, 9>& to_rectified) {
+                                   const std::array<double, 9>& to_rectified, int moved_us) {
     v1::InertialCalibration message;
     if (inertial.to_left_camera) {
         const calibration::Pose pose = chained(*inertial.to_left_camera, {to_rectified, {}});
@@ -65,7 +65,7 @@ v1::InertialCalibration to_message(const calibration::InertialCalibration& inert
         message.mutable_pose()->mutable_translation_mm()->Assign(pose.translation.begin(), pose.translation.end());
     }
     if (inertial.time_offset_s) {
-        message.mutable_time_offset()->set_seconds(*inertial.time_offset_s);
+        message.mutable_time_offset()->set_seconds(*inertial.time_offset_s - 1e-6 * moved_us);
     }
     message.set_gyroscope_noise_density(inertial.gyroscope_noise_density.value_or(0));
     message.set_gyroscope_random_walk(inertial.gyroscope_random_walk.value_or(0));

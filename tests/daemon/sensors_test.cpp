@@ -106,7 +106,8 @@ TEST_F(SensorsTest, TheStatusTellsWhereTheSensorStandsToTheRectifiedCamera) {
     calibration.inertial.to_left_camera = calibration::Pose{{0, -1, 0, -1, 0, 0, 0, 0, -1}, {-20, -10, 5}};
     calibration.inertial.time_offset_s = -0.0025;
     calibration.inertial.accelerometer_noise_density = 2e-3;
-    const auto daemon = start_ready(config_text(make_recording(calibration), 0, 0), {"--set", "source.loop=true"});
+    const auto daemon = start_ready(config_text(make_recording(calibration), 0, 0),
+                                    {"--set", "source.loop=true", "--set", "source.time_offset_us=-1500"});
     disparity::SocketClient client(daemon->address("unix:"));
     const auto found = disparity::inertial_calibration(client.status(20s));
     ASSERT_TRUE(found && found->pose) << daemon->log();
@@ -120,7 +121,8 @@ TEST_F(SensorsTest, TheStatusTellsWhereTheSensorStandsToTheRectifiedCamera) {
     for (std::size_t i = 0; i < 3; ++i) {
         EXPECT_NEAR(found->pose->translation_mm[i], translation[i], 1e-9) << i;
     }
-    EXPECT_EQ(found->time_offset_s, -0.0025);
+    ASSERT_TRUE(found->time_offset_s);
+    EXPECT_NEAR(*found->time_offset_s, -0.001, 1e-12) << "-1.5 ms of it are in the stamps";
     EXPECT_EQ(found->accelerometer_noise_density, 2e-3);
     EXPECT_FALSE(found->gyroscope_noise_density);
     disparity::Subscription subscription;

@@ -230,8 +230,10 @@ void add_sensors(CLI::App& program, Action& action) {
     command.add_flag("--json", arguments->json, "every sample, one JSON object per line");
     command.footer(
         "Without --json: one line per second with the newest values. The source is a live camera that has sensors\n"
-        "(ZED Mini, ZED 2, ZED 2i) or a recording of one. The values are those of the sensors, along their axes, not\n"
-        "calibrated. lost: samples that the daemon lost; skipped: those that came faster than they were read here.\n"
+        "(ZED Mini, ZED 2, ZED 2i), a recording of one, a bag or a folder of EuRoC. The values are those of the "
+        "sensors,\n"
+        "along their axes, not calibrated. lost: samples that the daemon lost; skipped: those that came faster than "
+        "they were read here.\n"
         "Ctrl-C ends it, exit status 0; 1 when the source has no sensors.\n"
         "Examples: disparityctl sensors --count 10\n"
         "          disparityctl sensors --json | jq -c '[.monotonic_ns, .acceleration]'");
