@@ -345,8 +345,9 @@ std::optional<CameraProblem> CameraSource::open_one(const UsbCamera& camera) {
         return problem;
     }
     try {
-        stream_.open(camera.node, {request_.frame_width, request_.frame_height, request_.rate, request_.format,
-                                   request_.mjpeg, jpegs_ ? jpegs_->most_jpegs() : options_.loans});
+        stream_.open(camera.node,
+                     {request_.frame_width, request_.frame_height, request_.rate, request_.format, request_.mjpeg,
+                      jpegs_ ? jpegs_->most_jpegs() : options_.loans, request_.interleaved, request_.forced});
         stream_.start();
     } catch (const VideoError& error) {
         stream_.close();

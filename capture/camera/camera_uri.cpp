@@ -46,10 +46,34 @@ void read_mode(const SourceUri& uri, CameraRequest& request) {
     request.frame_height = size_number(uri, std::string_view(name).substr(cross + 1));
 }
 
+void read_format(const SourceUri& uri, const std::string& value, CameraRequest& request) {
+    if (value != "yuyv" && value != "grey" && value != "mjpeg" && value != "y8i") {
+        uri.fail("format", value, "yuyv, grey, mjpeg or y8i");
+    }
+    request.mjpeg = value == "mjpeg";
+    request.interleaved = value == "y8i";
+    request.format = value == "grey" || request.interleaved ? PixelFormat::grey8 : PixelFormat::yuyv;
+}
+
+/// Drivers call a format by four characters, of which the last are spaces where the name is shorter.
+std::uint32_t fourcc(const SourceUri& uri, const std::string& value) {
+    const bool printable = std::all_of(value.begin(), value.end(), [](char c) { return c > ' ' && c <= '~'; });
+    if (value.size() > 4 || !printable) {
+        uri.fail("force", value, "the driver's name of a format, such as Y16: 1 to 4 characters");
+    }
+    std::uint32_t code = 0;
+    for (unsigned i = 0; i < 4; ++i) {
+        const char letter = i < value.size() ? value[i] : ' ';
+        code |= static_cast<std::uint32_t>(static_cast<unsigned char>(letter)) << (8 * i);
+    }
+    return code;
+}
+
 void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter, CameraRequest& request) {
     const std::string value(parameter.value);
     if (value.empty()) {
-        uri.fail("parameter", parameter.text, "serial=, device=, port=, format=, layout= or first= with a value");
+        uri.fail("parameter", parameter.text,
+                 "serial=, device=, port=, format=, force=, layout= or first= with a value");
     }
     const bool names_a_camera = parameter.key == "serial" || parameter.key == "device" || parameter.key == "port";
     if (names_a_camera && value.find(',') != std::string::npos) {
@@ -62,11 +86,9 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
     } else if (parameter.key == "port") {
         request.port = value;
     } else if (parameter.key == "format") {
-        if (value != "yuyv" && value != "grey" && value != "mjpeg") {
-            uri.fail("format", value, "yuyv, grey or mjpeg");
-        }
-        request.format = value == "grey" ? PixelFormat::grey8 : PixelFormat::yuyv;
-        request.mjpeg = value == "mjpeg";
+        read_format(uri, value, request);
+    } else if (parameter.key == "force") {
+        request.forced = fourcc(uri, value);
     } else if (parameter.key == "layout") {
         if (value != "side-by-side" && value != "top-bottom") {
             uri.fail("layout", value, "side-by-side or top-bottom");
@@ -78,13 +100,19 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
         }
         request.right_first = value == "right";
     } else {
-        uri.fail("parameter", parameter.key, "serial, device, port, format, layout or first");
+        uri.fail("parameter", parameter.key, "serial, device, port, format, force, layout or first");
     }
 }
 
 void check_size(const SourceUri& uri, const CameraRequest& request) {
     const std::string size = std::to_string(request.frame_width) + "x" + std::to_string(request.frame_height);
     const int pixels = request.format == PixelFormat::yuyv ? 2 : 1;
+    if (request.interleaved && request.top_bottom) {
+        uri.fail("layout", "top-bottom", "side-by-side with format=y8i, whose pixels have a byte of each eye");
+    }
+    if (request.interleaved) {
+        return;
+    }
     if (request.top_bottom && (request.frame_height % 2 != 0 || request.frame_width % pixels != 0)) {
         uri.fail("size", size, "an even height with layout=top-bottom, and an even width for YUYV");
     }

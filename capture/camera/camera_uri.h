@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct CameraRequest {
     double rate = 30;
     PixelFormat format = PixelFormat::yuyv;  ///< of the frames that are lent; or grey8
     bool mjpeg = false;                      ///< the camera sends JPEGs, which become YUYV
+    bool interleaved = false;                ///< each pixel has a byte of either eye (Y8I); grey8 is lent
+    std::uint32_t forced = 0;                ///< what the driver is asked for, whatever it calls it; 0: the format
     bool top_bottom = false;                 ///< one eye above the other instead of beside it
     bool right_first = false;                ///< the right eye is the left or upper one
 
@@ -27,10 +30,10 @@ struct CameraRequest {
     std::string device;  ///< node, or a link to one such as those in /dev/v4l/by-id
     std::string port;    ///< place on the USB, such as "2-1.4"
 
-    int eye_width() const { return top_bottom ? frame_width : frame_width / 2; }
+    int eye_width() const { return top_bottom || interleaved ? frame_width : frame_width / 2; }
     int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
 
-    EyeLayout layout() const { return {eye_width(), eye_height(), top_bottom, right_first}; }
+    EyeLayout layout() const { return {eye_width(), eye_height(), top_bottom, right_first, interleaved}; }
 
     /// A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
     bool zed_only() const { return !mode.empty() && device.empty() && port.empty(); }

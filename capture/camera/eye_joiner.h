@@ -11,8 +11,8 @@
 
 namespace disparityd::capture {
 
-/// Puts eyes that came one above the other, or the right one first, side by side with the left one first, into buffers
-/// of its own that are lent in turn. give_back() by any thread, the rest by one.
+/// Puts eyes that came one above the other, interleaved, or the right one first, side by side with the left one first,
+/// into buffers of its own that are lent in turn. give_back() by any thread, the rest by one.
 class EyeJoiner {
 public:
     EyeJoiner(const EyeLayout& layout, int bytes_per_pixel, int buffers)
@@ -35,6 +35,10 @@ public:
             index = free_.take();
         }
         std::uint8_t* to = buffers_[index].data();
+        if (layout_.interleaved) {
+            part(frame, stride, to);
+            return static_cast<int>(index);
+        }
         const auto second =
             layout_.top_bottom ? stride * static_cast<std::ptrdiff_t>(rows_) : static_cast<std::ptrdiff_t>(eye_bytes_);
         const std::ptrdiff_t left = layout_.right_first ? second : 0;
@@ -53,6 +57,17 @@ public:
     }
 
 private:
+    /// Takes pixels apart that have a byte of each eye.
+    void part(const std::uint8_t* frame, std::ptrdiff_t stride, std::uint8_t* to) const {
+        const std::size_t left = layout_.right_first ? 1 : 0;
+        for (std::size_t row = 0; row < rows_; ++row, frame += stride, to += 2 * eye_bytes_) {
+            for (std::size_t x = 0; x < eye_bytes_; ++x) {
+                to[x] = frame[2 * x + left];
+                to[eye_bytes_ + x] = frame[2 * x + 1 - left];
+            }
+        }
+    }
+
     const EyeLayout layout_;
     const std::size_t eye_bytes_;
     const std::size_t rows_;

@@ -27,8 +27,14 @@ constexpr std::uint32_t index_bits = 8;
 constexpr std::uint32_t generation_mask = (1U << 22U) - 1;
 
 std::uint32_t fourcc(const StreamRequest& request) {
+    if (request.forced != 0) {
+        return request.forced;
+    }
     if (request.mjpeg) {
         return V4L2_PIX_FMT_MJPEG;
+    }
+    if (request.interleaved) {
+        return V4L2_PIX_FMT_Y8I;
     }
     return request.format == PixelFormat::grey8 ? V4L2_PIX_FMT_GREY : V4L2_PIX_FMT_YUYV;
 }
@@ -116,7 +122,8 @@ void VideoStream::agree_on_format(const StreamRequest& request) {
         fail(VideoError::Call::format, 0,
              "does not offer " + format_text(asked) + ", nearest is " + format_text(pixels));
     }
-    const std::size_t row = std::size_t{pixels.width} * static_cast<std::size_t>(bytes_per_pixel(request.format));
+    const int bytes = request.interleaved ? 2 : bytes_per_pixel(request.format);
+    const std::size_t row = std::size_t{pixels.width} * static_cast<std::size_t>(bytes);
     if (request.mjpeg) {
         stride_ = 0;
         frame_bytes_ = 1;

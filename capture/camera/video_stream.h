@@ -30,8 +30,10 @@ struct StreamRequest {
     int height = 0;
     double rate = 0;
     PixelFormat format = PixelFormat::yuyv;
-    bool mjpeg = false;  ///< each frame is a JPEG, whatever `format` says
-    int loans = 8;       ///< frames that may be out at the same time
+    bool mjpeg = false;        ///< each frame is a JPEG, whatever `format` says
+    int loans = 8;             ///< frames that may be out at the same time
+    bool interleaved = false;  ///< each pixel has a byte of either eye (Y8I), whatever `format` says
+    std::uint32_t forced = 0;  ///< ask the driver for this one instead, as it calls it; 0: do not
 };
 
 /// A captured buffer; the bytes lie in the driver's memory until give_back().

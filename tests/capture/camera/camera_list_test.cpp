@@ -123,6 +123,9 @@ TEST(CameraUriTest, ModesSizesAndSelection) {
     EXPECT_EQ(jpegs.format, PixelFormat::yuyv);
     EXPECT_TRUE(jpegs.mjpeg);
     EXPECT_TRUE(jpegs.right_first);
+    const CameraRequest forced = parse_camera_uri("v4l2:1281x720?device=/dev/video0&format=y8i&force=Y16");
+    EXPECT_EQ(forced.eye_width(), 1281);
+    EXPECT_EQ(forced.forced, 0x20363159U);
     EXPECT_EQ(request.serial, "5");
     EXPECT_EQ(request.device, "/dev/video7");
     EXPECT_EQ(request.port, "1-2.3");
@@ -135,8 +138,10 @@ TEST(CameraUriTest, MistakesAreRefusedWithWhatIsAllowed) {
         {"v4l2:2560x720@0", "1 to 1000"},
         {"v4l2:2560x720@", "1 to 1000"},
         {"v4l2:vga?serial", "with a value"},
-        {"v4l2:vga?colour=red", "serial, device, port, format, layout or first"},
-        {"v4l2:vga?format=h264", "yuyv, grey or mjpeg"},
+        {"v4l2:vga?colour=red", "serial, device, port, format, force, layout or first"},
+        {"v4l2:vga?format=h264", "yuyv, grey, mjpeg or y8i"},
+        {"v4l2:1281x720?format=y8i&layout=top-bottom", "side-by-side with format=y8i"},
+        {"v4l2:1280x720?force=Y16LE", "1 to 4 characters"},
         {"v4l2:vga?first=top", "left or right: the eye"},
         {"v4l2:1282x720", "a multiple of 4"},
         {"v4l2:1280x721?layout=top-bottom", "an even height"},

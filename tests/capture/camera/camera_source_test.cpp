@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/videodev2.h>
 
 #include "capture/camera/eye_joiner.h"
 #include "capture/source_condition.h"
@@ -374,6 +375,41 @@ TEST_F(CameraSourceTest, EyesOneAboveTheOtherComeSideBySide) {
     EXPECT_EQ(source_->info().height, 8);
     EXPECT_GT(run(2s), 40) << "buffers go back to the driver";
     EXPECT_EQ(last_.image.stride, 256);
+}
+
+TEST_F(CameraSourceTest, InterleavedEyesComeSideBySideWhateverTheDriverCallsThem) {
+    auto camera = zed2();
+    camera.format = V4L2_PIX_FMT_Y16;
+    system_.plug(camera);
+    open("v4l2:64x16@30?format=y8i&force=Y16");
+    EXPECT_EQ(source_->info().eye_width, 64);
+    EXPECT_EQ(source_->info().height, 16);
+    EXPECT_EQ(source_->info().format, PixelFormat::grey8);
+    EXPECT_GT(run(2s), 40) << "buffers go back to the driver";
+    EXPECT_EQ(last_.image.stride, 128);
+}
+
+TEST_F(CameraSourceTest, AFormatThatTheDriverCallsOtherwiseIsRefusedUnlessForced) {
+    auto camera = zed2();
+    camera.format = V4L2_PIX_FMT_Y16;
+    system_.plug(camera);
+    open("v4l2:64x16@30?format=y8i");
+    EXPECT_EQ(run(2s), 0);
+    EXPECT_THAT(detail(), HasSubstr("does not offer 64x16 Y8I"));
+}
+
+TEST(EyeJoinerTest, TakesInterleavedEyesApart) {
+    const std::uint8_t sent[] = {10, 20, 11, 21, 0, 0, 12, 22, 13, 23, 0, 0};  // rows with a gap
+    for (const bool right_first : {false, true}) {
+        EyeJoiner joiner({2, 2, false, right_first, true}, 1, 1);
+        const int index = joiner.join(sent, 6);
+        const std::vector<std::uint8_t> joined(joiner.data(index), joiner.data(index) + 8);
+        if (right_first) {
+            EXPECT_THAT(joined, ElementsAre(20, 21, 10, 11, 22, 23, 12, 13));
+        } else {
+            EXPECT_THAT(joined, ElementsAre(10, 11, 20, 21, 12, 13, 22, 23));
+        }
+    }
 }
 
 TEST(EyeJoinerTest, PutsTheLeftEyeFirst) {
