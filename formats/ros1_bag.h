@@ -10,8 +10,8 @@
 
 namespace disparityd::formats {
 
-/// A bag of ROS 1 (http://wiki.ros.org/Bags/Format/2.0), with chunks packed by bz2, lz4 or not at all. ROS's own library
-/// is not used: some damaged files end the program that it reads them in.
+/// A bag of ROS 1 (http://wiki.ros.org/Bags/Format/2.0), with chunks packed by bz2, lz4 or not at all. ROS's own
+/// library is not used: some damaged files end the program that it reads them in.
 class Ros1Bag final : public RosBag {
 public:
     /// Opens the file and reads its index, where it has one. An index that is damaged counts as none. Throws as

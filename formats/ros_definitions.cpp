@@ -78,11 +78,39 @@ builtin_interfaces/Time stamp
 string frame_id
 )";
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> published{
+constexpr std::string_view transforms = R"(geometry_msgs/TransformStamped[] transforms
+==========
+MSG: geometry_msgs/TransformStamped
+std_msgs/Header header
+string child_frame_id
+Transform transform
+==========
+MSG: geometry_msgs/Transform
+Vector3 translation
+Quaternion rotation
+==========
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+==========
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+==========
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+)";
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> published{
     {{"sensor_msgs/msg/Image", image},
      {"sensor_msgs/msg/CompressedImage", compressed_image},
      {"sensor_msgs/msg/CameraInfo", camera_info},
-     {"sensor_msgs/msg/Imu", imu}}};
+     {"sensor_msgs/msg/Imu", imu},
+     {"tf2_msgs/msg/TFMessage", transforms}}};
 
 }  // namespace
 

@@ -14,6 +14,8 @@ namespace disparityd::formats {
 namespace {
 
 constexpr std::size_t most_numbers = 4096;
+constexpr std::size_t most_elements = 64;  // of an array of messages
+constexpr std::size_t most_kept = 10'000;  // fields, before an element of such an array
 constexpr std::size_t most_empty = 100'000;
 
 std::size_t size_of(RosKind kind) {
@@ -100,7 +102,9 @@ private:
         const bool words = field.kind == RosKind::text || field.kind == RosKind::wide_text;
         if (words || field.kind == RosKind::message) {
             for (std::size_t i = 0; i < count; ++i) {
-                read_one(field, nullptr);
+                const bool kept = path != nullptr && !words && i < most_elements && fields_.size() < most_kept;
+                const std::string element = kept ? *path + "." + std::to_string(i) : std::string();
+                read_one(field, kept ? &element : nullptr);
             }
             return;
         }

@@ -9,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/message_text.h"
-#include "capture/bag/bag_calibration.h"
+#include "capture/bag/bag_survey.h"
 #include "capture/frame_source.h"
 
 namespace disparityd::capture {
@@ -91,26 +91,19 @@ void BagReader::survey(bool calibrated) {
     }
 }
 
-/// Reads the first CameraInfo of each eye.
 void BagReader::read_calibration() {
-    std::optional<BagCameraInfo> left, right;
-    BagMessages bag(uri_.path);
-    BagMessages::Message message;
-    while ((!left || !right) && bag.position() < survey_bytes && bag.next(message)) {
-        for (const auto& [topic, info] : {std::pair(&topics_.left_info, &left), {&topics_.right_info, &right}}) {
-            if (message.topic == *topic && !*info) {
-                const formats::RosMessage fields = bag.decode(message);
-                try {
-                    *info = camera_info_of(fields, uri_.path + ": " + base::printable(*topic));
-                } catch (const std::runtime_error& error) {
-                    bag.fail(message, error.what());
-                }
-            }
-        }
-    }
-    const auto found =
-        left && right ? calibration_of(*left, *right, info_.eye_width, info_.height, topics_.rectified) : std::nullopt;
+    const BagSurvey bag = survey_bag(uri_.path, topics_, survey_bytes);
+    auto found = bag.left && bag.right
+                     ? calibration_of(*bag.left, *bag.right, info_.eye_width, info_.height, topics_.rectified)
+                     : std::nullopt;
     if (found) {
+        found->inertial.to_left_camera = bag.imu_to_left;
+        try {
+            calibration::check_inertial(found->inertial, uri_.path);
+        } catch (const std::invalid_argument&) {
+            found->inertial.to_left_camera.reset();  // distances are known without it
+            info_.notices.push_back(uri_.path + ": the inertial sensor has no place that can be: see its /tf_static");
+        }
         info_.calibration_text = calibration::to_text(*found);
     } else {
         info_.notices.push_back(uri_.path +

@@ -168,6 +168,9 @@ ChosenTopics choose_topics(const BagUri& uri, const std::vector<BagTopic>& topic
         chosen.right_info = info_of(chosen.right, infos);
     }
     chosen.imu = choose_imu(uri, names_of(topics, {"sensor_msgs/msg/Imu"}), chosen.notices);
+    if (!chosen.imu.empty() && has(names_of(topics, {"tf2_msgs/msg/TFMessage"}), "/tf_static")) {
+        chosen.transforms = "/tf_static";
+    }
     return chosen;
 }
 

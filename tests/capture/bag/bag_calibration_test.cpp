@@ -83,6 +83,41 @@ TEST(BagCalibration, OfRawImagesHasTheLens) {
     EXPECT_NEAR(found.calibration->translation[0], -120, 1e-9);
 }
 
+TEST(BagCalibration, HasThePlaceOfTheInertialSensor) {
+    // The body's axes point ahead, left and up, those of the images right, down and ahead.
+    const std::vector<disparityd::test::TransformFields> whole{
+        {"base", "link", {0.1, 0, 0}}, {"link", "/camera", {}, {-0.5, 0.5, -0.5, 0.5}}, {"base", "imu", {0, 0.2, 0}}};
+    const auto place_by = [](const std::vector<disparityd::test::TransformFields>& transforms) {
+        const TemporaryFolder folder;
+        BagWriter writer;
+        const cv::Mat image = numbered_image(64, 48, CV_8UC1, 1);
+        for (const std::string eye : {"/left", "/right"}) {
+            writer.image(eye + "/image_raw", bag_start_ns, image, "mono8");
+            writer.camera_info(eye + "/camera_info", bag_start_ns,
+                               eye == "/left" ? CameraInfoFields() : CameraInfoFields().right_of(0.12));
+        }
+        writer.transforms(bag_start_ns, transforms);
+        writer.imu("/imu", bag_start_ns, 0, 9.8);
+        SourceOptions options;
+        options.uri = folder.write("a.mcap", writer.close());
+        return open_source(options)->info().calibration.value().inertial.to_left_camera;
+    };
+    const auto place = place_by(whole);
+    ASSERT_TRUE(place);
+    const std::array<double, 9> turned{0, -1, 0, 0, 0, -1, 1, 0, 0};
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+        EXPECT_NEAR(place->rotation[i], turned[i], 1e-9) << i;
+    }
+    EXPECT_NEAR(place->translation[0], -200, 1e-6);
+    EXPECT_NEAR(place->translation[1], 0, 1e-6);
+    EXPECT_NEAR(place->translation[2], -100, 1e-6);
+    EXPECT_FALSE(place_by({whole[0], whole[2]}));                                              // no way
+    EXPECT_FALSE(place_by({whole[0], whole[1], {"other", "imu"}}));                            // nothing in common
+    EXPECT_FALSE(place_by({{"link", "camera"}, {"camera", "link"}, {"link", "imu"}}));         // a circle
+    EXPECT_FALSE(place_by({whole[0], whole[1], {"base", "imu", {200, 0, 0}}}));                // too far
+    EXPECT_FALSE(place_by({whole[0], whole[1], {"base", "imu", {0, 0.2, 0}, {0, 0, 0, 0}}}));  // no rotation
+}
+
 TEST(BagCalibration, OfRectifiedImagesIsTheProjection) {
     Bag bag;
     bag.images = "image_rect";

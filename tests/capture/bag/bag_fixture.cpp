@@ -2,6 +2,7 @@
 #include "tests/capture/bag/bag_fixture.h"
 
 #include "formats/cdr_writer.h"
+#include "formats/ros_definitions.h"
 
 namespace disparityd::test {
 namespace {
@@ -75,11 +76,11 @@ float64 y
 float64 z
 )";
 
-CdrWriter begin(std::int64_t stamp_ns) {
+CdrWriter begin(std::int64_t stamp_ns, std::string_view frame = "camera") {
     constexpr std::int64_t second_ns = 1'000'000'000;
     CdrWriter cdr;
     cdr.i32(static_cast<std::int32_t>(stamp_ns / second_ns)).u32(static_cast<std::uint32_t>(stamp_ns % second_ns));
-    cdr.text("camera");
+    cdr.text(frame);
     return cdr;
 }
 
@@ -146,11 +147,23 @@ void BagWriter::camera_info(const std::string& topic, std::int64_t stamp_ns, con
 
 void BagWriter::imu(const std::string& topic, std::int64_t stamp_ns, double turn, double pull) {
     const std::uint16_t id = channel(topic, "sensor_msgs/msg/Imu", imu_definition);
-    CdrWriter cdr = begin(stamp_ns);
+    CdrWriter cdr = begin(stamp_ns, "imu");
     const std::array<double, 9> covariance{};
     cdr.f64_array(std::array{0.0, 0.0, 0.0, 1.0}).f64_array(covariance);
     cdr.f64_array(std::array{turn, 2 * turn, 3 * turn}).f64_array(covariance);
     cdr.f64_array(std::array{pull, 2 * pull, 3 * pull}).f64_array(covariance);
+    message(id, stamp_ns, cdr.take());
+}
+
+void BagWriter::transforms(std::int64_t stamp_ns, const std::vector<TransformFields>& transforms) {
+    constexpr std::string_view type = "tf2_msgs/msg/TFMessage";
+    const std::uint16_t id = channel("/tf_static", type, formats::published_definition(type));
+    CdrWriter cdr;
+    cdr.length(transforms.size());
+    for (const TransformFields& transform : transforms) {
+        cdr.i32(0).u32(0).text(transform.parent).text(transform.child);
+        cdr.f64_array(transform.translation_m).f64_array(transform.rotation);
+    }
     message(id, stamp_ns, cdr.take());
 }
 

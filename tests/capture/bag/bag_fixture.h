@@ -33,6 +33,14 @@ struct CameraInfoFields {
     CameraInfoFields right_of(double baseline_m) const;
 };
 
+/// A transform of /tf_static, which takes points of the child to the parent.
+struct TransformFields {
+    std::string parent;
+    std::string child;
+    std::array<double, 3> translation_m{};
+    std::array<double, 4> rotation{0, 0, 0, 1};  ///< x, y, z, w
+};
+
 /// Makes a bag of ROS 2 as a text in memory.
 class BagWriter {
 public:
@@ -43,6 +51,7 @@ public:
                int gap = 0);
     void compressed(const std::string& topic, std::int64_t stamp_ns, const std::string& format, std::string_view file);
     void camera_info(const std::string& topic, std::int64_t stamp_ns, const CameraInfoFields& fields);
+    void transforms(std::int64_t stamp_ns, const std::vector<TransformFields>& transforms);
     void imu(const std::string& topic, std::int64_t stamp_ns, double turn, double pull);
 
     std::string close() { return writer_.close(); }
