@@ -219,7 +219,11 @@ const FIELDS = {
   d: [],
   name: 'right',
   'part.a': 3,
-  'part.b': -2.25
+  'part.b': -2.25,
+  'parts.0.a': 1,
+  'parts.0.b': 1,
+  'parts.1.a': 2,
+  'parts.1.b': 2
 }
 
 // The same message by hand, as their writer knows one byte order only.
