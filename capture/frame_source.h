@@ -27,8 +27,9 @@ struct CameraSetting;
 /// Facts about one captured frame, as a bit set in RawFrame::flags; they survive a recording.
 enum FrameFlag : std::uint32_t {
     frame_flag_none = 0,
-    frame_flag_corrupt = 1U << 0,        ///< the driver marked the frame as damaged
-    frame_flag_discontinuity = 1U << 1,  ///< first frame after a gap, a restart or a loop
+    frame_flag_corrupt = 1U << 0,          ///< the driver marked the frame as damaged
+    frame_flag_discontinuity = 1U << 1,    ///< first frame after a gap, a restart or a loop
+    frame_flag_exposure_centre = 1U << 2,  ///< its stamps were moved to the centre of its exposure
 };
 
 /// A frame on loan from its source: the pixels stay valid until give_back().
@@ -118,6 +119,12 @@ enum class Pace {
     fastest,  ///< as soon as somebody asks: offline work
 };
 
+/// Says which moment the stamps of a camera's frames tell.
+enum class Stamp {
+    source,           ///< what the source says
+    exposure_centre,  ///< moved by half the exposure, where the driver reports it
+};
+
 struct SourceOptions {
     std::string uri;  ///< "v4l2:hd720@30", "scene:vga@15", a folder, a pattern with %d, a video file
     int loans = 8;    ///< frames that may be out at the same time
@@ -134,6 +141,7 @@ struct SourceOptions {
     std::size_t first_image = 0;
     std::size_t image_count = SIZE_MAX;  ///< at most
     // Of cameras only:
+    Stamp stamp = Stamp::source;
     bool wait_for_camera = false;   ///< one that is not there, or cannot be used yet, is waited for; else a refusal
     bool allow_unrectified = true;  ///< a camera without calibration delivers frames all the same
     std::vector<std::string> calibration_folders;  ///< searched for SN<serial>.conf and the like, in this order

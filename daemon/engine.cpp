@@ -45,6 +45,7 @@ std::unique_ptr<capture::FrameSource> open_source(const Config& config, const En
     options.loans = config.pipeline.slots + spare_loans;
     options.pace = config.source.pace;
     options.loop = config.source.loop;
+    options.stamp = config.source.stamp;
     options.time_offset_us = config.source.time_offset_us;
     options.calibration_path = config.source.calibration;
     options.wait_for_camera = true;
@@ -270,6 +271,9 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     flags |= slot.dropped_before > 0 ? static_cast<std::uint32_t>(v1::DROPPED_BEFORE) : 0U;
     if (first_frame_ || (slot.raw.flags & capture::frame_flag_discontinuity) != 0) {
         flags |= static_cast<std::uint32_t>(v1::DISCONTINUITY);
+    }
+    if ((slot.raw.flags & capture::frame_flag_exposure_centre) != 0) {
+        flags |= static_cast<std::uint32_t>(v1::EXPOSURE_CENTRE);
     }
     first_frame_ = false;
     for (std::size_t i = 0; i < stages_.size(); ++i) {

@@ -14,6 +14,7 @@
 #include "capture/camera/camera_identity.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_recovery.h"
+#include "capture/camera/exposure_stamp.h"
 #include "capture/camera/eye_joiner.h"
 #include "capture/camera/frame_counter.h"
 #include "capture/camera/jpeg_workers.h"
@@ -73,6 +74,7 @@ private:
     void lend(RawFrame& frame, const VideoFrame& captured);
     void count_damaged_jpeg(const std::string& problem);
     void fill(RawFrame& frame, const VideoFrame& captured);
+    void move_to_exposure(RawFrame& frame);
     void set_state(CameraState state, const std::string& detail);
     void stalled(const std::string& what_is_done);
     void count(std::uint64_t CameraFacts::*attempts);
@@ -89,7 +91,8 @@ private:
     VideoStream stream_;
     CameraRecovery recovery_;
     std::optional<EyeJoiner> joiner_;
-    std::optional<JpegWorkers> jpegs_;  ///< ends before stream_, whose memory it reads
+    std::optional<JpegWorkers> jpegs_;       ///< ends before stream_, whose memory it reads
+    std::optional<ExposureStamp> exposure_;  ///< where stamps are to be moved
     FrameCounter counter_;
     bool after_reset_ = false;           ///< the next plugging comes from our reset
     bool told_damage_ = false;           ///< of this stream
@@ -131,6 +134,9 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Se
         info_.jpegs = request_.layout();
     } else if (!request_.layout().as_lent()) {
         joiner_.emplace(request_.layout(), bytes_per_pixel(request_.format), std::max(1, options.loans));
+    }
+    if (options.stamp == Stamp::exposure_centre) {
+        exposure_.emplace(system);
     }
     if (options.sensors && sensors != nullptr) {
         samples_.resize(RawFrame::most_samples);
@@ -244,10 +250,19 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     frame.dropped_before = place.lost;
     frame.flags = place.discontinuity ? frame_flag_discontinuity : frame_flag_none;
     frame.monotonic_ns = captured.monotonic_ns;
-    const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - captured.monotonic_ns;
+    move_to_exposure(frame);
+    const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - frame.monotonic_ns;
     frame.realtime_ns = system_.realtime_ns() - age;
     if (sensors_) {
         frame.sensors = std::span(samples_).first(sensors_->take(samples_));
+    }
+}
+
+void CameraSource::move_to_exposure(RawFrame& frame) {
+    const auto to_centre = exposure_ ? exposure_->to_centre_ns(stream_) : std::nullopt;
+    if (to_centre) {
+        frame.monotonic_ns += *to_centre;
+        frame.flags |= frame_flag_exposure_centre;
     }
 }
 
@@ -407,6 +422,7 @@ std::vector<CameraControl> CameraSource::set_camera_controls(const std::vector<C
 void CameraSource::opened(const UsbCamera& camera) {
     follow_sensors_of(camera);
     started();
+    const bool no_exposure = exposure_ && !exposure_->to_centre_ns(stream_);
     const bool stalled_before = facts_.state == CameraState::stalled;
     {
         const std::lock_guard lock(mutex_);
@@ -421,6 +437,10 @@ void CameraSource::opened(const UsbCamera& camera) {
         notices_ = camera_notices(camera);
         if (!info_.calibration) {
             notices_.push_back("there is no calibration for " + camera.label() + ": frames are unrectified");
+        }
+        if (no_exposure) {
+            notices_.push_back("the driver does not report the exposure of " + camera.label() +
+                               ": the stamps of its frames are the driver's own");
         }
         facts_.arrivals += streamed_ && same_plugging(*streamed_, camera) ? 0 : 1;
     }
@@ -452,6 +472,9 @@ void CameraSource::restart() {
 void CameraSource::started() {
     if (jpegs_) {
         jpegs_->forget();  // their numbers are of the stream before
+    }
+    if (exposure_) {
+        exposure_->forget();
     }
     broken_ = false;
     told_damage_ = false;

@@ -357,4 +357,15 @@ std::int64_t VideoStream::capture_time(const v4l2_buffer& buffer) const {
     return our_clock && can_be ? std::min(now, stamp_s * second + std::int64_t{buffer.timestamp.tv_usec} * 1000) : now;
 }
 
+std::optional<nanoseconds> VideoStream::exposure() const {
+    constexpr std::chrono::microseconds unit{100};
+    constexpr std::int32_t most = 100'000;  // 10 s
+    v4l2_control control{};
+    control.id = V4L2_CID_EXPOSURE_ABSOLUTE;
+    if (system_.ioctl(device_, VIDIOC_G_CTRL, &control) != 0 || control.value <= 0 || control.value > most) {
+        return std::nullopt;
+    }
+    return control.value * unit;
+}
+
 }  // namespace disparityd::capture

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -89,6 +90,10 @@ public:
 
     /// Frames per second as agreed on; 0 when the driver does not say.
     double rate() const { return rate_; }
+
+    /// Returns how long a frame is exposed, as the driver reports it now; nothing where it does not, or cannot be
+    /// right.
+    std::optional<std::chrono::nanoseconds> exposure() const;
 
     std::uint64_t damaged() const { return damaged_.load(std::memory_order_relaxed); }
     std::uint64_t too_short() const { return too_short_.load(std::memory_order_relaxed); }

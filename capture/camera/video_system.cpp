@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/camera/video_system.h"
 
+#include <fstream>
+
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -41,6 +43,11 @@ public:
     std::int64_t realtime_ns() override {
         return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
             .count();
+    }
+
+    bool stamps_begin_exposure() override {
+        char answer = 0;
+        return std::ifstream("/sys/module/uvcvideo/parameters/hwtimestamps") >> answer && answer != '0';
     }
 };
 

@@ -40,6 +40,10 @@ public:
 
     virtual std::chrono::steady_clock::time_point now() = 0;
     virtual std::int64_t realtime_ns() = 0;
+
+    /// Whether the driver's stamps are the camera's own, of the start of exposure (uvcvideo with hwtimestamps=1).
+    /// Otherwise it stamps a frame when its first packet comes, which is after the exposure.
+    virtual bool stamps_begin_exposure() { return false; }
 };
 
 /// Returns this machine's cameras; one object for all.

@@ -25,11 +25,12 @@ extern "C" {
 
 /** Bits of disparity_frame_info.flags. */
 enum {
-    DISPARITY_FLAG_UNRECTIFIED = 1,    /**< no calibration: the pixels are as captured */
-    DISPARITY_FLAG_INTERPOLATED = 2,   /**< rejected pixels were filled from their neighbours */
-    DISPARITY_FLAG_DROPPED_BEFORE = 4, /**< dropped_before is not 0 */
-    DISPARITY_FLAG_DISCONTINUITY = 8,  /**< the first frame after a gap or restart of the source */
-    DISPARITY_FLAG_SYNTHETIC = 16,     /**< rendered, or a recording of rendered frames: not from a camera */
+    DISPARITY_FLAG_UNRECTIFIED = 1,      /**< no calibration: the pixels are as captured */
+    DISPARITY_FLAG_INTERPOLATED = 2,     /**< rejected pixels were filled from their neighbours */
+    DISPARITY_FLAG_DROPPED_BEFORE = 4,   /**< dropped_before is not 0 */
+    DISPARITY_FLAG_DISCONTINUITY = 8,    /**< the first frame after a gap or restart of the source */
+    DISPARITY_FLAG_SYNTHETIC = 16,       /**< rendered, or a recording of rendered frames: not from a camera */
+    DISPARITY_FLAG_EXPOSURE_CENTRE = 32, /**< the capture time was moved to the centre of the exposure */
     /* Doubts: why the frame can be trusted less. */
     DISPARITY_FLAG_DARK = 0x100,         /**< both eyes see hardly any light */
     DISPARITY_FLAG_SATURATED = 0x200,    /**< much of a picture is white */

@@ -22,11 +22,12 @@ namespace disparity {
 
 /// Bits of Frame::flags.
 enum FrameFlags : std::uint32_t {
-    unrectified = 1,     ///< no calibration: the pixels are as captured
-    interpolated = 2,    ///< rejected pixels were filled from their neighbours
-    dropped_before = 4,  ///< Frame::dropped_before is not 0
-    discontinuity = 8,   ///< the first frame after a gap or restart of the source
-    synthetic = 16,      ///< rendered, or a recording of rendered frames: not from a camera
+    unrectified = 1,       ///< no calibration: the pixels are as captured
+    interpolated = 2,      ///< rejected pixels were filled from their neighbours
+    dropped_before = 4,    ///< Frame::dropped_before is not 0
+    discontinuity = 8,     ///< the first frame after a gap or restart of the source
+    synthetic = 16,        ///< rendered, or a recording of rendered frames: not from a camera
+    exposure_centre = 32,  ///< the capture time was moved to the centre of the exposure
     // Doubts: why the frame can be trusted less.
     dark = 0x100,          ///< both eyes see hardly any light
     saturated = 0x200,     ///< much of a picture is white

@@ -26,8 +26,9 @@ struct Config {
         std::string uri = "v4l2:auto";
         capture::Pace pace = capture::Pace::source;
         bool loop = false;
-        int time_offset_us = 0;   ///< added to the stamps of frames
-        std::string calibration;  ///< empty = what the source brings
+        capture::Stamp stamp = capture::Stamp::source;  ///< cameras only
+        int time_offset_us = 0;                         ///< added to the stamps of frames
+        std::string calibration;                        ///< empty = what the source brings
         /// Folders with calibrations by serial number of the camera, separated by colons.
         std::string calibration_folders = calibration::standard_calibration_folders;
         bool allow_unrectified = false;  ///< cameras only

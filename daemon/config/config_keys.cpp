@@ -288,6 +288,9 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
                                            {{"source", capture::Pace::source}, {"fastest", capture::Pace::fastest}},
                                            FIELD(source.pace)));
     keys.push_back(bool_key("source", "loop", FIELD(source.loop)));
+    keys.push_back(name_key<capture::Stamp>(
+        "source", "stamp", {{"source", capture::Stamp::source}, {"exposure-centre", capture::Stamp::exposure_centre}},
+        FIELD(source.stamp)));
     keys.push_back(range_key("source", "time_offset_us", -100000, 100000, FIELD(source.time_offset_us)));
     keys.push_back(text_key("source", "calibration", "a file name, or \"\"", FIELD(source.calibration)));
     keys.push_back(text_key("source", "calibration_folders", "folders with ':' between them, or \"\"",

@@ -138,11 +138,13 @@ LiveRequest request_of(const Json& object) {
 }
 
 Json flags_of(std::uint32_t flags) {
-    constexpr std::array<std::pair<std::uint32_t, const char*>, 5> words{{{disparity::unrectified, "unrectified"},
-                                                                          {disparity::interpolated, "interpolated"},
-                                                                          {disparity::dropped_before, "dropped_before"},
-                                                                          {disparity::discontinuity, "discontinuity"},
-                                                                          {disparity::synthetic, "synthetic"}}};
+    constexpr std::array<std::pair<std::uint32_t, const char*>, 6> words{
+        {{disparity::unrectified, "unrectified"},
+         {disparity::interpolated, "interpolated"},
+         {disparity::dropped_before, "dropped_before"},
+         {disparity::discontinuity, "discontinuity"},
+         {disparity::synthetic, "synthetic"},
+         {disparity::exposure_centre, "exposure_centre"}}};
     Json list = Json::array();
     for (const auto& [bit, word] : words) {
         if ((flags & bit) != 0) {

@@ -11,8 +11,8 @@ from .client import Client, connect
 from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
 from .errors import DisparityError, Gone, Refused
-from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, INTERPOLATED, MISALIGNED, NOISY,
-                    SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame, doubt_names)
+from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, EXPOSURE_CENTRE, INTERPOLATED,
+                    MISALIGNED, NOISY, SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame, doubt_names)
 from .inertial import InertialCalibration, inertial_calibration
 from .scan import (FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GROUND_GRAVITY, GROUND_HELD, MASKED, OCCUPIED,
                    UNKNOWN, Scan)
@@ -33,6 +33,7 @@ __all__ = [
     "DISPARITY",
     "DROPPED_BEFORE",
     "DisparityError",
+    "EXPOSURE_CENTRE",
     "FREE",
     "Frame",
     "GROUND_AUTOPILOT",

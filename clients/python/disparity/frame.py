@@ -22,6 +22,7 @@ INTERPOLATED = 2
 DROPPED_BEFORE = 4
 DISCONTINUITY = 8
 SYNTHETIC = 16
+EXPOSURE_CENTRE = 32
 # Doubts, why a frame can be trusted less; docs/protocol.md explains them. Bits 24 .. 31 are the trust.
 DARK = 0x100
 SATURATED = 0x200

@@ -94,7 +94,8 @@ LiveFrame small_frame() {
     frame.baseline_mm = 120;
     frame.disparities = 16;
     frame.invalid = -16;
-    frame.flags = disparity::synthetic | disparity::interpolated | disparity::blurred | 90U << 24U;
+    frame.flags =
+        disparity::synthetic | disparity::interpolated | disparity::exposure_centre | disparity::blurred | 90U << 24U;
     const std::vector<std::int16_t> d16{128, 128, 128, 128, 128, -16, 128, 128};
     disparity::PlaneData plane{disparity::Product::disparity, 4, 2, 2, std::vector<std::uint8_t>(16)};
     std::memcpy(plane.bytes.data(), d16.data(), 16);
@@ -127,7 +128,7 @@ TEST(FrameMessageTest, TheHeaderSaysWhereEachPartLies) {
     EXPECT_EQ(header["publish_index"], 7);
     EXPECT_EQ(header["skipped"], 3);
     EXPECT_EQ(header["scale"], 2);
-    EXPECT_EQ(header["flags"], json::parse(R"(["interpolated","synthetic","blurred"])"));
+    EXPECT_EQ(header["flags"], json::parse(R"(["interpolated","synthetic","exposure_centre","blurred"])"));
     EXPECT_EQ(header["trust"], 90);
     EXPECT_EQ(header["images"][1]["offset"], 5);
     EXPECT_EQ(header["images"][1]["bytes"], 5);

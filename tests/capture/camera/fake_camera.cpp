@@ -157,7 +157,7 @@ int FakeVideoSystem::ioctl(int number, unsigned long request, void* argument) {
         case UVCIOC_CTRL_QUERY: return ask_extension_unit(*camera, argument);
         case VIDIOC_QUERYCTRL:
         case VIDIOC_G_CTRL:
-        case VIDIOC_S_CTRL: return control_brightness(*camera, request, argument);
+        case VIDIOC_S_CTRL: return control_value(*camera, request, argument);
         default: return enumerate(*camera, request, argument);
     }
 }
@@ -184,7 +184,7 @@ int FakeVideoSystem::enumerate(const Camera& camera, unsigned long request, void
     return ENOTTY;
 }
 
-int FakeVideoSystem::control_brightness(Camera& camera, unsigned long request, void* argument) const {
+int FakeVideoSystem::control_value(Camera& camera, unsigned long request, void* argument) {
     if (request == VIDIOC_QUERYCTRL) {
         auto& query = *static_cast<v4l2_queryctrl*>(argument);
         if (query.id != V4L2_CTRL_FLAG_NEXT_CTRL) {
@@ -200,6 +200,11 @@ int FakeVideoSystem::control_brightness(Camera& camera, unsigned long request, v
         return 0;
     }
     auto& value = *static_cast<v4l2_control*>(argument);
+    if (value.id == V4L2_CID_EXPOSURE_ABSOLUTE && request == VIDIOC_G_CTRL) {
+        calls_.emplace_back("exposure");
+        value.value = camera.exposure;
+        return camera.exposure != 0 ? 0 : EINVAL;
+    }
     if (request == VIDIOC_S_CTRL) {
         camera.brightness = value.value;
     }

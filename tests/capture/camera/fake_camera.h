@@ -42,6 +42,7 @@ public:
         std::vector<std::uint8_t> unit_answer{};
         std::map<std::pair<std::uint8_t, std::uint32_t>, std::uint8_t> registers{};  ///< behind the unit, by part
         std::int32_t brightness = 4;                                                 ///< a control of V4L2, 0 .. 8
+        std::int32_t exposure = 0;                                                   ///< in 100 us; 0: none is told
         bool old_clock = false;                                                      ///< stamps with another clock
         std::optional<std::int64_t> stamp_s{};                                       ///< in place of the true seconds
     };
@@ -86,6 +87,8 @@ public:
     int reset_usb(int bus, int address) override;
     std::chrono::steady_clock::time_point now() override { return now_; }
     std::int64_t realtime_ns() override;
+    bool stamps_begin_exposure() override { return begin_exposure; }
+    bool begin_exposure = false;
 
 private:
     struct Filled {
@@ -114,7 +117,7 @@ private:
     int dequeue(Device& device, Camera& camera, void* argument);
     int request_buffers(Device& device, Camera& camera, void* argument);
     int enumerate(const Camera& camera, unsigned long request, void* argument) const;
-    int control_brightness(Camera& camera, unsigned long request, void* argument) const;
+    int control_value(Camera& camera, unsigned long request, void* argument);
     int ask_extension_unit(Camera& camera, void* argument);
     void answer_command(Camera& camera, const std::vector<std::uint8_t>& command);
     std::size_t frame_bytes(const Camera& camera) const;
