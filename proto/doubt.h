@@ -66,7 +66,8 @@ inline std::string doubt_names(std::uint32_t flags) {
     std::string names;
     for (const DoubtFacts& doubt : doubts) {
         if ((flags & doubt.bit) != 0) {
-            names += (names.empty() ? "" : " ") + std::string(doubt.name);
+            names += names.empty() ? "" : " ";
+            names += doubt.name;
         }
     }
     return names;
