@@ -100,6 +100,11 @@ struct Video {
     bool lossless;
 };
 
+void PrintTo(const Video& video, std::ostream* out) {
+    *out << avcodec_get_name(video.codec) << (video.lossless ? " without loss" : "") << ", payload "
+         << static_cast<int>(video.payload);
+}
+
 class MadeVideo : public ::testing::TestWithParam<Video> {};
 
 TEST_P(MadeVideo, FfmpegDecodesThePictures) {
