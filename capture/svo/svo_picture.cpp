@@ -45,7 +45,7 @@ cv::Mat unpack_zstd(Bytes payload, std::optional<SvoSize> stated) {
     }
     const auto pixels = static_cast<std::uint64_t>(stated->width) * static_cast<std::uint64_t>(stated->height);
     const unsigned long long size = ZSTD_getFrameContentSize(payload.data(), payload.size());
-    const bool nv12 = size == pixels + pixels / 2;
+    const bool nv12 = stated->height % 2 == 0 && size == pixels + pixels / 2;
     const bool raw = size >= pixels && size <= 4 * pixels && size % pixels == 0;
     if (!nv12 && !raw) {
         const bool known = size != ZSTD_CONTENTSIZE_UNKNOWN && size != ZSTD_CONTENTSIZE_ERROR;
@@ -55,9 +55,9 @@ cv::Mat unpack_zstd(Bytes payload, std::optional<SvoSize> stated) {
     }
     const int rows = nv12 ? stated->height + stated->height / 2 : stated->height;
     cv::Mat image(rows, stated->width, CV_8UC(nv12 ? 1 : static_cast<int>(size / pixels)));
-    const std::size_t made =
-        ZSTD_decompress(image.data, static_cast<std::size_t>(size), payload.data(), payload.size());
-    if (ZSTD_isError(made) != 0 || made != size) {
+    const std::size_t room = image.total() * image.elemSize();
+    const std::size_t made = ZSTD_decompress(image.data, room, payload.data(), payload.size());
+    if (ZSTD_isError(made) != 0 || made != room) {
         throw std::runtime_error("zstd data are damaged");
     }
     if (nv12) {

@@ -110,10 +110,19 @@ void SvoReader::take_message() {
     const std::string& topic = file_.definitions().channels().at(message.channel).topic;
     if (topic == header_topic) {
         take_header(message.data);
-    } else if (serial_of_topic(topic, sensors_name)) {
-        take_sample(message);
-    } else if (serial_of_topic(topic, video_name)) {
-        camera_ = camera_.empty() ? topic : camera_;
+    } else if (const auto serial = serial_of_topic(topic, sensors_name)) {
+        serial_ = serial_.empty() ? *serial : serial_;
+        if (*serial == serial_) {
+            take_sample(message);
+        }
+    } else if (const auto of_video = serial_of_topic(topic, video_name)) {
+        if (camera_.empty()) {
+            camera_ = topic;
+            if (std::exchange(serial_, *of_video) != *of_video) {
+                sensors_.clear();  // of another camera
+                lost_samples_ = 0;
+            }
+        }
         if (topic == camera_) {
             take_video(message);
         }
@@ -124,7 +133,9 @@ void SvoReader::take_header(std::span<const std::uint8_t> data) {
     try {
         header_ = read_svo_header(data);
     } catch (const std::runtime_error& error) {
-        info_.notices.push_back(options_.uri + ": the header is not understood: " + error.what());
+        if (!std::exchange(header_told_, true)) {
+            info_.notices.push_back(options_.uri + ": the header is not understood: " + error.what());
+        }
     }
     if (header_.encrypted) {
         throw std::invalid_argument(options_.uri +
@@ -241,7 +252,8 @@ void SvoReader::take_sample(const formats::McapMessage& message) {
         put_in_front(std::exchange(sensors_, {sample}), sensors_);
     } catch (const std::runtime_error& error) {
         ++lost_samples_;
-        if (!std::exchange(sensors_told_, true)) {
+        if (sensors_left_out_++ == 0) {
+            sensors_why_ = error.what();
             info_.notices.push_back(options_.uri +
                                     ": a message of the sensors is not understood and left out: " + error.what());
         }
@@ -298,7 +310,8 @@ void SvoReader::describe_topics() {
             others += ", ";
             others += base::printable(channel.topic);
             several = true;
-        } else if (!is_known(channel.topic)) {
+        } else if (serial_of_topic(channel.topic, sensors_name).value_or(serial_) != serial_ ||
+                   !is_known(channel.topic)) {
             unknown += (unknown.empty() ? "" : ", ") + base::printable(channel.topic) +
                        (count ? " (" + base::counted(*count, "message") + ")" : "");
         }
@@ -307,8 +320,8 @@ void SvoReader::describe_topics() {
         throw std::invalid_argument(options_.uri + ": holds the video of several cameras, expected one: " + others);
     }
     if (!unknown.empty()) {
-        info_.notices.push_back(options_.uri +
-                                ": these topics are not known and not read: " + base::printable_line(unknown));
+        info_.notices.push_back(options_.uri + ": these topics are not known, or of another camera, and not read: " +
+                                base::printable_line(unknown));
     }
 }
 
@@ -395,12 +408,18 @@ void SvoReader::check_end() {
     }
     left_out_ += static_cast<std::uint64_t>(messages_ - 1 - last_number_);
     last_number_ = messages_ - 1;
-    if (left_out_ > 0) {
-        const std::uint64_t left_out = std::exchange(left_out_, 0);
-        throw std::runtime_error(options_.uri + ": " + std::to_string(left_out) + " of " +
-                                 base::counted(static_cast<std::uint64_t>(messages_), "video message") +
-                                 " gave no frame" +
-                                 (left_out_why_.empty() ? "" : ", the first because " + left_out_why_));
+    std::string problem;
+    if (const std::uint64_t left_out = std::exchange(left_out_, 0); left_out > 0) {
+        problem = std::to_string(left_out) + " of " +
+                  base::counted(static_cast<std::uint64_t>(messages_), "video message") + " gave no frame" +
+                  (left_out_why_.empty() ? "" : ", the first because " + left_out_why_);
+    }
+    if (const std::uint64_t left_out = std::exchange(sensors_left_out_, 0); left_out > 0) {
+        problem += (problem.empty() ? "" : "; ") + base::counted(left_out, "message") +
+                   " of the sensors gave no sample, the first because " + sensors_why_;
+    }
+    if (!problem.empty()) {
+        throw std::runtime_error(options_.uri + ": " + problem);
     }
 }
 

@@ -64,21 +64,24 @@ private:
     formats::McapReader file_;
     Info info_;
     SvoHeader header_;
+    bool header_told_ = false;           ///< that it is not understood
     std::string camera_;                 ///< the topic of the video
+    std::string serial_;                 ///< of the camera; before the first video that of the first sensors
     std::optional<SvoPayload> payload_;  ///< of the first message whose payload is known
     std::optional<AnnexBCodec> codec_;
     std::optional<SvoVideo> video_;
     bool start_needed_ = true;              ///< units are left out until one has the parameters of the video
     std::map<std::int64_t, Message> sent_;  ///< whose pictures the decoder has not given yet, by number
     std::deque<Frame> ready_;
-    std::int64_t messages_ = 0;          ///< of video so far
-    std::int64_t last_number_ = -1;      ///< of the message of the last frame
-    std::uint64_t left_out_ = 0;         ///< messages of video before it that gave no frame
-    std::string left_out_why_;           ///< the first of them
-    std::vector<SensorSample> sensors_;  ///< since the message of video before
-    std::uint32_t lost_samples_ = 0;     ///< before the first of them
-    bool sensors_told_ = false;
-    std::optional<bool> by_log_;  ///< the first footer has no time: those of the container are taken
+    std::int64_t messages_ = 0;           ///< of video so far
+    std::int64_t last_number_ = -1;       ///< of the message of the last frame
+    std::uint64_t left_out_ = 0;          ///< messages of video before it that gave no frame
+    std::string left_out_why_;            ///< the first of them
+    std::vector<SensorSample> sensors_;   ///< since the message of video before
+    std::uint32_t lost_samples_ = 0;      ///< before the first of them
+    std::uint64_t sensors_left_out_ = 0;  ///< messages of the sensors that gave no sample
+    std::string sensors_why_;             ///< of the first of them
+    std::optional<bool> by_log_;          ///< the first footer has no time: those of the container are taken
     std::int64_t last_stamp_ns_ = 0;
     std::int64_t start_ns_ = 0;  ///< stamp of the first frame
     std::uint64_t frames_ = 0;   ///< returned

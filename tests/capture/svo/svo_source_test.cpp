@@ -11,9 +11,11 @@
 #include "base/little_endian.h"
 #include "capture/frame_source.h"
 #include "capture/recording/recording_ffmpeg.h"
+#include "capture/svo/svo_picture.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/svo/svo_play.h"
 #include "tests/formats/mcap_writer.h"
+#include "tests/formats/refusal.h"
 #include "tests/temporary_folder.h"
 
 namespace disparityd::capture {
@@ -85,16 +87,18 @@ public:
         video(payload, index, start_ns + static_cast<std::uint64_t>(index) * period_ns);
     }
 
-    void sample(std::uint64_t stamp, float degrees) {
+    void sample(std::uint64_t stamp, float degrees, const std::string& topic = "") {
         std::string structure(360, '\0');
         structure.replace(0x10, 8, little_endian(stamp, 8));
         std::memcpy(structure.data() + 0x58, &degrees, sizeof degrees);
         const float acceleration = 9.5F;
         std::memcpy(structure.data() + 0x68, &acceleration, sizeof acceleration);
-        message(sensors_, R"({"data": ")" + base64(structure) + "\"}");
+        message(topic.empty() ? sensors_ : file_.channel(0, topic, "json"),
+                R"({"data": ")" + base64(structure) + "\"}");
     }
 
     void sensor_message(const std::string& text) { message(sensors_, text); }
+    void header_message(const std::string& text) { message(header_, text); }
     void raw_video(const std::string& bytes) { message(video_, bytes); }
     void other_topic() { message(file_.channel(0, "Camera_SN4711/else", "json"), "{}"); }
     std::string close() { return file_.close(); }
@@ -323,7 +327,8 @@ TEST(SvoSource, GivesInertialSamples) {
     file.sample(start_ns / 1'000'000 + 60, 90);
     file.video(payload, 2);
     const Played played = play(file.close());
-    EXPECT_EQ(played.problem, "");
+    EXPECT_THAT(played.problem,
+                HasSubstr("1 message of the sensors gave no sample, the first because it has no structure"));
     ASSERT_EQ(played.samples.size(), 2U);
     EXPECT_EQ(played.samples[0].flags, sensor_flag_inertial);
     EXPECT_EQ(played.samples[0].lost_before, 1U);
@@ -332,6 +337,47 @@ TEST(SvoSource, GivesInertialSamples) {
     EXPECT_EQ(played.samples[0].monotonic_ns, 10'000'000);
     EXPECT_EQ(played.samples[1].realtime_ns, static_cast<std::int64_t>(start_ns + 60'000'000));
     EXPECT_THAT(played.notices, Contains(HasSubstr("a message of the sensors is not understood")));
+}
+
+TEST(SvoSource, TakesTheSensorsOfTheCameraOfTheVideo) {
+    const std::string payload = png(numbered_image(width, height, CV_8UC1, 1));
+    Svo file;
+    file.sample(start_ns, 1, "Camera_SN4712/sensors");
+    file.video(payload, 0);
+    file.sample(start_ns + 10'000'000, 180);
+    file.sample(start_ns + 20'000'000, 1, "Camera_SN4712/sensors");
+    file.video(payload, 1);
+    const Played played = play(file.close());
+    EXPECT_EQ(played.problem, "");
+    ASSERT_EQ(played.samples.size(), 1U);
+    EXPECT_FLOAT_EQ(played.samples[0].angular_velocity.x, 3.14159265F);
+    EXPECT_THAT(played.notices, Contains(HasSubstr("of another camera, and not read: Camera_SN4712/sensors")));
+}
+
+TEST(SvoSource, TellsOnceThatHeadersAreNotUnderstood) {
+    Svo file;
+    for (int i = 0; i < 3; ++i) {
+        file.header_message("no JSON");
+    }
+    file.video(png(numbered_image(width, height, CV_8UC1, 1)), 0);
+    const Played played = play(file.close());
+    EXPECT_EQ(std::count_if(played.notices.begin(), played.notices.end(),
+                            [](const std::string& line) {
+                                return line.find("the header is not understood") != std::string::npos;
+                            }),
+              1);
+}
+
+TEST(SvoSource, PicturesPackedByZstdFitTheirSize) {
+    const auto unpacked = [](int bytes, SvoSize size) {
+        const std::string packed = zstd(cv::Mat(1, bytes, CV_8UC1, cv::Scalar(7)));
+        return unpack_svo_picture(SvoPayload::zstd,
+                                  {reinterpret_cast<const std::uint8_t*>(packed.data()), packed.size()}, size);
+    };
+    EXPECT_EQ(unpacked(192, {16, 8}).pixels.rows, 8) << "NV12";
+    EXPECT_THAT(disparityd::test::refusal([&] { unpacked(12288, {8192, 1}); }), HasSubstr("zstd holds 12288 bytes"));
+    EXPECT_THAT(disparityd::test::refusal([&] { unpacked(27, {6, 3}); }), HasSubstr("zstd holds 27 bytes"));
+    EXPECT_THAT(disparityd::test::refusal([&] { unpacked(21, {7, 2}); }), HasSubstr("does not hold two eyes"));
 }
 
 TEST(SvoSource, FindsTheCalibrationBySerialNumber) {
@@ -347,7 +393,7 @@ TEST(SvoSource, FindsTheCalibrationBySerialNumber) {
     Played played = play_all(options);
     EXPECT_FALSE(played.info.calibration);
     EXPECT_THAT(played.notices, Contains(AllOf(HasSubstr("serial number 4711"), HasSubstr("SN4711.conf"))));
-    EXPECT_THAT(played.notices, Contains(HasSubstr("not known and not read: Camera_SN4711/else (1 message)")));
+    EXPECT_THAT(played.notices, Contains(HasSubstr("and not read: Camera_SN4711/else (1 message)")));
 
     calibration::StereoCalibration calibration;
     calibration.width = width / 2;
