@@ -71,7 +71,7 @@ void McapDefinitions::add_schema(std::span<const std::uint8_t> content) {
     McapSchema schema;
     schema.name = fields.text();
     schema.encoding = fields.text();
-    schema.text = fields.text();
+    schema.text = std::make_shared<const std::string>(fields.text());
     if (id == 0) {
         throw std::runtime_error("a schema has the number 0, which means none");
     }

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,11 +52,13 @@ private:
 
 /// What the messages of some channels look like.
 struct McapSchema {
-    std::string name;      ///< "sensor_msgs/msg/Image"
-    std::string encoding;  ///< "ros2msg"; how `text` is written
-    std::string text;
+    std::string name;                         ///< "sensor_msgs/msg/Image"
+    std::string encoding;                     ///< "ros2msg"; how `text` is written
+    std::shared_ptr<const std::string> text;  ///< never null; copies share it
 
-    bool operator==(const McapSchema&) const = default;
+    bool operator==(const McapSchema& other) const {
+        return name == other.name && encoding == other.encoding && *text == *other.text;
+    }
 };
 
 /// A stream of messages.

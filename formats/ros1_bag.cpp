@@ -20,6 +20,7 @@ namespace {
 constexpr std::string_view version_line = "#ROSBAG V2.0\n";
 constexpr std::size_t length_size = 4;
 constexpr std::uint64_t most_header = std::uint64_t{1} << 20U;
+constexpr std::size_t most_of_record = 1000;               // fields; ten are enough
 constexpr std::size_t most_text = std::size_t{16} << 20U;  // of names and definitions, as in MCAP files
 
 /// Kinds of records, as the format numbers them.
@@ -78,6 +79,9 @@ std::string_view Ros1Bag::Record::text(std::string_view field) const {
 std::map<std::string_view, std::string_view> Ros1Bag::fields_of(Bytes header) {
     std::map<std::string_view, std::string_view> fields;
     while (!header.empty()) {
+        if (fields.size() == most_of_record) {
+            throw std::runtime_error("a record has more than " + std::to_string(most_of_record) + " fields");
+        }
         const std::string_view field = text_of(take_part(header));
         const auto equals = field.find('=');
         if (equals == std::string_view::npos) {
@@ -147,6 +151,7 @@ void Ros1Bag::read_bag_header() {
                                     "', which is not read; `rosbag decrypt` makes a plain one of it");
     }
     const std::uint64_t index = header.number("index_pos", 8);
+    cut_off_ = index > size_;
     if (index >= position_ && index < size_ && size_ - index <= mcap_most_bytes) {
         read_index(index);
     }
@@ -201,8 +206,8 @@ void Ros1Bag::add_connection(const Record& record) {
     Record header;
     header.fields = fields_of(record.data);
     BagConnection connection{std::string(record.text("topic")), type_name(header.text("type")), "ros1", "ros1msg",
-                             std::string(header.text("message_definition"))};
-    text_bytes_ += connection.topic.size() + connection.type.size() + connection.definition.size() + 100;
+                             std::make_shared<const std::string>(header.text("message_definition"))};
+    text_bytes_ += connection.topic.size() + connection.type.size() + connection.definition->size() + 100;
     if (text_bytes_ > most_text) {
         throw std::runtime_error("its topics and definitions have more than " + std::to_string(most_text) + " bytes");
     }
@@ -218,6 +223,9 @@ bool Ros1Bag::next(Message& message) {
                 }
             }
             if (ended_ || position_ >= end_) {
+                if (std::exchange(cut_off_, false) && !ended_) {
+                    fail_cut_off();
+                }
                 return false;
             }
             const Record record = read_record();

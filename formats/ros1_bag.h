@@ -56,6 +56,7 @@ private:
     std::uint64_t position_ = 0;
     std::uint64_t end_ = 0;  ///< where the index begins, or the file ends
     bool lists_all_ = false;
+    bool cut_off_ = false;  ///< the index would begin behind the end; false once that was told
     bool ended_ = false;
     std::map<std::uint32_t, BagConnection> connections_;
     std::size_t text_bytes_ = 0;          ///< of all names and definitions

@@ -14,10 +14,12 @@ namespace disparityd::formats {
 /// A stream of messages of one type in a bag.
 struct BagConnection {
     std::string topic;
-    std::string type;                         ///< "sensor_msgs/msg/Image", of ROS 1, too
-    std::string encoding;                     ///< of messages: "cdr", "ros1"
-    std::string definition_encoding;          ///< how `definition` is written: "ros2msg", "ros1msg"
-    std::string definition;                   ///< of the type; empty where the file has none
+    std::string type;                 ///< "sensor_msgs/msg/Image", of ROS 1, too
+    std::string encoding;             ///< of messages: "cdr", "ros1"
+    std::string definition_encoding;  ///< how `definition` is written: "ros2msg", "ros1msg"
+    /// Of the type, never null; empty where the file has none. Connections of one type share it, as a file may have
+    /// many of them.
+    std::shared_ptr<const std::string> definition = std::make_shared<const std::string>();
     std::optional<std::uint64_t> messages{};  ///< how many there are, where the file says so
 };
 

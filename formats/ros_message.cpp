@@ -14,8 +14,9 @@ namespace disparityd::formats {
 namespace {
 
 constexpr std::size_t most_numbers = 4096;
-constexpr std::size_t most_elements = 64;  // of an array of messages
-constexpr std::size_t most_kept = 10'000;  // fields, before an element of such an array
+constexpr std::size_t most_elements = 64;        // of an array of messages
+constexpr std::size_t most_kept = 10'000;        // fields, before an element of such an array
+constexpr std::size_t most_all = 2 * most_kept;  // fields, with those of elements
 constexpr std::size_t most_empty = 100'000;
 
 std::size_t size_of(RosKind kind) {
@@ -132,6 +133,9 @@ private:
 
     void keep(const std::string* path, RosMessage::Value value) {
         if (path != nullptr) {
+            if (fields_.size() >= most_all) {
+                throw std::runtime_error("has more than " + std::to_string(most_all) + " fields");
+            }
             fields_.emplace(*path, std::move(value));
         }
     }

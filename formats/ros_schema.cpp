@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t most_definitions = 1000;
 constexpr std::size_t most_fields = 10000;  // of all definitions together
+constexpr std::size_t longest_name = 255;
 constexpr int deepest = 16;
 
 constexpr std::array<std::pair<std::string_view, RosKind>, 15> kinds{{{"bool", RosKind::boolean},
@@ -164,6 +165,10 @@ private:
         }
         if (const std::string_view behind = base::trim(line.substr(name.size())); behind.starts_with('=')) {
             return std::nullopt;
+        }
+        if (name.size() > longest_name) {
+            throw std::runtime_error("its schema has a field whose name has " + std::to_string(name.size()) +
+                                     " bytes, allowed are up to " + std::to_string(longest_name));
         }
         if (++fields_ > most_fields) {
             throw std::runtime_error("its schema has more than " + std::to_string(most_fields) + " fields");

@@ -6,6 +6,8 @@
 #include <limits>
 #include <new>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include <sqlite3.h>
 
@@ -17,6 +19,7 @@ namespace disparityd::formats {
 namespace {
 
 constexpr std::size_t most_text = std::size_t{16} << 20U;  // of names and definitions, as in MCAP files
+constexpr std::size_t row_bytes = 100;                     // that a row counts as, beside its texts
 constexpr std::size_t most_topics = 10000;
 
 /// Returns the name by which SQLite opens a file without writing beside it. It then takes no part in what another
@@ -59,6 +62,7 @@ SqliteBag::SqliteBag(const std::string& path) : path_(path) {
         check_table("message_definitions");
         read_definitions();
     }
+    sqlite3_progress_handler(database_.get(), 0, nullptr, nullptr);  // messages may be many
     // In the order of their numbers, which is that of the recording: an index would have to be sorted.
     messages_ = prepare("SELECT id, topic_id, timestamp, data FROM messages NOT INDEXED");
 }
@@ -80,6 +84,11 @@ void SqliteBag::open() {
     }
     sqlite3_db_config(made, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_limit(made, SQLITE_LIMIT_LENGTH, static_cast<int>(mcap_most_bytes));
+    // Pages that are named again and again make tables without end.
+    constexpr int most_operations = 10'000'000;  // of a statement
+    sqlite3_progress_handler(
+        made, most_operations, [](void*) { return 1; }, nullptr);
+    step(prepare("PRAGMA cache_size=-2000").get());  // KiB; else the file says how many pages are kept
 }
 
 void SqliteBag::fail(const std::string& what) const {
@@ -93,6 +102,9 @@ void SqliteBag::fail_of_database() const {
     }
     if (code == SQLITE_NOTADB) {
         throw std::invalid_argument(path_ + ": is no .db3 bag: it does not begin as a database of SQLite");
+    }
+    if (code == SQLITE_INTERRUPT) {
+        fail("its tables have more rows than a bag has, or do not end");
     }
     if (code == SQLITE_TOOBIG) {
         fail("a message has more than " + std::to_string(mcap_most_bytes) + " bytes, which is the most allowed");
@@ -156,6 +168,7 @@ std::string SqliteBag::text_of(sqlite3_stmt* row, int column) {
 void SqliteBag::read_topics() {
     const Statement rows = prepare("SELECT id, name, type, serialization_format FROM topics");
     while (step(rows.get())) {
+        count_text(row_bytes);
         const std::int64_t id = sqlite3_column_int64(rows.get(), 0);
         if (id < 0 || id > std::numeric_limits<std::uint32_t>::max() || connections_.size() == most_topics) {
             fail("a topic has the number " + std::to_string(id) + ", allowed are 32 bits, and " +
@@ -170,16 +183,16 @@ void SqliteBag::read_topics() {
 
 void SqliteBag::read_definitions() {
     const Statement rows = prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
+    std::map<std::string, std::pair<std::string, std::shared_ptr<const std::string>>> by_type;
     while (step(rows.get())) {
+        count_text(row_bytes);
         const std::string type = text_of(rows.get(), 0);
         const std::string encoding = text_of(rows.get(), 1);
-        const std::string definition = text_of(rows.get(), 2);
-        for (auto& [id, connection] : connections_) {
-            if (connection.type == type) {
-                count_text(definition.size());
-                connection.definition_encoding = encoding;
-                connection.definition = definition;
-            }
+        by_type[type] = {encoding, std::make_shared<const std::string>(text_of(rows.get(), 2))};
+    }
+    for (auto& [id, connection] : connections_) {
+        if (const auto found = by_type.find(connection.type); found != by_type.end()) {
+            std::tie(connection.definition_encoding, connection.definition) = found->second;
         }
     }
 }

@@ -134,9 +134,9 @@ const BagMessages::Type& BagMessages::type_of(std::uint32_t connection) {
                                  "', allowed are cdr and ros1");
     }
     const bool cdr = found.encoding == "cdr";
-    const bool usable = !found.definition.empty() && found.definition_encoding == (cdr ? "ros2msg" : "ros1msg");
+    const bool usable = !found.definition->empty() && found.definition_encoding == (cdr ? "ros2msg" : "ros1msg");
     const std::string_view text =
-        usable || !cdr ? std::string_view(found.definition) : formats::published_definition(found.type);
+        usable || !cdr ? std::string_view(*found.definition) : formats::published_definition(found.type);
     if (text.empty() || (!usable && !cdr)) {
         throw std::runtime_error("found a definition written as '" + base::printable(found.definition_encoding) +
                                  "' of the type '" + base::printable(found.type) + "', allowed is ros2msg or ros1msg");

@@ -14,6 +14,7 @@ namespace disparityd::capture {
 namespace {
 
 constexpr std::string_view compressed = "/compressed";
+constexpr std::size_t longest_topic = 1000;  // bytes of its name
 
 /// How names of two eyes differ.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 7> eyes{{{"left", "right"},
@@ -38,8 +39,9 @@ Names names_of(const std::vector<BagTopic>& topics, std::initializer_list<std::s
     return names;
 }
 
+/// Whether sorted names have this one.
 bool has(const Names& names, const std::string& name) {
-    return std::find(names.begin(), names.end(), name) != names.end();
+    return std::binary_search(names.begin(), names.end(), name);
 }
 
 /// Returns the names as a message lists them: the first ten.
@@ -52,11 +54,15 @@ std::string list_of(const Names& names) {
     return names.empty() ? "none" : text + (names.size() > most ? ", ..." : "");
 }
 
-std::string with_all_replaced(std::string text, std::string_view what, std::string_view by) {
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
-        text.replace(at, what.size(), by);
+std::string with_all_replaced(std::string_view text, std::string_view what, std::string_view by) {
+    std::string result;
+    for (std::size_t at = text.find(what); at != std::string_view::npos; at = text.find(what)) {
+        result += text.substr(0, at);
+        result += by;
+        text.remove_prefix(at + what.size());
     }
-    return text;
+    result += text;
+    return result;
 }
 
 Pairs pairs_of(const Names& images) {
@@ -155,6 +161,13 @@ std::string choose_imu(const BagUri& uri, const Names& imus, std::vector<std::st
 }  // namespace
 
 ChosenTopics choose_topics(const BagUri& uri, const std::vector<BagTopic>& topics) {
+    for (const BagTopic& topic : topics) {
+        if (topic.name.size() > longest_topic) {
+            throw std::invalid_argument(uri.path + ": has a topic whose name has " + std::to_string(topic.name.size()) +
+                                        " bytes, allowed are up to " + std::to_string(longest_topic) + ": " +
+                                        base::printable(topic.name));
+        }
+    }
     ChosenTopics chosen;
     const Names infos = names_of(topics, {"sensor_msgs/msg/CameraInfo"});
     std::tie(chosen.left, chosen.right) =

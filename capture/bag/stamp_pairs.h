@@ -36,7 +36,8 @@ public:
         list.insert(later, std::move(image));
     }
 
-    /// Returns the next pair as soon as no later image can be a nearer partner; `ended`: there are no later ones.
+    /// Returns the next pair as soon as no later image can be a nearer partner, or too many wait for one; `ended`:
+    /// there are no later ones.
     std::optional<Pair> take(bool ended) {
         for (;;) {
             Waiting& left = of(Eye::left);
@@ -51,10 +52,12 @@ public:
                 drop(earlier);
                 continue;
             }
-            if (apart > 0 && of(earlier).size() < 2 && !ended) {
+            const Waiting& others = of(earlier == Eye::left ? Eye::right : Eye::left);
+            const bool room = others.size() <= most_waiting && bytes_ <= most_bytes;
+            if (apart > 0 && of(earlier).size() < 2 && !ended && room) {
                 return std::nullopt;  // the one that follows may be nearer
             }
-            const std::int64_t other = of(earlier == Eye::left ? Eye::right : Eye::left).front().stamp_ns;
+            const std::int64_t other = others.front().stamp_ns;
             if (apart > 0 && of(earlier).size() > 1 && std::abs(of(earlier)[1].stamp_ns - other) < apart) {
                 drop(earlier);
                 continue;

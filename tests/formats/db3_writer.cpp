@@ -68,7 +68,7 @@ void write_db3(const std::string& mcap, const std::string& db3, const Db3Feature
     for (const auto& [id, connection] : bag.connections()) {
         sql += "INSERT INTO topics VALUES(" + std::to_string(id) + "," + quoted(connection.topic) + "," +
                quoted(connection.type) + ",'cdr','','');";
-        definitions[connection.type] = connection.definition;
+        definitions[connection.type] = *connection.definition;
     }
     for (const auto& [type, definition] : definitions) {
         if (features.definitions) {

@@ -30,7 +30,7 @@ std::string hexadecimal(std::span<const std::uint8_t> bytes) {
 
 Json fields_of(const formats::McapSchema& schema, std::span<const std::uint8_t> data) {
     Json fields = Json::object();
-    const formats::RosMessage message(formats::parse_ros_schema(schema.name, schema.text), data);
+    const formats::RosMessage message(formats::parse_ros_schema(schema.name, *schema.text), data);
     for (const auto& [path, value] : message.fields()) {
         std::visit(
             [&, &key = path](const auto& found) {
@@ -60,7 +60,7 @@ void read(const std::string& path) {
                    {"data", hexadecimal(message.data)}};
         if (channel.schema != 0) {
             const formats::McapSchema& schema = reader.definitions().schemas().at(channel.schema);
-            entry["schema"] = {schema.name, schema.encoding, schema.text};
+            entry["schema"] = {schema.name, schema.encoding, *schema.text};
             if (schema.encoding == "ros2msg") {
                 entry["fields"] = fields_of(schema, message.data);
             }

@@ -12,6 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "formats/mcap_bag.h"
 #include "formats/mcap_chunk.h"
 #include "tests/formats/mcap_writer.h"
 #include "tests/temporary_folder.h"
@@ -86,12 +87,24 @@ TEST(McapReader, ReadsEveryPacking) {
     }
 }
 
+TEST(McapBag, ConnectionsOfOneTypeShareItsDefinition) {
+    const test::TemporaryFolder folder;
+    test::McapWriter writer;
+    const std::uint16_t schema = writer.schema("test_msgs/msg/Text", "ros2msg", "string text");
+    writer.channel(schema, "/a");
+    writer.channel(schema, "/b");
+    const auto connections = McapBag(folder.write("a.mcap", writer.close())).connections();
+    ASSERT_EQ(connections.size(), 2U);
+    EXPECT_EQ(*connections.at(0).definition, "string text");
+    EXPECT_EQ(connections.at(0).definition, connections.at(1).definition) << "the same object, however long it is";
+}
+
 TEST(McapReader, KnowsWhatTheSummarySays) {
     const test::TemporaryFolder folder;
     const McapReader reader(folder.write("a.mcap", file_of(packed_in("zstd"))));
     ASSERT_TRUE(reader.has_summary());
     EXPECT_EQ(reader.definitions().channels().at(0).topic, "/text");
-    EXPECT_EQ(reader.definitions().schemas().at(1).text, "string text");
+    EXPECT_EQ(*reader.definitions().schemas().at(1).text, "string text");
     EXPECT_EQ(reader.message_count(0), messages);
     test::McapFeatures without = packed_in("zstd");
     without.statistics = false;

@@ -68,6 +68,20 @@ TEST(RosMessage, LongListsAreNotKept) {
     EXPECT_EQ(read(schema, cdr).number("behind"), 7);
 }
 
+TEST(RosMessage, MoreFieldsThanAMessageHasAreRefused) {
+    std::string parts, bytes;
+    for (int i = 0; i < 201; ++i) {
+        parts += "B b" + std::to_string(i) + "\n";
+        bytes += "uint8 x" + std::to_string(i) + "\n";
+    }
+    const auto problem_of = [&](const std::string& schema) {
+        const RosSchema parsed = parse_ros_schema("a/A", schema);
+        return refusal([&] { read(parsed, std::string(50'000, '\0')); });
+    };
+    EXPECT_THAT(problem_of(parts + "==========\nMSG: a/B\n" + bytes), HasSubstr("has more than 20000 fields"));
+    EXPECT_THAT(problem_of("B[2] b\n==========\nMSG: a/B\n" + bytes), testing::Eq("accepted"));
+}
+
 TEST(RosSchema, WhatIsNoneIsRefused) {
     const auto problem_of = [](const std::string& text) { return refusal([&] { parse_ros_schema("a/msg/A", text); }); };
     EXPECT_THAT(problem_of("B b"), HasSubstr("does not define the type a/B"));
@@ -75,6 +89,8 @@ TEST(RosSchema, WhatIsNoneIsRefused) {
     EXPECT_THAT(problem_of("uint8[x] y"), HasSubstr("'uint8[x] y'"));
     EXPECT_THAT(problem_of("uint8[0] y"), HasSubstr("'uint8[0] y'"));
     EXPECT_THAT(problem_of("uint8[ y"), HasSubstr("'uint8[ y'"));
+    EXPECT_THAT(problem_of("uint8 " + std::string(256, 'x')), HasSubstr("a field whose name has 256 bytes"));
+    EXPECT_THAT(problem_of("uint8 " + std::string(255, 'x')), testing::Eq("accepted"));
     EXPECT_THAT(problem_of("A a"), HasSubstr("the type a/A, which has itself"));
     EXPECT_THAT(problem_of("==========\nuint8 x"), HasSubstr("expected 'MSG: package/Type'"));
     std::string deep;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// MCAP files and bags of ROS 1: their records, chunks, schemas and messages, and a bag as a source, from which frames are
-// read.
+// MCAP files and bags of ROS 1: their records, chunks, schemas and messages, and a bag as a source, from which frames
+// are read.
 #include <algorithm>
 
 #include "capture/bag/bag_reader.h"
@@ -28,7 +28,7 @@ void read_messages(const std::string& path) {
         const formats::BagConnection connection = bag->connections().at(message.connection);
         const auto encoding = connection.encoding == "ros1" ? formats::RosEncoding::ros1 : formats::RosEncoding::cdr;
         fuzz::accepted<std::runtime_error>("", [&] {
-            const formats::RosMessage fields(formats::parse_ros_schema(connection.type, connection.definition),
+            const formats::RosMessage fields(formats::parse_ros_schema(connection.type, *connection.definition),
                                              message.data, encoding);
             fuzz::expect(fields.fields().size() <= message.data.size(), "fields without bytes");
         });

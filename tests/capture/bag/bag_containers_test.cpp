@@ -135,6 +135,13 @@ TEST(BagContainers, DatabasesThatAreNoBagAreRefused) {
                 HasSubstr(".db3: is damaged: message 6 is of topic -1, which is not there"));
     EXPECT_THAT(problem_after("UPDATE topics SET serialization_format = 'protobuf'"),
                 HasSubstr("found messages encoded as 'protobuf'"));
+    EXPECT_THAT(problem_after("DROP TABLE topics; CREATE TABLE topics AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL "
+                              "SELECT i+1 FROM n WHERE i < 170000) SELECT 1 AS id, '' AS name, '' AS type, '' AS "
+                              "serialization_format FROM n"),
+                HasSubstr("its topics and definitions have more than 16777216 bytes"));
+    EXPECT_THAT(problem_after("PRAGMA writable_schema=1; INSERT INTO sqlite_master WITH RECURSIVE n(i) AS (SELECT 1 "
+                              "UNION ALL SELECT i+1 FROM n WHERE i < 1500000) SELECT '', 'x', 'x', 0, '' FROM n"),
+                HasSubstr("its tables have more rows than a bag has, or do not end"));
     EXPECT_THAT(problem_after("ALTER TABLE messages RENAME COLUMN data TO bytes"), HasSubstr("no such column: data"));
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.write("x.db3", "no database, but some text"))); }),
                 HasSubstr("x.db3: is no .db3 bag"));
@@ -152,6 +159,18 @@ TEST(BagContainers, Ros1GivesWhatMcapGives) {
     const Played cut = play_all(options_of(folder.write("cut.bag", file.substr(0, file.size() / 2))));
     EXPECT_THAT(cut.problem, HasSubstr("cut.bag: was cut off after"));
     EXPECT_EQ(cut.frames.size(), 4U);
+    // Each chunk is as long as the next, with two records of an index behind it.
+    const std::size_t last = ros1_bag(8, "none", false).size();
+    const Played between = play_all(options_of(folder.write("cut.bag", file.substr(0, last))));
+    EXPECT_THAT(between.problem, HasSubstr("cut.bag: was cut off after"));
+    EXPECT_EQ(between.frames.size(), 8U);
+    std::string header;
+    for (int i = 0; i < 1001; ++i) {
+        header += Ros1Writer::text(std::to_string(i) + "=");
+    }
+    const std::string many = ros1_bag(2, "none", false) + Ros1Writer::text(header) + Ros1Writer::text("");
+    EXPECT_THAT(play_all(options_of(folder.write("many.bag", many))).problem,
+                HasSubstr("a record has more than 1000 fields"));
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.write("x.bag", "#ROSBAG V1.2\nsomething"))); }),
                 HasSubstr("x.bag: is no bag of ROS 1 in version 2.0"));
 }

@@ -328,6 +328,14 @@ TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("holds no stereo images"));
 }
 
+TEST(BagSource, LongNamesOfTopicsAreRefused) {
+    const TemporaryFolder folder;
+    BagWriter bag;
+    bag.image('/' + std::string(1000, 'x'), bag_start_ns, numbered_image(width, height, CV_8UC1, 1), "mono8");
+    EXPECT_THAT(play_all(options_of(folder.write("a.mcap", bag.close()))).problem,
+                HasSubstr("a topic whose name has 1001 bytes, allowed are up to 1000"));
+}
+
 TEST(BagSource, ABagThatWasCutOffPlaysWhatIsWhole) {
     const TemporaryFolder folder;
     disparityd::test::McapFeatures features;

@@ -67,5 +67,19 @@ TEST(StampPairs, AnEyeThatIsMissingHoldsNoMemory) {
     EXPECT_EQ(pairs.take_unpaired(), 64U);
 }
 
+TEST(StampPairs, AnEyeThatStopsAfterAnImageHoldsNoMemory) {
+    StampPairs<Stamp> pairs(5);
+    pairs.add(Eye::left, {0});
+    int found = 0;
+    for (int i = 0; i < 1000; ++i) {
+        pairs.add(Eye::right, {3 + 100 * i});
+        while (pairs.take(false)) {
+            ++found;
+        }
+    }
+    EXPECT_EQ(found, 1);
+    EXPECT_EQ(pairs.take_unpaired(), 999U - 64);
+}
+
 }  // namespace
 }  // namespace disparityd::capture
