@@ -2,6 +2,7 @@
 #include "obstacles/near_sectors.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "kernels/near_plane.h"
 #include "proto/doubt.h"
@@ -26,10 +27,24 @@ bool is_much(int blocks, const Geometry& geometry, int sector) {
     return blocks > 0 && near_part * near_block * near_block * blocks >= pixels_of(geometry, sector);
 }
 
+/// What part of the disparity at the band's low limit is that of the lowest point that counts as ground. A ray meets
+/// what lies h below the camera at 1 / h of its disparity. Infinite where nothing is ground: what flies at the height
+/// of its ground or below has none.
+double ground_part(const ScanOptions& options, const GroundPlane& ground) {
+    constexpr double deepest_m = 0.08;  // as far as a robot drives on over steps down, where low_m is less
+    const double height = options.camera_height_m - ground.height_m;
+    if (height <= 0) {
+        return std::numeric_limits<double>::infinity();
+    }
+    return (height - options.low_m) / (height + std::max(options.low_m, deepest_m));
+}
+
 }  // namespace
 
-void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables) {
+void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
+                       const GroundPlane& ground) {
     std::fill(found_.begin(), found_.end(), Found{});
+    const double part = ground_part(geometry.options(), ground);
     const Camera& camera = geometry.camera();
     for (int row = 0; row < near.disparities.height; ++row) {
         const int y = std::min(near_block * row + near_block / 2, camera.height - 1);
@@ -41,7 +56,8 @@ void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const C
             }
             const int x = std::min(near_block * column + near_block / 2, camera.width - 1);
             const int sixteenths = disparity + camera.scale.offset16;
-            if (sixteenths < tables.low_of_columns[x] + tables.low_of_rows[y]) {
+            const int low = tables.low_of_columns[x] + tables.low_of_rows[y];
+            if (sixteenths < low && sixteenths >= part * low) {
                 continue;  // it is ground
             }
             ++blocks_;
@@ -61,12 +77,12 @@ void NearSectors::find(const NearBlocks& near, const Geometry& geometry, const C
 }
 
 void NearSectors::add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
-                      std::span<ScanSector> sectors) {
+                      const GroundPlane& ground, std::span<ScanSector> sectors) {
     blocks_ = 0;
     if (!near.disparities) {
         return;
     }
-    find(near, geometry, tables);
+    find(near, geometry, tables, ground);
     const ScanOptions& options = geometry.options();
     for (int s = 0; s < geometry.sectors(); ++s) {
         const Found& found = found_[index(s)];

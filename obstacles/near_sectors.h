@@ -26,8 +26,8 @@ public:
     explicit NearSectors(const Geometry& geometry) : found_(index(geometry.sectors())) {}
 
     /// Makes the sectors occupied in which blocks are near, and doubtful where they may be. `tables` are those of the
-    /// frame's geometry and ground; `sectors` has geometry.sectors() elements.
-    void add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables,
+    /// frame's geometry and `ground`; `sectors` has geometry.sectors() elements.
+    void add(const NearBlocks& near, const Geometry& geometry, const CountTables& tables, const GroundPlane& ground,
              std::span<ScanSector> sectors);
 
     /// Returns how many blocks of the newest frame are near and show no ground.
@@ -40,7 +40,7 @@ private:
         int m = 0;           ///< of the nearest one at the end of the range: 1/16 px at the horizontal distance
     };
 
-    void find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables);
+    void find(const NearBlocks& near, const Geometry& geometry, const CountTables& tables, const GroundPlane& ground);
 
     std::vector<Found> found_;  ///< by sector
     std::ptrdiff_t blocks_ = 0;

@@ -91,7 +91,7 @@ void ObstacleScanner::scan(const scan::Pixels& pixels, const scan::Camera& camer
     steps_.scan_counts(pixels, tables, counts_);
     decision_.decide(pixels, geometry_, scan.ground, counts_, sectors);
     drop_sectors_.add(pixels, geometry_, tables, scan.ground, sectors);
-    near_sectors_.add(near, geometry_, tables, sectors);
+    near_sectors_.add(near, geometry_, tables, scan.ground, sectors);
     sector_doubts_.add(pixels, sight, geometry_, sectors);
     if (sight.notes != nullptr) {
         sight.notes->near_blocks = near_sectors_.blocks();

@@ -22,6 +22,11 @@ constexpr double least_camera_m = 0.01;
 constexpr double most_m = 65;
 constexpr std::size_t arc_points = 9;
 
+/// 0 tells nothing.
+std::uint8_t lesser_trust(std::uint8_t one, std::uint8_t other) {
+    return one == 0 || other == 0 ? std::max(one, other) : std::min(one, other);
+}
+
 double largest_way(const ScanOptions& options) {
     return std::sqrt(options.camera_ahead_m * options.camera_ahead_m + options.camera_left_m * options.camera_left_m);
 }
@@ -100,7 +105,7 @@ OriginShift::OriginShift(const ScanOptions& options)
 void OriginShift::move(std::span<const ScanSector> camera_sectors, std::span<ScanSector> sectors) {
     set_edges(camera_sectors, sectors);
     make_cones(camera_sectors);
-    std::fill(found_.begin(), found_.end(), Found{most_mm_, 0, -1});
+    std::fill(found_.begin(), found_.end(), Found{.free_mm = most_mm_});
     find_free();
     for (std::size_t s = 0; s < camera_sectors.size(); ++s) {
         if (camera_sectors[s].state == SectorState::occupied) {
@@ -255,6 +260,8 @@ void OriginShift::find_obstacle(const ScanSector& obstacle, int camera_sector) {
                 }
             }
             Found& found = found_[s];
+            found.doubts |= obstacle.doubts;
+            found.trust = lesser_trust(found.trust, obstacle.trust);
             if (found.obstacle < 0 || nearest < found.obstacle_mm) {
                 found.obstacle = camera_sector;
                 found.obstacle_mm = nearest;
@@ -282,11 +289,14 @@ void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<Scan
             out.to_cdeg = to;
             out.distance_mm = whole_mm(found.obstacle_mm);
             out.free_mm = std::min(free_mm, out.distance_mm);
-            out.doubts |= doubts;
-            out.trust = std::min(out.trust, trust);
+            out.doubts = doubts;
+            out.trust = trust;
         } else {
             out.state = out.free_mm > 0 ? SectorState::free : SectorState::unknown;
         }
+        // An obstacle that is nearer than is told, or behind another one, leaves its doubts.
+        out.doubts |= found.doubts;
+        out.trust = lesser_trust(out.trust, found.trust);
     }
 }
 

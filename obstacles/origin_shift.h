@@ -41,8 +41,10 @@ private:
     /// What is known of a sector around the origin.
     struct Found {
         double free_mm = 0;
-        double obstacle_mm = 0;  ///< where there is one
-        int obstacle = -1;       ///< camera sector; -1: none
+        double obstacle_mm = 0;    ///< where there is one
+        int obstacle = -1;         ///< camera sector of the nearest; -1: none
+        std::uint16_t doubts = 0;  ///< of all obstacles in it
+        std::uint8_t trust = 0;    ///< the least of them; 0: none tells it
     };
 
     void set_edges(std::span<const ScanSector> camera_sectors, std::span<ScanSector> sectors);

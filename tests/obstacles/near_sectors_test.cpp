@@ -104,6 +104,29 @@ TEST_F(Near, WhatIsNotInTheBandIsNoObstacle) {
     EXPECT_EQ(notes_.near_blocks, 0);
 }
 
+TEST_F(Near, WhatIsFarBelowTheGroundIsDoubtful) {
+    // 0.15 m under the floor or more: the mounting is wrong, or there is a hole.
+    for (int y = 220; y < height; y += near_block) {
+        for (int x = 140; x < 180; x += near_block) {
+            add_near(x, y, 0.9);
+        }
+    }
+    EXPECT_EQ(sectors()[15].doubts << proto::scan_doubt_shift, proto::doubt_too_near);
+    EXPECT_EQ(notes_.near_blocks, 50);
+}
+
+TEST_F(Near, WhatFliesHasNoGroundToLeaveOut) {
+    options_.camera_height_m = 0;
+    options_.low_m = -0.2;
+    for (int y = 220; y < height; y += near_block) {
+        for (int x = 140; x < 180; x += near_block) {
+            add_near(x, y);  // 0.25 m below the camera
+        }
+    }
+    EXPECT_EQ(sectors()[15].doubts << proto::scan_doubt_shift, proto::doubt_too_near);
+    EXPECT_EQ(notes_.near_blocks, 50);
+}
+
 TEST_F(Near, WhatIsAboveTheBandIsDoubtful) {
     for (int y = 0; y < 12; y += near_block) {
         for (int x = 140; x < 180; x += near_block) {
