@@ -74,7 +74,7 @@ private:
     void lend(RawFrame& frame, const VideoFrame& captured);
     void count_damaged_jpeg(const std::string& problem);
     void fill(RawFrame& frame, const VideoFrame& captured);
-    void move_to_exposure(RawFrame& frame);
+    void move_to_exposure(RawFrame& frame, const VideoFrame& captured);
     void set_state(CameraState state, const std::string& detail);
     void stalled(const std::string& what_is_done);
     void count(std::uint64_t CameraFacts::*attempts);
@@ -93,6 +93,7 @@ private:
     std::optional<EyeJoiner> joiner_;
     std::optional<JpegWorkers> jpegs_;       ///< ends before stream_, whose memory it reads
     std::optional<ExposureStamp> exposure_;  ///< where stamps are to be moved
+    std::int64_t last_stamp_ns_ = 0;         ///< of the frame before; 0: of another stream
     FrameCounter counter_;
     bool after_reset_ = false;           ///< the next plugging comes from our reset
     bool told_damage_ = false;           ///< of this stream
@@ -249,18 +250,26 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     frame.sequence = place.sequence;
     frame.dropped_before = place.lost;
     frame.flags = place.discontinuity ? frame_flag_discontinuity : frame_flag_none;
+    const std::int64_t now = std::chrono::nanoseconds(system_.now().time_since_epoch()).count();
     frame.monotonic_ns = captured.monotonic_ns;
-    move_to_exposure(frame);
-    const std::int64_t age = std::chrono::nanoseconds(system_.now().time_since_epoch()).count() - frame.monotonic_ns;
-    frame.realtime_ns = system_.realtime_ns() - age;
+    move_to_exposure(frame, captured);
+    frame.monotonic_ns = std::min(frame.monotonic_ns, now);
+    frame.realtime_ns = system_.realtime_ns() - (now - frame.monotonic_ns);
     if (sensors_) {
         frame.sensors = std::span(samples_).first(sensors_->take(samples_));
     }
 }
 
-void CameraSource::move_to_exposure(RawFrame& frame) {
-    const auto to_centre = exposure_ ? exposure_->to_centre_ns(stream_) : std::nullopt;
-    if (to_centre) {
+/// An exposure that lasts longer than from frame to frame is not this frame's: cameras report what was set by hand
+/// while they choose for themselves. A quarter is left for frames that come unevenly.
+void CameraSource::move_to_exposure(RawFrame& frame, const VideoFrame& captured) {
+    const auto nominal = static_cast<std::int64_t>(1e9 / request_.rate);
+    const std::int64_t before = std::exchange(last_stamp_ns_, captured.monotonic_ns);
+    const std::int64_t spacing =
+        before == 0 ? nominal
+                    : (captured.monotonic_ns - before) / (1 + static_cast<std::int64_t>(frame.dropped_before));
+    const auto to_centre = exposure_ && captured.stamped ? exposure_->to_centre_ns(stream_) : std::nullopt;
+    if (to_centre && 8 * std::abs(*to_centre) <= 5 * spacing) {
         frame.monotonic_ns += *to_centre;
         frame.flags |= frame_flag_exposure_centre;
     }
@@ -470,6 +479,7 @@ void CameraSource::restart() {
 
 /// The stream has begun anew.
 void CameraSource::started() {
+    last_stamp_ns_ = 0;
     if (jpegs_) {
         jpegs_->forget();  // their numbers are of the stream before
     }

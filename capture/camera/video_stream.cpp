@@ -325,12 +325,14 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         const bool too_short = buffer.bytesused < frame_bytes_;
         if (!damaged && !too_short) {
             const Buffer& filled = buffers_[buffer.index];
+            const auto stamp = capture_time(buffer);
             frame = {static_cast<const std::uint8_t*>(filled.memory),
                      std::min<std::size_t>(buffer.bytesused, filled.bytes),
                      static_cast<std::ptrdiff_t>(stride_),
                      buffer.sequence,
-                     capture_time(buffer),
-                     static_cast<int>((generation_ << index_bits) | buffer.index)};
+                     stamp.value_or(nanoseconds(system_.now().time_since_epoch()).count()),
+                     static_cast<int>((generation_ << index_bits) | buffer.index),
+                     stamp.has_value()};
             buffers_[buffer.index].lent = true;
             ++lent_;
             return Got::frame;
@@ -344,8 +346,8 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
     return Got::nothing;
 }
 
-/// Returns the driver's time where it is of CLOCK_MONOTONIC and plausible, else now.
-std::int64_t VideoStream::capture_time(const v4l2_buffer& buffer) const {
+/// Returns the driver's time where it is of CLOCK_MONOTONIC and plausible.
+std::optional<std::int64_t> VideoStream::capture_time(const v4l2_buffer& buffer) const {
     constexpr std::int64_t oldest_s = 10;
     constexpr std::int64_t second = 1'000'000'000;
     const std::int64_t now = nanoseconds(system_.now().time_since_epoch()).count();
@@ -354,7 +356,10 @@ std::int64_t VideoStream::capture_time(const v4l2_buffer& buffer) const {
     const std::int64_t stamp_s = buffer.timestamp.tv_sec;
     const std::int64_t now_s = now / second;
     const bool can_be = stamp_s >= std::max<std::int64_t>(0, now_s - oldest_s) && stamp_s <= now_s;
-    return our_clock && can_be ? std::min(now, stamp_s * second + std::int64_t{buffer.timestamp.tv_usec} * 1000) : now;
+    if (!our_clock || !can_be) {
+        return std::nullopt;
+    }
+    return std::min(now, stamp_s * second + std::int64_t{buffer.timestamp.tv_usec} * 1000);
 }
 
 std::optional<nanoseconds> VideoStream::exposure() const {

@@ -45,6 +45,7 @@ struct VideoFrame {
     std::uint32_t sequence = 0;     ///< the driver's: 32 bits, from 0 at each start
     std::int64_t monotonic_ns = 0;  ///< CLOCK_MONOTONIC at capture
     int loan = -1;
+    bool stamped = false;  ///< the time is the driver's; else when the frame was taken
 };
 
 /// One V4L2 device that streams into memory-mapped buffers, which are lent as they are and go back to the driver when
@@ -119,7 +120,7 @@ private:
     int take_returned();
     void free_orphan(int loan);
     Got dequeue(VideoFrame& frame);
-    std::int64_t capture_time(const v4l2_buffer& buffer) const;
+    std::optional<std::int64_t> capture_time(const v4l2_buffer& buffer) const;
 
     VideoSystem& system_;
     base::Waker& waker_;

@@ -9,8 +9,8 @@
 
 namespace disparityd::capture {
 
-/// Writes a recording: Matroska, one lossless side-by-side video stream, exact times, sequence and flags of each
-/// frame, and the calibration, all in one file. One thread uses an object at a time.
+/// Writes a recording: Matroska, one video stream, lossless side by side or a camera's own JPEGs, exact times, sequence
+/// and flags of each frame, and the calibration, all in one file. One thread uses an object at a time.
 class RecordingWriter {
 public:
     /// `info` describes the frames to come (format, size, rate, calibration, name). Throws std::runtime_error with one

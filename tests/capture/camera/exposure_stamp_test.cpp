@@ -80,7 +80,15 @@ TEST_F(ExposureStampTest, IsHalfAnExposureBehindItsStartWhereTheCameraStamps) {
     plug(80);
     open(Stamp::exposure_centre);
     EXPECT_EQ(next().flags, frame_flag_exposure_centre);
-    EXPECT_EQ(moved() / ms, 4);
+    EXPECT_EQ(moved() / ms, -4);
+}
+
+TEST_F(ExposureStampTest, StaysWhenTheFrameCameWhereTheDriversStampIsOfAnotherClock) {
+    system_.begin_exposure = true;
+    plug(80).old_clock = true;
+    open(Stamp::exposure_centre);
+    EXPECT_EQ(next().flags, frame_flag_none);
+    EXPECT_EQ(moved() / ms, 0);
 }
 
 TEST_F(ExposureStampTest, FollowsTheExposureAndAsksTwiceASecond) {
@@ -104,7 +112,8 @@ TEST_F(ExposureStampTest, StaysTheDriversWhereNoExposureIsReported) {
 }
 
 TEST_F(ExposureStampTest, StaysTheDriversWhereTheExposureCannotBe) {
-    for (const std::int32_t exposure : {-5, 100'001}) {
+    // The last one lasts longer than from frame to frame.
+    for (const std::int32_t exposure : {-5, 100'001, 5000}) {
         FakeVideoSystem::Camera& camera = exposure < 0 ? plug(exposure) : system_.camera("/dev/video0");
         camera.exposure = exposure;
         open(Stamp::exposure_centre);

@@ -276,7 +276,8 @@ int FakeVideoSystem::dequeue(Device& device, Camera& camera, void* argument) {
     buffer.flags = filled.flags | (camera.old_clock ? 0U : static_cast<unsigned>(V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC));
     buffer.bytesused = filled.bytes;
     buffer.sequence = filled.sequence;
-    const auto stamp = nanoseconds(filled.time.time_since_epoch()).count();
+    const auto begun = begin_exposure ? filled.time - camera.exposure * std::chrono::microseconds(100) : filled.time;
+    const auto stamp = nanoseconds(begun.time_since_epoch()).count();
     buffer.timestamp.tv_sec = camera.stamp_s.value_or(stamp / 1'000'000'000);
     buffer.timestamp.tv_usec = stamp % 1'000'000'000 / 1000;
     return 0;

@@ -88,7 +88,7 @@ public:
     std::chrono::steady_clock::time_point now() override { return now_; }
     std::int64_t realtime_ns() override;
     bool stamps_begin_exposure() override { return begin_exposure; }
-    bool begin_exposure = false;
+    bool begin_exposure = false;  ///< frames come when they are exposed, their stamps tell when that began
 
 private:
     struct Filled {
