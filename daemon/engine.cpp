@@ -253,9 +253,12 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     note_activity();
     PublishedFrame frame;
     frame.published = steady_clock::now();
-    // A camera stamps its frames by our clock; the times of a recording are from another day.
-    frame.captured =
-        source().live ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns)) : slot.captured;
+    // A camera stamps its frames by our clock; the times of a recording are from another day. An offset that moves the
+    // stamps on makes no frame younger.
+    const std::chrono::microseconds moved_on(std::max(source().time_offset_us, 0));
+    frame.captured = source().live
+                         ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns) - moved_on)
+                         : slot.captured;
     note_rectification(*slot.rectification);
     frame.info = geometry_;
     frame.info.publish_index = next_index_++;
