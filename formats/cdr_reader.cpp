@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/cdr_reader.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
 namespace disparityd::formats {
 
-CdrReader::CdrReader(std::span<const std::uint8_t> message) : message_(message) {
+CdrReader::CdrReader(std::span<const std::uint8_t> message) : bytes_(message, std::min(message.size(), header_size)) {
     if (message.size() < header_size) {
         throw std::runtime_error("found " + std::to_string(message.size()) +
                                  " bytes, expected CDR with a header of 4 bytes");
@@ -20,37 +21,28 @@ CdrReader::CdrReader(std::span<const std::uint8_t> message) : message_(message) 
 }
 
 void CdrReader::align(std::size_t size) {
-    const std::size_t over = (place_ - header_size) % size;
+    const std::size_t over = (bytes_.place() - header_size) % size;
     if (over != 0) {
-        take(size - over, 1);
+        bytes_.take(size - over, 1);
     }
-}
-
-std::span<const std::uint8_t> CdrReader::take(std::size_t count, std::size_t size) {
-    if (count > left() / size) {
-        throw std::runtime_error("ends too soon: " + std::to_string(count) + " x " + std::to_string(size) +
-                                 " bytes are expected at byte " + std::to_string(place_) + ", " +
-                                 std::to_string(left()) + " are there");
-    }
-    place_ += count * size;
-    return message_.subspan(place_ - count * size, count * size);
 }
 
 std::span<const std::uint8_t> CdrReader::elements(std::size_t count, std::size_t size) {
     if (count > 0) {  // an empty sequence has no element that would have to be aligned
         align(size);
     }
-    return take(count, size);
+    return bytes_.take(count, size);
 }
 
 std::string_view CdrReader::text() {
     const auto size = get<std::uint32_t>();
-    const auto bytes = take(size, 1);
+    const auto bytes = bytes_.take(size, 1);
     if (size == 0) {
         return {};
     }
     if (bytes.back() != 0) {
-        throw std::runtime_error("a string that ends at byte " + std::to_string(place_) + " does not end with 0");
+        throw std::runtime_error("a string that ends at byte " + std::to_string(bytes_.place()) +
+                                 " does not end with 0");
     }
     return {reinterpret_cast<const char*>(bytes.data()), size - 1};
 }

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "formats/message_bytes.h"
+
 namespace disparityd::formats {
 
 /// Reads one message of CDR as ROS 2 writes it: XCDR version 1, either byte order. It borrows the bytes, and so do the
@@ -24,7 +26,7 @@ public:
     template <typename Number>
     Number get() {
         align(sizeof(Number));
-        return number_at<Number>(take(1, sizeof(Number)).data());
+        return number_at<Number>(bytes_.take(1, sizeof(Number)).data());
     }
 
     /// Reads so many numbers.
@@ -51,13 +53,12 @@ public:
     std::string_view text();
 
     /// Returns how many bytes were not read yet.
-    std::size_t left() const { return message_.size() - place_; }
+    std::size_t left() const { return bytes_.left(); }
 
 private:
     static constexpr std::size_t header_size = 4;
 
     void align(std::size_t size);
-    std::span<const std::uint8_t> take(std::size_t count, std::size_t size);
 
     template <typename Number>
     Number number_at(const std::uint8_t* from) const {
@@ -71,8 +72,7 @@ private:
         return number;
     }
 
-    std::span<const std::uint8_t> message_;
-    std::size_t place_ = header_size;
+    MessageBytes bytes_;
     bool swapped_ = false;  ///< the message has the other byte order than this processor
 };
 

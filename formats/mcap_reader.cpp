@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 #include <utility>
 
 #include <zlib.h>
 
-#include "base/failure_text.h"
-#include "base/file_kind.h"
 #include "base/little_endian.h"
 #include "formats/mcap_chunk.h"
 
@@ -25,46 +22,24 @@ constexpr std::size_t tail_size = mcap_record_head + footer_size + 8;
 
 }  // namespace
 
-McapReader::McapReader(const std::string& path) : path_(path) {
-    if (!base::is_file(path)) {
-        throw std::invalid_argument(path + ": no such file");
-    }
-    file_.open(path, std::ios::binary);
-    if (!file_) {
-        throw std::runtime_error(path + ": cannot be read: " + base::error_text(errno));
-    }
-    file_.seekg(0, std::ios::end);
-    size_ = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
-    file_.seekg(0);
+McapReader::McapReader(const std::string& path) : file_(path) {
     std::array<std::uint8_t, mcap_magic.size()> magic{};
-    if (size_ < magic.size()) {
-        throw std::invalid_argument(path + ": is no MCAP file: it has " + std::to_string(size_) + " bytes");
+    if (file_.size() < magic.size()) {
+        throw std::invalid_argument(path + ": is no MCAP file: it has " + std::to_string(file_.size()) + " bytes");
     }
     read_summary();
-    file_.clear();
-    file_.seekg(0);
     read_bytes(magic);
     if (std::memcmp(magic.data(), mcap_magic.data(), magic.size()) != 0) {
         throw std::invalid_argument(path + ": is no MCAP file: it does not begin as one");
     }
 }
 
-void McapReader::fail(const std::string& what) const {
-    throw std::runtime_error(path_ + ": is damaged at byte " + std::to_string(position_) + ": " + what);
-}
-
-void McapReader::fail_cut_off() const {
-    throw std::runtime_error(path_ + ": was cut off after " + std::to_string(size_) +
-                             " bytes: what is whole was read, the rest is missing");
-}
-
 void McapReader::read_summary() {
-    if (size_ < mcap_magic.size() + tail_size) {
+    if (file_.size() < mcap_magic.size() + tail_size) {
         return;
     }
     std::array<std::uint8_t, tail_size> tail{};
-    file_.seekg(static_cast<std::streamoff>(size_ - tail.size()));
-    if (!file_.read(reinterpret_cast<char*>(tail.data()), tail.size()) ||
+    if (!file_.read_at(file_.size() - tail.size(), tail) ||
         std::memcmp(tail.data() + tail.size() - mcap_magic.size(), mcap_magic.data(), mcap_magic.size()) != 0 ||
         tail[0] != static_cast<std::uint8_t>(McapOpcode::footer)) {
         return;
@@ -73,13 +48,12 @@ void McapReader::read_summary() {
     const std::uint64_t start = footer.u64();
     footer.u64();
     const std::uint32_t checksum = footer.u32();
-    const std::uint64_t end = size_ - tail.size();
+    const std::uint64_t end = file_.size() - tail.size();
     if (start < mcap_magic.size() || start > end || end - start > mcap_most_bytes) {
         return;
     }
     std::vector<std::uint8_t> records(static_cast<std::size_t>(end - start));
-    file_.seekg(static_cast<std::streamoff>(start));
-    if (!file_.read(reinterpret_cast<char*>(records.data()), static_cast<std::streamsize>(records.size()))) {
+    if (!file_.read_at(start, records)) {
         return;
     }
     const std::uint32_t of_records = static_cast<std::uint32_t>(::crc32_z(0, records.data(), records.size()));
@@ -146,10 +120,7 @@ bool McapReader::next(McapMessage& message) {
     } catch (const std::runtime_error& error) {
         ended_ = true;
         chunk_ = {};
-        if (std::string_view(error.what()).starts_with(path_)) {
-            throw;
-        }
-        fail(error.what());
+        file_.fail_with(error);
     }
 }
 
@@ -176,15 +147,15 @@ McapMessage McapReader::known_message(std::span<const std::uint8_t> content) con
 }
 
 std::optional<McapReader::RecordHead> McapReader::next_head() {
-    if (size_ - position_ < mcap_record_head) {
-        fail_cut_off();
+    if (file_.left() < mcap_record_head) {
+        file_.fail_cut_off();
     }
     std::array<std::uint8_t, mcap_record_head> bytes{};
     const std::uint32_t before = checksum_;
     read_bytes(bytes);
     const RecordHead head{static_cast<McapOpcode>(bytes[0]), base::get_little_endian(bytes.data() + 1, 8)};
-    if (head.length > size_ - position_) {
-        fail_cut_off();
+    if (head.length > file_.left()) {
+        file_.fail_cut_off();
     }
     if (head.opcode == McapOpcode::data_end || head.opcode == McapOpcode::footer) {
         ended_ = true;
@@ -208,11 +179,7 @@ bool McapReader::read_record(const RecordHead& head, McapMessage& message) {
 }
 
 void McapReader::read_bytes(std::span<std::uint8_t> into) {
-    if (!file_.read(reinterpret_cast<char*>(into.data()), static_cast<std::streamsize>(into.size()))) {
-        throw std::runtime_error(path_ + ": cannot be read at byte " + std::to_string(position_) + ": " +
-                                 base::error_text(errno));
-    }
-    position_ += into.size();
+    file_.read(into);
     checksum_ = static_cast<std::uint32_t>(::crc32_z(checksum_, into.data(), into.size()));
 }
 

@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "formats/bag_file.h"
 #include "formats/mcap_fields.h"
 
 namespace disparityd::formats {
@@ -37,7 +37,7 @@ public:
     bool next(McapMessage& message);
 
     /// Returns how many bytes of the file were read.
-    std::uint64_t position() const { return position_; }
+    std::uint64_t position() const { return file_.position(); }
 
 private:
     struct RecordHead {
@@ -57,14 +57,9 @@ private:
     void skip_content(std::uint64_t length);
     void skip_attachment(std::uint64_t length);
     void check_data_end(std::span<const std::uint8_t> content, std::uint32_t checksum) const;
-    [[noreturn]] void fail(const std::string& what) const;
-    [[noreturn]] void fail_cut_off() const;
 
-    std::string path_;
-    std::ifstream file_;
-    std::uint64_t size_ = 0;
-    std::uint64_t position_ = 0;
-    std::uint32_t checksum_ = 0;  ///< of all bytes up to position_
+    BagFile file_;
+    std::uint32_t checksum_ = 0;  ///< of all bytes up to position()
     bool has_summary_ = false;
     bool ended_ = false;
     McapDefinitions definitions_;

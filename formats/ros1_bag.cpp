@@ -3,12 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <stdexcept>
 #include <utility>
 
-#include "base/failure_text.h"
-#include "base/file_kind.h"
 #include "base/little_endian.h"
 #include "base/message_text.h"
 #include "formats/mcap_chunk.h"
@@ -99,23 +96,12 @@ Ros1Bag::Record Ros1Bag::take_record(Bytes& rest) {
     return record;
 }
 
-Ros1Bag::Ros1Bag(const std::string& path) : path_(path) {
-    if (!base::is_file(path)) {
-        throw std::invalid_argument(path + ": no such file");
-    }
-    file_.open(path, std::ios::binary);
-    if (!file_) {
-        throw std::runtime_error(path + ": cannot be read: " + base::error_text(errno));
-    }
-    file_.seekg(0, std::ios::end);
-    size_ = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
-    file_.seekg(0);
-    end_ = size_;
+Ros1Bag::Ros1Bag(const std::string& path) : file_(path), end_(file_.size()) {
     std::array<std::uint8_t, version_line.size()> begin{};
-    if (size_ < begin.size()) {
-        throw std::invalid_argument(path + ": is no bag of ROS 1: it has " + std::to_string(size_) + " bytes");
+    if (file_.size() < begin.size()) {
+        throw std::invalid_argument(path + ": is no bag of ROS 1: it has " + std::to_string(file_.size()) + " bytes");
     }
-    read_bytes(begin);
+    file_.read(begin);
     if (text_of(begin) != version_line) {
         throw std::invalid_argument(path +
                                     ": is no bag of ROS 1 in version 2.0: it does not begin with '#ROSBAG V2.0'; " +
@@ -124,20 +110,8 @@ Ros1Bag::Ros1Bag(const std::string& path) : path_(path) {
     try {
         read_bag_header();
     } catch (const std::runtime_error& error) {
-        if (std::string_view(error.what()).starts_with(path_)) {
-            throw;
-        }
-        fail(error.what());
+        file_.fail_with(error);
     }
-}
-
-void Ros1Bag::fail(const std::string& what) const {
-    throw std::runtime_error(path_ + ": is damaged at byte " + std::to_string(position_) + ": " + what);
-}
-
-void Ros1Bag::fail_cut_off() const {
-    throw std::runtime_error(path_ + ": was cut off after " + std::to_string(size_) +
-                             " bytes: what is whole was read, the rest is missing");
 }
 
 void Ros1Bag::read_bag_header() {
@@ -146,30 +120,26 @@ void Ros1Bag::read_bag_header() {
         throw std::runtime_error("the first record is not that of the bag");
     }
     if (header.fields.contains("encryptor") && !header.text("encryptor").empty()) {
-        throw std::invalid_argument(path_ + ": is a bag that was encrypted by '" +
+        throw std::invalid_argument(file_.path() + ": is a bag that was encrypted by '" +
                                     base::printable(header.text("encryptor")) +
                                     "', which is not read; `rosbag decrypt` makes a plain one of it");
     }
     const std::uint64_t index = header.number("index_pos", 8);
-    cut_off_ = index > size_;
-    if (index >= position_ && index < size_ && size_ - index <= mcap_most_bytes) {
+    cut_off_ = index > file_.size();
+    if (index >= file_.position() && index < file_.size() && file_.size() - index <= mcap_most_bytes) {
         read_index(index);
     }
 }
 
 void Ros1Bag::read_index(std::uint64_t begin) {
-    std::vector<std::uint8_t> records(static_cast<std::size_t>(size_ - begin));
-    file_.seekg(static_cast<std::streamoff>(begin));
-    const bool whole = static_cast<bool>(
-        file_.read(reinterpret_cast<char*>(records.data()), static_cast<std::streamsize>(records.size())));
-    file_.clear();
-    file_.seekg(static_cast<std::streamoff>(position_));
+    std::vector<std::uint8_t> records(static_cast<std::size_t>(file_.size() - begin));
+    if (!file_.read_at(begin, records)) {
+        return;
+    }
     try {
-        if (whole) {
-            take_index(records);
-            lists_all_ = true;
-            end_ = begin;
-        }
+        take_index(records);
+        lists_all_ = true;
+        end_ = begin;
     } catch (const std::runtime_error&) {
         connections_.clear();
         text_bytes_ = 0;
@@ -222,9 +192,9 @@ bool Ros1Bag::next(Message& message) {
                     return true;
                 }
             }
-            if (ended_ || position_ >= end_) {
+            if (ended_ || file_.position() >= end_) {
                 if (std::exchange(cut_off_, false) && !ended_) {
-                    fail_cut_off();
+                    file_.fail_cut_off();
                 }
                 return false;
             }
@@ -238,10 +208,7 @@ bool Ros1Bag::next(Message& message) {
     } catch (const std::runtime_error& error) {
         ended_ = true;
         chunk_ = {};
-        if (std::string_view(error.what()).starts_with(path_)) {
-            throw;
-        }
-        fail(error.what());
+        file_.fail_with(error);
     }
 }
 
@@ -296,14 +263,14 @@ Ros1Bag::Record Ros1Bag::read_record() {
 }
 
 Ros1Bag::Bytes Ros1Bag::read_part(std::vector<std::uint8_t>& into, std::uint64_t most) {
-    if (size_ - position_ < length_size) {
-        fail_cut_off();
+    if (file_.left() < length_size) {
+        file_.fail_cut_off();
     }
     std::array<std::uint8_t, length_size> length{};
-    read_bytes(length);
+    file_.read(length);
     const std::uint64_t bytes = base::get_little_endian(length.data(), length.size());
-    if (bytes > size_ - position_) {
-        fail_cut_off();
+    if (bytes > file_.left()) {
+        file_.fail_cut_off();
     }
     if (bytes > most) {
         throw std::runtime_error("a part of a record has " + std::to_string(bytes) + " bytes, allowed are up to " +
@@ -311,16 +278,8 @@ Ros1Bag::Bytes Ros1Bag::read_part(std::vector<std::uint8_t>& into, std::uint64_t
     }
     into.clear();  // so that it never has more than it needs
     into.resize(static_cast<std::size_t>(bytes));
-    read_bytes(into);
+    file_.read(into);
     return into;
-}
-
-void Ros1Bag::read_bytes(std::span<std::uint8_t> into) {
-    if (!file_.read(reinterpret_cast<char*>(into.data()), static_cast<std::streamsize>(into.size()))) {
-        throw std::runtime_error(path_ + ": cannot be read at byte " + std::to_string(position_) + ": " +
-                                 base::error_text(errno));
-    }
-    position_ += into.size();
 }
 
 }  // namespace disparityd::formats

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "formats/bag_file.h"
 #include "formats/ros_bag.h"
 
 namespace disparityd::formats {
@@ -21,7 +21,7 @@ public:
     std::map<std::uint32_t, BagConnection> connections() const override { return connections_; }
     bool lists_all() const override { return lists_all_; }
     bool next(Message& message) override;
-    std::uint64_t position() const override { return position_; }
+    std::uint64_t position() const override { return file_.position(); }
 
 private:
     using Bytes = std::span<const std::uint8_t>;
@@ -46,15 +46,9 @@ private:
     void open_chunk(const Record& record);
     Record read_record();
     Bytes read_part(std::vector<std::uint8_t>& into, std::uint64_t most);
-    void read_bytes(std::span<std::uint8_t> into);
-    [[noreturn]] void fail(const std::string& what) const;
-    [[noreturn]] void fail_cut_off() const;
 
-    const std::string path_;
-    std::ifstream file_;
-    std::uint64_t size_ = 0;
-    std::uint64_t position_ = 0;
-    std::uint64_t end_ = 0;  ///< where the index begins, or the file ends
+    BagFile file_;
+    std::uint64_t end_;  ///< where the index begins, or the file ends
     bool lists_all_ = false;
     bool cut_off_ = false;  ///< the index would begin behind the end; false once that was told
     bool ended_ = false;

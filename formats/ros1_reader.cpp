@@ -3,20 +3,8 @@
 
 #include <algorithm>
 #include <bit>
-#include <stdexcept>
-#include <string>
 
 namespace disparityd::formats {
-
-std::span<const std::uint8_t> Ros1Reader::elements(std::size_t count, std::size_t size) {
-    if (count > left() / size) {
-        throw std::runtime_error("ends too soon: " + std::to_string(count) + " x " + std::to_string(size) +
-                                 " bytes are expected at byte " + std::to_string(place_) + ", " +
-                                 std::to_string(left()) + " are there");
-    }
-    place_ += count * size;
-    return message_.subspan(place_ - count * size, count * size);
-}
 
 std::string_view Ros1Reader::text() {
     const auto bytes = elements(get<std::uint32_t>(), 1);
