@@ -3,10 +3,32 @@
 
 #include <algorithm>
 #include <array>
-#include <utility>
+#include <initializer_list>
+#include <string>
 
 namespace disparityd::formats {
 namespace {
+
+constexpr std::string_view header = R"(==========
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+)";
+
+constexpr std::string_view vector = R"(==========
+MSG: geometry_msgs/Vector3
+float64 x
+float64 y
+float64 z
+)";
+
+constexpr std::string_view quaternion = R"(==========
+MSG: geometry_msgs/Quaternion
+float64 x
+float64 y
+float64 z
+float64 w
+)";
 
 constexpr std::string_view image = R"(std_msgs/Header header
 uint32 height
@@ -15,19 +37,11 @@ string encoding
 uint8 is_bigendian
 uint32 step
 uint8[] data
-==========
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
 )";
 
 constexpr std::string_view compressed_image = R"(std_msgs/Header header
 string format
 uint8[] data
-==========
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
 )";
 
 constexpr std::string_view camera_info = R"(std_msgs/Header header
@@ -48,10 +62,6 @@ uint32 y_offset
 uint32 height
 uint32 width
 bool do_rectify
-==========
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
 )";
 
 constexpr std::string_view imu = R"(std_msgs/Header header
@@ -61,21 +71,6 @@ geometry_msgs/Vector3 angular_velocity
 float64[9] angular_velocity_covariance
 geometry_msgs/Vector3 linear_acceleration
 float64[9] linear_acceleration_covariance
-==========
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-==========
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-==========
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
 )";
 
 constexpr std::string_view transforms = R"(geometry_msgs/TransformStamped[] transforms
@@ -88,36 +83,38 @@ Transform transform
 MSG: geometry_msgs/Transform
 Vector3 translation
 Quaternion rotation
-==========
-MSG: geometry_msgs/Vector3
-float64 x
-float64 y
-float64 z
-==========
-MSG: geometry_msgs/Quaternion
-float64 x
-float64 y
-float64 z
-float64 w
-==========
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
 )";
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> published{
-    {{"sensor_msgs/msg/Image", image},
-     {"sensor_msgs/msg/CompressedImage", compressed_image},
-     {"sensor_msgs/msg/CameraInfo", camera_info},
-     {"sensor_msgs/msg/Imu", imu},
-     {"tf2_msgs/msg/TFMessage", transforms}}};
+struct Published {
+    std::string_view type;
+    std::string definition;
+};
+
+/// Each definition, with those of the types that it has behind it.
+const std::array<Published, 5>& all_published() {
+    const auto joined = [](std::initializer_list<std::string_view> parts) {
+        std::string text;
+        for (const std::string_view part : parts) {
+            text += part;
+        }
+        return text;
+    };
+    static const std::array<Published, 5> all{
+        {{"sensor_msgs/msg/Image", joined({image, header})},
+         {"sensor_msgs/msg/CompressedImage", joined({compressed_image, header})},
+         {"sensor_msgs/msg/CameraInfo", joined({camera_info, header})},
+         {"sensor_msgs/msg/Imu", joined({imu, quaternion, vector, header})},
+         {"tf2_msgs/msg/TFMessage", joined({transforms, vector, quaternion, header})}}};
+    return all;
+}
 
 }  // namespace
 
 std::string_view published_definition(std::string_view type) {
+    const auto& all = all_published();
     const auto* const found =
-        std::find_if(published.begin(), published.end(), [type](const auto& item) { return item.first == type; });
-    return found == published.end() ? std::string_view() : found->second;
+        std::find_if(all.begin(), all.end(), [type](const Published& item) { return item.type == type; });
+    return found == all.end() ? std::string_view() : std::string_view(found->definition);
 }
 
 }  // namespace disparityd::formats
