@@ -8,6 +8,7 @@
 #include "capture/frame_source.h"
 #include "formats/ros_bag.h"
 #include "formats/ros_message.h"
+#include "tests/fuzz/first_frames.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/outcome.h"
 
@@ -40,11 +41,7 @@ void read_frames(const std::string& path) {
     uri.path = path;
     uri.within_ns = 1'000'000'000;
     capture::BagReader reader(uri, true);
-    std::vector<std::uint8_t> pixels(reader.frame_bytes());
-    capture::recording::FrameFacts facts;
-    for (int i = 0; i < 4 && reader.read(facts, pixels.data()); ++i) {
-        fuzz::expect(facts.sensors.size() <= capture::RawFrame::most_samples, "more samples than a frame carries");
-    }
+    fuzz::read_first_frames(reader);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "capture/svo/annex_b.h"
 #include "capture/svo/svo_reader.h"
+#include "tests/fuzz/first_frames.h"
 #include "tests/fuzz/memory_file.h"
 #include "tests/fuzz/outcome.h"
 
@@ -35,11 +36,7 @@ void read_frames(const std::string& path) {
     capture::SourceOptions options;
     options.uri = path;
     capture::SvoReader reader(options);
-    std::vector<std::uint8_t> pixels(reader.frame_bytes());
-    capture::recording::FrameFacts facts;
-    for (int i = 0; i < 4 && reader.read(facts, pixels.data()); ++i) {
-        fuzz::expect(facts.sensors.size() <= capture::RawFrame::most_samples, "more samples than a frame carries");
-    }
+    fuzz::read_first_frames(reader);
 }
 
 }  // namespace

@@ -2,12 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <exception>
 #include <string>
-#include <vector>
 
 #include "capture/frame_source.h"
-#include "tests/capture/images/image_fixture.h"
+#include "tests/capture/played_source.h"
 
 namespace disparityd::capture::test {
 
@@ -20,39 +18,6 @@ inline SourceOptions options_of(const std::string& uri) {
     options.uri = uri;
     options.pace = Pace::fastest;
     return options;
-}
-
-/// What a source gives, copied.
-struct Played {
-    std::vector<std::vector<std::uint8_t>> frames;
-    std::vector<std::uint64_t> sequences;
-    std::vector<std::uint32_t> lost;
-    std::vector<std::int64_t> times;
-    std::vector<SensorSample> samples;
-    std::string problem;
-};
-
-inline Played play_all(const SourceOptions& options) {
-    Played played;
-    try {
-        const auto source = open_source(options);
-        RawFrame frame;
-        while (source->next(frame, soon()) == FrameSource::Next::frame) {
-            std::vector<std::uint8_t>& bytes = played.frames.emplace_back();
-            for (int y = 0; y < frame.image.height; ++y) {
-                const std::uint8_t* row = frame.image.data + y * frame.image.stride;
-                bytes.insert(bytes.end(), row, row + 2 * frame.image.eye_width * bytes_per_pixel(frame.image.format));
-            }
-            played.sequences.push_back(frame.sequence);
-            played.lost.push_back(frame.dropped_before);
-            played.times.push_back(frame.realtime_ns);
-            played.samples.insert(played.samples.end(), frame.sensors.begin(), frame.sensors.end());
-            source->give_back(frame);
-        }
-    } catch (const std::exception& error) {
-        played.problem = error.what();
-    }
-    return played;
 }
 
 }  // namespace disparityd::capture::test

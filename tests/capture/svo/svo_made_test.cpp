@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "tests/capture/svo/svo_play.h"
+#include "tests/capture/played_source.h"
 #include "tests/formats/svo2_writer.h"
 #include "tests/temporary_folder.h"
 

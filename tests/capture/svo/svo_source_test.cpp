@@ -13,7 +13,7 @@
 #include "capture/recording/recording_ffmpeg.h"
 #include "capture/svo/svo_picture.h"
 #include "tests/capture/images/image_fixture.h"
-#include "tests/capture/svo/svo_play.h"
+#include "tests/capture/played_source.h"
 #include "tests/formats/mcap_writer.h"
 #include "tests/formats/refusal.h"
 #include "tests/temporary_folder.h"

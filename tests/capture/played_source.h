@@ -33,8 +33,11 @@ inline Played play_all(SourceOptions options) {
         played.info = source->info();
         RawFrame frame;
         while (source->next(frame, soon()) == FrameSource::Next::frame) {
-            const std::uint8_t* bytes = frame.image.data;
-            played.frames.emplace_back(bytes, bytes + frame.image.stride * frame.image.height);
+            std::vector<std::uint8_t>& bytes = played.frames.emplace_back();
+            for (int y = 0; y < frame.image.height; ++y) {
+                const std::uint8_t* row = frame.image.data + y * frame.image.stride;
+                bytes.insert(bytes.end(), row, row + 2 * frame.image.eye_width * bytes_per_pixel(frame.image.format));
+            }
             played.sequences.push_back(frame.sequence);
             played.lost.push_back(frame.dropped_before);
             played.times.push_back(frame.realtime_ns);
