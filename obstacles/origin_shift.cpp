@@ -21,6 +21,7 @@ constexpr double edge_share = 0.25;
 constexpr double least_camera_m = 0.01;
 constexpr double most_m = 65;
 constexpr std::size_t arc_points = 9;
+constexpr int parts_of_way = 4;
 
 /// 0 tells nothing.
 std::uint8_t lesser_trust(std::uint8_t one, std::uint8_t other) {
@@ -121,8 +122,6 @@ void OriginShift::set_edges(std::span<const ScanSector> camera_sectors, std::spa
         sectors[s] = {};
         sectors[s].from_cdeg = first[static_cast<std::ptrdiff_t>(s)].from_cdeg;
         sectors[s].to_cdeg = first[static_cast<std::ptrdiff_t>(s)].to_cdeg;
-        sectors[s].doubts = first[static_cast<std::ptrdiff_t>(s)].doubts;
-        sectors[s].trust = first[static_cast<std::ptrdiff_t>(s)].trust;
     }
     from_deg_ = sectors.front().from_cdeg / 100.0;
     width_deg_ = (sectors.back().to_cdeg / 100.0 - from_deg_) / static_cast<double>(sectors.size());
@@ -270,6 +269,28 @@ void OriginShift::find_obstacle(const ScanSector& obstacle, int camera_sector) {
     }
 }
 
+/// Adds the doubts of what a sector says up to a distance: those of the camera's sectors that the way to it leads
+/// through.
+void OriginShift::find_doubts(std::span<const ScanSector> camera_sectors, int sector, double end_mm,
+                              ScanSector& out) const {
+    const auto direction = direction_of<Point>(from_deg_ + width_deg_ * (sector + 0.5));
+    const double first_deg = camera_sectors.front().from_cdeg / 100.0;
+    const double range_deg = camera_sectors.back().to_cdeg / 100.0 - first_deg;
+    const double middle_deg = first_deg + range_deg / 2;
+    for (int part = 0; part < parts_of_way; ++part) {
+        const double at_mm = least_mm_ + (end_mm - least_mm_) * (part + 0.5) / parts_of_way;
+        const Point seen{at_mm * direction.ahead - camera_.ahead, at_mm * direction.left - camera_.left};
+        const double from_first = std::remainder(bearing_of(seen) - middle_deg, 360.0) + range_deg / 2;
+        const double camera_sector = std::floor(from_first / range_deg * static_cast<double>(camera_sectors.size()));
+        if (camera_sector < 0 || camera_sector >= static_cast<double>(camera_sectors.size())) {
+            continue;  // the camera does not see it
+        }
+        const ScanSector& there = camera_sectors[static_cast<std::size_t>(camera_sector)];
+        out.doubts |= there.doubts;
+        out.trust = lesser_trust(out.trust, there.trust);
+    }
+}
+
 void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<ScanSector> sectors) const {
     for (std::size_t s = 0; s < sectors.size(); ++s) {
         const Found& found = found_[s];
@@ -282,21 +303,19 @@ void OriginShift::put(std::span<const ScanSector> camera_sectors, std::span<Scan
             const auto from = out.from_cdeg;
             const auto to = out.to_cdeg;
             const auto free_mm = out.free_mm;
-            const auto doubts = out.doubts;
-            const auto trust = out.trust;
             out = seen;
             out.from_cdeg = from;
             out.to_cdeg = to;
             out.distance_mm = whole_mm(found.obstacle_mm);
             out.free_mm = std::min(free_mm, out.distance_mm);
-            out.doubts = doubts;
-            out.trust = trust;
         } else {
             out.state = out.free_mm > 0 ? SectorState::free : SectorState::unknown;
         }
         // An obstacle that is nearer than is told, or behind another one, leaves its doubts.
-        out.doubts |= found.doubts;
-        out.trust = lesser_trust(out.trust, found.trust);
+        out.doubts = found.doubts;
+        out.trust = found.trust;
+        const double end = out.state == SectorState::unknown ? most_mm_ : std::max(out.free_mm, out.distance_mm);
+        find_doubts(camera_sectors, static_cast<int>(s), end, out);
     }
 }
 

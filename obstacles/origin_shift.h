@@ -56,6 +56,7 @@ private:
     void block(const Point& point, double min_mm);
     void block_corners(const Cone& cone);
     void find_obstacle(const ScanSector& obstacle, int camera_sector);
+    void find_doubts(std::span<const ScanSector> camera_sectors, int sector, double end_mm, ScanSector& out) const;
     void put(std::span<const ScanSector> camera_sectors, std::span<ScanSector> sectors) const;
 
     ScanOptions options_;

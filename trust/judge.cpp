@@ -24,6 +24,8 @@ constexpr int covered_factor = 36;
 
 constexpr std::int64_t least_fine_texture = 12;  // mean square over an eye, beyond the noise
 constexpr int windows_of_dirt = 3;
+/// Dirt of the right eye stays where it was in the left picture for so many windows that do not tell where it is.
+constexpr int windows_kept = 10;
 
 /// Returns the cell, of so many, in which a pixel lies.
 int cell_of(int pixel, int size, int cells) {
@@ -205,6 +207,7 @@ void Judge::close_window(const FrameView& frame) {
         find_dirty_cells(frame);
     } else if (!findings_.dirty.holds()) {
         findings_.dirty_cells.fill(false);
+        findings_.mapped_cells.fill(false);
     }
 }
 
@@ -231,10 +234,27 @@ bool Judge::find_dirty() {
     return of_left || of_right;
 }
 
-/// Dirt of the right eye shows where the disparities put it.
+/// Dirt of the right eye shows where the disparities put it. Where those of a row put none of it anywhere, it is still
+/// there: the cells of the row stay as they were for a while.
 void Judge::find_dirty_cells(const FrameView& frame) {
+    Cells<bool> mapped{};
+    add_left_cells(frame, dirt_[right], mapped);
     findings_.dirty_cells = dirt_[left];
-    add_left_cells(frame, dirt_[right], findings_.dirty_cells);
+    for (int row = 0; row < cell_rows; ++row) {
+        const auto begin = static_cast<std::ptrdiff_t>(row) * cell_columns;
+        const auto any = [begin](const Cells<bool>& cells) {
+            const auto first = cells.begin() + begin;
+            return std::find(first, first + cell_columns, true) != first + cell_columns;
+        };
+        int& age = findings_.mapped_before[static_cast<std::size_t>(row)];
+        age = any(mapped) ? 0 : age + 1;
+        const bool kept = age > 0 && age <= windows_kept && any(dirt_[right]);
+        for (std::ptrdiff_t i = begin; i < begin + cell_columns; ++i) {
+            const auto cell = static_cast<std::size_t>(i);
+            findings_.mapped_cells[cell] = kept ? findings_.mapped_cells[cell] : mapped[cell];
+            findings_.dirty_cells[cell] = findings_.dirty_cells[cell] || findings_.mapped_cells[cell];
+        }
+    }
 }
 
 /// A turned eye, or one of another focal length, fits in some bands.

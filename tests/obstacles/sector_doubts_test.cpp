@@ -115,6 +115,24 @@ TEST_F(SectorDoubts, AnotherOriginKeepsThem) {
     EXPECT_EQ(sectors()[rightmost].trust, 255);
 }
 
+// The wall is 3 m before the camera, 1 m before the origin: what is on the left of the picture is farther left from
+// there.
+TEST_F(SectorDoubts, AnotherOriginHasThemWhereTheyAreSeenFromThere) {
+    options_.camera_ahead_m = -2;
+    options_.from_deg = -70;
+    options_.to_deg = 70;
+    options_.sectors = 70;
+    fill(0, 80, height, 19);  // from 22 degrees to the left on for the camera, which is 1.2 m aside at the wall
+    const std::vector<std::uint32_t> from_there = doubts();
+    const auto at = [&from_there](int bearing) { return from_there[static_cast<std::size_t>((bearing + 70) / 2)]; };
+    EXPECT_EQ(at(28), 0U) << "0.53 m aside at the wall";
+    EXPECT_EQ(at(56), proto::doubt_dark) << "1.5 m aside";
+    EXPECT_EQ(at(-56), 0U);
+    options_.camera_ahead_m = 0;
+    const std::vector<std::uint32_t> from_camera = doubts();
+    EXPECT_EQ(from_camera[(28 + 70) / 2], proto::doubt_dark);
+}
+
 TEST_F(SectorDoubts, WithoutACalibrationNothingIsTold) {
     ObstacleScanner scanner(width, height, options_, reference::steps.frame);
     Scan scan = scanner.empty_scan();

@@ -117,6 +117,28 @@ TEST_F(JudgeTest, DirtOfTheRightEyeIsFoundToo) {
     EXPECT_EQ(see(5, blur).doubts, proto::doubt_dirty_eye);
 }
 
+// Where nothing is measured, nothing says where the left picture shows it; it is still there.
+TEST_F(JudgeTest, DirtOfTheRightEyeStaysForAWhileWhereItIsNotSeen) {
+    const auto cells = [this] { return std::count(judge_.dirty_cells().begin(), judge_.dirty_cells().end(), true); };
+    const auto blur = [](TexturedPair& pair, int) { TexturedPair::blur(pair.right, 90, 40, 170, 120); };
+    see(7, blur);
+    const Cells<bool> seen = judge_.dirty_cells();
+    ASSERT_GT(cells(), 3);
+    // Each window ends with a frame in which nothing is measured.
+    const auto blind_at_its_end = [&](TexturedPair& pair, int moved) {
+        blur(pair, moved);
+        if (frame_ % (rate + 1) == rate) {
+            fill(pair.confidence, 0);
+        }
+    };
+    see(4, blind_at_its_end);
+    EXPECT_EQ(judge_.dirty_cells(), seen);
+    EXPECT_EQ(see(9, blind_at_its_end).doubts & proto::doubt_dirty_eye, proto::doubt_dirty_eye);
+    EXPECT_EQ(cells(), 0) << "it is not known any more where it is";
+    see(2, blur);
+    EXPECT_EQ(judge_.dirty_cells(), seen);
+}
+
 TEST_F(JudgeTest, WhatMovesIsNoDirt) {
     see(2);
     const auto blur = [](TexturedPair& pair, int moved) {
