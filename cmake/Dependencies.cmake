@@ -115,4 +115,6 @@ if(DISPARITYD_TESTS)
   disparityd_need("Boost 1.74 (context)" "${Boost_FOUND}" FOR test PACKAGES "libboost-context-dev")
 endif()
 
+include(PythonMatcher)
+
 disparityd_end_of_needs()

@@ -28,6 +28,7 @@ ARROWS = {
     "pipeline": {"base", "calibration", "capture", "formats", "kernels"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "formats", "proto"},
+    "bindings": {"base", "calibration", "capture", "formats", "kernels", "pipeline"},
     "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "trust"},
     "tools": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "trust"},
     "lab": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "bridges",
@@ -35,7 +36,7 @@ ARROWS = {
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.
-SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("obstacles", "proto"): {"proto/doubt.h", "proto/scan.h"},
+SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("bindings", "pipeline"): {"pipeline/worker_pool.h"}, ("obstacles", "proto"): {"proto/doubt.h", "proto/scan.h"},
         ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},

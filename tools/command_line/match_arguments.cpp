@@ -2,39 +2,15 @@
 #include "tools/command_line/match_arguments.h"
 
 #include <algorithm>
-#include <array>
-#include <stdexcept>
-#include <utility>
 
 #include <CLI/CLI.hpp>
 
-#include "kernels/match_fields.h"
+#include "kernels/match_choice.h"
 #include "kernels/matcher.h"
 #include "tools/command_line/number_argument.h"
 
 namespace disparityd::tools {
 namespace {
-
-/// Returns the one of `all` that `text`, given with an option, is the name of.
-template <typename Enum, std::size_t count>
-Enum parse_name(const std::string& option, const std::string& text, const std::array<Enum, count>& all) {
-    std::string allowed;
-    for (const Enum one : all) {
-        if (to_string(one) == text) {
-            return one;
-        }
-        allowed += (allowed.empty() ? "" : ", ") + std::string(to_string(one));
-    }
-    throw std::invalid_argument(option + ": found '" + text + "', allowed: " + allowed);
-}
-
-Preset parse_preset(const std::string& text) {
-    return parse_name("--preset", text, all_presets);
-}
-
-CensusCost parse_cost(const std::string& text) {
-    return parse_name("--cost", text, all_costs);
-}
 
 /// Returns "--p2-slope" for "p2_slope".
 std::string option_of(std::string_view name) {
@@ -76,48 +52,22 @@ std::optional<int> MatchArguments::given(std::string_view name) const {
     return found == given_.end() ? std::nullopt : found->second;
 }
 
-MatchOptions MatchArguments::options(Method method, int disparities) const {
-    const DisparityRange range{d_min(), this->disparities().value_or(disparities)};
-    MatchOptions options = default_options(method, range);
-    if (method == Method::sgm) {
-        options = preset_options(preset_.empty() ? usual_ : parse_preset(preset_), range);
-    }
-    if (!cost_.empty()) {
-        options.cost = parse_cost(cost_);
-    }
-    for (const MatchField& field : match_fields()) {
-        if (const auto value = given(field.name)) {
-            field.set(options, *value);
+MatchChoice MatchArguments::choice() const {
+    MatchChoice chosen{preset_, cost_, {}};
+    for (const auto& [name, value] : given_) {
+        if (value) {
+            chosen.given[name] = *value;
         }
     }
-    const std::string wrong = validate(options);
-    if (!wrong.empty()) {
-        throw std::invalid_argument(wrong);
-    }
-    return options;
+    return chosen;
+}
+
+MatchOptions MatchArguments::options(Method method, int disparities) const {
+    return chosen_options(choice(), method, usual_, disparities, option_of);
 }
 
 void MatchArguments::check_used(const std::vector<Method>& methods) const {
-    if (std::find(methods.begin(), methods.end(), Method::sgm) != methods.end()) {
-        return;  // it uses all of them
-    }
-    std::string chosen;
-    for (const Method method : methods) {
-        chosen += (chosen.empty() ? "" : " and ") + std::string(to_string(method));
-    }
-    chosen = chosen.empty() ? "no method of ours" : chosen;
-    const auto refuse_where = [&chosen](bool found, const std::string& option) {
-        if (found) {
-            throw std::invalid_argument(option + ": only the method sgm uses it, found: " + chosen);
-        }
-    };
-    refuse_where(!preset_.empty(), "--preset");
-    for (const MatchField& field : match_fields()) {
-        refuse_where(field.is_of_sgm() && given(field.name), option_of(field.name));
-    }
-    if (!cost_.empty() && std::find(methods.begin(), methods.end(), Method::census) == methods.end()) {
-        throw std::invalid_argument("--cost: only the methods sgm and census use it, found: " + chosen);
-    }
+    disparityd::check_used(choice(), methods, option_of);
 }
 
 std::string method_help() {
@@ -126,7 +76,7 @@ std::string method_help() {
 }
 
 Method parse_method(const std::string& text) {
-    return parse_name("--method", text, all_methods);
+    return method_of(text, option_of);
 }
 
 std::string backend_help() {

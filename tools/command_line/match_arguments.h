@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "kernels/options.h"
+#include "kernels/match_choice.h"
 
 namespace CLI {
 class App;
@@ -38,6 +38,8 @@ public:
     void check_used(const std::vector<Method>& methods) const;
 
 private:
+    MatchChoice choice() const;
+
     std::map<std::string_view, std::optional<int>> given_;
     Preset usual_ = Preset::paper;
     std::string preset_, cost_;

@@ -21,6 +21,7 @@ FOLDERS = {
     "lab": ("programs that measure,<br/>built on request", PROGRAM),
     "bridges": ("clients that speak<br/>another protocol", PROGRAM),
     "tools": ("disparityctl, disparity-eval,<br/>disparity-bench, scripts", PROGRAM),
+    "bindings": ("the matcher<br/>for Python", PROGRAM),
     "clients": ("C++, C and Python<br/>libraries", PROGRAM),
     "daemon": ("configuration, sockets,<br/>life of the service", SERVICE),
     "pipeline": ("stages, queues,<br/>workers, timing", CORE),

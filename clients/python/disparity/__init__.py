@@ -6,7 +6,12 @@
     with disparity.connect("default", [disparity.LEFT, disparity.DISPARITY]) as daemon:
         for frame in daemon:  # goes on when the daemon has been started again
             print(frame.sequence, frame.age_ns / 1e6, "ms", frame.left.shape, frame.points()[0, 0])
+
+Where the package disparity_matcher is installed, too, its names are here as well: match, Matcher, open and what belongs to them
+match images without a daemon.
 """
+import typing
+
 from .client import Client, connect
 from .connection import ConnectOptions
 from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
@@ -18,6 +23,14 @@ from .scan import (FREE, GROUND_AUTOPILOT, GROUND_CONFIGURED, GROUND_FITTED, GRO
                    UNKNOWN, Scan)
 from .shared_memory import SharedMemoryReader
 from .socket_client import SocketClient
+
+if typing.TYPE_CHECKING:
+    from disparity_matcher import (Calibration, Match, Matcher, Rectifier, Source, SourceFrame, StereoSGM, StereoSGM_create,
+                                   load_calibration, match, open)
+
+# Not in __all__: the client does not need the matcher, which is looked for when one of its names is asked for.
+_OF_THE_MATCHER = frozenset({"Calibration", "Match", "Matcher", "Rectifier", "Source", "SourceFrame", "StereoSGM", "StereoSGM_create",
+                             "load_calibration", "match", "open"})
 
 __all__ = [
     "BLURRED",
@@ -66,3 +79,16 @@ __all__ = [
     "doubt_names",
     "inertial_calibration",
 ]
+
+
+def __getattr__(name: str) -> typing.Any:
+    if name not in _OF_THE_MATCHER:
+        raise AttributeError(f"module 'disparity' has no attribute '{name}'")
+    try:
+        import disparity_matcher
+    except ModuleNotFoundError as error:
+        if error.name != "disparity_matcher":
+            raise
+        raise ImportError(f"disparity.{name} is part of the matcher, which is not installed: install the package "
+                          "python3-disparity-matcher, as docs/python.md says") from None
+    return getattr(disparity_matcher, name)

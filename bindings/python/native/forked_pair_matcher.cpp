@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bindings/python/native/forked_pair_matcher.h"
+
+#include <mutex>
+#include <optional>
+
+#include <unistd.h>
+
+#include "pipeline/worker_pool.h"
+
+namespace disparityd::bindings {
+
+struct ForkedPairMatcher::State {
+    State(int width, int height, const MatchOptions& options, const std::string& back_end)
+        : matcher(width, height, options, back_end) {}
+
+    std::mutex mutex;
+    PairMatcher matcher;
+    std::optional<pipeline::WorkerPool> pool;  ///< none: the calling thread does everything
+};
+
+ForkedPairMatcher::ForkedPairMatcher(int width, int height, const MatchOptions& options, const std::string& back_end,
+                                     int threads)
+    : width_(width),
+      height_(height),
+      options_(options),
+      back_end_(back_end),
+      threads_(threads),
+      process_(getpid()),
+      state_(make()) {}
+
+ForkedPairMatcher::~ForkedPairMatcher() {
+    if (getpid() != process_) {
+        static_cast<void>(state_.release());  // its threads are not here to be joined
+    }
+}
+
+std::unique_ptr<ForkedPairMatcher::State> ForkedPairMatcher::make() const {
+    auto made = std::make_unique<State>(width_, height_, options_, back_end_);
+    // Not pinned: several of these may share the cores.
+    if (threads_ != 1) {
+        made->pool.emplace(threads_, pipeline::Pinning::never);
+    }
+    return made;
+}
+
+void ForkedPairMatcher::prepare() {
+    if (const int process = getpid(); process != process_) {
+        static_cast<void>(state_.release());
+        process_ = process;
+        state_ = make();
+    }
+}
+
+void ForkedPairMatcher::match(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
+                              const PairResults& results) {
+    const std::lock_guard lock(state_->mutex);
+    if (!state_->pool) {
+        Serial serial;
+        state_->matcher.match(left, right, results, serial);
+        return;
+    }
+    const pipeline::WorkerPool::ComputeSlot slot(*state_->pool);
+    state_->matcher.match(left, right, results, *state_->pool);
+}
+
+std::string ForkedPairMatcher::trouble() const {
+    return state_->matcher.trouble();
+}
+
+}  // namespace disparityd::bindings
