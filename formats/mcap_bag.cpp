@@ -3,21 +3,28 @@
 
 namespace disparityd::formats {
 
-std::map<std::uint32_t, BagConnection> McapBag::connections() const {
-    std::map<std::uint32_t, BagConnection> connections;
-    const auto& schemas = reader_.definitions().schemas();
+McapBag::McapBag(const std::string& path) : reader_(path) {
     for (const auto& [id, channel] : reader_.definitions().channels()) {
-        BagConnection& connection = connections[id];
+        connection_of(id);
+    }
+}
+
+const BagConnection& McapBag::connection_of(std::uint16_t id) {
+    const auto [place, is_new] = connections_.try_emplace(id);
+    BagConnection& connection = place->second;
+    if (is_new) {
+        const auto& channel = reader_.definitions().channels().at(id);
         connection.topic = channel.topic;
         connection.encoding = channel.message_encoding;
         connection.messages = reader_.message_count(id);
+        const auto& schemas = reader_.definitions().schemas();
         if (const auto schema = schemas.find(channel.schema); schema != schemas.end()) {
             connection.type = schema->second.name;
             connection.definition_encoding = schema->second.encoding;
             connection.definition = schema->second.text;
         }
     }
-    return connections;
+    return connection;
 }
 
 bool McapBag::next(Message& message) {
@@ -26,7 +33,7 @@ bool McapBag::next(Message& message) {
         return false;
     }
     message.connection = found.channel;
-    message.topic = reader_.definitions().channels().at(found.channel).topic;
+    message.topic = connection_of(found.channel).topic;
     message.log_ns = found.log_ns;
     message.data = found.data;
     return true;

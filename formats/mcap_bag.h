@@ -9,15 +9,18 @@ namespace disparityd::formats {
 /// A bag in an MCAP file. Errors are those of McapReader.
 class McapBag final : public RosBag {
 public:
-    explicit McapBag(const std::string& path) : reader_(path) {}
+    explicit McapBag(const std::string& path);
 
-    std::map<std::uint32_t, BagConnection> connections() const override;
+    const std::map<std::uint32_t, BagConnection>& connections() const override { return connections_; }
     bool lists_all() const override { return reader_.has_summary(); }
     bool next(Message& message) override;
     std::uint64_t position() const override { return reader_.position(); }
 
 private:
+    const BagConnection& connection_of(std::uint16_t channel);
+
     McapReader reader_;
+    std::map<std::uint32_t, BagConnection> connections_;
 };
 
 }  // namespace disparityd::formats

@@ -125,7 +125,8 @@ void Ros1Bag::read_bag_header() {
                                     "', which is not read; `rosbag decrypt` makes a plain one of it");
     }
     const std::uint64_t index = header.number("index_pos", 8);
-    cut_off_ = index > file_.size();
+    // A bag that was closed has records behind its index_pos, unless it holds nothing.
+    cut_off_ = index > file_.size() || (index == file_.size() && header.number("conn_count", 4) > 0);
     if (index >= file_.position() && index < file_.size() && file_.size() - index <= mcap_most_bytes) {
         read_index(index);
     }

@@ -18,7 +18,7 @@ public:
     /// open_ros_bag().
     explicit Ros1Bag(const std::string& path);
 
-    std::map<std::uint32_t, BagConnection> connections() const override { return connections_; }
+    const std::map<std::uint32_t, BagConnection>& connections() const override { return connections_; }
     bool lists_all() const override { return lists_all_; }
     bool next(Message& message) override;
     std::uint64_t position() const override { return file_.position(); }
@@ -50,7 +50,7 @@ private:
     BagFile file_;
     std::uint64_t end_;  ///< where the index begins, or the file ends
     bool lists_all_ = false;
-    bool cut_off_ = false;  ///< the index would begin behind the end; false once that was told
+    bool cut_off_ = false;  ///< the index is not there, as the header says it is; false once that was told
     bool ended_ = false;
     std::map<std::uint32_t, BagConnection> connections_;
     std::size_t text_bytes_ = 0;          ///< of all names and definitions

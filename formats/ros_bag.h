@@ -40,8 +40,8 @@ public:
     RosBag(const RosBag&) = delete;
     RosBag& operator=(const RosBag&) = delete;
 
-    /// Returns what is known so far: all there is where lists_all().
-    virtual std::map<std::uint32_t, BagConnection> connections() const = 0;
+    /// Returns what is known so far: all there is where lists_all(). An entry stays as and where it is.
+    virtual const std::map<std::uint32_t, BagConnection>& connections() const = 0;
     virtual bool lists_all() const = 0;
 
     /// Reads the next message; false after the last one.

@@ -20,7 +20,7 @@ public:
     /// Throws as open_ros_bag().
     explicit SqliteBag(const std::string& path);
 
-    std::map<std::uint32_t, BagConnection> connections() const override { return connections_; }
+    const std::map<std::uint32_t, BagConnection>& connections() const override { return connections_; }
     bool lists_all() const override { return true; }
     bool next(Message& message) override;
     std::uint64_t position() const override { return position_; }

@@ -13,6 +13,7 @@
 #include <lz4frame.h>
 #include <zstd.h>
 
+#include "base/message_text.h"
 #include "formats/mcap_chunk.h"
 
 namespace disparityd::formats {
@@ -90,6 +91,15 @@ void unpack_bz2(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>&
     if (result != BZ_OK || size != room.size()) {
         fail_size("bz2", room.size());
     }
+}
+
+std::string zstd_command(const std::string& path) {
+    // The program knows one ending, .zst, and needs a name for the others.
+    const std::size_t at = path.rfind(".zst");
+    const std::string shown = base::printable(path, path.size());
+    const std::string unpacked =
+        base::printable(at == std::string::npos || at == 0 ? path + ".unpacked" : path.substr(0, at), path.size() + 9);
+    return "zstd -d " + shown + " -o " + unpacked;
 }
 
 }  // namespace disparityd::formats

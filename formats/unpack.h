@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace disparityd::formats {
@@ -16,5 +17,8 @@ void unpack_bz2(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>&
 /// Unpacks a message that is a frame of zstd into `room`, of the size that the frame states: at most 256 MiB. Throws as
 /// the others.
 void unpack_zstd_message(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>& room);
+
+/// Returns, for a message, the command that unpacks a file which zstd has packed, beside it.
+std::string zstd_command(const std::string& path);
 
 }  // namespace disparityd::formats

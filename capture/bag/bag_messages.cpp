@@ -24,6 +24,20 @@ std::string word(const YAML::Node& node) {
     return node && node.IsScalar() ? node.Scalar() : std::string();
 }
 
+/// Returns the file that lies unpacked beside one that was packed as a whole (--compression-mode file). Throws
+/// std::invalid_argument with the command that unpacks it.
+std::string unpacked_file(const std::filesystem::path& path) {
+    const std::string unpacked =
+        path.extension() == ".zstd" ? std::filesystem::path(path).replace_extension().string() : path.string();
+    if (!base::is_file(unpacked)) {
+        throw std::invalid_argument(base::printable(path.string(), longest_path) +
+                                    ": is packed as a whole (--compression-mode file) and not read so; unpack the "
+                                    "files of the bag, then it is played: " +
+                                    formats::zstd_command(path.string()));
+    }
+    return unpacked;
+}
+
 /// Returns the files that metadata.yaml names, within its folder.
 std::vector<std::string> files_of_folder(const std::filesystem::path& folder) {
     const std::string path = (folder / "metadata.yaml").string();
@@ -44,14 +58,11 @@ std::vector<std::string> files_of_folder(const std::filesystem::path& folder) {
             refuse("found a bag packed by '" + base::printable(packing) +
                    "', allowed is zstd: convert it with ros2 bag convert");
         }
-        if (!packing.empty() && base::lower_case(word(bag["compression_mode"])) == "file") {
-            refuse(
-                "found a bag whose files are packed (--compression-mode file), which is not read: unpack them with "
-                "unzstd and name one of them, or convert the bag with ros2 bag convert");
-        }
+        const bool packed = !packing.empty() && base::lower_case(word(bag["compression_mode"])) == "file";
         for (const YAML::Node& file : bag["relative_file_paths"]) {
             // Older bags name the folder, too; none may lead out of it.
-            files.push_back((folder / std::filesystem::path(word(file)).filename()).string());
+            const std::filesystem::path path = folder / std::filesystem::path(word(file)).filename();
+            files.push_back(packed ? unpacked_file(path) : path.string());
         }
     } catch (const YAML::Exception& error) {
         refuse("is no YAML file: line " + std::to_string(error.mark.line + 1) + ": " + base::printable(error.msg));
@@ -79,6 +90,7 @@ void BagMessages::open(std::size_t file) {
         before_ += reader_->position();
         earlier_ = topics();
     }
+    type_of_connection_.clear();
     types_.clear();
     reader_ = formats::open_ros_bag(files_[file]);
     file_ = file;
@@ -90,15 +102,18 @@ bool BagMessages::has_all_topics() const {
 
 std::vector<BagTopic> BagMessages::topics() const {
     std::vector<BagTopic> topics = earlier_;
+    std::map<std::string, std::size_t> places;
+    for (std::size_t i = 0; i < topics.size(); ++i) {
+        places.emplace(topics[i].name, i);
+    }
     for (const auto& [id, connection] : reader_->connections()) {
         const auto count = files_.size() == 1 ? connection.messages : std::nullopt;
-        const auto known =
-            std::find_if(topics.begin(), topics.end(),
-                         [&name = connection.topic](const BagTopic& topic) { return topic.name == name; });
-        if (known != topics.end()) {  // several writers on one topic
-            known->messages = known->messages && count ? std::optional(*known->messages + *count) : std::nullopt;
-        } else {
+        const auto [place, is_new] = places.emplace(connection.topic, topics.size());
+        if (is_new) {
             topics.push_back({connection.topic, connection.type, count});
+        } else {  // several writers on one topic
+            auto& messages = topics[place->second].messages;
+            messages = messages && count ? std::optional(*messages + *count) : std::nullopt;
         }
     }
     return topics;
@@ -124,11 +139,22 @@ void BagMessages::fail(const Message& message, const std::string& what) const {
                              ": " + what);
 }
 
+/// A bag may have thousands of connections of one type, whose definition is parsed once.
 const BagMessages::Type& BagMessages::type_of(std::uint32_t connection) {
-    if (const auto known = types_.find(connection); known != types_.end()) {
-        return known->second;
+    const Type*& known = type_of_connection_[connection];
+    if (known == nullptr) {
+        const formats::BagConnection& found = reader_->connections().at(connection);
+        const TypeText text{found.type, found.encoding, found.definition_encoding, *found.definition};
+        auto parsed = types_.find(text);
+        if (parsed == types_.end()) {
+            parsed = types_.emplace(text, parse(found)).first;
+        }
+        known = &parsed->second;
     }
-    const formats::BagConnection found = reader_->connections().at(connection);
+    return *known;
+}
+
+BagMessages::Type BagMessages::parse(const formats::BagConnection& found) {
     if (found.encoding != "cdr" && found.encoding != "ros1") {
         throw std::runtime_error("found messages encoded as '" + base::printable(found.encoding) +
                                  "', allowed are cdr and ros1");
@@ -142,7 +168,7 @@ const BagMessages::Type& BagMessages::type_of(std::uint32_t connection) {
                                  "' of the type '" + base::printable(found.type) + "', allowed is ros2msg or ros1msg");
     }
     const formats::RosEncoding encoding = cdr ? formats::RosEncoding::cdr : formats::RosEncoding::ros1;
-    return types_.emplace(connection, Type{formats::parse_ros_schema(found.type, text), encoding}).first->second;
+    return {formats::parse_ros_schema(found.type, text), encoding};
 }
 
 /// Unpacks a message of a bag that was recorded with --compression-mode message. No message of CDR begins so.

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/ros_bag.h"
@@ -57,8 +59,12 @@ private:
         formats::RosEncoding encoding;
     };
 
+    /// What of a connection says how its messages are read. Borrowed from the reader.
+    using TypeText = std::array<std::string_view, 4>;
+
     void open(std::size_t file);
     const Type& type_of(std::uint32_t connection);
+    static Type parse(const formats::BagConnection& connection);
     void unpack(std::span<const std::uint8_t>& data);
 
     std::vector<std::string> files_;
@@ -66,9 +72,10 @@ private:
     std::size_t file_ = 0;
     std::uint64_t before_ = 0;  ///< bytes of the files before this one
     std::unique_ptr<formats::RosBag> reader_;
-    std::map<std::uint32_t, Type> types_;  ///< by connections of this file
-    std::uint32_t connection_ = 0;         ///< of the last message
-    std::vector<std::uint8_t> unpacked_;   ///< the last message, where it was packed
+    std::map<TypeText, Type> types_;  ///< of this file
+    std::map<std::uint32_t, const Type*> type_of_connection_;
+    std::uint32_t connection_ = 0;        ///< of the last message
+    std::vector<std::uint8_t> unpacked_;  ///< the last message, where it was packed
 };
 
 }  // namespace disparityd::capture

@@ -48,8 +48,13 @@ void put_image(const cv::Mat& image, cv::Mat into, const std::string& path) {
 
 }  // namespace
 
-BagReader::BagReader(const BagUri& uri, bool calibrated) : uri_(uri), pairs_(uri.within_ns) {
-    survey(calibrated);
+BagReader::BagReader(const BagUri& uri, bool calibrated, std::optional<ChosenTopics> known)
+    : uri_(uri), pairs_(uri.within_ns) {
+    if (known) {
+        topics_ = *std::move(known);
+    } else {
+        survey(calibrated);
+    }
     bag_.emplace(uri_.path);
     constexpr std::size_t for_the_rate = 2;
     while (first_.size() < for_the_rate) {
@@ -97,12 +102,20 @@ void BagReader::read_calibration() {
                      ? calibration_of(*bag.left, *bag.right, info_.eye_width, info_.height, topics_.rectified)
                      : std::nullopt;
     if (found) {
-        found->inertial.to_left_camera = bag.imu_to_left;
+        if (bag.imu_to_left) {
+            // /tf_static leads to the camera that took the raw images; its R turns that to the rectified one.
+            calibration::Pose turn;
+            if (topics_.rectified) {
+                std::copy(bag.left->rotation.begin(), bag.left->rotation.end(), turn.rotation.begin());
+            }
+            found->inertial.to_left_camera = calibration::chained(*bag.imu_to_left, turn);
+        }
         try {
             calibration::check_inertial(found->inertial, uri_.path);
         } catch (const std::invalid_argument&) {
             found->inertial.to_left_camera.reset();  // distances are known without it
-            info_.notices.push_back(uri_.path + ": the inertial sensor has no place that can be: see its /tf_static");
+            info_.notices.push_back(uri_.path + ": the inertial sensor has no place that can be: see its /tf_static" +
+                                    (topics_.rectified ? ", and the R of the left CameraInfo" : ""));
         }
         info_.calibration_text = calibration::to_text(*found);
     } else {

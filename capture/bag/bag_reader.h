@@ -21,8 +21,10 @@ namespace disparityd::capture {
 class BagReader final : public RecordingReader {
 public:
     /// Finds topics and calibration, and reads the first pairs. Throws as open_bag(). Without `calibrated` the
-    /// calibration in the bag is not looked at.
-    BagReader(const BagUri& uri, bool calibrated);
+    /// calibration in the bag is not looked at. Topics that are `known` are not searched for.
+    BagReader(const BagUri& uri, bool calibrated, std::optional<ChosenTopics> known = std::nullopt);
+
+    const ChosenTopics& topics() const { return topics_; }
 
     const Info& info() const override { return info_; }
     std::size_t frame_bytes() const override;

@@ -146,6 +146,9 @@ std::pair<std::string, std::string> choose_images(const BagUri& uri, const Names
 }
 
 std::string choose_imu(const BagUri& uri, const Names& imus, std::vector<std::string>& notices) {
+    if (uri.imu == "off") {
+        return {};
+    }
     if (!uri.imu.empty() && !has(imus, uri.imu)) {
         throw std::invalid_argument(uri.path + ": has no sensor_msgs/msg/Imu of the topic " + base::printable(uri.imu) +
                                     "; it has those of " + list_of(imus));

@@ -56,9 +56,10 @@ BagUri parse_bag_uri(const std::string& uri) {
         } else if (parameter.key == "bits") {
             bag.bits = parameters.integer("bits", parameter.value, 9, 16);
         } else {
-            parameters.fail("parameter", parameter.text,
-                            "left=/TOPIC, right=/TOPIC, both=/TOPIC (side by side), imu=/TOPIC, rectified=yes or no, "
-                            "within_ms=0 to 1000, bits=9 to 16");
+            parameters.fail(
+                "parameter", parameter.text,
+                "left=/TOPIC, right=/TOPIC, both=/TOPIC (side by side), imu=/TOPIC or off, rectified=yes or "
+                "no, within_ms=0 to 1000, bits=9 to 16");
         }
     }
     if (bag.left.empty() != bag.right.empty() || (!bag.left.empty() && !bag.both.empty())) {

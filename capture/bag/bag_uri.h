@@ -13,7 +13,7 @@ struct BagUri {
     std::string left;   ///< topic; with `right`, or empty
     std::string right;  ///< topic
     std::string both;   ///< topic whose images have both eyes side by side
-    std::string imu;    ///< topic
+    std::string imu;    ///< topic; "off": none is read
     std::optional<bool> rectified;
     std::int64_t within_ns = 5'000'000;  ///< stamps of a pair are at most so far apart
     int bits = 0;                        ///< of values in images of 16 bits; 0: 16

@@ -19,6 +19,7 @@
 #include "base/failure_text.h"
 #include "base/words.h"
 #include "capture/recording/recording_format.h"
+#include "formats/unpack.h"
 
 namespace disparityd::capture {
 namespace {
@@ -32,6 +33,8 @@ constexpr const char* as_svo2 =
     "is a recording of the ZED SDK (SVO2), which holds both eyes: name it alone, with a name that ends in .svo2";
 constexpr const char* as_bag =
     "is a ROS bag: give it a name that ends in .bag (ROS 1) or .db3 (ROS 2), so that it is read as one";
+
+constexpr const char* as_zstd = "is compressed with zstd: unpack it, ";
 
 struct OtherKind {
     std::string_view begins;  ///< the file's first bytes
@@ -52,7 +55,7 @@ constexpr std::array other_kinds{
     OtherKind{"\xfd"
               "7zXZ"sv,
               "is compressed with xz: unpack it"},
-    OtherKind{"\x28\xb5\x2f\xfd"sv, "is compressed with zstd: unpack it"},
+    OtherKind{"\x28\xb5\x2f\xfd"sv, as_zstd},
     OtherKind{"7z\xbc\xaf"sv, "is a 7-Zip archive: unpack it"},
     OtherKind{"Rar!"sv, "is a RAR archive: unpack it"},
     OtherKind{"\x89HDF"sv, "is an HDF5 file, which is not read; expected a video or images"},
@@ -89,7 +92,7 @@ std::optional<std::string> known_otherwise(const std::string& path, std::span<co
     const std::string_view bytes(reinterpret_cast<const char*>(head.data()), head.size());
     for (const OtherKind& kind : other_kinds) {
         if (bytes.substr(std::min(kind.at, bytes.size())).starts_with(kind.begins)) {
-            return kind.what;
+            return kind.what == as_zstd ? as_zstd + formats::zstd_command(path) : kind.what;
         }
     }
     return std::nullopt;

@@ -212,7 +212,8 @@ std::string svo2_bytes(const Svo2File& file) {
     int last_key = 0;
     for (int frame = 0; frame < file.frames; ++frame) {
         if (!has(file.lost, frame)) {
-            const auto payload = payloads.next(svo2_picture(file.eye_width, file.height, file.disparity, frame));
+            const auto payload = payloads.next(
+                file.draw ? file.draw(frame) : svo2_picture(file.eye_width, file.height, file.disparity, frame));
             last_key = payload.key ? frame : last_key;
             std::string message = video_message(file, frame, last_key, payload);
             if (file.change) {

@@ -38,6 +38,9 @@ struct Svo2File {
     std::string video_topic;               ///< instead of Camera_SN<serial>/side_by_side, if it is not empty
     McapFeatures mcap;
 
+    /// Draws frame `number` in place of svo2_picture(). May be empty.
+    std::function<Svo2Picture(int number)> draw;
+
     /// Changes the message of frame `number` before it is written. May be empty.
     std::function<void(std::string& message, int number)> change;
 };

@@ -87,14 +87,17 @@ TEST(BagCalibration, HasThePlaceOfTheInertialSensor) {
     // The body's axes point ahead, left and up, those of the images right, down and ahead.
     const std::vector<disparityd::test::TransformFields> whole{
         {"base", "link", {0.1, 0, 0}}, {"link", "/camera", {}, {-0.5, 0.5, -0.5, 0.5}}, {"base", "imu", {0, 0.2, 0}}};
-    const auto place_by = [](const std::vector<disparityd::test::TransformFields>& transforms) {
+    const auto place_by = [](const std::vector<disparityd::test::TransformFields>& transforms,
+                             const std::string& images = "image_raw",
+                             const std::array<double, 9>& r = CameraInfoFields().r) {
         const TemporaryFolder folder;
         BagWriter writer;
         const cv::Mat image = numbered_image(64, 48, CV_8UC1, 1);
+        CameraInfoFields left;
+        left.r = r;
         for (const std::string eye : {"/left", "/right"}) {
-            writer.image(eye + "/image_raw", bag_start_ns, image, "mono8");
-            writer.camera_info(eye + "/camera_info", bag_start_ns,
-                               eye == "/left" ? CameraInfoFields() : CameraInfoFields().right_of(0.12));
+            writer.image(eye + "/" + images, bag_start_ns, image, "mono8");
+            writer.camera_info(eye + "/camera_info", bag_start_ns, eye == "/left" ? left : left.right_of(0.12));
         }
         writer.transforms(bag_start_ns, transforms);
         writer.imu("/imu", bag_start_ns, 0, 9.8);
@@ -111,10 +114,21 @@ TEST(BagCalibration, HasThePlaceOfTheInertialSensor) {
     EXPECT_NEAR(place->translation[0], -200, 1e-6);
     EXPECT_NEAR(place->translation[1], 0, 1e-6);
     EXPECT_NEAR(place->translation[2], -100, 1e-6);
-    EXPECT_FALSE(place_by({whole[0], whole[2]}));                                              // no way
-    EXPECT_FALSE(place_by({whole[0], whole[1], {"other", "imu"}}));                            // nothing in common
-    EXPECT_FALSE(place_by({{"link", "camera"}, {"camera", "link"}, {"link", "imu"}}));         // a circle
-    EXPECT_FALSE(place_by({whole[0], whole[1], {"base", "imu", {200, 0, 0}}}));                // too far
+    // Rectified images are those of a camera that R has turned: here its x is the raw one's y, its y the raw one's -x.
+    const auto rectified = place_by(whole, "image_rect", {0, 1, 0, -1, 0, 0, 0, 0, 1});
+    ASSERT_TRUE(rectified);
+    const std::array<double, 9> turned_twice{0, 0, -1, 0, 1, 0, 1, 0, 0};
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+        EXPECT_NEAR(rectified->rotation[i], turned_twice[i], 1e-9) << i;
+    }
+    EXPECT_NEAR(rectified->translation[0], 0, 1e-6);
+    EXPECT_NEAR(rectified->translation[1], 200, 1e-6);
+    EXPECT_NEAR(rectified->translation[2], -100, 1e-6);
+    EXPECT_FALSE(place_by(whole, "image_rect", {}));                                    // an R that is no rotation
+    EXPECT_FALSE(place_by({whole[0], whole[2]}));                                       // no way
+    EXPECT_FALSE(place_by({whole[0], whole[1], {"other", "imu"}}));                     // nothing in common
+    EXPECT_FALSE(place_by({{"link", "camera"}, {"camera", "link"}, {"link", "imu"}}));  // a circle
+    EXPECT_FALSE(place_by({whole[0], whole[1], {"base", "imu", {200, 0, 0}}}));         // too far
     EXPECT_FALSE(place_by({whole[0], whole[1], {"base", "imu", {0, 0.2, 0}, {0, 0, 0, 0}}}));  // no rotation
 }
 

@@ -48,28 +48,16 @@ std::string mcap_bag(int frames) {
     return bag.close();
 }
 
-std::string ros1_image(std::int64_t stamp, const cv::Mat& image) {
-    constexpr std::int64_t second_ns = 1'000'000'000;
-    const auto number = [](std::int64_t value) { return Ros1Writer::u32(static_cast<std::uint64_t>(value)); };
-    return number(7) + number(stamp / second_ns) + number(stamp % second_ns) + Ros1Writer::text("cam") +
-           number(image.rows) + number(image.cols) + Ros1Writer::text("mono8") + Ros1Writer::u8(0) +
-           number(image.cols) +
-           Ros1Writer::text(
-               {image.ptr<char>(), static_cast<std::size_t>(image.rows) * static_cast<std::size_t>(image.cols)});
-}
-
 std::string ros1_bag(int frames, const std::string& packing, bool index = true) {
-    const std::string definition =
-        "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\nuint32 step\n"
-        "uint8[] data\n================================================================================\n"
-        "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+    const std::string definition(disparityd::test::ros1_image_type);
     Ros1Writer bag(packing, index);
     const std::uint32_t to_left = bag.connection(left_topic, "sensor_msgs/Image", definition);
     const std::uint32_t to_right = bag.connection(right_topic, "sensor_msgs/Image", definition);
     for (int i = 0; i < frames; ++i) {
         const std::int64_t stamp = bag_start_ns + i * period;
-        bag.message(to_left, stamp, ros1_image(stamp, numbered_image(width, height, CV_8UC1, i)));
-        bag.message(to_right, stamp, ros1_image(stamp, numbered_image(width, height, CV_8UC1, 100 + i)));
+        bag.message(to_left, stamp, disparityd::test::ros1_image(stamp, numbered_image(width, height, CV_8UC1, i)));
+        bag.message(to_right, stamp,
+                    disparityd::test::ros1_image(stamp, numbered_image(width, height, CV_8UC1, 100 + i)));
         bag.end_chunk();
     }
     return bag.close();
@@ -164,6 +152,13 @@ TEST(BagContainers, Ros1GivesWhatMcapGives) {
     const Played between = play_all(options_of(folder.write("cut.bag", file.substr(0, last))));
     EXPECT_THAT(between.problem, HasSubstr("cut.bag: was cut off after"));
     EXPECT_EQ(between.frames.size(), 8U);
+    // All chunks are there, and nothing of the index.
+    const std::size_t all = ros1_bag(9, "none", false).size();
+    const Played without = play_all(options_of(folder.write("cut.bag", file.substr(0, all))));
+    EXPECT_THAT(without.problem, HasSubstr("cut.bag: was cut off after"));
+    EXPECT_EQ(without.frames.size(), 9U);
+    EXPECT_THAT(play_all(options_of(folder.write("empty.bag", Ros1Writer().close()))).problem,
+                HasSubstr("it has images of none"));
     std::string header;
     for (int i = 0; i < 1001; ++i) {
         header += Ros1Writer::text(std::to_string(i) + "=");

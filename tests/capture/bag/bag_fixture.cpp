@@ -3,6 +3,7 @@
 
 #include "formats/cdr_writer.h"
 #include "formats/ros_definitions.h"
+#include "tests/formats/ros1_writer.h"
 
 namespace disparityd::test {
 namespace {
@@ -88,6 +89,16 @@ std::span<const std::uint8_t> bytes_of(std::string_view text) {
     return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
+std::string ros1_number(std::int64_t value) {
+    return Ros1Writer::u32(static_cast<std::uint64_t>(value));
+}
+
+std::string ros1_begin(std::int64_t stamp_ns) {
+    constexpr std::int64_t second_ns = 1'000'000'000;
+    return ros1_number(7) + ros1_number(stamp_ns / second_ns) + ros1_number(stamp_ns % second_ns) +
+           Ros1Writer::text("cam");
+}
+
 }  // namespace
 
 CameraInfoFields CameraInfoFields::right_of(double baseline_m) const {
@@ -165,6 +176,41 @@ void BagWriter::transforms(std::int64_t stamp_ns, const std::vector<TransformFie
         cdr.f64_array(transform.translation_m).f64_array(transform.rotation);
     }
     message(id, stamp_ns, cdr.take());
+}
+
+const std::string_view ros1_image_type =
+    "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\nuint8 is_bigendian\nuint32 step\n"
+    "uint8[] data\n================================================================================\n"
+    "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n";
+
+const std::string_view ros1_camera_info_type =
+    "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\nfloat64[] D\nfloat64[9] K\n"
+    "float64[9] R\nfloat64[12] P\nuint32 binning_x\nuint32 binning_y\nsensor_msgs/RegionOfInterest roi\n"
+    "================================================================================\n"
+    "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+    "================================================================================\n"
+    "MSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
+    "bool do_rectify\n";
+
+std::string ros1_image(std::int64_t stamp_ns, const cv::Mat& grey) {
+    const std::string_view pixels(grey.ptr<char>(),
+                                  static_cast<std::size_t>(grey.rows) * static_cast<std::size_t>(grey.cols));
+    return ros1_begin(stamp_ns) + ros1_number(grey.rows) + ros1_number(grey.cols) + Ros1Writer::text("mono8") +
+           Ros1Writer::u8(0) + ros1_number(grey.cols) + Ros1Writer::text(pixels);
+}
+
+std::string ros1_camera_info(std::int64_t stamp_ns, const CameraInfoFields& fields) {
+    const auto reals = [](std::span<const double> numbers) {
+        return std::string(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes());
+    };
+    std::string message = ros1_begin(stamp_ns) + ros1_number(fields.height) + ros1_number(fields.width) +
+                          Ros1Writer::text(fields.model) + Ros1Writer::u32(fields.distortion.size()) +
+                          reals(fields.distortion) + reals(fields.k) + reals(fields.r) + reals(fields.p) +
+                          Ros1Writer::u32(fields.binning) + Ros1Writer::u32(fields.binning);
+    for (const unsigned number : fields.roi) {
+        message += Ros1Writer::u32(number);
+    }
+    return message + Ros1Writer::u8(0);
 }
 
 }  // namespace disparityd::test

@@ -65,4 +65,10 @@ private:
     std::uint32_t sequence_ = 0;
 };
 
+/// Messages of ROS 1, and how it defines their types.
+extern const std::string_view ros1_image_type;
+extern const std::string_view ros1_camera_info_type;
+std::string ros1_image(std::int64_t stamp_ns, const cv::Mat& grey);
+std::string ros1_camera_info(std::int64_t stamp_ns, const CameraInfoFields& fields);
+
 }  // namespace disparityd::test

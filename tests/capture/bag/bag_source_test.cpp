@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "capture/bag/bag_reader.h"
 #include "capture/frame_source.h"
 #include "tests/capture/bag/bag_fixture.h"
 #include "tests/capture/bag/played_bag.h"
@@ -257,6 +258,58 @@ TEST(BagSource, OfSeveralPairsThatWithCalibrationsIsTaken) {
                 HasSubstr("ROS bag, /front/left/image_raw and /front/right/image_raw"));
 }
 
+TEST(BagSource, FurtherRoundsSearchNothing) {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("a.mcap", grey_bag(3));
+    const BagUri uri = parse_bag_uri(path);
+    const ChosenTopics topics = BagReader(uri, true).topics();
+    BagWriter bag;  // whose topics are not chosen without help
+    for (const std::string& topic : {left, right, std::string("/left"), std::string("/right")}) {
+        bag.image(topic, bag_start_ns, numbered_image(width, height, CV_8UC1, 1), "mono8");
+    }
+    folder.write("a.mcap", bag.close());
+    EXPECT_THAT(refusal([&] { BagReader(uri, true); }), HasSubstr("images of several pairs"));
+    EXPECT_EQ(BagReader(uri, false, topics).info().eye_width, width);
+    // The rounds of a source are alike.
+    folder.write("a.mcap", grey_bag(3));
+    SourceOptions options = options_of(path);
+    options.loop = true;
+    const auto source = open_source(options);
+    std::vector<std::uint8_t> first_bytes;
+    for (std::uint64_t i = 0; i < 9; ++i) {
+        RawFrame frame;
+        ASSERT_EQ(source->next(frame, soon()), Next::frame);
+        EXPECT_EQ(frame.sequence, i);
+        first_bytes.push_back(*frame.image.data);
+        source->give_back(frame);
+    }
+    EXPECT_THAT(first_bytes, testing::ElementsAreArray({first_bytes[0], first_bytes[1], first_bytes[2], first_bytes[0],
+                                                        first_bytes[1], first_bytes[2], first_bytes[0], first_bytes[1],
+                                                        first_bytes[2]}));
+}
+
+TEST(BagSource, MessagesAreReadByTheirOwnDefinitionAlsoWhereTypesShareAName) {
+    const TemporaryFolder folder;
+    disparityd::test::McapWriter writer;
+    const std::array schemas{writer.schema("test/msg/A", "ros2msg", "uint8 value\nuint8 other\n"),
+                             writer.schema("test/msg/A", "ros2msg", "uint8 other\nuint8 value\n")};
+    for (int i = 0; i < 3000; ++i) {
+        // Two writers on each topic, as several nodes have.
+        const std::uint16_t channel = writer.channel(schemas[i % 2], "/many/" + std::to_string(i / 2));
+        writer.message(channel, 0, 1, {"\0\1\0\0\7\5", 6});
+    }
+    BagMessages bag(folder.write("a.mcap", writer.close()));
+    const auto topics = bag.topics();
+    ASSERT_EQ(topics.size(), 1500U);
+    EXPECT_EQ(topics[7].messages, 2U);
+    BagMessages::Message message;
+    int read = 0;
+    for (; bag.next(message); ++read) {
+        ASSERT_EQ(bag.decode(message).number("value"), read % 2 == 0 ? 7 : 5);
+    }
+    EXPECT_EQ(read, 3000);
+}
+
 TEST(BagSource, OneTopicHasBothEyesSideBySide) {
     const TemporaryFolder folder;
     const cv::Mat both = numbered_image(2 * width, height, CV_8UC1, 1);
@@ -301,9 +354,12 @@ TEST(BagSource, IsReadWithoutASummaryToo) {
 
 TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
     const TemporaryFolder folder;
+    std::string ending;
     const auto metadata = [&](const std::string& storage, const std::string& packing) {
         folder.write("metadata.yaml", "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: " + storage +
-                                          "\n  relative_file_paths:\n    - a_0.mcap\n    - a_1.mcap\n"
+                                          "\n  relative_file_paths:\n    - a_0.mcap" + ending + "\n    - a_1.mcap" +
+                                          ending +
+                                          "\n"
                                           "  compression_format: \"" +
                                           packing + "\"\n");
     };
@@ -318,8 +374,13 @@ TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
                 HasSubstr("metadata.yaml: found a bag stored as 'tape', allowed are mcap and sqlite3"));
     metadata("mcap", "lzma");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("a bag packed by 'lzma'"));
+    ending = ".zstd";
     metadata("mcap", "zstd\"\n  compression_mode: \"FILE");
-    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("unpack them with unzstd"));
+    EXPECT_EQ(play_all(options_of(folder.path())).frames.size(), 5U) << "its files lie there unpacked";
+    std::filesystem::rename(folder.file("a_1.mcap"), folder.file("a_1.mcap.zstd"));
+    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }),
+                AllOf(HasSubstr("a_1.mcap.zstd: is packed as a whole"),
+                      HasSubstr("zstd -d " + folder.file("a_1.mcap.zstd") + " -o " + folder.file("a_1.mcap"))));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: [");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("is no YAML file: line"));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: 1");
