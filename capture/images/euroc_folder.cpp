@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/images/euroc_folder.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 #include "base/failure_text.h"
 #include "base/file_kind.h"
@@ -60,28 +62,25 @@ Images read_images(const fs::path& path) {
     return images;
 }
 
-/// Returns the names of these files with commas between them, and of `sensor` where it is there; empty unless all
-/// others are.
-std::string names_of(const std::vector<fs::path>& files, const fs::path& sensor) {
-    std::string names;
-    for (const fs::path& file : files) {
-        if (!base::is_file(file)) {
-            return {};
-        }
-        names += names.empty() ? "" : ",";
-        names += file.string();
+/// Puts the files of the cameras, with commas between them, and that of the sensor, where it is there, into the
+/// sequence. False unless all cameras have theirs.
+bool take_calibration(ImageSequence& sequence, const std::vector<fs::path>& cameras, const fs::path& sensor) {
+    if (!std::all_of(cameras.begin(), cameras.end(), [](const fs::path& file) { return base::is_file(file); })) {
+        return false;
     }
-    return base::is_file(sensor) ? names + "," + sensor.string() : names;
+    for (const fs::path& file : cameras) {
+        sequence.calibration += (sequence.calibration.empty() ? "" : ",") + file.string();
+    }
+    sequence.inertial_calibration = base::is_file(sensor) ? sensor.string() : "";
+    return true;
 }
 
-std::string calibration_of(const fs::path& root) {
-    std::string names =
-        names_of({root / "cam0" / "sensor.yaml", root / "cam1" / "sensor.yaml"}, root / "imu0" / "sensor.yaml");
-    if (names.empty()) {
+void find_calibration(ImageSequence& sequence, const fs::path& root) {
+    if (!take_calibration(sequence, {root / "cam0" / "sensor.yaml", root / "cam1" / "sensor.yaml"},
+                          root / "imu0" / "sensor.yaml")) {
         const fs::path dso = fs::absolute(root).lexically_normal().parent_path() / "dso";
-        names = names_of({dso / "camchain.yaml"}, dso / "imu_config.yaml");
+        take_calibration(sequence, {dso / "camchain.yaml"}, dso / "imu_config.yaml");
     }
-    return names;
 }
 
 /// One eye: what data.csv lists, and what is there.
@@ -126,11 +125,10 @@ std::optional<ImageSequence> find_euroc(const std::string& folder) {
     }
     ImageSequence sequence;
     sequence.description = "EuRoC cam0/cam1";
-    sequence.calibration = calibration_of(root);
+    find_calibration(sequence, root);
     sequence.timed = true;
     if (const fs::path samples = root / "imu0" / "data.csv"; base::is_file(samples)) {
         sequence.inertial_list = samples.string();
-        sequence.description += " with imu0";
     }
     std::size_t alone[2] = {0, 0}, missing = 0;
     for (const std::int64_t time : times) {

@@ -58,8 +58,12 @@ struct Before {
 };
 
 /// Returns the frames that the options ask for.
-ImageSequence asked_images(const SourceOptions& options, const std::string& path, Before& before) {
-    ImageSequence sequence = find_images(path);
+ImageSequence asked_images(const SourceOptions& options, const ImageUri& uri, Before& before) {
+    ImageSequence sequence = find_images(uri.path);
+    if (!uri.inertial) {
+        sequence.inertial_list.clear();
+        sequence.inertial_calibration.clear();
+    }
     auto& frames = sequence.frames;
     before.start_ns = frames.front().time_ns;
     if (options.first_image >= frames.size()) {
@@ -136,6 +140,20 @@ calibration::KittiPair kitti_pair(const ImageSequence& sequence, bool colour) {
     return colour ? calibration::KittiPair::colour : calibration::KittiPair::grey;
 }
 
+/// Reads the calibration of cameras and inertial sensor. Where that of the sensor alone is refused, the line says how
+/// the images are played all the same.
+calibration::StereoCalibration read_with_sensor(const ImageSequence& sequence, int width, int height) {
+    if (sequence.inertial_calibration.empty()) {
+        return calibration::read_calibration(sequence.calibration, width, height);
+    }
+    try {
+        return calibration::read_calibration(sequence.calibration + "," + sequence.inertial_calibration, width, height);
+    } catch (const std::invalid_argument& error) {
+        calibration::read_calibration(sequence.calibration, width, height);
+        throw std::invalid_argument(std::string(error.what()) + without_inertial_sensor);
+    }
+}
+
 std::optional<calibration::StereoCalibration> find_calibration(const SourceOptions& options,
                                                                const ImageSequence& sequence, bool colour, int width,
                                                                int height) {
@@ -144,7 +162,7 @@ std::optional<calibration::StereoCalibration> find_calibration(const SourceOptio
     }
     if (!sequence.calibration.empty()) {
         return sequence.kitti_camera >= 0 ? read_kitti(sequence.calibration, sequence.kitti_camera, width, height)
-                                          : calibration::read_calibration(sequence.calibration, width, height);
+                                          : read_with_sensor(sequence, width, height);
     }
     if (!sequence.rectified) {
         return std::nullopt;
@@ -165,7 +183,7 @@ public:
     explicit FolderSource(const SourceOptions& options)
         : options_(options),
           uri_(parse_image_uri(options.uri)),
-          images_(asked_images(options, uri_.path, before_)),
+          images_(asked_images(options, uri_, before_)),
           sequence_(options.first_image) {
         if (options.loans < 1) {
             throw std::invalid_argument(options.uri + ": at least 1 frame must be on loan at a time, found " +
@@ -350,9 +368,9 @@ private:
             info_.frame_count = count;
         }
         info_.calibration = find_calibration(options_, images_, colour, info_.eye_width, info_.height);
-        info_.description = images_.description + ", " + std::to_string(info_.eye_width) + " x " +
-                            std::to_string(info_.height) + " per eye, " + (colour ? "colour" : "grey") + ", " +
-                            base::counted(count, "frame");
+        info_.description = images_.description + (inertial_ ? " with imu0, " : ", ") +
+                            std::to_string(info_.eye_width) + " x " + std::to_string(info_.height) + " per eye, " +
+                            (colour ? "colour" : "grey") + ", " + base::counted(count, "frame");
     }
 
     Next wait_for_turn(std::unique_lock<std::mutex>& lock, Clock::time_point deadline) {

@@ -267,25 +267,48 @@ std::optional<ImageSequence> find_kitti(const std::string& folder) {
     return sequence;
 }
 
+/// Returns what stands in front of the parameters. Names may have question marks, too.
+std::string path_of(const std::string& uri) {
+    std::size_t end = uri.size();
+    for (const char* key : {"?bits=", "?imu="}) {
+        end = std::min(end, uri.rfind(key));
+    }
+    return uri.substr(0, end);
+}
+
 }  // namespace
 
 ImageUri parse_image_uri(const std::string& uri) {
-    constexpr std::string_view key = "?bits=";
-    const auto at = uri.rfind(key);
-    if (at == std::string::npos) {
-        return {uri};
+    ImageUri images{path_of(uri)};
+    const auto refuse = [&](const std::string& what) { throw std::invalid_argument("source " + uri + ": " + what); };
+    for (const std::string_view parameter : base::split(std::string_view(uri).substr(images.path.size()), '&')) {
+        if (parameter.empty()) {
+            continue;
+        }
+        const std::string_view text = parameter.substr(parameter.front() == '?' ? 1 : 0);
+        const std::string_view key = text.substr(0, text.find('='));
+        const std::string value(text.substr(std::min(key.size() + 1, text.size())));
+        if (key == "bits") {
+            constexpr int least = 9, most = 16;
+            const auto bits = base::parse_number(value);
+            if (!bits || *bits < least || *bits > most || *bits != static_cast<int>(*bits)) {
+                refuse("bits: found '" + value + "', allowed is 9 to 16: how many bits of each value are used");
+            }
+            images.bits = static_cast<int>(*bits);
+        } else if (key == "imu") {
+            if (value != "off") {
+                refuse("imu: found '" + value + "', allowed is off: the inertial sensor is left out");
+            }
+            images.inertial = false;
+        } else {
+            refuse("found '" + std::string(text) + "', allowed are bits=9 to 16 and imu=off");
+        }
     }
-    constexpr int least = 9, most = 16;
-    const auto bits = base::parse_number(std::string_view(uri).substr(at + key.size()));
-    if (!bits || *bits < least || *bits > most || *bits != static_cast<int>(*bits)) {
-        throw std::invalid_argument("source " + uri + ": bits: found '" + uri.substr(at + key.size()) +
-                                    "', allowed is 9 to 16: how many bits of each value are used");
-    }
-    return {uri.substr(0, at), static_cast<int>(*bits)};
+    return images;
 }
 
 bool is_image_sequence(const std::string& uri) {
-    const std::string path = uri.substr(0, uri.rfind("?bits="));
+    const std::string path = path_of(uri);
     // A video's name may look like a pattern.
     const bool pattern = find_placeholder(path).has_value() && (is_image_name(path) || !base::is_file(path));
     return base::is_folder(path) || pattern || pair_of_folders(path).has_value() || pair_of(path).has_value() ||

@@ -41,7 +41,7 @@ std::optional<std::array<float, 6>> values_of(std::string_view line) {
 
 InertialList::InertialList(std::string path) : path_(std::move(path)), file_(path_) {
     if (!file_) {
-        throw std::invalid_argument(path_ + ": cannot be read: " + base::error_text(errno));
+        throw std::invalid_argument(path_ + ": cannot be read: " + base::error_text(errno) + without_inertial_sensor);
     }
 }
 
@@ -119,7 +119,7 @@ std::optional<SensorSample> InertialList::read() {
 }
 
 void InertialList::fail(const std::string& what) const {
-    throw std::runtime_error(path_ + ":" + std::to_string(line_) + ": " + what);
+    throw std::runtime_error(path_ + ":" + std::to_string(line_) + ": " + what + without_inertial_sensor);
 }
 
 }  // namespace disparityd::capture

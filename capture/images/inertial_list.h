@@ -11,6 +11,10 @@
 
 namespace disparityd::capture {
 
+/// Ends a message about what is wrong with the sensor's files.
+inline constexpr const char* without_inertial_sensor =
+    "; ?imu=off behind the folder plays its images without the inertial sensor";
+
 /// Reads imu0/data.csv of EuRoC and TUM-VI from the beginning to the end: a line for each sample with its time in ns,
 /// the angular velocity (rad/s) and the acceleration (m/s²), x y z each. Takes memory for one line, however long the
 /// file is. All functions but the constructor throw std::runtime_error with one line (file, line, found, expected) for

@@ -50,9 +50,9 @@ protected:
         }
     }
     std::string camera(int eye) const { return folder_.file("mav0/cam" + std::to_string(eye)); }
-    std::unique_ptr<FrameSource> open() const {
+    std::unique_ptr<FrameSource> open(const std::string& parameters = "") const {
         SourceOptions options;
-        options.uri = folder_.file("");
+        options.uri = folder_.file("") + parameters;
         options.pace = Pace::fastest;
         return open_source(options);
     }
@@ -246,6 +246,29 @@ TEST_F(EurocFolder, ADamagedListOfSamplesEndsTheSourceInOneLine) {
         EXPECT_THAT(next, testing::ThrowsMessage<std::runtime_error>(HasSubstr(said)));
         EXPECT_EQ(next(), FrameSource::Next::end);
     }
+}
+
+TEST_F(EurocFolder, DamagedFilesOfTheSensorAreLeftOutWhenAskedFor) {
+    fs::create_directories(folder_.file("mav0/imu0"));
+    write_file(folder_.file("mav0/imu0/data.csv"), "#time\n5,1,2,3\n");
+    write_file(folder_.file("mav0/imu0/sensor.yaml"), "sensor_type: imu\ngyroscope_noise_density: many\n");
+    EXPECT_THAT(refusal([&] { open(); }), HasSubstr("?imu=off behind the folder plays its images without"));
+    write_file(folder_.file("mav0/imu0/sensor.yaml"), "sensor_type: imu\ngyroscope_noise_density: 0.0002\n");
+    EXPECT_THAT([&] { play_frames(*open(), 1); },
+                testing::ThrowsMessage<std::runtime_error>(HasSubstr("?imu=off behind the folder plays its images")));
+    EXPECT_EQ(open()->info().calibration->inertial.gyroscope_noise_density, 0.0002);
+    for (const char* parameters : {"?imu=off", "?imu=off&bits=12", "?bits=12&imu=off"}) {
+        const auto source = open(parameters);
+        EXPECT_THAT(source->info().description, testing::Not(HasSubstr("imu0")));
+        ASSERT_TRUE(source->info().calibration);
+        EXPECT_FALSE(source->info().calibration->inertial.is_known());
+        EXPECT_EQ(numbers_of(play_frames(*source, 4)), (Numbers{{}, {}, {}}));
+    }
+    EXPECT_THAT(refusal([&] { open("?imu=on"); }), HasSubstr("imu: found 'on', allowed is off"));
+    EXPECT_THAT(refusal([&] { open("?imu=off&bitz=12"); }), HasSubstr("found 'bitz=12', allowed are bits=9 to 16"));
+    // What is wrong with a camera is no matter of the sensor.
+    write_file(camera(0) + "/sensor.yaml", "sensor_type: camera\n");
+    EXPECT_THAT(refusal([&] { open(); }), testing::Not(HasSubstr("imu=off")));
 }
 
 TEST_F(EurocFolder, ARecordingKeepsSamplesAndWhereTheSensorStands) {
