@@ -114,6 +114,7 @@ class OptionsAndArrays(unittest.TestCase):
         for image, kind in [(nan, "float64"), (left.astype(bool), "bool"), (left.astype(numpy.int8), "int8"), (left.astype(numpy.uint32), "uint32"),
                             (None, "object"), ("left.png", "<U8"), ([[1, 2]], "int64")]:
             self.assertEqual(self.refusal(image, right), f"left: found an array of {kind}, {allowed}")
+        self.assertEqual(self.refusal(numpy.ma.masked_array(left), right), "left: found a masked array, whose mask would be lost: give its data, or filled()")
         self.assertEqual(self.refusal(left, left[0]), "right: found an array of shape (64,), allowed: (height, width) for grey, (height, width, 3) for BGR")
         self.assertIn("shape (32, 64, 4)", self.refusal(left, numpy.zeros((32, 64, 4), numpy.uint8)))
         self.assertEqual(self.refusal(left[:0], right[:0]), "left: image size 64x0: allowed is 1 to 8192 each")

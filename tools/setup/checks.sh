@@ -198,9 +198,9 @@ check_scripts() {
         debian/*.postinst debian/*.prerm debian/*.postrm
 }
 
-# check_types: of the Python client as the release build has it, with what protoc made.
+# check_types: of the Python client and matcher as the release build has them, with what protoc made.
 check_types() {
-    check "Python types (mypy)" mypy --config-file clients/python/pyproject.toml --cache-dir build/mypy build/release/python/disparity
+    check "Python types (mypy)" mypy --config-file clients/python/pyproject.toml --cache-dir build/mypy build/release/python/disparity*
 }
 
 tidy_sources() {

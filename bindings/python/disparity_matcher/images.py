@@ -31,10 +31,9 @@ def size_text(image: npt.NDArray[typing.Any]) -> str:
     return f"{image.shape[1]}x{image.shape[0]}"
 
 
-def eight_bits(name: str, image: npt.NDArray[np.uint16], bits: int) -> Image:
+def eight_bits(image: npt.NDArray[np.uint16], bits: int) -> Image:
     """Returns value / 2^(bits - 8), at most 255, as of image files of 16 bits per channel."""
-    shifted = image >> (whole_number("bits", bits, 9, 16) - 8)
-    return np.minimum(shifted, 255).astype(np.uint8)
+    return np.minimum(image >> (bits - 8), 255).astype(np.uint8)
 
 
 def as_image(name: str, given: ImageLike, bits: int) -> Image:
@@ -43,6 +42,8 @@ def as_image(name: str, given: ImageLike, bits: int) -> Image:
 
     bits: how many of uint16 count. ValueError with one line for what is no image.
     """
+    if isinstance(given, np.ma.MaskedArray):
+        raise ValueError(f"{name}: found a masked array, whose mask would be lost: give its data, or filled()")
     image = np.asarray(given)
     if image.dtype.kind != "u" or image.dtype.itemsize > 2:
         raise ValueError(f"{name}: found an array of {image.dtype}, allowed: uint8, or uint16 with its number of bits")
@@ -54,7 +55,7 @@ def as_image(name: str, given: ImageLike, bits: int) -> Image:
     if not all(1 <= side <= _LARGEST_SIDE for side in image.shape[:2]):
         raise ValueError(f"{name}: image size {size_text(image)}: allowed is 1 to {_LARGEST_SIDE} each")
     if image.dtype.itemsize == 2:
-        return eight_bits(name, image, bits)
+        return eight_bits(image, bits)
     channels = image.shape[2] if image.ndim == 3 else 1
     without_gaps = image.strides[1:] == ((channels, 1) if image.ndim == 3 else (1,))
     if without_gaps and image.strides[0] >= image.shape[1] * channels:
@@ -64,6 +65,7 @@ def as_image(name: str, given: ImageLike, bits: int) -> Image:
 
 def as_pair(left: ImageLike, right: ImageLike, bits: int) -> tuple[Image, Image]:
     """Returns both images of a pair. ValueError with one line where they are no images of one size and kind."""
+    bits = whole_number("bits", bits, 9, 16)
     pair = as_image("left", left, bits), as_image("right", right, bits)
     if pair[0].shape != pair[1].shape:
         kinds = ["BGR" if image.ndim == 3 else "grey" for image in pair]

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bindings/python/native/forked_pair_matcher.h"
 
+#include <algorithm>
 #include <mutex>
 #include <optional>
 
 #include <unistd.h>
 
+#include "base/memory_room.h"
 #include "pipeline/worker_pool.h"
 
 namespace disparityd::bindings {
@@ -36,11 +38,14 @@ ForkedPairMatcher::~ForkedPairMatcher() {
 }
 
 std::unique_ptr<ForkedPairMatcher::State> ForkedPairMatcher::make() const {
+    const std::size_t before = large_memory_held();
     auto made = std::make_unique<State>(width_, height_, options_, back_end_);
     // Not pinned: several of these may share the cores.
     if (threads_ != 1) {
         made->pool.emplace(threads_, pipeline::Pinning::never);
     }
+    // Only now is it known how much that is, and none of it has been written.
+    base::check_memory_room(large_memory_held() - std::min(before, large_memory_held()), base::memory_room());
     return made;
 }
 
