@@ -3,6 +3,8 @@
 #include "capture/bag/bag_uri.h"
 #include "capture/camera/camera_source.h"
 #include "capture/frame_source.h"
+#include "capture/gstreamer/gst_source.h"
+#include "capture/gstreamer/gst_uri.h"
 #include "capture/images/folder_source.h"
 #include "capture/images/image_sequence.h"
 #include "capture/recording/recording_source.h"
@@ -22,6 +24,11 @@ const std::vector<SourceKind>& source_kinds() {
          "upper "
          "half), port=USB-PORT",
          is_camera, open_camera},
+        {"gst",
+         "what GStreamer can open, to an appsink with both eyes side by side, or to two, left and right: gst:v4l2src "
+         "device=/dev/video0 ! image/jpeg ! jpegdec ! appsink; gst?within_ms=10:... is how far apart the stamps of two "
+         "eyes may be",
+         is_gst, open_gst},
         {"bag",
          "a ROS bag: recording.mcap, recording.db3 or the folder of one, recording.bag of ROS 1; which of several "
          "pairs of topics with images is read "

@@ -12,8 +12,8 @@
 #include "capture/bag/bag_messages.h"
 #include "capture/bag/bag_topics.h"
 #include "capture/bag/bag_uri.h"
-#include "capture/bag/stamp_pairs.h"
 #include "capture/recording/recording_reader.h"
+#include "capture/stamp_pairs.h"
 
 namespace disparityd::capture {
 

@@ -45,6 +45,9 @@ public:
     /// Reads one frame into frame_bytes() at `pixels`, rows without gaps; false after the last one. Throws
     /// std::runtime_error when the file is damaged or cut, after everything whole was read.
     virtual bool read(recording::FrameFacts& facts, std::uint8_t* pixels) = 0;
+
+    /// Makes a read() that waits for something else than a file return false. Any thread.
+    virtual void interrupt() noexcept {}
 };
 
 /// Returns whether a text names two files with a comma between them, of which one at least is there.

@@ -96,6 +96,7 @@ public:
         {
             const std::lock_guard lock(mutex_);
             closing_ = true;
+            reader_->interrupt();
         }
         buffer_free_.notify_all();
         decoder_.join();
@@ -144,6 +145,7 @@ public:
     void interrupt() noexcept override {
         const std::lock_guard lock(mutex_);
         interrupted_ = true;
+        reader_->interrupt();
         changed_.notify_all();
     }
 
@@ -191,8 +193,13 @@ private:
     void decode() noexcept {
         std::exception_ptr failure;
         try {
-            while (decode_round() && options_.loop) {
-                reader_ = open_reader_();
+            while (decode_round() && options_.loop && !is_stopped()) {
+                std::unique_ptr<RecordingReader> reader = open_reader_();
+                {
+                    const std::lock_guard lock(mutex_);
+                    reader_.swap(reader);
+                }
+                reader.reset();
                 if (reader_->frame_bytes() != buffers_[0].pixels.size()) {
                     throw std::runtime_error(options_.uri + ": was replaced by another one while it played");
                 }
@@ -204,6 +211,11 @@ private:
         failure_ = std::move(failure);
         ended_ = true;
         changed_.notify_all();
+    }
+
+    bool is_stopped() {
+        const std::lock_guard lock(mutex_);
+        return interrupted_ || closing_;
     }
 
     /// Plays the recording once; false when there is no point in playing it again.
@@ -250,7 +262,7 @@ private:
 
     const SourceOptions options_;
     const OpenReader open_reader_;
-    std::unique_ptr<RecordingReader> reader_;  // of the decoding thread after the start
+    std::unique_ptr<RecordingReader> reader_;  // of the decoding thread after the start, but for interrupt()
     const SourceInfo info_;
     const nanoseconds period_;         ///< 0 = unknown
     std::uint64_t next_sequence_ = 0;  // of the decoding thread

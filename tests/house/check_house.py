@@ -39,7 +39,7 @@ FOLDERS = set(ARROWS) | {"tests"}
 SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("bindings", "pipeline"): {"pipeline/worker_pool.h"}, ("obstacles", "proto"): {"proto/doubt.h", "proto/scan.h"},
         ("trust", "proto"): {"proto/doubt.h"}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
-KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
+KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "gstreamer": {"recording"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "svo": {"images", "recording"}, "usb": set()}
 # The one file of capture/ itself that knows the kinds.
 KNOWS_KINDS = "capture/source_table.cpp"

@@ -6,6 +6,7 @@
 
 #include "base/words.h"
 #include "calibration/calibration_lookup.h"
+#include "capture/gstreamer/gst_uri.h"
 #include "capture/images/image_sequence.h"
 #include "capture/pixel_format.h"
 #include "capture/svo/svo_source.h"
@@ -27,7 +28,8 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
         }
         bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
     };
-    if (!options.report && (capture::is_image_sequence(options.uri) || capture::is_svo(options.uri))) {
+    if (!options.report &&
+        (capture::is_gst(options.uri) || capture::is_image_sequence(options.uri) || capture::is_svo(options.uri))) {
         options.report = [](const std::string& line, bool) { print_note(line); };
     }
     options.calibration_folders = calibration::folder_list(calibration::standard_calibration_folders);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "capture/bag/stamp_pairs.h"
+#include "capture/stamp_pairs.h"
 
 #include <algorithm>
 #include <vector>
@@ -54,6 +54,19 @@ TEST(StampPairs, TheNearestWithinTheLimitAre) {
     EXPECT_EQ(pairs_of(5, {0, 4, 20}, {5, 21}), (Pairs{{4, 5}, {20, 21}})) << "4 is nearer to 5 than 0 is";
     EXPECT_EQ(pairs_of(5, {0, 10}, {16}), (Pairs{}));
     EXPECT_EQ(pairs_of(0, {0, 10}, {1, 10}), (Pairs{{10, 10}}));
+}
+
+TEST(StampPairs, NoImageIsWaitedForThatCannotBeNearer) {
+    StampPairs<Stamp> pairs(5, 10);
+    pairs.add(Eye::left, {0});
+    pairs.add(Eye::right, {2});
+    EXPECT_TRUE(pairs.take(false));
+    pairs.add(Eye::left, {10});
+    pairs.add(Eye::right, {14});
+    EXPECT_FALSE(pairs.take(false)) << "a left one may come at 15";
+    EXPECT_EQ(pairs.waiting(Eye::left), 1U);
+    pairs.add(Eye::left, {20});
+    EXPECT_TRUE(pairs.take(false));
 }
 
 TEST(StampPairs, AnEyeThatIsMissingHoldsNoMemory) {

@@ -25,7 +25,10 @@ public:
         Image right;
     };
 
-    explicit StampPairs(std::int64_t within_ns) : within_ns_(within_ns) {}
+    /// `interval_ns` is the time from one image of an eye to the next, 0: unknown. Where it is known, an image is not
+    /// waited for that cannot be nearer.
+    explicit StampPairs(std::int64_t within_ns, std::int64_t interval_ns = 0)
+        : within_ns_(within_ns), interval_ns_(interval_ns) {}
 
     void add(Eye eye, Image image) {
         Waiting& list = of(eye);
@@ -54,7 +57,8 @@ public:
             }
             const Waiting& others = of(earlier == Eye::left ? Eye::right : Eye::left);
             const bool room = others.size() <= most_waiting && bytes_ <= most_bytes;
-            if (apart > 0 && of(earlier).size() < 2 && !ended && room) {
+            const bool nearest = 4 * apart <= interval_ns_;  // half of it would do, were images always in time
+            if (apart > 0 && !nearest && of(earlier).size() < 2 && !ended && room) {
                 return std::nullopt;  // the one that follows may be nearer
             }
             const std::int64_t other = others.front().stamp_ns;
@@ -72,6 +76,9 @@ public:
         unpaired_ = {};
         return lost;
     }
+
+    /// Returns how many images of an eye wait for a partner.
+    std::size_t waiting(Eye eye) const { return waiting_[static_cast<std::size_t>(eye)].size(); }
 
 private:
     using Waiting = std::deque<Image>;
@@ -101,6 +108,7 @@ private:
     }
 
     const std::int64_t within_ns_;
+    const std::int64_t interval_ns_;
     std::array<Waiting, 2> waiting_;
     std::array<std::uint32_t, 2> unpaired_{};
     std::size_t bytes_ = 0;
