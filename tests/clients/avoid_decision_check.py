@@ -20,8 +20,9 @@ def scan_of(frame):
     else:
         named = {sector[0]: sector for sector in frame.get("sectors", [])}
         sectors = [named.get(edge, [edge, edge + 10, 1, 0, frame["free"]]) for edge in range(-90, 90, 10)]
-    columns = list(zip(*([*sector, 100][:6] for sector in sectors))) or [()] * 6
-    names = ("from_deg", "to_deg", "state", "distance_m", "free_m", "pixels")
+    usual = [100, 0, 0]  # pixels, trust, doubts
+    columns = list(zip(*([*sector, *usual[len(sector) - 5:]] for sector in sectors))) or [()] * 8
+    names = ("from_deg", "to_deg", "state", "distance_m", "free_m", "pixels", "trust", "doubts")
     seen = frame.get("mounting")
     mounting = types.SimpleNamespace(height_m=seen[0], pitch_deg=seen[1]) if seen else None
     return types.SimpleNamespace(mounting=mounting, **dict(zip(names, columns)))

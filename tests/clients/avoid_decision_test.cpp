@@ -48,6 +48,8 @@ disparity::ScanSector sector_of(const json& from) {
     sector.distance_m = from.at(3);
     sector.free_m = from.at(4);
     sector.pixels = from.size() > 5 ? from.at(5).get<std::uint32_t>() : 100;
+    sector.trust = from.size() > 6 ? from.at(6).get<std::uint8_t>() : 0;
+    sector.doubts = from.size() > 7 ? from.at(7).get<std::uint32_t>() : 0;
     return sector;
 }
 

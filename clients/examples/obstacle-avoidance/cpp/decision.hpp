@@ -39,9 +39,11 @@ struct Options {
 /// Below this speed the robot stands still.
 inline constexpr double least_speed_mps = 0.05;
 
-/// Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed.
+/// Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed. Of a
+/// sector: below the first it is unknown, from the second on all counts that it says, from the third on with a doubt.
 inline constexpr std::uint32_t least_trust = 30;
 inline constexpr std::uint32_t full_trust = 150;
+inline constexpr std::uint32_t full_trust_in_doubt = 255;
 
 /// The floor contradicts a mounting that is off by more: the daemon's own limits.
 inline constexpr double other_height_m = 0.08;
@@ -91,10 +93,19 @@ inline std::string at_bearing(double bearing_deg) {
     return ", bearing " + std::to_string(static_cast<int>(std::floor(bearing_deg + 0.5))) + " deg";
 }
 
+/// Says why something is trusted no more: "trust in the frame is 75 of 255: misaligned".
+inline std::string trust_text(const std::string& what, std::uint32_t trust, std::uint32_t doubts) {
+    const std::string names = disparity::doubt_names(doubts);
+    return what + " is " + std::to_string(trust) + " of 255" + (names.empty() ? "" : ": ") + names;
+}
+
 /// `obstacle`: the sector shows one that is in the corridor.
 inline std::string what_limits(const disparity::ScanSector& sector, bool obstacle) {
     if (sector.is_near()) {
         return "obstacle at most " + text("%.2f m away", sector.distance_m);
+    }
+    if (sector.trust != 0) {
+        return trust_text("trust in the way", sector.trust, sector.doubts);  // trusted() leaves trust where it is short
     }
     return obstacle && sector.free_m >= sector.distance_m ? "obstacle at " + text("%.2f m", sector.distance_m)
                                                           : "unknown beyond " + text("%.2f m", sector.free_m);
@@ -134,6 +145,39 @@ inline std::optional<Limit> limit_of(const disparity::ScanSector& sector, const 
     limit.ahead_m = sector.free_m * std::cos(std::min(outer, widest));
     limit.reason = what_limits(sector, obstacle) + at_bearing((sector.from_deg + sector.to_deg) / 2);
     return limit;
+}
+
+/// What trust in its sectors does to a scan.
+enum class Trusting { stop, slow };
+
+/// Returns how much of the room beyond the margin counts in a sector: all of it where its trust is not told or full.
+inline double trusted_share(const disparity::ScanSector& sector, Trusting trusting) {
+    if (sector.trust == 0) {
+        return 1;
+    }
+    if (sector.trust < least_trust || trusting == Trusting::stop) {
+        return sector.trust < least_trust ? 0 : 1;
+    }
+    const double full = sector.doubts == 0 ? full_trust : full_trust_in_doubt;
+    return std::min(1.0, sector.trust / full);
+}
+
+/// Returns the scan with free_m of each sector as far as it is believed, the rule for sectors in doubt: with less than
+/// least_trust a sector is unknown, so that the robot stops before it as before all that is unknown. With more, only
+/// a share of the room beyond the margin counts (Trusting::slow): the robot becomes slower, and never stands for that
+/// alone. Trust is left in those sectors only that lose something by it.
+inline disparity::Scan trusted(disparity::Scan scan, const Options& options, Trusting trusting) {
+    for (disparity::ScanSector& sector : scan.sectors) {
+        const double share = trusted_share(sector, trusting);
+        if (share == 0) {
+            sector.free_m = 0;
+        } else if (share < 1) {
+            sector.free_m = std::min(sector.free_m, options.margin_m + share * (sector.free_m - options.margin_m));
+        } else {
+            sector.trust = 0;
+        }
+    }
+    return scan;
 }
 
 /// Returns how far nothing hides in a sector, which is farther than its free_m where its neighbours know more: beside
@@ -195,12 +239,12 @@ inline std::optional<double> uncovered(const disparity::Scan& scan, const Option
 }
 
 /// Returns what limits the corridor. Sectors that are not there limit it at 0.
-inline Limit way_ahead(const disparity::Scan& scan, const Options& options) {
+inline Limit way_ahead(const disparity::Scan& scan, const Options& options, Trusting trusting = Trusting::stop) {
     if (const auto bearing = uncovered(scan, options)) {
         return {0, "no sector" + at_bearing(*bearing)};
     }
     Limit nearest;
-    for (const disparity::ScanSector& sector : without_narrow_gaps(scan, options).sectors) {
+    for (const disparity::ScanSector& sector : without_narrow_gaps(trusted(scan, options, trusting), options).sectors) {
         const auto limit = limit_of(sector, options);
         if (limit && limit->ahead_m < nearest.ahead_m) {
             nearest = *limit;
@@ -228,7 +272,7 @@ inline double speed_for(double room_m, const Options& options) {
     return std::min(speed, options.speed_mps);
 }
 
-/// Says how fast trust in a frame lets the robot drive, and why no faster.
+/// Says how fast trust lets the robot drive, and why no faster.
 struct TrustLimit {
     double speed_mps = std::numeric_limits<double>::infinity();  ///< 0: it must stand
     std::string reason;
@@ -242,11 +286,14 @@ inline TrustLimit trust_limit(std::uint32_t flags, const Options& options) {
     }
     TrustLimit limit;
     limit.speed_mps = trust < least_trust ? 0 : options.speed_mps * trust / full_trust;
-    limit.reason = "trust in the frame is " + std::to_string(trust) + " of 255";
-    if (const std::string doubts = disparity::doubt_names(flags); !doubts.empty()) {
-        limit.reason += ": " + doubts;
-    }
+    limit.reason = trust_text("trust in the frame", trust, flags);
     return limit;
+}
+
+/// Returns the limit of the sectors in the way: the speed for that part of the way which they are trusted for.
+inline TrustLimit trust_limit(const disparity::Scan& scan, const Options& options) {
+    const Limit way = way_ahead(scan, options, Trusting::slow);
+    return {std::max(least_speed_mps, speed_for(way.ahead_m - options.margin_m, options)), way.reason};
 }
 
 /// Returns what the floor that the camera sees says against the mounting that is told; nothing where it agrees, or was
@@ -317,7 +364,8 @@ public:
         if (trust.speed_mps < least_speed_mps) {
             return brake(Cause::trust, trust.reason);
         }
-        return judge(way_ahead(*frame.scan, options_), trust);
+        const TrustLimit in_way = trust_limit(*frame.scan, options_);
+        return judge(way_ahead(*frame.scan, options_), in_way.speed_mps < trust.speed_mps ? in_way : trust);
     }
 
     /// No frame has arrived for a while.

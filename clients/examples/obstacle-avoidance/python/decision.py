@@ -25,8 +25,9 @@ _EDGE_STEP_DEG = 0.005
 # Below this speed the robot stands still.
 LEAST_SPEED_MPS = 0.05
 
-# Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed.
-LEAST_TRUST, FULL_TRUST = 30, 150
+# Trust in a frame, 1 .. 255: below the first the robot brakes, from the second on it may drive at full speed. Of a
+# sector: below the first it is unknown, from the second on all counts that it says, from the third on with a doubt.
+LEAST_TRUST, FULL_TRUST, FULL_TRUST_IN_DOUBT = 30, 150, 255
 
 # The floor contradicts a mounting that is off by more: the daemon's own limits.
 OTHER_HEIGHT_M, OTHER_HEIGHT_SHARE, OTHER_PITCH_DEG = 0.08, 0.15, 6
@@ -77,14 +78,21 @@ def _is_near(sector):
     return sector[2] == _OCCUPIED and sector[5] == 0
 
 
-def _what_limits(state, distance_m, free_m, pixels, obstacle):
-    """obstacle: the sector shows one that is in the corridor."""
+def _trust_text(what, trust, doubts):
+    names = " ".join(name for bit, name in _DOUBTS.items() if doubts & bit)
+    return f"{what} is {trust} of 255" + (f": {names}" if names else "")
+
+
+def _what_limits(state, distance_m, free_m, pixels, obstacle, short):
+    """obstacle: the sector shows one that is in the corridor. short: (trust, doubts) of a sector that loses by them."""
     if _is_near((0, 0, state, distance_m, free_m, pixels)):
         return f"obstacle at most {distance_m:.2f} m away"
+    if short:
+        return _trust_text("trust in the way", *short)
     return f"obstacle at {distance_m:.2f} m" if obstacle and free_m >= distance_m else f"unknown beyond {free_m:.2f} m"
 
 
-def limit_of(from_deg, to_deg, state, distance_m, free_m, pixels, options):
+def limit_of(from_deg, to_deg, state, distance_m, free_m, pixels, options, short=None):
     """Returns (metres ahead, reason): how far the corridor is free in a sector; None where it does not limit it.
 
     At the bearing b a ray leaves the corridor at the distance width / 2 / sin |b|. What is farther away does not
@@ -105,8 +113,27 @@ def limit_of(from_deg, to_deg, state, distance_m, free_m, pixels, options):
     if not obstacle and leaves_at <= options.margin_m:
         return None
     widest = math.asin(half / free_m) if free_m > half else math.pi / 2
-    what = _what_limits(state, distance_m, free_m, pixels, obstacle)
+    what = _what_limits(state, distance_m, free_m, pixels, obstacle, short)
     return free_m * math.cos(min(outer, widest)), what + _at_bearing((from_deg + to_deg) / 2)
+
+
+def _trusted(sector, trust, doubts, options, slow):
+    """Returns (sector, (trust, doubts) or None): its free_m as far as it is believed, and why that is less.
+
+    The rule for sectors in doubt: with less than LEAST_TRUST a sector is unknown, so that the robot stops before it as
+    before all that is unknown. With more, only a share of the room beyond the margin counts (slow): the robot becomes
+    slower, and never stands for that alone.
+    """
+    share = 1.0
+    if 0 < trust < LEAST_TRUST:
+        share = 0.0
+    elif trust > 0 and slow:
+        share = min(1.0, trust / (FULL_TRUST_IN_DOUBT if doubts else FULL_TRUST))
+    if share == 1.0:
+        return sector, None
+    free_m = sector[4]
+    believed_m = min(free_m, options.margin_m + share * (free_m - options.margin_m)) if share > 0 else 0.0
+    return (*sector[:4], believed_m, sector[5]), (trust, doubts)
 
 
 def _hidden_from(sectors, number, options):
@@ -148,16 +175,19 @@ def uncovered(scan, options):
     return covered if covered < end else None
 
 
-def way_ahead(scan, options):
-    """Returns (metres ahead, reason): what limits the corridor. Sectors that are not there limit it at 0."""
+def way_ahead(scan, options, slow=False):
+    """Returns (metres ahead, reason): what limits the corridor. Sectors that are not there limit it at 0. slow: only
+    the part of the way that they are trusted for."""
     bearing = uncovered(scan, options)
     if bearing is not None:
         return 0.0, "no sector" + _at_bearing(bearing)
     nearest = (math.inf, "")
-    sectors = [tuple(map(float, sector)) for sector in
-               zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m, scan.pixels)]
+    told = zip(scan.from_deg, scan.to_deg, scan.state, scan.distance_m, scan.free_m, scan.pixels)
+    sectors, short = zip(*(_trusted(tuple(map(float, sector)), int(trust), int(doubts), options, slow)
+                           for sector, trust, doubts in zip(told, scan.trust, scan.doubts)))
     for number, (start, to, state, distance_m, _, pixels) in enumerate(sectors):
-        limit = limit_of(start, to, state, distance_m, _hidden_from(sectors, number, options), pixels, options)
+        limit = limit_of(start, to, state, distance_m, _hidden_from(sectors, number, options), pixels, options,
+                         short[number])
         if limit is not None and limit[0] < nearest[0]:
             nearest = limit
     return nearest
@@ -169,9 +199,14 @@ def trust_limit(flags, options):
     trust = flags >> _TRUST_SHIFT
     if trust == 0 or trust >= FULL_TRUST:
         return math.inf, ""
-    doubts = " ".join(name for bit, name in _DOUBTS.items() if flags & bit)
-    reason = f"trust in the frame is {trust} of 255" + (f": {doubts}" if doubts else "")
+    reason = _trust_text("trust in the frame", trust, flags)
     return 0.0 if trust < LEAST_TRUST else options.speed_mps * trust / FULL_TRUST, reason
+
+
+def way_trust_limit(scan, options):
+    """Returns (m/s, reason) of the sectors in the way: the speed for that part of the way which they are trusted for."""
+    ahead_m, reason = way_ahead(scan, options, slow=True)
+    return max(LEAST_SPEED_MPS, speed_for(ahead_m - options.margin_m, options)), reason
 
 
 def contradiction(scan, options):
@@ -245,7 +280,8 @@ class Decider:
         trust_mps, trust_reason = trust_limit(flags, self._options)
         if trust_mps < LEAST_SPEED_MPS:
             return self._brake("trust", trust_reason)
-        return self._judge(*way_ahead(scan, self._options), trust_mps, trust_reason)
+        trust = min((trust_mps, trust_reason), way_trust_limit(scan, self._options), key=lambda limit: limit[0])
+        return self._judge(*way_ahead(scan, self._options), *trust)
 
     def wait(self, now_s):
         """No frame has arrived for a while."""
