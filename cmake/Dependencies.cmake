@@ -116,5 +116,6 @@ if(DISPARITYD_TESTS)
 endif()
 
 include(PythonMatcher)
+include(Gstreamer)
 
 disparityd_end_of_needs()

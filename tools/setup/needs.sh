@@ -4,7 +4,7 @@
 # installs that. What is there in any form is taken, so nothing asks dpkg for Debian's names.
 source tools/setup/packages.sh
 
-# The tab-separated lines that cmake/Needs.cmake writes: found|missing, build|test|python, what, packages, hint.
+# The tab-separated lines that cmake/Needs.cmake writes: found|missing, build|test|python|gstreamer, what, packages, hint.
 readonly needs_file=build/needs/needs.tsv
 
 # missing_programs: the packages of the programs that even asking takes.
@@ -38,7 +38,7 @@ report_needs() {
     fi
 }
 
-# missing_needs KIND...: what is missing of build, test, python (the matcher for Python): "what<TAB>packages<TAB>hint".
+# missing_needs KIND...: what is missing of build, test, python (the matcher for Python), gstreamer: "what<TAB>packages<TAB>hint".
 missing_needs() {
     awk -F '\t' -v kinds=" $* " '$1 == "missing" && index(kinds, " " $2 " ") { print $3 "\t" $4 "\t" $5 }' "$needs_file"
 }
@@ -95,7 +95,7 @@ plan_needs() {
     done < <(missing_needs "$@")
 }
 
-# ensure_needs YES HIGHWAY KIND...: all of these kinds, build, test or python; HIGHWAY is an archive of its source or empty.
+# ensure_needs YES HIGHWAY KIND...: all of these kinds, as of missing_needs; HIGHWAY is an archive of its source or empty.
 ensure_needs() {
     local yes=$1 highway=$2 programs all_missing needs_packages=() needs_unknown=() needs_highway=0
     shift 2
