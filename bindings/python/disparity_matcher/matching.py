@@ -108,13 +108,14 @@ class Matcher:
 
     ValueError with one line where a value is not allowed, TypeError for a name that is no option, RuntimeError where
     memory or a device is missing. Any thread may call match(); while one matches, others wait: with a Matcher for each
-    thread they match at the same time. After a fork the child goes on with threads and memory of its own.
+    thread they match at the same time. After a fork the child goes on with threads and memory of its own. Pickling keeps the arguments.
     """
 
     def __init__(self, *, method: str = "sgm", preset: str | None = None, cost: str | None = None, disparities: int = 64,
                  threads: int = 0, backend: str = "auto", rectifier: Rectifier | None = None, f: float = 0,
                  baseline_mm: float = 0, disparity_offset: float = 0, subpixel_error_px: float = 0.25,
                  **options: int) -> None:
+        self._arguments = {**{name: value for name, value in locals().items() if name not in ("self", "options")}, **options}
         unknown = sorted(set(options) - set(_FIELDS))
         if unknown:
             raise TypeError(f"no option of matching is called '{unknown[0]}'; there are {', '.join(_FIELDS)}")
@@ -167,6 +168,9 @@ class Matcher:
         confidence = np.empty(pair[0].shape, np.uint8)
         matcher.match(pair[0], pair[1], disparity, confidence)
         return Match(disparity, confidence, self._options.invalid, pair, self._metric)
+
+    def __reduce__(self) -> tuple[typing.Any, ...]:
+        return functools.partial(Matcher, **self._arguments), ()
 
     def _of_size(self, height: int, width: int) -> _matcher.PairMatcher:
         with self._lock:

@@ -93,6 +93,7 @@ std::vector<std::tuple<std::string, bool, std::string, std::string>> fields() {
 template <typename All>
 std::vector<std::string> names_of(const All& all) {
     std::vector<std::string> names;
+    names.reserve(all.size());
     for (const auto one : all) {
         names.emplace_back(to_string(one));
     }
