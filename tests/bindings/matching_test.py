@@ -5,6 +5,7 @@ Usage: matching_test.py DISPARITYCTL SOURCE
 """
 import multiprocessing
 import pickle
+import sys
 import threading
 import unittest
 
@@ -29,6 +30,25 @@ def arguments_of(options):
         name = {"threads": "workers"}.get(name, name).replace("_", "-")
         words += [f"--{name}" if value is True else f"--no-{name}"] if isinstance(value, bool) else [f"--{name}", str(value)]
     return words
+
+
+def others_run_during(work, attempts):
+    """Returns whether this thread could go on before another one had ended `work`. Python takes its lock from no thread
+    here, so that it is `work` that lets it go. On a busy machine the other one may be too quick: it gets some attempts."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(1000)
+    try:
+        for _ in range(attempts):
+            ended = []
+            thread = threading.Thread(target=lambda ended=ended: ended.append(work()))
+            thread.start()  # returns as soon as this thread has the lock again
+            goes_on = not ended
+            thread.join()
+            if goes_on:
+                return True
+        return False
+    finally:
+        sys.setswitchinterval(usual)
 
 
 def in_child(matcher, pair, queue):
@@ -116,24 +136,11 @@ class Matching(unittest.TestCase):
             self.assertEqual(wrong, [])
 
     def test_other_threads_run_while_one_matches(self):
-        """One that holds Python's lock while it matches would let the other one go on between its calls only."""
         pair = drawn_pair(640, 360)
         matcher = disparity.Matcher(preset="paper", disparities=128, threads=1)
-        begun, ended = threading.Event(), threading.Event()
-
-        def work():
-            begun.set()
-            matcher.match(*pair)
-            ended.set()
-
-        thread = threading.Thread(target=work)
-        thread.start()
-        begun.wait()
-        steps = 0
-        while not ended.is_set():
-            steps += 1
-        thread.join()
-        self.assertGreater(steps, 1000)
+        matcher.match(*pair)
+        self.assertTrue(others_run_during(lambda: matcher.match(*pair), attempts=50))
+        self.assertFalse(others_run_during(lambda: sum(range(100_000)), attempts=5))  # what keeps Python's lock is seen to
 
     def test_goes_on_after_a_fork(self):
         pair = drawn_pair()
