@@ -17,6 +17,7 @@ const char* to_string(CameraState state) {
         case CameraState::no_calibration: return "no-calibration";
         case CameraState::changed: return "changed";
         case CameraState::failed: return "failed";
+        case CameraState::unpaired: return "unpaired";
     }
     return "";
 }

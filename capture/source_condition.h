@@ -22,10 +22,17 @@ enum class CameraState : unsigned char {
     no_calibration,  ///< none was found, and unrectified frames are not allowed
     changed,         ///< another camera or calibration than info() says: open the source anew
     failed,          ///< the system refuses it for another reason
+    unpaired,        ///< two cameras that are the eyes send frames, but none that belong together
 };
 
 /// "streaming", "no-permission": for clients and scripts.
 const char* to_string(CameraState state);
+
+/// How far apart the frames are that the two cameras of a pair take together.
+struct EyesApart {
+    std::int64_t median_ns = 0;  ///< stamp of the right eye's frame minus the left one's, of the newest pairs
+    double drift = 0;            ///< how much that grows in time; 1e-6: a microsecond in a second
+};
 
 /// The camera behind a live source, and what was done to keep it alive.
 struct CameraFacts {
@@ -43,6 +50,9 @@ struct CameraFacts {
     std::uint64_t resets = 0;
     std::uint64_t damaged = 0;  ///< frames that the driver flagged, or whose JPEG could not be decoded in full
     std::uint64_t too_short = 0;
+    // Of two cameras that are the eyes, for which the numbers above are sums, and the texts have a comma between:
+    std::uint64_t unpaired = 0;      ///< frames of one eye that came, and had no partner
+    std::optional<EyesApart> apart;  ///< empty: unknown yet, or one camera
 };
 
 /// The state of a camera's sensors.

@@ -22,7 +22,7 @@ const std::vector<SourceKind>& source_kinds() {
          "frame); "
          "options format=yuyv|grey|mjpeg|y8i, layout=side-by-side|top-bottom, first=left|right (the eye in the left or "
          "upper "
-         "half), port=USB-PORT",
+         "half), port=USB-PORT; two cameras: v4l2:640x480@30?left=/dev/video0&right=/dev/video2",
          is_camera, open_camera},
         {"gst",
          "what GStreamer can open, to an appsink with both eyes side by side, or to two, left and right: gst:v4l2src "

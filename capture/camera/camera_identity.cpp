@@ -10,6 +10,10 @@
 
 namespace disparityd::capture {
 
+std::string pair_serial(const std::string& left, const std::string& right) {
+    return left.empty() || right.empty() || left == right ? "" : left + "-" + right;
+}
+
 std::optional<CameraProblem> CameraIdentity::identify(UsbCamera& camera) {
     if (camera.zed() == nullptr || camera.node.empty() || camera.zed()->old_firmware) {
         return std::nullopt;
@@ -53,7 +57,10 @@ std::optional<calibration::StereoCalibration> CameraIdentity::calibration_of(con
 }
 
 void CameraIdentity::expect_likely(SourceInfo& info, const std::string& port) {
-    const std::string serial = likely_serial(port);
+    expect(info, likely_serial(port));
+}
+
+void CameraIdentity::expect(SourceInfo& info, const std::string& serial) const {
     if (!options_.calibration_path.empty()) {
         info.calibration = calibration::read_calibration(options_.calibration_path, info.eye_width, info.height);
     } else {

@@ -11,6 +11,10 @@
 
 namespace disparityd::capture {
 
+/// Returns what the calibration of two cameras is found by, "LEFT-RIGHT"; nothing where their serial numbers do not
+/// tell them apart.
+std::string pair_serial(const std::string& left, const std::string& right);
+
 /// Finds out which camera a device is, and which calibration belongs to it. One thread.
 class CameraIdentity {
 public:
@@ -26,6 +30,9 @@ public:
     /// USB port (may be empty), the first that is there. No calibration when there is none or its file is damaged,
     /// which check_calibration() says, and no number without calibration.
     void expect_likely(SourceInfo& info, const std::string& port);
+
+    /// The same of the camera with this serial number.
+    void expect(SourceInfo& info, const std::string& serial) const;
 
     /// Checks that this camera has the calibration that the source was opened with and, where there is one, the same
     /// serial number.

@@ -44,7 +44,7 @@ CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) 
 
 class CameraSource final : public FrameSource {
 public:
-    CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors);
+    CameraSource(VideoSystem& system, const SourceOptions& options, CameraRequest request, SensorSystem* sensors);
 
     const SourceInfo& info() const override { return info_; }
     Next next(RawFrame& frame, steady_clock::time_point deadline) override;
@@ -112,10 +112,11 @@ private:
     std::optional<UsbCamera> controlled_;  ///< the camera whose controls can be set now
 };
 
-CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors)
+CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, CameraRequest request,
+                           SensorSystem* sensors)
     : system_(system),
       options_(options),
-      request_(parse_camera_uri(options.uri)),
+      request_(std::move(request)),
       configured_controls_(parse_camera_settings(options.controls, "source " + options.uri + ": controls")),
       control_overrides_(options.control_overrides ? options.control_overrides : std::make_shared<ControlOverrides>()),
       identity_(system, request_, options_),
@@ -255,6 +256,9 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     move_to_exposure(frame, captured);
     frame.monotonic_ns = std::min(frame.monotonic_ns, now);
     frame.realtime_ns = system_.realtime_ns() - (now - frame.monotonic_ns);
+    if (request_.half_of_pair && !captured.stamped) {
+        frame.monotonic_ns = 0;  // the driver's own time alone tells which frames belong together
+    }
     if (sensors_) {
         frame.sensors = std::span(samples_).first(sensors_->take(samples_));
     }
@@ -444,7 +448,7 @@ void CameraSource::opened(const UsbCamera& camera) {
         facts_.rate = stream_.rate();
         controlled_ = camera;
         notices_ = camera_notices(camera);
-        if (!info_.calibration) {
+        if (!info_.calibration && !request_.half_of_pair) {
             notices_.push_back("there is no calibration for " + camera.label() + ": frames are unrectified");
         }
         if (no_exposure) {
@@ -578,12 +582,9 @@ SourceCondition CameraSource::condition() const {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options, SensorSystem* sensors) {
-    return std::make_unique<CameraSource>(system, options, sensors);
-}
-
-std::unique_ptr<FrameSource> open_camera(const SourceOptions& options) {
-    return open_camera_on(linux_video_system(), options, &linux_sensor_system());
+std::unique_ptr<FrameSource> open_single_camera(VideoSystem& system, const SourceOptions& options,
+                                                const CameraRequest& request, SensorSystem* sensors) {
+    return std::make_unique<CameraSource>(system, options, request, sensors);
 }
 
 }  // namespace disparityd::capture

@@ -20,4 +20,8 @@ std::unique_ptr<FrameSource> open_camera(const SourceOptions& options);
 std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options,
                                             SensorSystem* sensors = nullptr);
 
+/// The same for one camera that the request names, in place of the one in the URI.
+std::unique_ptr<FrameSource> open_single_camera(VideoSystem& system, const SourceOptions& options,
+                                                const CameraRequest& request, SensorSystem* sensors);
+
 }  // namespace disparityd::capture

@@ -2,7 +2,9 @@
 #include "capture/camera/camera_uri.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "base/number_text.h"
 #include "base/words.h"
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::string_view scheme = "v4l2:";
 constexpr const char* one_camera =
-    "one: a single device delivers the frames of both eyes; a pair of separate cameras is not supported";
+    "one, which sends the frames of both eyes; two cameras are left=/dev/video0&right=/dev/video2";
 
 int size_number(const SourceUri& uri, std::string_view text) {
     const auto number = base::parse_number(text);
@@ -69,11 +71,26 @@ std::uint32_t fourcc(const SourceUri& uri, const std::string& value) {
     return code;
 }
 
+/// Reads which camera has one eye: a node, or "port:" or "serial:" and the camera's.
+CameraName eye_name(const std::string& value) {
+    constexpr std::string_view port = "port:";
+    constexpr std::string_view serial = "serial:";
+    CameraName name;
+    if (value.starts_with(port)) {
+        name.port = value.substr(port.size());
+    } else if (value.starts_with(serial)) {
+        name.serial = value.substr(serial.size());
+    } else {
+        name.device = value;
+    }
+    return name;
+}
+
 void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter, CameraRequest& request) {
     const std::string value(parameter.value);
     if (value.empty()) {
         uri.fail("parameter", parameter.text,
-                 "serial=, device=, port=, format=, force=, layout= or first= with a value");
+                 "serial=, device=, port=, left=, right=, within_ms=, format=, force=, layout= or first= with a value");
     }
     const bool names_a_camera = parameter.key == "serial" || parameter.key == "device" || parameter.key == "port";
     if (names_a_camera && value.find(',') != std::string::npos) {
@@ -85,6 +102,8 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
         request.device = value;
     } else if (parameter.key == "port") {
         request.port = value;
+    } else if (parameter.key == "left" || parameter.key == "right" || parameter.key == "within_ms") {
+        return;  // read_pair()
     } else if (parameter.key == "format") {
         read_format(uri, value, request);
     } else if (parameter.key == "force") {
@@ -100,8 +119,51 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
         }
         request.right_first = value == "right";
     } else {
-        uri.fail("parameter", parameter.key, "serial, device, port, format, force, layout or first");
+        uri.fail("parameter", parameter.key,
+                 "serial, device, port, left, right, within_ms, format, force, layout or first");
     }
+}
+
+/// Reads what makes two cameras one source, and refuses what has no meaning then.
+void read_pair(const SourceUri& uri, CameraRequest& request) {
+    std::optional<CameraName> left;
+    std::string_view within;
+    for (const SourceUri::Parameter& parameter : uri.parameters()) {
+        if (parameter.key == "left" || parameter.key == "right") {
+            const CameraName name = eye_name(std::string(parameter.value));
+            if (name == CameraName{}) {
+                uri.fail(std::string(parameter.key), parameter.value, "a node, port:USB-PORT or serial:NUMBER");
+            }
+            (parameter.key == "left" ? left : request.right) = name;
+        }
+        within = parameter.key == "within_ms" ? parameter.value : within;
+    }
+    if (left.has_value() != request.right.has_value()) {
+        uri.fail("parameter", left ? "left= alone" : "right= alone", "left= and right=: a camera for each eye");
+    }
+    if (!left) {
+        if (!within.empty()) {
+            uri.fail("parameter", "within_ms", "within_ms= beside left= and right=");
+        }
+        return;
+    }
+    if (left == request.right) {
+        uri.fail("left and right", left->text().substr(1),
+                 "two cameras; those with one serial number are told apart by port: or by node");
+    }
+    const CameraName& other = request;
+    if (other != CameraName{} || request.interleaved || request.top_bottom || request.right_first) {
+        uri.fail("parameter", "left= and right= with device=, serial=, port=, layout=, first= or format=y8i",
+                 "left= and right=, where each camera sends one eye, or one camera of both eyes");
+    }
+    if (!request.mode.empty()) {
+        uri.fail("mode", uri.name(), "the size of each camera's frame, such as 640x480, beside left= and right=");
+    }
+    // Farther apart than half of the interval, another frame is nearer.
+    const double half_ms = std::floor(500'000 / request.rate) / 1000;
+    request.within_ns =
+        std::llround(1e6 * (within.empty() ? half_ms : uri.number("within_ms", within, 0.001, half_ms)));
+    static_cast<CameraName&>(request) = *left;
 }
 
 void check_size(const SourceUri& uri, const CameraRequest& request) {
@@ -112,6 +174,9 @@ void check_size(const SourceUri& uri, const CameraRequest& request) {
     }
     if (request.interleaved) {
         return;
+    }
+    if (request.right && request.frame_width % (2 * pixels) != 0) {
+        uri.fail("size", size, "a width that is a multiple of " + std::to_string(2 * pixels) + " for this format");
     }
     if (request.top_bottom && (request.frame_height % 2 != 0 || request.frame_width % pixels != 0)) {
         uri.fail("size", size, "an even height with layout=top-bottom, and an even width for YUYV");
@@ -129,12 +194,28 @@ bool same_node(const std::string& node, const std::string& device) {
 
 }  // namespace
 
-std::string CameraRequest::wanted() const {
-    std::string text = zed_only() ? "ZED camera" : "camera";
-    text += serial.empty() ? "" : " with serial " + serial;
+std::string CameraName::text() const {
+    std::string text = serial.empty() ? "" : " with serial " + serial;
     text += device.empty() ? "" : " " + device;
     text += port.empty() ? "" : " at USB port " + port;
     return text;
+}
+
+std::string CameraRequest::wanted() const {
+    if (right) {
+        return "cameras" + text() + " (left) and" + right->text() + " (right)";
+    }
+    return (zed_only() ? "ZED camera" : "camera") + text();
+}
+
+CameraRequest request_of_eye(const CameraRequest& pair, Eye eye) {
+    CameraRequest request = pair;
+    if (eye == Eye::right) {
+        static_cast<CameraName&>(request) = *pair.right;
+    }
+    request.right.reset();
+    request.half_of_pair = true;
+    return request;
 }
 
 bool is_camera(const std::string& uri) {
@@ -155,6 +236,7 @@ CameraRequest parse_camera_uri(const std::string& text) {
     for (const SourceUri::Parameter& parameter : uri.parameters()) {
         read_parameter(uri, parameter, request);
     }
+    read_pair(uri, request);
     check_size(uri, request);
     return request;
 }

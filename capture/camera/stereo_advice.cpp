@@ -21,8 +21,8 @@ constexpr std::array<Aspect, 5> usual_aspects{{{4, 3}, {16, 9}, {16, 10}, {5, 4}
 /// Rates from here on are video.
 constexpr double video_rate = 24;
 
-/// The most that is proposed: larger ones are slow to match.
-constexpr int most_width = 2 * 1280;
+/// The most that is proposed for an eye: larger ones are slow to match.
+constexpr int most_width = 1280;
 constexpr int most_height = 960;
 
 constexpr double proposed_rate = 30;
@@ -58,9 +58,9 @@ double rate_of(const VideoMode& mode) {
     return best;
 }
 
-/// Compares as later is better.
-auto worth(const VideoMode& mode) {
-    const bool fits = mode.width <= most_width && mode.height <= most_height;
+/// Compares as later is better. `eyes` are those in a frame.
+auto worth(const VideoMode& mode, int eyes) {
+    const bool fits = mode.width <= eyes * most_width && mode.height <= most_height;
     const bool fast = rate_of(mode) >= video_rate;
     const int pixels = mode.width * mode.height;
     return std::tuple(fits && fast, fast, fits ? pixels : -pixels, format_name(mode) == "yuyv",
@@ -72,6 +72,41 @@ std::string name_of(const UsbCamera& camera) {
         return "serial=" + camera.serial;
     }
     return camera.port.empty() ? "device=" + camera.node : "port=" + camera.port;
+}
+
+std::string size_of(const VideoMode& mode) {
+    return std::to_string(mode.width) + "x" + std::to_string(mode.height);
+}
+
+/// Returns "v4l2:SIZE@RATE?CAMERAS" and the format, where it must be said.
+std::string uri_of(const VideoMode& mode, const std::string& cameras) {
+    const std::string format = format_name(mode);
+    return "v4l2:" + size_of(mode) + "@" + base::number_text(std::round(rate_of(mode) * 100) / 100) + "?" + cameras +
+           (format == "yuyv" ? "" : "&format=" + format);
+}
+
+/// Whether the camera may be one of two eyes.
+bool may_be_an_eye(const CameraSurvey& survey) {
+    return survey.problem.empty() && survey.camera.zed() == nullptr && !advise(survey);
+}
+
+bool alike(const UsbCamera& a, const UsbCamera& b) {
+    return a.name == b.name && a.vendor == b.vendor && a.product == b.product && a.bus == b.bus;
+}
+
+/// Returns the best mode that both offer, or nullptr.
+const VideoMode* common_mode(const CameraSurvey& left, const CameraSurvey& right) {
+    const VideoMode* best = nullptr;
+    for (const VideoMode& mode : left.modes) {
+        const bool both = std::any_of(right.modes.begin(), right.modes.end(), [&mode](const VideoMode& other) {
+            return other.format == mode.format && other.width == mode.width && other.height == mode.height;
+        });
+        const bool usable = both && !format_name(mode).empty() && mode.width % 4 == 0;
+        if (usable && (best == nullptr || worth(mode, 1) > worth(*best, 1))) {
+            best = &mode;
+        }
+    }
+    return best;
 }
 
 StereoAdvice advise_zed(const CameraSurvey& survey) {
@@ -97,7 +132,7 @@ std::optional<StereoAdvice> advise(const CameraSurvey& survey) {
     const VideoMode* best = nullptr;
     for (const VideoMode& mode : survey.modes) {
         const bool usable = aspect_of_eye(mode) != nullptr && !format_name(mode).empty() && mode.width % 4 == 0;
-        if (usable && (best == nullptr || worth(mode) > worth(*best))) {
+        if (usable && (best == nullptr || worth(mode, 2) > worth(*best, 2))) {
             best = &mode;
         }
     }
@@ -105,13 +140,39 @@ std::optional<StereoAdvice> advise(const CameraSurvey& survey) {
         return std::nullopt;
     }
     const Aspect& aspect = *aspect_of_eye(*best);
-    const std::string size = std::to_string(best->width) + "x" + std::to_string(best->height);
-    const std::string format = format_name(*best);
-    return StereoAdvice{size + " is two pictures of " + std::to_string(aspect.width) + ":" +
+    return StereoAdvice{size_of(*best) + " is two pictures of " + std::to_string(aspect.width) + ":" +
                             std::to_string(aspect.height) + " side by side",
-                        "v4l2:" + size + "@" + base::number_text(std::round(rate_of(*best) * 100) / 100) + "?" +
-                            name_of(survey.camera) + (format == "yuyv" ? "" : "&format=" + format),
-                        best->width / 2, best->height};
+                        uri_of(*best, name_of(survey.camera)), best->width / 2, best->height};
+}
+
+std::vector<PairAdvice> advise_pairs(const std::vector<CameraSurvey>& surveys) {
+    std::vector<PairAdvice> pairs;
+    for (std::size_t left = 0; left < surveys.size(); ++left) {
+        std::vector<std::size_t> like_it;
+        for (std::size_t i = 0; i < surveys.size(); ++i) {
+            if (may_be_an_eye(surveys[i]) && alike(surveys[i].camera, surveys[left].camera)) {
+                like_it.push_back(i);
+            }
+        }
+        if (like_it.size() != 2 || like_it.front() != left) {
+            continue;
+        }
+        const std::size_t right = like_it.back();
+        const VideoMode* mode = common_mode(surveys[left], surveys[right]);
+        if (mode == nullptr) {
+            continue;
+        }
+        const UsbCamera& a = surveys[left].camera;
+        const UsbCamera& b = surveys[right].camera;
+        const bool by_port = !a.port.empty() && !b.port.empty() && a.port != b.port;
+        const std::string cameras =
+            by_port ? "left=port:" + a.port + "&right=port:" + b.port : "left=" + a.node + "&right=" + b.node;
+        pairs.push_back({{"both are " + a.model() + " and offer " + size_of(*mode), uri_of(*mode, cameras), mode->width,
+                          mode->height},
+                         left,
+                         right});
+    }
+    return pairs;
 }
 
 }  // namespace disparityd::capture

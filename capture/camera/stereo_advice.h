@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "capture/camera/camera_survey.h"
 
@@ -20,5 +22,16 @@ struct StereoAdvice {
 /// above the other from a picture that is tall. Of several modes it takes the largest up to 1280x960 for an eye that
 /// comes at 24 frames/s or more, without JPEG where both reach that.
 std::optional<StereoAdvice> advise(const CameraSurvey& survey);
+
+/// The same of two cameras that look like one eye each.
+struct PairAdvice {
+    StereoAdvice advice;
+    std::size_t left = 0;  ///< index of a survey. Nobody knows which is which: the one with the first node
+    std::size_t right = 0;
+};
+
+/// Returns the cameras of which there are two alike on one bus, and no third one: with one name, one USB identity and a
+/// mode in common, and each without the looks of a stereo camera. By its USB port each is named, else by its node.
+std::vector<PairAdvice> advise_pairs(const std::vector<CameraSurvey>& surveys);
 
 }  // namespace disparityd::capture

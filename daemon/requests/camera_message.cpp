@@ -21,6 +21,11 @@ v1::CameraStatus to_message(const capture::CameraFacts& camera) {
     message.set_resets(camera.resets);
     message.set_damaged(camera.damaged);
     message.set_too_short(camera.too_short);
+    message.set_unpaired(camera.unpaired);
+    if (camera.apart) {
+        message.mutable_eyes_apart()->set_median_us(static_cast<double>(camera.apart->median_ns) / 1e3);
+        message.mutable_eyes_apart()->set_drift_ppm(camera.apart->drift * 1e6);
+    }
     return message;
 }
 

@@ -5,6 +5,7 @@
 
 #include "base/message_text.h"
 #include "calibration/calibration_lookup.h"
+#include "capture/camera/camera_identity.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_survey.h"
 #include "capture/camera/stereo_advice.h"
@@ -37,22 +38,20 @@ std::vector<std::string> mode_lines(const capture::CameraSurvey& survey) {
 }
 
 /// Whether one of the folders of the default configuration has the camera's calibration.
-bool has_calibration(const capture::UsbCamera& camera, const capture::StereoAdvice& advice) {
+bool has_calibration(const std::string& serial, const capture::StereoAdvice& advice) {
     const auto folders = calibration::folder_list(calibration::standard_calibration_folders);
     try {
-        return calibration::find_camera_calibration(camera.serial, folders, advice.eye_width, advice.eye_height)
-            .has_value();
+        return calibration::find_camera_calibration(serial, folders, advice.eye_width, advice.eye_height).has_value();
     } catch (const std::invalid_argument& error) {
         print_note(error.what());
         return false;
     }
 }
 
-/// Says how to start with a camera that looks like a stereo pair, and how it gets a calibration where it has none.
-void print_advice(const capture::UsbCamera& camera, const capture::StereoAdvice& advice) {
-    std::cout << "    looks like a stereo camera: " << advice.reason << '\n';
+/// Says how to start with what looks like a stereo pair, and how it gets a calibration where it has none.
+void print_advice(const std::string& serial, const capture::StereoAdvice& advice) {
     const std::string uri = "'" + base::printable(advice.uri, advice.uri.size()) + "'";
-    if (has_calibration(camera, advice)) {
+    if (has_calibration(serial, advice)) {
         std::cout << "    start with: disparityd --source " << uri << '\n';
         return;
     }
@@ -83,10 +82,24 @@ void print_cameras(const std::vector<capture::CameraSurvey>& cameras) {
             std::cout << "    " << line << '\n';
         }
         if (const auto advice = capture::advise(survey)) {
-            print_advice(camera, *advice);
+            std::cout << "    looks like a stereo camera: " << advice->reason << '\n';
+            print_advice(camera.serial, *advice);
         } else if (survey.problem.empty()) {
             std::cout << "    does not look like a stereo camera: no mode is two usual pictures side by side\n";
         }
+    }
+}
+
+void print_pairs(const std::vector<capture::CameraSurvey>& cameras) {
+    for (const capture::PairAdvice& pair : capture::advise_pairs(cameras)) {
+        const capture::UsbCamera& left = cameras[pair.left].camera;
+        const capture::UsbCamera& right = cameras[pair.right].camera;
+        const std::string names = left.label() + " and " + right.label();
+        std::cout
+            << "  " << base::printable(names, names.size()) << '\n'
+            << "    look like the two eyes of a stereo camera: " << pair.advice.reason << '\n'
+            << "    which is the left one cannot be told: cover it and look, exchange left= and right= if need be\n";
+        print_advice(capture::pair_serial(left.serial, right.serial), pair.advice);
     }
 }
 
@@ -101,6 +114,13 @@ void list_kinds(bool json) {
                 for (const capture::CameraSurvey& survey : cameras) {
                     list.back()["cameras"].push_back(to_json(survey));
                 }
+                list.back()["pairs"] = Json::array();
+                for (const capture::PairAdvice& pair : capture::advise_pairs(cameras)) {
+                    list.back()["pairs"].push_back({{"left", cameras[pair.left].camera.node},
+                                                    {"right", cameras[pair.right].camera.node},
+                                                    {"reason", pair.advice.reason},
+                                                    {"uri", pair.advice.uri}});
+                }
             }
         } else {
             std::cout << kind.name << std::string(kind.name.size() < 12 ? 12 - kind.name.size() : 1, ' ')
@@ -111,6 +131,7 @@ void list_kinds(bool json) {
         std::cout << to_text(list, 2) << '\n';
     } else {
         print_cameras(cameras);
+        print_pairs(cameras);
     }
 }
 

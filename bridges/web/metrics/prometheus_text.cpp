@@ -173,9 +173,9 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 constexpr std::array daemon_states{"running"sv, "idle"sv, "waiting"sv, "ended"sv, "stopping"sv};
-constexpr std::array camera_states{"starting"sv,     "streaming"sv,      "absent"sv,       "stalled"sv,
-                                   "busy"sv,         "no-permission"sv,  "old-firmware"sv, "usb2-link"sv,
-                                   "mode-refused"sv, "no-calibration"sv, "changed"sv,      "failed"sv};
+constexpr std::array camera_states{
+    "starting"sv,  "streaming"sv,    "absent"sv,         "stalled"sv, "busy"sv,   "no-permission"sv, "old-firmware"sv,
+    "usb2-link"sv, "mode-refused"sv, "no-calibration"sv, "changed"sv, "failed"sv, "unpaired"sv};
 constexpr std::array sensor_states{"starting"sv, "streaming"sv, "absent"sv, "silent"sv, "no-permission"sv, "failed"sv};
 
 /// The step of StepTotal that is not a part of a frame's way but all of it.

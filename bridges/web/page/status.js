@@ -69,6 +69,10 @@ function cameraOf(status) {
       ['Agreed rate', camera.rate > 0 ? `${fixed(camera.rate, 0)} /s` : NONE],
       ['Came back', `${camera.arrivals} found, ${camera.restarts} restarts, ${camera.reopens} reopened, ${camera.resets} resets`],
       ['Bad frames', `${camera.damaged} damaged, ${camera.too_short} too short`, camera.damaged + camera.too_short ? 'warn' : ''])
+    if (camera.eyes_apart) {
+      const {median_us: apart, drift_ppm: drift} = camera.eyes_apart
+      rows.push(['Eyes apart', `${fixed(apart / 1000, 1)} ms, drift ${fixed(drift, 0)} ppm, ${camera.unpaired} unpaired`])
+    }
   } else {
     rows.push(['Camera', 'none: the source is not live'])
   }

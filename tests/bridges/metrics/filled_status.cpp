@@ -47,6 +47,9 @@ void fill_camera(v1::CameraStatus& camera) {
     camera.set_resets(5);
     camera.set_damaged(6);
     camera.set_too_short(7);
+    camera.set_unpaired(8);
+    camera.mutable_eyes_apart()->set_median_us(-250);
+    camera.mutable_eyes_apart()->set_drift_ppm(1.5);
 }
 
 void fill_sensors(v1::SensorStatus& sensors) {

@@ -138,14 +138,14 @@ TEST(CameraUriTest, MistakesAreRefusedWithWhatIsAllowed) {
         {"v4l2:2560x720@0", "1 to 1000"},
         {"v4l2:2560x720@", "1 to 1000"},
         {"v4l2:vga?serial", "with a value"},
-        {"v4l2:vga?colour=red", "serial, device, port, format, force, layout or first"},
+        {"v4l2:vga?colour=red", "serial, device, port, left, right, within_ms, format, force, layout or first"},
         {"v4l2:vga?format=h264", "yuyv, grey, mjpeg or y8i"},
         {"v4l2:1281x720?format=y8i&layout=top-bottom", "side-by-side with format=y8i"},
         {"v4l2:1280x720?force=Y16LE", "1 to 4 characters"},
         {"v4l2:vga?first=top", "left or right: the eye"},
         {"v4l2:1282x720", "a multiple of 4"},
         {"v4l2:1280x721?layout=top-bottom", "an even height"},
-        {"v4l2:vga?device=/dev/video0,/dev/video2", "a pair of separate cameras is not supported"},
+        {"v4l2:vga?device=/dev/video0,/dev/video2", "two cameras are left=/dev/video0&right=/dev/video2"},
         {"v4l2:vga?device=/dev/video0&device=/dev/video2", "each parameter once"},
     };
     for (const auto& [uri, part] : mistakes) {
@@ -173,6 +173,38 @@ TEST(CameraUriTest, AModeOfZedCamerasMeansAZedAndASizeAZedFirst) {
     ASSERT_EQ(candidates(both, parse_camera_uri("v4l2:2560x720")).size(), 2U);
     EXPECT_EQ(candidates(both, parse_camera_uri("v4l2:2560x720"))[0].node, "/dev/video2");
     EXPECT_EQ(candidates(both, parse_camera_uri("v4l2:?device=/dev/video0")).size(), 1U);
+}
+
+TEST(CameraUriTest, TwoCamerasAreNamedEachAndWhatHasNoMeaningThenIsRefused) {
+    const std::pair<const char*, const char*> refused[] = {
+        {"v4l2:64x16?left=/dev/video0", "left= and right="},
+        {"v4l2:64x16?right=port:1-1", "left= and right="},
+        {"v4l2:64x16?left=/dev/video0&right=/dev/video0", "two cameras"},
+        {"v4l2:64x16?left=port:&right=/dev/video0", "port:USB-PORT"},
+        {"v4l2:64x16?left=a&right=b&device=c", "one camera of both eyes"},
+        {"v4l2:64x16?left=a&right=b&first=right", "one camera of both eyes"},
+        {"v4l2:64x16?left=a&right=b&layout=top-bottom", "one camera of both eyes"},
+        {"v4l2:64x16?left=a&right=b&format=y8i", "one camera of both eyes"},
+        {"v4l2:hd720?left=a&right=b", "such as 640x480"},
+        {"v4l2:66x16?left=a&right=b", "multiple of 4"},
+        {"v4l2:64x16@30?left=a&right=b&within_ms=17", "0.001 to 16.666"},
+        {"v4l2:64x16@30?left=a&right=b&within_ms=0", "0.001 to 16.666"},
+        {"v4l2:64x16@30?device=a&within_ms=5", "beside left= and right="},
+        {"v4l2:64x16@30?device=/dev/video0,/dev/video2", "left=/dev/video0&right=/dev/video2"},
+    };
+    for (const auto& [uri, allowed] : refused) {
+        try {
+            parse_camera_uri(uri);
+            ADD_FAILURE() << uri << " was taken";
+        } catch (const std::invalid_argument& error) {
+            EXPECT_THAT(error.what(), HasSubstr(allowed)) << uri;
+        }
+    }
+    const CameraRequest request = parse_camera_uri("v4l2:64x16@50?left=/dev/a,b c&right=./port:1");
+    EXPECT_EQ(request.device, "/dev/a,b c") << "paths may have commas";
+    EXPECT_EQ(request.right->device, "./port:1");
+    EXPECT_EQ(request.within_ns, 10'000'000) << "half of the interval";
+    EXPECT_EQ(request.eye_width(), 64);
 }
 
 }  // namespace

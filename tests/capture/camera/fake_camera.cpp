@@ -130,7 +130,11 @@ int FakeVideoSystem::ioctl(int number, unsigned long request, void* argument) {
             pixels.bytesperline = pixels.width * (camera->format == V4L2_PIX_FMT_GREY ? 1 : 2);
             return camera->format_error;
         }
-        case VIDIOC_S_PARM: return 0;
+        case VIDIOC_S_PARM:
+            if (camera->agreed_rate != 0) {
+                static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe = {1, camera->agreed_rate};
+            }
+            return 0;
         case VIDIOC_REQBUFS: return request_buffers(device, *camera, argument);
         case VIDIOC_QUERYBUF: {
             v4l2_buffer& buffer = as_buffer(argument);
@@ -256,6 +260,9 @@ int FakeVideoSystem::start(Device& device, Camera& camera) {
     device.streaming = true;
     device.sequence = camera.first_sequence;
     device.next_frame = now_ + camera.period;
+    if (camera.trigger) {
+        device.next_frame -= device.next_frame.time_since_epoch() % camera.period - *camera.trigger;
+    }
     return 0;
 }
 
@@ -277,16 +284,20 @@ int FakeVideoSystem::dequeue(Device& device, Camera& camera, void* argument) {
     buffer.bytesused = filled.bytes;
     buffer.sequence = filled.sequence;
     const auto begun = begin_exposure ? filled.time - camera.exposure * std::chrono::microseconds(100) : filled.time;
-    const auto stamp = nanoseconds(begun.time_since_epoch()).count();
+    const auto stamp = nanoseconds(begun.time_since_epoch() + camera.stamp_ahead).count();
     buffer.timestamp.tv_sec = camera.stamp_s.value_or(stamp / 1'000'000'000);
     buffer.timestamp.tv_usec = stamp % 1'000'000'000 / 1000;
     return 0;
 }
 
+bool FakeVideoSystem::faulty(const Device& device) const {
+    return !faults_.empty() && (faults_.front().node.empty() || faults_.front().node == device.node);
+}
+
 void FakeVideoSystem::send_frame(Device& device, const Camera& camera) {
     Fault fault;
     fault.bytes = static_cast<std::uint32_t>(frame_bytes(camera));
-    if (!faults_.empty()) {
+    if (faulty(device)) {
         fault = faults_.front();
         faults_.pop_front();
     }
@@ -297,7 +308,11 @@ void FakeVideoSystem::send_frame(Device& device, const Camera& camera) {
     }
     const std::uint32_t index = device.queued.front();
     device.queued.pop_front();
-    std::fill(device.memory[index].begin(), device.memory[index].end(), static_cast<std::uint8_t>(sequence));
+    if (camera.draw) {
+        camera.draw(sequence, device.memory[index]);
+    } else {
+        std::fill(device.memory[index].begin(), device.memory[index].end(), static_cast<std::uint8_t>(sequence));
+    }
     if (!camera.jpegs.empty()) {
         const auto& jpeg = camera.jpegs[sequence % camera.jpegs.size()];
         std::copy(jpeg.begin(), jpeg.end(), device.memory[index].begin());

@@ -38,18 +38,26 @@ public:
         int heal_by = 0;          ///< a frozen camera thaws by: 1 stream start, 2 opening, 3 USB reset
         std::uint32_t first_sequence = 0;
         std::chrono::microseconds period{33'333};
-        std::string flash_serial;  ///< digits; empty: no extension unit
+        std::uint32_t agreed_rate = 0;  ///< frames per second, whatever is asked for; 0: what is
+        std::string flash_serial;       ///< digits; empty: no extension unit
         std::vector<std::uint8_t> unit_answer{};
         std::map<std::pair<std::uint8_t, std::uint32_t>, std::uint8_t> registers{};  ///< behind the unit, by part
         std::int32_t brightness = 4;                                                 ///< a control of V4L2, 0 .. 8
         std::int32_t exposure = 0;                                                   ///< in 100 us; 0: none is told
         bool old_clock = false;                                                      ///< stamps with another clock
         std::optional<std::int64_t> stamp_s{};                                       ///< in place of the true seconds
+        std::chrono::microseconds stamp_ahead{0};                                    ///< is added to the true stamp
+        /// Frames come so long after each multiple of the period, as those of cameras with a common trigger; else after
+        /// the stream's start.
+        std::optional<std::chrono::microseconds> trigger{};
+        /// Writes the picture of a frame, in place of its number.
+        std::function<void(std::uint32_t sequence, std::vector<std::uint8_t>& picture)> draw{};
     };
     struct Fault {
         bool flagged = false;
         std::uint32_t bytes = 0;  ///< used; of a fault
         int skip = 0;             ///< numbers left out before
+        std::string node{};       ///< the camera; empty: whichever sends next
     };
 
     FakeVideoSystem();
@@ -113,6 +121,7 @@ private:
     void run_until(std::chrono::steady_clock::time_point time);
     void send_frames();
     void send_frame(Device& device, const Camera& camera);
+    bool faulty(const Device& device) const;
     int start(Device& device, Camera& camera);
     int dequeue(Device& device, Camera& camera, void* argument);
     int request_buffers(Device& device, Camera& camera, void* argument);

@@ -75,5 +75,40 @@ TEST(StereoAdvice, AZedIsTakenByItsNumberAndWhatItsLinkHas) {
     EXPECT_EQ(proposed(zed), "v4l2:vga@30?serial=12345");
 }
 
+TEST(StereoAdvice, TwoCamerasThatAreAlikeMayBeTheEyes) {
+    CameraSurvey left = webcam({{"MJPG", 1920, 1080, {30}}, {"MJPG", 1280, 720, {30}}, {"YUYV", 640, 480, {30}}});
+    CameraSurvey right = left;
+    right.camera.node = "/dev/video2";
+    const auto uris = [](const std::vector<CameraSurvey>& surveys) {
+        std::vector<std::string> list;
+        for (const PairAdvice& pair : advise_pairs(surveys)) {
+            const CameraRequest request = parse_camera_uri(pair.advice.uri);
+            EXPECT_EQ(request.eye_width(), pair.advice.eye_width);
+            EXPECT_EQ(request.eye_height(), pair.advice.eye_height);
+            list.push_back(pair.advice.uri);
+        }
+        return list;
+    };
+    using Uris = std::vector<std::string>;
+    EXPECT_EQ(uris({left, right}), Uris{"v4l2:1280x720@30?left=/dev/video0&right=/dev/video2&format=mjpeg"});
+    EXPECT_EQ(advise_pairs({left, right})[0].advice.reason, "both are 3D USB Camera and offer 1280x720");
+    left.camera.port = "1-1.1";
+    right.camera.port = "1-1.2";
+    right.modes.erase(right.modes.begin(), right.modes.begin() + 2);
+    EXPECT_EQ(uris({left, right}), Uris{"v4l2:640x480@30?left=port:1-1.1&right=port:1-1.2"}) << "what both offer";
+    CameraSurvey third = left;
+    third.camera.node = "/dev/video4";
+    EXPECT_EQ(uris({left, right, third}), Uris{}) << "any two of three";
+    third.camera.name = "another";
+    EXPECT_EQ(uris({left, third, right}).size(), 1U);
+    right.camera.bus = 2;
+    EXPECT_EQ(uris({left, right}), Uris{});
+    right.camera.bus = 0;
+    right.problem = "in use";
+    EXPECT_EQ(uris({left, right}), Uris{});
+    EXPECT_EQ(uris({webcam({{"YUYV", 1280, 480, {30}}}), webcam({{"YUYV", 1280, 480, {30}}})}), Uris{})
+        << "two stereo cameras";
+}
+
 }  // namespace
 }  // namespace disparityd::capture
