@@ -68,6 +68,7 @@ public:
         }
         facts_.state = CameraState::starting;
         facts_.model = "GStreamer pipeline";
+        facts_.node = opened.pipeline->devices();
         facts_.rate = info_.rate;
         facts_.arrivals = 1;
         if (!opened.first->stamp_ns) {
@@ -312,7 +313,7 @@ void GstLive::changed(const GstFrame& frame) {
 void GstLive::set_state(CameraState state, const std::string& detail) {
     {
         const std::lock_guard lock(mutex_);
-        if (facts_.state == state && detail_ == detail) {
+        if (facts_.state == state && tell_the_same(detail_, detail)) {
             return;
         }
         facts_.state = state;

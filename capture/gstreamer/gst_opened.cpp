@@ -2,6 +2,7 @@
 #include "capture/gstreamer/gst_opened.h"
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 #include <thread>
 
@@ -58,7 +59,7 @@ GstOpened attempt(const GstUri& uri, const SourceOptions& options, const GstStop
     GstOpened opened;
     opened.pipeline = std::make_unique<StereoPipeline>(uri.pipeline, most_waiting(options));
     opened.frames = std::make_unique<GstFrames>(*opened.pipeline, uri.within_ns);
-    device = opened.pipeline->has_device();
+    device = !opened.pipeline->devices().empty();
     opened.pipeline->start();
     wait_for_first(opened, options, stop);
     opened.live = opened.pipeline->ask_live();
@@ -88,7 +89,7 @@ GstOpened open_gst_pipeline(const GstUri& uri, const SourceOptions& options, con
             if (!patient || !device || steady_clock::now() + pause >= until) {
                 throw;
             }
-            if (options.report && told != error.what()) {
+            if (options.report && !tell_the_same(told, error.what())) {
                 told = error.what();
                 options.report(told + "; it is tried again", true);
             }
@@ -107,6 +108,14 @@ std::string no_frame_text(const StereoPipeline& pipeline, const GstFrames& frame
         text += more.empty() ? "" : "; " + more;
     }
     return text;
+}
+
+bool tell_the_same(const std::string& one, const std::string& other) {
+    const auto words = [](std::string text) {
+        std::erase_if(text, [](unsigned char c) { return std::isdigit(c) != 0; });
+        return text;
+    };
+    return words(one) == words(other);
 }
 
 void throw_problem(const GstProblem& problem) {

@@ -21,12 +21,13 @@ namespace disparityd::capture {
 struct StereoPipelineState {
     GstPtr<GstElement> pipeline;
     std::vector<GstElement*> sinks;  ///< of the left eye or both, of the right one; the pipeline's
-    bool device = false;
+    std::string devices;
     std::unique_ptr<GstFeed> feed;
     std::mutex states;  ///< one thread at a time changes the state of the elements, as long as that takes
 
     std::mutex mutex;  ///< what follows
     std::condition_variable changed;
+    bool starting = false;
     bool stopping = false;
     bool stopped = false;
     std::string warning;
@@ -35,7 +36,8 @@ struct StereoPipelineState {
 
 namespace {
 
-constexpr std::chrono::seconds longest_stop{3};
+constexpr std::chrono::milliseconds longest_stop{3000};
+constexpr std::chrono::milliseconds longest_stop_of_a_start{300};  ///< that hangs
 
 [[noreturn]] void refuse(const std::string& what) {
     throw std::invalid_argument("source gst: " + what);
@@ -229,8 +231,7 @@ bool is_stopping(StereoPipelineState& state) {
     return state.stopping;
 }
 
-void begin(GstElement* pipeline, gpointer owner) {
-    StereoPipelineState& state = state_of(owner);
+void begin_states(GstElement* pipeline, StereoPipelineState& state) {
     const std::lock_guard lock(state.states);
     for (const GstState wanted : {GST_STATE_PAUSED, GST_STATE_PLAYING}) {
         if (is_stopping(state)) {
@@ -244,6 +245,13 @@ void begin(GstElement* pipeline, gpointer owner) {
             default: break;
         }
     }
+}
+
+void begin(GstElement* pipeline, gpointer owner) {
+    StereoPipelineState& state = state_of(owner);
+    begin_states(pipeline, state);
+    const std::lock_guard lock(state.mutex);
+    state.starting = false;
 }
 
 /// Ends the pipeline, and what it owns of the state.
@@ -268,8 +276,12 @@ StereoPipeline::StereoPipeline(const std::string& text, std::size_t waiting)
     : state_(std::make_shared<StereoPipelineState>()) {
     state_->pipeline = parse(text);
     state_->sinks = sinks_of(*state_->pipeline);
-    for_each_element(*state_->pipeline,
-                     [this](GstElement& element) { state_->device = state_->device || is_device(element); });
+    for_each_element(*state_->pipeline, [this](GstElement& element) {
+        const std::string kind = base::printable(GST_OBJECT_NAME(gst_element_get_factory(&element)));
+        if (is_device(element) && state_->devices.find(kind) == std::string::npos) {
+            state_->devices += (state_->devices.empty() ? "" : ", ") + kind;
+        }
+    });
     for (GstElement* const sink : state_->sinks) {
         set_up_sink(*sink);
     }
@@ -296,13 +308,14 @@ bool StereoPipeline::has_two_sinks() const {
     return state_->sinks.size() == 2;
 }
 
-bool StereoPipeline::has_device() const {
-    return state_->device;
+const std::string& StereoPipeline::devices() const {
+    return state_->devices;
 }
 
 void StereoPipeline::start() {
     const base::SignalsBlocked inherited;
     started_ = true;
+    state_->starting = true;  // nobody else has it yet
     gst_element_call_async(state_->pipeline.get(), begin, new Owner(state_), disown);
 }
 
@@ -355,7 +368,8 @@ void StereoPipeline::stop() {
     const base::SignalsBlocked inherited;
     gst_element_call_async(state_->pipeline.get(), finish, owner, disown);
     std::unique_lock lock(state_->mutex);
-    state_->changed.wait_for(lock, longest_stop, [this] { return state_->stopped; });
+    state_->changed.wait_for(lock, state_->starting ? longest_stop_of_a_start : longest_stop,
+                             [this] { return state_->stopped; });
 }
 
 }  // namespace disparityd::capture

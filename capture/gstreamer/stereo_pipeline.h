@@ -26,8 +26,8 @@ public:
     /// Whether each eye has an appsink.
     bool has_two_sinks() const;
 
-    /// Whether frames come from devices or the network, not from files: what is not there may come.
-    bool has_device() const;
+    /// The kinds of elements that take frames from devices or the network, such as "v4l2src"; empty: from files only.
+    const std::string& devices() const;
 
     /// Lets it play. What comes of that is told by feed().
     void start();

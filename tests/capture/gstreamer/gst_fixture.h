@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <gst/gst.h>
+
 #include "capture/frame_source.h"
 #include "tests/capture/images/image_fixture.h"
 #include "tests/capture/played_source.h"
@@ -17,6 +19,16 @@ inline SourceOptions options_of(const std::string& pipeline) {
     options.uri = "gst:" + pipeline;
     options.pace = Pace::fastest;
     return options;
+}
+
+/// Whether the plugin of an element is installed.
+inline bool has_element(const char* name) {
+    gst_init(nullptr, nullptr);
+    GstElementFactory* const factory = gst_element_factory_find(name);
+    if (factory != nullptr) {
+        gst_object_unref(factory);
+    }
+    return factory != nullptr;
 }
 
 /// A test source of both eyes, with these properties, at this rate.

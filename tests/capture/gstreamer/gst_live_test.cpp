@@ -12,11 +12,13 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
+using test::has_element;
 using test::options_of;
 using test::soon;
 using test::test_source;
 using test::width;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using Next = FrameSource::Next;
 
@@ -136,6 +138,30 @@ TEST(GstLive, AStallAndAnErrorAreTold) {
         const test::Played played = test::play_all(options);
         EXPECT_THAT(played.problem, HasSubstr(told));
     }
+}
+
+TEST(GstLive, ADaemonWaitsForADeviceAndTellsWhyOnce) {
+    struct Cancelled {};
+    std::vector<std::string> lines;
+    SourceOptions options = options_of("v4l2src device=/dev/video77 ! appsink");
+    options.wait_for_camera = true;
+    options.stall_time = milliseconds(20);
+    options.report = [&](const std::string& line, bool) { lines.push_back(line); };
+    const auto until = steady_clock::now() + milliseconds(100);
+    options.progress = [&](int, int) {
+        if (steady_clock::now() >= until) {
+            throw Cancelled();
+        }
+    };
+    if (has_element("v4l2src")) {
+        EXPECT_THROW(open_source(options), Cancelled);
+        EXPECT_THAT(lines, ElementsAre(HasSubstr("Cannot identify device '/dev/video77'")));
+    }
+    lines.clear();
+    options.progress = [](int, int) {};
+    options.uri = "gst:filesrc location=/nowhere ! rawvideoparse width=128 height=48 ! appsink";
+    EXPECT_THROW(open_source(options), std::runtime_error);
+    EXPECT_TRUE(lines.empty()) << "a file is not waited for";
 }
 
 TEST(GstLive, AnotherSizeAsksADaemonToOpenTheSourceAnew) {

@@ -4,8 +4,6 @@
 #include <cstring>
 #include <numeric>
 
-#include <gst/gst.h>
-
 #include "tests/capture/gstreamer/gst_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -13,6 +11,7 @@ namespace disparityd::capture {
 namespace {
 
 using disparityd::test::TemporaryFolder;
+using test::has_element;
 using test::height;
 using test::numbered_image;
 using test::options_of;
@@ -27,15 +26,6 @@ using testing::IsEmpty;
 using testing::SizeIs;
 
 constexpr int pixels = 2 * width * height;
-
-bool has_element(const char* name) {
-    gst_init(nullptr, nullptr);
-    GstElementFactory* const factory = gst_element_factory_find(name);
-    if (factory != nullptr) {
-        gst_object_unref(factory);
-    }
-    return factory != nullptr;
-}
 
 struct Format {
     const char* name;
