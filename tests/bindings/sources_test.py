@@ -48,14 +48,16 @@ class Sources(unittest.TestCase):
         subprocess.run([DISPARITYCTL, "record", "--source", SCENE, recording], check=True, capture_output=True)
         with disparity.open(SCENE) as drawn, disparity.open(recording) as recorded:
             self.assertEqual(recorded.calibration.to_opencv_yaml(), drawn.calibration.to_opencv_yaml())
-            frames = list(drawn), list(recorded)
-            self.assertEqual([len(of) for of in frames], [3, 3])
-            for one, other in zip(*frames):
-                numpy.testing.assert_array_equal(one.left, other.left)
-                numpy.testing.assert_array_equal(one.right, other.right)
-                self.assertEqual((one.sequence, one.dropped_before), (other.sequence, other.dropped_before))
-            times = [frame.monotonic_ns for frame in frames[1]]
-            self.assertTrue(0 < times[0] < times[1] < times[2], times)
+            frames, kept = list(drawn), list(recorded)
+        # Of a recording in real time frames are lost where the machine is busy.
+        self.assertTrue(kept)
+        self.assertEqual([frame.sequence for frame in frames], [0, 1, 2])
+        self.assertLessEqual(recorded.dropped, kept[-1].sequence + 1 - len(kept))
+        for frame in kept:
+            numpy.testing.assert_array_equal(frame.left, frames[frame.sequence].left)
+            numpy.testing.assert_array_equal(frame.right, frames[frame.sequence].right)
+        times = [0] + [frame.monotonic_ns for frame in kept]
+        self.assertEqual(times, sorted(set(times)))
 
     def test_images(self):
         self.pictures(channels=3)
