@@ -20,7 +20,8 @@ const std::vector<SourceKind>& source_kinds() {
          "a stereo camera: v4l2:auto (the first ZED that is there), v4l2:hd720@30, v4l2:vga@100?serial=12345, "
          "v4l2:2560x720@30?device=/dev/video0 (whole "
          "frame); "
-         "options format=yuyv|grey|mjpeg|y8i, layout=side-by-side|top-bottom, first=left|right (the eye in the left or "
+         "options format=yuyv|grey|mjpeg|y8i|y12i|bggr8|gbrg8|grbg8|rggb8, layout=side-by-side|top-bottom, "
+         "first=left|right (the eye in the left or "
          "upper "
          "half), port=USB-PORT; two cameras: v4l2:640x480@30?left=/dev/video0&right=/dev/video2",
          is_camera, open_camera},

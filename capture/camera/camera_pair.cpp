@@ -157,7 +157,7 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
       interval_ns_(std::llround(1e9 / request_.rate)),
       silence_(std::max<steady_clock::duration>(options.stall_time, std::chrono::nanoseconds(8 * interval_ns_))),
       eye_bytes_(static_cast<std::size_t>(request_.eye_width()) *
-                 static_cast<std::size_t>(bytes_per_pixel(request_.format))),
+                 static_cast<std::size_t>(bytes_per_pixel(request_.format()))),
       frames_(static_cast<std::size_t>(std::max(1, options.loans)),
               std::vector<std::uint8_t>(2 * eye_bytes_ * static_cast<std::size_t>(request_.eye_height()))),
       timing_(interval_ns_),
@@ -166,7 +166,7 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
     info_.name = options_.uri;
     info_.eye_width = request_.eye_width();
     info_.height = request_.eye_height();
-    info_.format = request_.format;
+    info_.format = request_.format();
     info_.rate = request_.rate;
     info_.live = true;
     info_.description =

@@ -125,17 +125,17 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Ca
     info_.name = options.uri;
     info_.eye_width = request_.eye_width();
     info_.height = request_.eye_height();
-    info_.format = request_.format;
+    info_.format = request_.format();
     info_.rate = request_.rate;
     info_.live = true;
     info_.description =
         request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
     identity_.expect_likely(info_, options.likely_port);
-    if (request_.mjpeg) {
+    if (request_.mjpeg()) {
         jpegs_.emplace(request_.layout(), options.decoders, options.loans, stream_, waker_);
         info_.jpegs = request_.layout();
-    } else if (!request_.layout().as_lent()) {
-        joiner_.emplace(request_.layout(), bytes_per_pixel(request_.format), std::max(1, options.loans));
+    } else if (!request_.layout().as_lent() || request_.sent->packing != Packing::plain) {
+        joiner_.emplace(request_.layout(), *request_.sent, std::max(1, options.loans), request_.half_of_pair);
     }
     if (options.stamp == Stamp::exposure_centre) {
         exposure_.emplace(system);
@@ -210,7 +210,8 @@ VideoStream::Got CameraSource::take(RawFrame& frame, steady_clock::time_point de
 bool CameraSource::take_decoded(RawFrame& frame) {
     while (auto decoded = jpegs_->take()) {
         if (decoded->problem.empty()) {
-            decoded->frame.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
+            decoded->frame.stride =
+                static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format());
             lend(frame, decoded->frame);
             frame.jpeg = decoded->jpeg;
             return true;
@@ -240,12 +241,12 @@ void CameraSource::lend(RawFrame& frame, const VideoFrame& captured) {
 void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     const FrameCounter::Place place = counter_.place(captured.sequence);
     frame = {};
-    frame.image = {captured.data, request_.format, info_.eye_width, info_.height, captured.stride};
+    frame.image = {captured.data, request_.format(), info_.eye_width, info_.height, captured.stride};
     frame.loan = captured.loan;
     if (joiner_) {
         frame.loan = joiner_->join(captured.data, captured.stride);
         frame.image.data = joiner_->data(frame.loan);
-        frame.image.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format);
+        frame.image.stride = static_cast<std::ptrdiff_t>(2) * info_.eye_width * bytes_per_pixel(request_.format());
         stream_.give_back(captured.loan);
     }
     frame.sequence = place.sequence;
@@ -373,9 +374,9 @@ std::optional<CameraProblem> CameraSource::open_one(const UsbCamera& camera) {
         return problem;
     }
     try {
-        stream_.open(camera.node,
-                     {request_.frame_width, request_.frame_height, request_.rate, request_.format, request_.mjpeg,
-                      jpegs_ ? jpegs_->most_jpegs() : options_.loans, request_.interleaved, request_.forced});
+        stream_.open(camera.node, {request_.frame_width, request_.frame_height, request_.rate,
+                                   request_.forced != 0 ? request_.forced : request_.sent->fourcc, request_.sent->bytes,
+                                   jpegs_ ? jpegs_->most_jpegs() : options_.loans});
         stream_.start();
     } catch (const VideoError& error) {
         stream_.close();

@@ -49,26 +49,18 @@ void read_mode(const SourceUri& uri, CameraRequest& request) {
 }
 
 void read_format(const SourceUri& uri, const std::string& value, CameraRequest& request) {
-    if (value != "yuyv" && value != "grey" && value != "mjpeg" && value != "y8i") {
-        uri.fail("format", value, "yuyv, grey, mjpeg or y8i");
+    request.sent = camera_format_of_name(value);
+    if (request.sent == nullptr) {
+        uri.fail("format", value, camera_format_names());
     }
-    request.mjpeg = value == "mjpeg";
-    request.interleaved = value == "y8i";
-    request.format = value == "grey" || request.interleaved ? PixelFormat::grey8 : PixelFormat::yuyv;
 }
 
-/// Drivers call a format by four characters, of which the last are spaces where the name is shorter.
-std::uint32_t fourcc(const SourceUri& uri, const std::string& value) {
+std::uint32_t forced_format(const SourceUri& uri, const std::string& value) {
     const bool printable = std::all_of(value.begin(), value.end(), [](char c) { return c > ' ' && c <= '~'; });
     if (value.size() > 4 || !printable) {
         uri.fail("force", value, "the driver's name of a format, such as Y16: 1 to 4 characters");
     }
-    std::uint32_t code = 0;
-    for (unsigned i = 0; i < 4; ++i) {
-        const char letter = i < value.size() ? value[i] : ' ';
-        code |= static_cast<std::uint32_t>(static_cast<unsigned char>(letter)) << (8 * i);
-    }
-    return code;
+    return fourcc_of(value);
 }
 
 /// Reads which camera has one eye: a node, or "port:" or "serial:" and the camera's.
@@ -107,7 +99,7 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
     } else if (parameter.key == "format") {
         read_format(uri, value, request);
     } else if (parameter.key == "force") {
-        request.forced = fourcc(uri, value);
+        request.forced = forced_format(uri, value);
     } else if (parameter.key == "layout") {
         if (value != "side-by-side" && value != "top-bottom") {
             uri.fail("layout", value, "side-by-side or top-bottom");
@@ -152,8 +144,9 @@ void read_pair(const SourceUri& uri, CameraRequest& request) {
                  "two cameras; those with one serial number are told apart by port: or by node");
     }
     const CameraName& other = request;
-    if (other != CameraName{} || request.interleaved || request.top_bottom || request.right_first) {
-        uri.fail("parameter", "left= and right= with device=, serial=, port=, layout=, first= or format=y8i",
+    if (other != CameraName{} || request.sent->interleaved() || request.top_bottom || request.right_first) {
+        uri.fail("parameter",
+                 "left= and right= with device=, serial=, port=, layout=, first= or an interleaved format=",
                  "left= and right=, where each camera sends one eye, or one camera of both eyes");
     }
     if (!request.mode.empty()) {
@@ -168,18 +161,19 @@ void read_pair(const SourceUri& uri, CameraRequest& request) {
 
 void check_size(const SourceUri& uri, const CameraRequest& request) {
     const std::string size = std::to_string(request.frame_width) + "x" + std::to_string(request.frame_height);
-    const int pixels = request.format == PixelFormat::yuyv ? 2 : 1;
-    if (request.interleaved && request.top_bottom) {
-        uri.fail("layout", "top-bottom", "side-by-side with format=y8i, whose pixels have a byte of each eye");
+    const int pixels = request.format() == PixelFormat::grey8 ? 1 : 2;  // of Bayer, so that both eyes begin alike
+    if (request.sent->interleaved() && request.top_bottom) {
+        uri.fail("layout", "top-bottom", "side-by-side with a format whose pixels have values of both eyes");
     }
-    if (request.interleaved) {
+    if (request.sent->interleaved()) {
         return;
     }
     if (request.right && request.frame_width % (2 * pixels) != 0) {
         uri.fail("size", size, "a width that is a multiple of " + std::to_string(2 * pixels) + " for this format");
     }
-    if (request.top_bottom && (request.frame_height % 2 != 0 || request.frame_width % pixels != 0)) {
-        uri.fail("size", size, "an even height with layout=top-bottom, and an even width for YUYV");
+    if (request.top_bottom && (request.frame_height % (request.sent->packing == Packing::bayer ? 4 : 2) != 0 ||
+                               request.frame_width % pixels != 0)) {
+        uri.fail("size", size, "an even height with layout=top-bottom, and an even width for this format");
     }
     if (!request.top_bottom && request.frame_width % (2 * pixels) != 0) {
         uri.fail("size", size,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/camera/camera_format.h"
 #include "capture/eye_layout.h"
 #include "capture/usb/usb_camera.h"
 #include "kernels/raw_image.h"
@@ -31,22 +32,23 @@ struct CameraRequest : CameraName {
     int frame_width = 0;  ///< the whole frame of a camera: of both eyes, or of one where `right` is set; pixels
     int frame_height = 0;
     double rate = 30;
-    PixelFormat format = PixelFormat::yuyv;  ///< of the frames that are lent; or grey8
-    bool mjpeg = false;                      ///< the camera sends JPEGs, which become YUYV
-    bool interleaved = false;                ///< each pixel has a byte of either eye (Y8I); grey8 is lent
-    std::uint32_t forced = 0;                ///< what the driver is asked for, whatever it calls it; 0: the format
-    bool top_bottom = false;                 ///< one eye above the other instead of beside it
-    bool right_first = false;                ///< the right eye is the left or upper one
+    const CameraFormat* sent = camera_format_of_name("yuyv");  ///< never nullptr
+    std::uint32_t forced = 0;  ///< what the driver is asked for, whatever it calls it; 0: the format
+    bool top_bottom = false;   ///< one eye above the other instead of beside it
+    bool right_first = false;  ///< the right eye is the left or upper one
 
     /// The camera of the right eye, where each eye has one; the request's own name is then that of the left one.
     std::optional<CameraName> right;
     std::int64_t within_ns = 0;  ///< with `right`: stamps of the two frames of a pair are at most so far apart
     bool half_of_pair = false;   ///< the frame shows one eye (request_of_eye())
 
-    int eye_width() const { return top_bottom || interleaved || right ? frame_width : frame_width / 2; }
+    int eye_width() const { return top_bottom || sent->interleaved() || right ? frame_width : frame_width / 2; }
     int eye_height() const { return top_bottom ? frame_height / 2 : frame_height; }
 
-    EyeLayout layout() const { return {eye_width(), eye_height(), top_bottom, right_first, interleaved}; }
+    EyeLayout layout() const { return {eye_width(), eye_height(), top_bottom, right_first, sent->interleaved()}; }
+
+    PixelFormat format() const { return sent->lent; }
+    bool mjpeg() const { return sent->packing == Packing::jpeg; }
 
     /// A mode of ZED cameras means one of those: not whatever else has this size while the ZED is unplugged.
     bool zed_only() const { return !mode.empty() && device.empty() && port.empty(); }

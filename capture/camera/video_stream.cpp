@@ -26,19 +26,6 @@ constexpr int fewest_buffers = 3;
 constexpr std::uint32_t index_bits = 8;
 constexpr std::uint32_t generation_mask = (1U << 22U) - 1;
 
-std::uint32_t fourcc(const StreamRequest& request) {
-    if (request.forced != 0) {
-        return request.forced;
-    }
-    if (request.mjpeg) {
-        return V4L2_PIX_FMT_MJPEG;
-    }
-    if (request.interleaved) {
-        return V4L2_PIX_FMT_Y8I;
-    }
-    return request.format == PixelFormat::grey8 ? V4L2_PIX_FMT_GREY : V4L2_PIX_FMT_YUYV;
-}
-
 std::string format_text(const v4l2_pix_format& format) {
     std::string letters;
     for (unsigned shift = 0; shift < 32; shift += 8) {
@@ -112,7 +99,7 @@ void VideoStream::agree_on_format(const StreamRequest& request) {
     v4l2_pix_format& pixels = format.fmt.pix;
     pixels.width = static_cast<std::uint32_t>(request.width);
     pixels.height = static_cast<std::uint32_t>(request.height);
-    pixels.pixelformat = fourcc(request);
+    pixels.pixelformat = request.fourcc;
     pixels.field = V4L2_FIELD_NONE;
     const v4l2_pix_format asked = pixels;
     if (const int code = system_.ioctl(device_, VIDIOC_S_FMT, &format); code != 0) {
@@ -122,9 +109,8 @@ void VideoStream::agree_on_format(const StreamRequest& request) {
         fail(VideoError::Call::format, 0,
              "does not offer " + format_text(asked) + ", nearest is " + format_text(pixels));
     }
-    const int bytes = request.interleaved ? 2 : bytes_per_pixel(request.format);
-    const std::size_t row = std::size_t{pixels.width} * static_cast<std::size_t>(bytes);
-    if (request.mjpeg) {
+    const std::size_t row = std::size_t{pixels.width} * static_cast<std::size_t>(request.bytes_per_pixel);
+    if (request.bytes_per_pixel == 0) {
         stride_ = 0;
         frame_bytes_ = 1;
         return;

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "capture/camera/video_system.h"
-#include "kernels/raw_image.h"
 
 struct v4l2_buffer;
 
@@ -30,11 +29,9 @@ struct StreamRequest {
     int width = 0;  ///< of the whole frame, pixels
     int height = 0;
     double rate = 0;
-    PixelFormat format = PixelFormat::yuyv;
-    bool mjpeg = false;        ///< each frame is a JPEG, whatever `format` says
+    std::uint32_t fourcc = 0;  ///< the driver's name of the format
+    int bytes_per_pixel = 2;   ///< as it is sent; 0: each frame is a JPEG
     int loans = 8;             ///< frames that may be out at the same time
-    bool interleaved = false;  ///< each pixel has a byte of either eye (Y8I), whatever `format` says
-    std::uint32_t forced = 0;  ///< ask the driver for this one instead, as it calls it; 0: do not
 };
 
 /// A captured buffer; the bytes lie in the driver's memory until give_back().

@@ -5,6 +5,7 @@
 
 #include "base/message_text.h"
 #include "calibration/calibration_lookup.h"
+#include "capture/camera/camera_format.h"
 #include "capture/camera/camera_identity.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_survey.h"
@@ -27,7 +28,7 @@ struct SourcesArguments {
 std::vector<std::string> mode_lines(const capture::CameraSurvey& survey) {
     std::vector<std::string> lines;
     for (const capture::VideoMode& mode : survey.modes) {
-        const bool read = mode.format == "YUYV" || mode.format == "GREY" || mode.format == "MJPG";
+        const bool read = capture::camera_format_of_fourcc(capture::fourcc_of(mode.format)) != nullptr;
         std::string line = mode.format + " " + std::to_string(mode.width) + "x" + std::to_string(mode.height);
         for (std::size_t i = 0; i < mode.rates.size(); ++i) {
             line += (i == 0 ? " at " : ", ") + fixed(mode.rates[i], 0);

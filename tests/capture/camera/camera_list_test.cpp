@@ -116,12 +116,12 @@ TEST(CameraUriTest, ModesSizesAndSelection) {
     EXPECT_EQ(request.eye_width(), 1280);
     EXPECT_EQ(request.eye_height(), 480);
     EXPECT_EQ(request.rate, 7.5);
-    EXPECT_EQ(request.format, PixelFormat::grey8);
-    EXPECT_FALSE(request.mjpeg);
+    EXPECT_EQ(request.format(), PixelFormat::grey8);
+    EXPECT_FALSE(request.mjpeg());
     EXPECT_FALSE(request.right_first);
     const CameraRequest jpegs = parse_camera_uri("v4l2:2560x720@30?device=/dev/video0&format=mjpeg&first=right");
-    EXPECT_EQ(jpegs.format, PixelFormat::yuyv);
-    EXPECT_TRUE(jpegs.mjpeg);
+    EXPECT_EQ(jpegs.format(), PixelFormat::yuyv);
+    EXPECT_TRUE(jpegs.mjpeg());
     EXPECT_TRUE(jpegs.right_first);
     const CameraRequest forced = parse_camera_uri("v4l2:1281x720?device=/dev/video0&format=y8i&force=Y16");
     EXPECT_EQ(forced.eye_width(), 1281);
@@ -139,8 +139,8 @@ TEST(CameraUriTest, MistakesAreRefusedWithWhatIsAllowed) {
         {"v4l2:2560x720@", "1 to 1000"},
         {"v4l2:vga?serial", "with a value"},
         {"v4l2:vga?colour=red", "serial, device, port, left, right, within_ms, format, force, layout or first"},
-        {"v4l2:vga?format=h264", "yuyv, grey, mjpeg or y8i"},
-        {"v4l2:1281x720?format=y8i&layout=top-bottom", "side-by-side with format=y8i"},
+        {"v4l2:vga?format=h264", "yuyv, grey, mjpeg, y8i, y12i, bggr8, gbrg8, grbg8 or rggb8"},
+        {"v4l2:1281x720?format=y8i&layout=top-bottom", "side-by-side with a format whose"},
         {"v4l2:1280x720?force=Y16LE", "1 to 4 characters"},
         {"v4l2:vga?first=top", "left or right: the eye"},
         {"v4l2:1282x720", "a multiple of 4"},

@@ -401,7 +401,7 @@ TEST_F(CameraSourceTest, AFormatThatTheDriverCallsOtherwiseIsRefusedUnlessForced
 TEST(EyeJoinerTest, TakesInterleavedEyesApart) {
     const std::uint8_t sent[] = {10, 20, 11, 21, 0, 0, 12, 22, 13, 23, 0, 0};  // rows with a gap
     for (const bool right_first : {false, true}) {
-        EyeJoiner joiner({2, 2, false, right_first, true}, 1, 1);
+        EyeJoiner joiner({2, 2, false, right_first, true}, *camera_format_of_name("y8i"), 1);
         const int index = joiner.join(sent, 6);
         const std::vector<std::uint8_t> joined(joiner.data(index), joiner.data(index) + 8);
         if (right_first) {
@@ -417,7 +417,7 @@ TEST(EyeJoinerTest, PutsTheLeftEyeFirst) {
     const std::uint8_t side_by_side[] = {20, 21, 10, 11, 22, 23, 12, 13};
     const std::uint8_t top_bottom[] = {20, 21, 22, 23, 10, 11, 12, 13};
     for (const bool above : {false, true}) {
-        EyeJoiner joiner({2, 2, above, true}, 1, 1);
+        EyeJoiner joiner({2, 2, above, true}, *camera_format_of_name("grey"), 1);
         const int index = joiner.join(above ? top_bottom : side_by_side, above ? 2 : 4);
         const std::vector<std::uint8_t> joined(joiner.data(index), joiner.data(index) + 8);
         EXPECT_THAT(joined, ElementsAre(10, 11, 20, 21, 12, 13, 22, 23));

@@ -18,6 +18,13 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
+/// Bytes of a pixel, and room for JPEGs.
+unsigned bytes_of(std::uint32_t format) {
+    const bool bayer = format == V4L2_PIX_FMT_SBGGR8 || format == V4L2_PIX_FMT_SGBRG8 ||
+                       format == V4L2_PIX_FMT_SGRBG8 || format == V4L2_PIX_FMT_SRGGB8;
+    return format == V4L2_PIX_FMT_GREY || bayer ? 1 : format == V4L2_PIX_FMT_Y12I ? 3 : 2;
+}
+
 v4l2_buffer& as_buffer(void* argument) {
     return *static_cast<v4l2_buffer*>(argument);
 }
@@ -65,7 +72,7 @@ FakeVideoSystem::Camera* FakeVideoSystem::camera_of(const Device& device) {
 
 std::size_t FakeVideoSystem::frame_bytes(const Camera& camera) const {
     const std::size_t pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-    return camera.format == V4L2_PIX_FMT_GREY ? pixels : 2 * pixels;
+    return pixels * bytes_of(camera.format);
 }
 
 int FakeVideoSystem::open(const std::string& node) {
@@ -127,7 +134,7 @@ int FakeVideoSystem::ioctl(int number, unsigned long request, void* argument) {
             pixels.width = static_cast<std::uint32_t>(camera->width);
             pixels.height = static_cast<std::uint32_t>(camera->height);
             pixels.pixelformat = camera->format;
-            pixels.bytesperline = pixels.width * (camera->format == V4L2_PIX_FMT_GREY ? 1 : 2);
+            pixels.bytesperline = pixels.width * bytes_of(camera->format);
             return camera->format_error;
         }
         case VIDIOC_S_PARM:

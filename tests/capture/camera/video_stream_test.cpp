@@ -5,6 +5,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/videodev2.h>
 
 #include "capture/camera/frame_counter.h"
 #include "tests/capture/camera/fake_camera.h"
@@ -17,7 +18,7 @@ using Got = VideoStream::Got;
 using test::FakeVideoSystem;
 using test::zed2;
 
-const StreamRequest request{64, 16, 30, PixelFormat::yuyv, false, 4};
+const StreamRequest request{64, 16, 30, V4L2_PIX_FMT_YUYV, 2, 4};
 
 class VideoStreamTest : public ::testing::Test {
 protected:
