@@ -162,10 +162,12 @@ bool NativeReader::accept(const AVPacket& packet) {
 }
 
 void NativeReader::refused(const std::string& why) {
-    if (!stored_.empty()) {
-        stored_.pop_back();
+    if (stored_.empty()) {
+        leave_out(why);
+        return;
     }
-    leave_out(why);
+    leave_out(why, stored_.back().facts);
+    stored_.pop_back();
 }
 
 void NativeReader::leave_out(const std::string& why) {

@@ -171,6 +171,28 @@ TEST_F(JpegRecordingTest, AFlippedBitLeavesOneFrameOut) {
     }
 }
 
+TEST_F(JpegRecordingTest, SamplesOfAJpegThatIsRefusedCountAsLost) {
+    open();
+    RecordingWriter writer(path_, source_->info());
+    for (std::size_t i = 0; i < 3; ++i) {
+        std::vector<SensorSample> samples{test::make_sample(0), test::make_sample(1)};
+        samples[0].lost_before = 3;
+        samples[1].lost_before = 0;
+        for_frames(1, [&](RawFrame frame) {
+            frame.jpeg = frame.jpeg.first(i == 1 ? frame.jpeg.size() / 2 : frame.jpeg.size());
+            frame.sensors = samples;
+            writer.write(frame);
+        });
+    }
+    writer.close();
+    const Replay played = test::replay(path_);
+    EXPECT_THAT(played.error, testing::HasSubstr("2 of 3 frames could be read, 1 frame was left out"));
+    ASSERT_EQ(played.frames.size(), 2U);
+    EXPECT_EQ(played.frames[1].dropped_before, 1U);
+    ASSERT_EQ(played.frames[1].sensors.size(), 2U);
+    EXPECT_EQ(played.frames[1].sensors[0].lost_before, 3U + 2 + 3);
+}
+
 TEST_F(JpegRecordingTest, DamagedTagsAreRefused) {
     open();
     record(pictures);
