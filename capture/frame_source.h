@@ -131,6 +131,7 @@ struct SourceOptions {
     Pace pace = Pace::source;
     bool loop = false;             ///< start again after the last frame
     std::string calibration_path;  ///< overrides what the source brings; empty = the source's own
+    bool calibrated = true;        ///< false: the calibration of a file or folder is not looked at, whatever it is
     int time_offset_us =
         0;  ///< is added to the stamps of all frames, unless they contain an offset; -100'000 .. 100'000
     /// Of images: those that cannot be read, or have another size than the first, are left out; each is told to
@@ -166,6 +167,7 @@ struct SourceKind {
     std::string_view description;  ///< one line for people, with an example
     bool (*accepts)(const std::string& uri);
     std::unique_ptr<FrameSource> (*open)(const SourceOptions& options);
+    bool is_kept = false;  ///< a file or a folder, whose frames wait for whoever takes them
 };
 
 const std::vector<SourceKind>& source_kinds();

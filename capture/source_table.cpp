@@ -35,18 +35,18 @@ const std::vector<SourceKind>& source_kinds() {
          "pairs of topics with images is read "
          "stands "
          "behind it: recording.mcap?left=/left/image_raw&right=/right/image_raw",
-         is_bag, open_bag},
+         is_bag, open_bag, true},
         {"svo2",
          "experimental: a recording of the ZED SDK from 4.1 on, with the calibration of its camera's serial number: "
          "recording.svo2",
-         is_svo, open_svo},
+         is_svo, open_svo, true},
         {"folder",
          "a folder of Middlebury, KITTI or EuRoC images, or with left/ and right/; two folders LEFT,RIGHT; a pair "
          "left.png,right.png; or a pattern: left_%04d.png,right_%04d.png; "
-         "?bits=12 behind it for values of 12 bits in images of 16",
-         is_image_sequence, open_images},
+         "?bits=12 behind it for values of 12 bits in images of 16, ?imu=off without EuRoC's inertial sensor",
+         is_image_sequence, open_images, true},
         {"recording", "a side-by-side video: recording.mkv; or one for each eye: left.mp4,right.mp4", is_recording,
-         open_recording},
+         open_recording, true},
     };
     return kinds;
 }

@@ -160,6 +160,9 @@ std::optional<calibration::StereoCalibration> find_calibration(const SourceOptio
     if (!options.calibration_path.empty()) {
         return calibration::read_calibration(options.calibration_path, width, height, kitti_pair(sequence, colour));
     }
+    if (!options.calibrated) {
+        return std::nullopt;
+    }
     if (!sequence.calibration.empty()) {
         return sequence.kitti_camera >= 0 ? read_kitti(sequence.calibration, sequence.kitti_camera, width, height)
                                           : read_with_sensor(sequence, width, height);

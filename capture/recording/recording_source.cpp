@@ -58,7 +58,7 @@ SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info
     }
     if (!options.calibration_path.empty()) {
         info.calibration = calibration::read_calibration(options.calibration_path, info.eye_width, info.height);
-    } else if (found.calibration_text) {
+    } else if (found.calibration_text && options.calibrated) {
         info.calibration = calibration::calibration_from_text(
             *found.calibration_text, found.calibration_origin.empty() ? options.uri : found.calibration_origin);
         info.serial = found.serial;

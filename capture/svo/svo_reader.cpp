@@ -293,7 +293,7 @@ void SvoReader::describe() {
                                 ": that costs accuracy of distances");
     }
     describe_topics();
-    if (options_.calibration_path.empty()) {
+    if (options_.calibrated && options_.calibration_path.empty()) {
         find_calibration();
     }
 }

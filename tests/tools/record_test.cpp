@@ -53,6 +53,28 @@ TEST_F(RecordTest, ARecordingRecordedAgainIsTheSame) {
     EXPECT_EQ(frames_of(path("in.mkv")), frames_of(path("out.mkv")));
 }
 
+TEST_F(RecordTest, AnOffsetOfTheTimesIsAddedOnce) {
+    make_recording(path("in.mkv"), 2, 64, 32);
+    const auto with = [&](std::vector<std::string> command, const std::string& offset) {
+        command.insert(command.end(), {"--time-offset-us", offset});
+        return run(DISPARITYCTL, command);
+    };
+    ASSERT_EQ(with({"record", path("out.mkv"), "--source", path("in.mkv")}, "-250").exit_code, 0);
+    capture::SourceOptions options;
+    options.uri = path("out.mkv");
+    const auto source = capture::open_source(options);
+    EXPECT_EQ(source->info().time_offset_us, -250);
+    EXPECT_THAT(frames_of(path("out.mkv")).at(0), testing::StartsWith("0 999750000 1700000000999750000 "));
+    ASSERT_EQ(with({"process", path("in.mkv"), "-o", path("a"), "--disparities", "16"}, "300").exit_code, 0);
+    EXPECT_THAT(read_file(path("a/times.csv")), HasSubstr(",1000300000,"));
+    EXPECT_EQ(with({"process", path("out.mkv"), "-o", path("b"), "--disparities", "16"}, "-250").exit_code, 0);
+    EXPECT_THAT(read_file(path("b/times.csv")), HasSubstr(",999750000,"));
+    const Outcome again = with({"process", path("out.mkv"), "-o", path("c")}, "300");
+    EXPECT_EQ(again.exit_code, 2);
+    EXPECT_THAT(again.err, HasSubstr("found 300, but the stamps of " + path("out.mkv") + " contain -250 us"));
+    EXPECT_THAT(with({"record", "x.mkv"}, "5").err, HasSubstr("--time-offset-us and --force go with --source"));
+}
+
 TEST_F(RecordTest, FoldersAreRecordedWithoutLoss) {
     make_kitti_folder(path("in"), 5, 65, 31);
     const Outcome outcome = run(DISPARITYCTL, {"record", path("out.mkv"), "--source", path("in"), "--frames", "4"});

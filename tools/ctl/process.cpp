@@ -139,6 +139,7 @@ struct ProcessArguments {
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
+    std::optional<int> time_offset_us;
     bool temporal = false;
     bool self_calibrate = false;
     bool no_self_calibration = false;
@@ -226,6 +227,7 @@ std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, co
     options.loans = loans;
     options.pace = capture::Pace::fastest;
     options.calibration_path = arguments.calibration;
+    options.time_offset_us = arguments.time_offset_us.value_or(0);
     auto source = open_with_progress(options);
     if (frames) {
         return std::make_unique<LimitedSource>(std::move(source), *frames);
@@ -521,6 +523,7 @@ void add_process(CLI::App& program, Action& action) {
     command.add_option("--region", arguments->region, "part of the rectified image to match; default: all of it")
         ->type_name("X,Y,W,H");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
+    add_time_offset(command, arguments->time_offset_us);
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
     command.add_flag("--temporal", arguments->temporal,
                      "make a mean over time of disparities that agree, as [temporal] of the daemon does");

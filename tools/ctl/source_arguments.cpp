@@ -1,22 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/source_arguments.h"
 
+#include <algorithm>
 #include <chrono>
+#include <stdexcept>
 #include <utility>
 
 #include "base/words.h"
 #include "calibration/calibration_lookup.h"
 #include "capture/gstreamer/gst_uri.h"
-#include "capture/images/image_sequence.h"
 #include "capture/pixel_format.h"
-#include "capture/svo/svo_source.h"
+#include "capture/time_offset.h"
 #include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
 
 namespace disparityd::tools {
+
+bool is_kept(const std::string& uri) {
+    const auto& kinds = capture::source_kinds();
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& one) { return one.accepts(uri); });
+    return kind != kinds.end() && kind->is_kept;
+}
 
 std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions options) {
     std::unique_ptr<Progress> bar;
@@ -28,12 +36,29 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
         }
         bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
     };
-    if (!options.report &&
-        (capture::is_gst(options.uri) || capture::is_image_sequence(options.uri) || capture::is_svo(options.uri))) {
+    if (!options.report && (capture::is_gst(options.uri) || is_kept(options.uri))) {
         options.report = [](const std::string& line, bool) { print_note(line); };
     }
     options.calibration_folders = calibration::folder_list(calibration::standard_calibration_folders);
-    return capture::open_source(options);
+    const int asked_us = std::exchange(options.time_offset_us, 0);
+    auto source = capture::open_source(options);
+    const int contained_us = source->info().time_offset_us;
+    if (asked_us == 0 || contained_us == asked_us) {
+        return source;
+    }
+    if (contained_us != 0) {
+        throw std::invalid_argument("--time-offset-us: found " + std::to_string(asked_us) + ", but the stamps of " +
+                                    options.uri + " contain " + std::to_string(contained_us) +
+                                    " us since they were recorded, allowed is " + std::to_string(contained_us));
+    }
+    options.time_offset_us = asked_us;
+    return capture::with_time_offset(std::move(source), options);
+}
+
+void add_time_offset(CLI::App& command, std::optional<int>& offset_us, const std::string& when) {
+    add_integer(
+        command, "--time-offset-us", offset_us, -100'000, 100'000,
+        when + "microseconds to add to the time stamps of all frames, as [source] time_offset_us of the daemon");
 }
 
 std::optional<capture::RawFrame> next_frame(capture::FrameSource& source) {

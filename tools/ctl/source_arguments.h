@@ -5,12 +5,22 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "capture/frame_source.h"
 
 namespace disparityd::tools {
 
-/// Opens a source with a progress bar while it prepares itself. Throws as capture::open_source does.
+/// Whether a source is a file or a folder, whose frames wait for whoever takes them.
+bool is_kept(const std::string& uri);
+
+/// Opens a source with a progress bar while it prepares itself. What one that is kept says of itself is printed, unless
+/// `options.report` is set. Throws as capture::open_source does, and std::invalid_argument where the stamps contain
+/// another offset than `options` ask for.
 std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions options);
+
+/// Adds the option --time-offset-us, with more words at the begin of its help.
+void add_time_offset(CLI::App& command, std::optional<int>& offset_us, const std::string& when = "");
 
 /// Returns the next frame, which the source lends; nothing at its end or after Ctrl-C (see catch_interrupts()).
 std::optional<capture::RawFrame> next_frame(capture::FrameSource& source);

@@ -88,7 +88,7 @@ class FileNames {
 public:
     explicit FileNames(const std::string& source) {
         if (capture::is_image_sequence(source)) {
-            images_ = capture::find_images(source).frames;
+            images_ = capture::find_images(capture::parse_image_uri(source).path).frames;
         }
     }
 
@@ -258,6 +258,7 @@ int run_calibration(const CalibrateArguments& arguments) {
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.loans = 2;
+    options.calibrated = false;
     options.pace = capture::Pace::fastest;
     const auto source = open_with_progress(options);
     const capture::SourceInfo& info = source->info();

@@ -106,6 +106,7 @@ struct RecordArguments {
     std::string calibration;
     std::optional<int> seconds;
     std::optional<int> frames;
+    std::optional<int> time_offset_us;
     bool force = false;
     bool stop = false;
     bool json = false;
@@ -220,10 +221,10 @@ void show_until_limit(disparity::SocketClient& listener, const RecordArguments& 
 }
 
 int record_with_daemon(const RecordArguments& arguments) {
-    if (!arguments.calibration.empty() || arguments.force) {
+    if (!arguments.calibration.empty() || arguments.force || arguments.time_offset_us) {
         throw std::invalid_argument(
-            "record: --calibration and --force go with --source; without it the daemon records with its own "
-            "configuration");
+            "record: --calibration, --time-offset-us and --force go with --source; without it the daemon records with "
+            "its own configuration");
     }
     disparity::Client asking = connect(arguments.daemon);
     disparity::Client listening = connect(arguments.daemon);
@@ -346,6 +347,9 @@ int record_source(const RecordArguments& arguments) {
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.calibration_path = arguments.calibration;
+    options.time_offset_us = arguments.time_offset_us.value_or(0);
+    // What waits is copied as fast as it goes, unless so many seconds of it are wanted.
+    options.pace = is_kept(arguments.source) && !arguments.seconds ? capture::Pace::fastest : capture::Pace::source;
     const auto source = open_with_progress(options);
     if (source->info().live) {
         return record_frames<capture::Recorder>(arguments, *source, [&] {
@@ -372,6 +376,7 @@ void add_record(CLI::App& program, Action& action) {
         ->type_name("URI");
     command.add_option("--calibration", arguments->calibration, "with --source: calibration instead of its own")
         ->type_name("FILE");
+    add_time_offset(command, arguments->time_offset_us, "with --source: ");
     command.add_flag("--force", arguments->force, "with --source: replace OUT when it exists");
     command.add_flag("--stop", arguments->stop, "end the recording of the daemon, whoever started it");
     command.add_flag("--json", arguments->json, "one JSON object at the end");
