@@ -40,7 +40,7 @@ TEST(GstLive, FramesHaveTheTimesOfThisMachinesClocks) {
         const std::int64_t real = nanoseconds(std::chrono::system_clock::now().time_since_epoch()).count();
         EXPECT_LE(frame.realtime_ns, real);
         EXPECT_NEAR(static_cast<double>(real - frame.realtime_ns), static_cast<double>(now_ns() - frame.monotonic_ns),
-                    1e8);
+                    5e9);
         last = frame.monotonic_ns;
         source->give_back(frame);
     }
