@@ -282,8 +282,10 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     for (std::size_t i = 0; i < stages_.size(); ++i) {
         flags |= stages_[i].flags != nullptr ? stages_[i].flags(slot.stage_memory[i]) : 0U;
     }
+    const Plane<const std::uint8_t> scan = record_plane(slot, v1::SCAN);
     trust_.note(flags);
-    level_.note(record_plane(slot, v1::SCAN), frame.published);
+    trust_.note_scan(scan);
+    level_.note(scan, frame.published);
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
@@ -404,6 +406,9 @@ void Engine::fill(v1::Status& status) const {
         for (const std::string_view doubt : found->doubts) {
             status.mutable_trust()->add_doubts(std::string(doubt));
         }
+    }
+    if (const auto scan = trust_.scan_status()) {
+        *status.mutable_scan() = *scan;
     }
     const pipeline::PipelineStatus now = pipeline_->status();
     if (now.noise) {

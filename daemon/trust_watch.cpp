@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "proto/disparity.pb.h"
+#include "proto/scan.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -21,6 +21,43 @@ double seconds(TrustWatch::Time from, TrustWatch::Time to) {
 }
 
 }  // namespace
+
+void TrustWatch::note_scan(const Plane<const std::uint8_t>& scan) noexcept {
+    if (scan.data == nullptr) {
+        return;
+    }
+    const auto& head = *reinterpret_cast<const proto::ScanHead*>(scan.data);
+    const auto* sector = reinterpret_cast<const proto::ScanSector*>(scan.data + sizeof head);
+    Sectors found;
+    found.all = head.sectors;
+    for (std::uint32_t s = 0; s < found.all; ++s) {
+        const std::uint32_t doubts = std::uint32_t{sector[s].doubts} << proto::scan_doubt_shift;
+        found.doubted += doubts != 0 ? 1 : 0;
+        for (std::size_t i = 0; i < found.with.size(); ++i) {
+            found.with[i] += (doubts & proto::doubts[i].bit) != 0 ? 1 : 0;
+        }
+    }
+    const std::lock_guard lock(mutex_);
+    sectors_ = found;
+}
+
+std::optional<v1::ScanStatus> TrustWatch::scan_status() const {
+    const std::lock_guard lock(mutex_);
+    if (sectors_.all == 0) {
+        return std::nullopt;
+    }
+    v1::ScanStatus status;
+    status.set_sectors(sectors_.all);
+    status.set_doubted(sectors_.doubted);
+    for (std::size_t i = 0; i < sectors_.with.size(); ++i) {
+        if (sectors_.with[i] > 0) {
+            v1::SectorDoubt& doubt = *status.add_doubts();
+            doubt.set_doubt(std::string(proto::doubts[i].name));
+            doubt.set_sectors(sectors_.with[i]);
+        }
+    }
+    return status;
+}
 
 std::vector<std::string> TrustWatch::check(Time now) {
     const std::uint32_t flags = newest_.load(std::memory_order_relaxed);

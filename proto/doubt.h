@@ -22,6 +22,9 @@ enum Doubt : std::uint32_t {
     doubt_noisy = 1U << 15U,
 };
 
+/// Those that a sector of an obstacle scan may have: the others are of a whole eye or pair.
+inline constexpr std::uint32_t sector_doubts = doubt_dark | doubt_saturated | doubt_dirty_eye | doubt_too_near;
+
 /// Where the trust in a frame stands in Frame.flags: 1 .. 255, more is better; 0 = not told.
 inline constexpr unsigned trust_shift = 24;
 

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "daemon/trust_watch.h"
 
+#include <array>
+#include <cstring>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "proto/scan.h"
 
 namespace disparityd::daemon {
 namespace {
@@ -28,6 +33,34 @@ TEST(TrustWatch, AGoodFrameHasNoDoubts) {
     EXPECT_EQ(finding->ratio, 1);
     EXPECT_THAT(finding->doubts, IsEmpty());
     EXPECT_EQ(finding->alarm, "");
+}
+
+TEST(TrustWatch, SectorsInDoubtAreCounted) {
+    TrustWatch watch;
+    watch.note_scan({});
+    EXPECT_FALSE(watch.scan_status());
+    std::array<std::uint8_t, proto::scan_bytes(3)> record{};
+    const auto note = [&](std::array<std::uint32_t, 3> doubts) {
+        proto::ScanHead head{};
+        head.sectors = 3;
+        std::memcpy(record.data(), &head, sizeof head);
+        for (std::size_t s = 0; s < doubts.size(); ++s) {
+            proto::ScanSector sector;
+            sector.doubts = static_cast<std::uint16_t>(doubts[s] >> proto::scan_doubt_shift);
+            std::memcpy(record.data() + proto::scan_bytes(s), &sector, sizeof sector);
+        }
+        watch.note_scan({record.data(), static_cast<int>(record.size()), 1, static_cast<int>(record.size())});
+        return watch.scan_status().value();
+    };
+    const auto found = note({proto::doubt_dark | proto::doubt_too_near, 0, proto::doubt_dark});
+    EXPECT_EQ(found.sectors(), 3U);
+    EXPECT_EQ(found.doubted(), 2U);
+    ASSERT_EQ(found.doubts_size(), 2);
+    EXPECT_EQ(found.doubts(0).doubt(), "dark");
+    EXPECT_EQ(found.doubts(0).sectors(), 2U);
+    EXPECT_EQ(found.doubts(1).doubt(), "too-near");
+    EXPECT_EQ(found.doubts(1).sectors(), 1U);
+    EXPECT_EQ(note({}).doubted(), 0U);
 }
 
 TEST(TrustWatch, AnAlarmIsToldWhenItBeginsAndWhenItEnds) {

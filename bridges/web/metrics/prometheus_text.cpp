@@ -296,6 +296,20 @@ void put_doubts(Exposition& out, const v1::Trust& trust) {
     }
 }
 
+void put_sector_doubts(Exposition& out, const v1::ScanStatus& scan) {
+    out.begin("disparityd_scan_sectors_in_doubt", "gauge", "Sectors of the newest obstacle scan that have the doubt.");
+    for (const proto::DoubtFacts& doubt : proto::doubts) {
+        if ((doubt.bit & proto::sector_doubts) == 0) {
+            continue;
+        }
+        std::uint64_t sectors = 0;
+        for (const v1::SectorDoubt& found : scan.doubts()) {
+            sectors += found.doubt() == doubt.name ? found.sectors() : 0;
+        }
+        out.sample({{"doubt", doubt.name}}, sectors);
+    }
+}
+
 void put_web(Exposition& out, const WebCounters& web) {
     out.gauge("disparity_web_clients", "Pages and viewers that this server sends frames to.",
               static_cast<double>(web.clients));
@@ -320,6 +334,9 @@ std::string prometheus_text(const v1::Status* status, const WebCounters& web) {
         put_steps(out, status->totals());
         if (status->has_trust()) {
             put_doubts(out, status->trust());
+        }
+        if (status->has_scan()) {
+            put_sector_doubts(out, status->scan());
         }
         if (status->has_camera()) {
             put_camera(out, status->camera());

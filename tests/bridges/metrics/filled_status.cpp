@@ -92,6 +92,11 @@ v1::Status filled_status() {
     status.mutable_trust()->set_ratio(0.5);
     status.mutable_trust()->add_doubts("dirty-eye");
     status.mutable_trust()->set_alarm("clean it");
+    status.mutable_scan()->set_sectors(72);
+    status.mutable_scan()->set_doubted(9);
+    v1::SectorDoubt& doubt = *status.mutable_scan()->add_doubts();
+    doubt.set_doubt("saturated");
+    doubt.set_sectors(8);
     status.mutable_measured()->set_near_ratio(0.125);
     status.mutable_measured()->set_noise(2.5);
     status.mutable_measured()->set_noise_level(2);
