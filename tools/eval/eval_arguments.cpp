@@ -98,7 +98,7 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program
         .add_option("--condition", arguments.conditions,
                     "of conditions:SEED only this condition, such as 'low light'; may be repeated; default all. Of "
-                    "drive:SEED this one, too, or all; default none")
+                    "drive:SEED this one, too, or all; default none; 'low light:middle' is one strength")
         ->allow_extra_args(false)
         ->type_name("NAME")
         ->needs("--scan");

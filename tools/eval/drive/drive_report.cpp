@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iostream>
+#include <stdexcept>
 
 #include "base/number_text.h"
 #include "tools/command_line/progress.h"
@@ -23,18 +24,32 @@ CourseCamera drive_camera() {
     return camera;
 }
 
-std::vector<ConditionAt> conditions_of(const std::vector<std::string>& names) {
-    std::vector<ConditionAt> all{{}};
-    if (names.empty()) {
-        return all;
+/// Adds what "noise" or "all" name at each strength, and "noise:low" at that one.
+void add_named(std::vector<ConditionAt>& rows, std::string name) {
+    std::vector<Strength> strengths(all_strengths.begin(), all_strengths.end());
+    const std::size_t colon = name.rfind(':');
+    if (colon != std::string::npos) {
+        const std::string wanted = name.substr(colon + 1);
+        std::erase_if(strengths, [&](Strength strength) { return to_string(strength) != wanted; });
+        if (strengths.empty()) {
+            throw std::invalid_argument("--condition: found the strength '" + wanted + "', allowed: low, middle, high");
+        }
+        name.resize(colon);
     }
-    const bool every = std::find(names.begin(), names.end(), "all") != names.end();
-    for (const Condition* condition : conditions_named(every ? std::vector<std::string>{} : names)) {
-        for (const Strength strength : all_strengths) {
-            all.push_back({condition, strength});
+    for (const Condition* condition :
+         conditions_named(name == "all" ? std::vector<std::string>{} : std::vector{name})) {
+        for (const Strength strength : strengths) {
+            rows.push_back({condition, strength});
         }
     }
-    return all;
+}
+
+std::vector<ConditionAt> conditions_of(const std::vector<std::string>& names) {
+    std::vector<ConditionAt> rows{{}};
+    for (const std::string& name : names) {
+        add_named(rows, name);
+    }
+    return rows;
 }
 
 std::string title(const ConditionAt& at) {

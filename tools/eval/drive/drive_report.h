@@ -17,8 +17,9 @@ struct DriveEvaluation {
     ScanSettings settings;
     std::uint32_t seed = 1;
     int courses = 100;
-    std::vector<std::string> names;  ///< of conditions, beside the clean courses; "all": all of them
-    std::string pictures;            ///< folder for a picture of each clean drive; empty: none
+    /// Of conditions, beside the clean courses; "all": all of them. "noise:low" is one strength, else there are all.
+    std::vector<std::string> names;
+    std::string pictures;  ///< folder for a picture of each clean drive; empty: none
     Robot robot;
 };
 
@@ -54,7 +55,7 @@ DriveCounts count_drive(const Course& course, const ConditionAt& at, const Drive
 
 /// Drives all courses and prints a table: one row for the clean courses, then one for each condition and strength; then
 /// a line for each collision. Courses run side by side on the workers. Shows progress; a Ctrl-C ends it. Throws
-/// std::invalid_argument for an unknown name.
+/// std::invalid_argument for an unknown name or strength.
 void report_drives(const DriveEvaluation& evaluation, Parallel& workers, bool markdown);
 
 }  // namespace disparityd::eval
