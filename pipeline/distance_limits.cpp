@@ -44,8 +44,9 @@ void put(Plane<T> plane, int x, int y, T value) {
 
 }  // namespace
 
-DistanceLimitStage::DistanceLimitStage(const DistanceLimits& limits, DisparityRange range)
-    : limits_(limits), range_(range) {}
+DistanceLimitStage::DistanceLimitStage(const DistanceLimits& limits, DisparityRange range,
+                                       const DistanceLimitNames& names)
+    : limits_(limits), range_(range), names_(names) {}
 
 void DistanceLimitStage::set(const DepthScale& scale) {
     scale_ = scale;
@@ -96,17 +97,18 @@ void DistanceLimitStage::run(const StageFrame& frame, Parallel& workers) {
 }
 
 std::string DistanceLimitStage::notice() const {
+    const std::string min(names_.min);
+    const std::string max(names_.max);
     switch (effect_.load(std::memory_order_relaxed)) {
         case Effect::as_wanted: return {};
         case Effect::no_distances:
-            return "[output] min_distance_m and max_distance_m have no effect: no calibration, so no distance is known";
+            return min + " and " + max + " have no effect: no calibration, so no distance is known";
         case Effect::min_too_near:
-            return "[output] min_distance_m has no effect: the range of disparities measures nothing that is nearer";
+            return min + " has no effect: the range of disparities measures nothing that is nearer";
         case Effect::max_too_far:
-            return "[output] max_distance_m has no effect: the range of disparities measures nothing that is farther";
+            return max + " has no effect: the range of disparities measures nothing that is farther";
         case Effect::nothing_left:
-            return "[output] min_distance_m and max_distance_m leave nothing: the range of disparities measures no "
-                   "distance between them";
+            return min + " and " + max + " leave nothing: the range of disparities measures no distance between them";
     }
     return {};
 }

@@ -18,12 +18,18 @@ struct DistanceLimits {
     bool any() const { return min_m > 0 || max_m > 0; }
 };
 
+/// How people give the limits, for what a stage tells of them.
+struct DistanceLimitNames {
+    std::string_view min = "[output] min_distance_m";
+    std::string_view max = "[output] max_distance_m";
+};
+
 /// Rejects what was measured nearer or farther, in all planes of a frame. Records have been made by then: they see
 /// everything.
 class DistanceLimitStage final : public AddedStage {
 public:
     /// `range` is what frames are matched with. Lengths become whole millimetres.
-    DistanceLimitStage(const DistanceLimits& limits, DisparityRange range);
+    DistanceLimitStage(const DistanceLimits& limits, DisparityRange range, const DistanceLimitNames& names = {});
 
     std::string_view name() const override { return "distance-limits"; }
     StagePlace place() const override { return StagePlace::served; }
@@ -40,6 +46,7 @@ private:
 
     DistanceLimits limits_;
     DisparityRange range_;
+    DistanceLimitNames names_;
     DepthScale scale_;  ///< of what follows
     // Disparities with the offset, 1/16 px, that are served.
     int least_ = 0;

@@ -36,6 +36,8 @@ protected:
         return run(DISPARITYCTL, arguments);
     }
 
+    std::string told_;  ///< on standard error
+
     nlohmann::json geometry() const { return nlohmann::json::parse(read_file(path("out/geometry.json"))); }
 
     static constexpr int width = 320;
@@ -46,6 +48,37 @@ std::string middlebury_calibration(const std::string& more) {
     return "cam0=[400 0 160; 0 400 48; 0 0 1]\ncam1=[400 0 160; 0 400 48; 0 0 1]\ndoffs=0\nbaseline=100\nwidth=320\n"
            "height=96\n" +
            more;
+}
+
+TEST_F(ProcessToldTest, LimitsOfDistanceRejectWhatLiesBeyondThem) {
+    make_scene(20, middlebury_calibration(""));  // 2 m
+    const auto measured = [this](std::vector<std::string> limits) {
+        limits.insert(limits.end(), {path("in"), "--force", "--scan", path("scan.csv"), "--scan-set", "high_m=2"});
+        const Outcome outcome = process(limits);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        told_ = outcome.err;
+        return cv::countNonZero(images::read_image(path("out/im0.png")));
+    };
+    const int all = measured({});
+    EXPECT_GT(all, width * height / 2);
+    const std::string scan = read_file(path("scan.csv"));
+    EXPECT_EQ(measured({"--min-distance-m", "1.9", "--max-distance-m", "2.1"}), all);
+    EXPECT_THAT(told_, Not(HasSubstr("distance-m")));
+    EXPECT_EQ(measured({"--max-distance-m", "1.9"}), 0);
+    EXPECT_EQ(measured({"--min-distance-m", "2.1"}), 0);
+    EXPECT_EQ(read_file(path("scan.csv")), scan) << "a scan sees everything";
+    EXPECT_EQ(measured({"--min-distance-m", "0.1"}), all);
+    EXPECT_THAT(told_, HasSubstr("--min-distance-m has no effect: "));
+}
+
+TEST_F(ProcessToldTest, LimitsOfDistanceThatCannotBe) {
+    make_scene(20, "");
+    const Outcome blind = process({path("in"), "--max-distance-m", "3"});
+    EXPECT_EQ(blind.exit_code, 2);
+    EXPECT_THAT(blind.err, HasSubstr("--max-distance-m: " + path("in") + " has no calibration"));
+    const Outcome none = process({path("in"), "--max-distance-m", "3", "--min-distance-m", "3"});
+    EXPECT_EQ(none.exit_code, 2);
+    EXPECT_THAT(none.err, HasSubstr("--max-distance-m: found no more than --min-distance-m, allowed: more than that"));
 }
 
 TEST_F(ProcessToldTest, HowFarTheFramesCanBeTrusted) {

@@ -27,6 +27,7 @@
 #include "obstacles/mask_stage.h"
 #include "obstacles/scan_stage.h"
 #include "pipeline/calibrating_schedule.h"
+#include "pipeline/distance_limits.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
 #include "pipeline/temporal_stage.h"
@@ -40,6 +41,7 @@
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/distance_limit_arguments.h"
 #include "tools/ctl/output_file.h"
 #include "tools/ctl/process_output.h"
 #include "tools/ctl/process_report.h"
@@ -136,6 +138,7 @@ struct ProcessArguments {
     ScanArguments scan_options;
     std::vector<std::string> mask_polygons;
     std::string mask_image;  ///< a file; empty: none
+    DistanceLimitArguments distances;
     MatchArguments match;
     std::optional<int> workers;
     std::optional<int> frames;
@@ -343,12 +346,17 @@ std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const Matc
     return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
 }
 
-/// Without them every sector would be unknown.
+/// Without them every sector would be unknown, and no limit of distance would have an effect.
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
-    if (!arguments.scan.empty() && !(rectification.f > 0 && rectification.baseline_mm > 0)) {
-        throw std::invalid_argument("--scan: " + arguments.source +
-                                    " has no calibration, so no distance is known; give one with --calibration");
+    const pipeline::DistanceLimits limits = arguments.distances.limits();
+    if ((arguments.scan.empty() && !limits.any()) || (rectification.f > 0 && rectification.baseline_mm > 0)) {
+        return;
     }
+    const std::string option = !arguments.scan.empty() ? "--scan"
+                               : limits.min_m > 0      ? DistanceLimitArguments::min_option
+                                                       : DistanceLimitArguments::max_option;
+    throw std::invalid_argument(option + ": " + arguments.source +
+                                " has no calibration, so no distance is known; give one with --calibration");
 }
 
 ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
@@ -438,6 +446,13 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
         temporal_stage.emplace(rectification.width, rectification.height);
         run.config.stages.push_back(&*temporal_stage);
     }
+    std::optional<pipeline::DistanceLimitStage> limit_stage;
+    if (const pipeline::DistanceLimits limits = arguments.distances.limits(); limits.any()) {
+        limit_stage.emplace(
+            limits, run.options.range,
+            pipeline::DistanceLimitNames{DistanceLimitArguments::min_option, DistanceLimitArguments::max_option});
+        run.config.stages.push_back(&*limit_stage);
+    }
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *run.schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
@@ -447,6 +462,9 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     run.done.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
         print_note(trouble);
+    }
+    if (const std::string notice = limit_stage ? limit_stage->notice() : std::string(); !notice.empty()) {
+        print_note(notice);
     }
     const pipeline::PipelineStatus status = pipeline.status();
     run.done.damaged += status.damaged;
@@ -473,6 +491,7 @@ int process(ProcessArguments arguments) {
     config.policy = pipeline::Policy::replay;
     config.depth = false;
     const auto scan = scan_of(arguments, options);
+    arguments.distances.limits();  // refuses those that leave nothing
     if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
         print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
     }
@@ -550,6 +569,7 @@ void add_process(CLI::App& program, Action& action) {
         ->type_name("\"X,Y X,Y X,Y\"");
     command.add_option("--mask-image", arguments->mask_image, "reject where a grey image of that size is black")
         ->type_name("FILE");
+    arguments->distances.add_to(command);
     command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out and go on; they are listed, exit status 1");
