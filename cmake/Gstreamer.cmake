@@ -12,7 +12,7 @@ pkg_module(GSTREAMER gstreamer-app-1.0>=1.20 gstreamer-video-1.0>=1.20)
 if(GSTREAMER_FOUND)
   set(DISPARITYD_WITH_GSTREAMER ON)
 endif()
-if(DISPARITYD_GSTREAMER STREQUAL ON OR DISPARITYD_REPORT_NEEDS)
+if(NOT DISPARITYD_GSTREAMER STREQUAL AUTO OR DISPARITYD_REPORT_NEEDS)
   disparityd_need("GStreamer 1.20 (core, app, video)" ${DISPARITYD_WITH_GSTREAMER} FOR gstreamer
     PACKAGES "libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev")
 elseif(NOT DISPARITYD_WITH_GSTREAMER)

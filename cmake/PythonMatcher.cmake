@@ -38,13 +38,20 @@ function(disparityd_find_python_matcher)
   set(DISPARITYD_WITH_PYTHON_MATCHER TRUE PARENT_SCOPE)
 endfunction()
 
-# An instrumented library cannot be loaded into a Python that is not.
-if(NOT DISPARITYD_PYTHON_MATCHER STREQUAL OFF AND NOT DISPARITYD_SANITIZE)
-  disparityd_find_python_matcher()
-  if(DISPARITYD_PYTHON_MATCHER STREQUAL ON OR DISPARITYD_REPORT_NEEDS)
-    disparityd_need("pybind11 and Python's headers" ${DISPARITYD_WITH_PYTHON_MATCHER} FOR python
-      PACKAGES "pybind11-dev libpython3-dev")
-  elseif(NOT DISPARITYD_WITH_PYTHON_MATCHER)
-    message(STATUS "The Python matcher is not built: found no pybind11 or no headers of Python (apt-get install pybind11-dev libpython3-dev)")
+if(NOT DISPARITYD_PYTHON_MATCHER)
+  return()
+endif()
+if(DISPARITYD_SANITIZE)
+  if(NOT DISPARITYD_PYTHON_MATCHER STREQUAL AUTO)
+    message(FATAL_ERROR "DISPARITYD_PYTHON_MATCHER=${DISPARITYD_PYTHON_MATCHER} and DISPARITYD_SANITIZE: an instrumented library "
+      "cannot be loaded into a Python that is not; leave one of them out")
   endif()
+  return()
+endif()
+disparityd_find_python_matcher()
+if(NOT DISPARITYD_PYTHON_MATCHER STREQUAL AUTO OR DISPARITYD_REPORT_NEEDS)
+  disparityd_need("pybind11 and Python's headers" ${DISPARITYD_WITH_PYTHON_MATCHER} FOR python
+    PACKAGES "pybind11-dev libpython3-dev")
+elseif(NOT DISPARITYD_WITH_PYTHON_MATCHER)
+  message(STATUS "The Python matcher is not built: found no pybind11 or no headers of Python (apt-get install pybind11-dev libpython3-dev)")
 endif()
