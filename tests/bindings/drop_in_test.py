@@ -92,7 +92,22 @@ class DropIn(unittest.TestCase):
         mine = numpy.zeros((120, 320), numpy.int16)
         self.assertIs(stereo.compute(*pair, mine), mine)
         numpy.testing.assert_array_equal(mine, stereo.compute(*pair))
-        self.assertEqual(stereo.compute(*pair, numpy.zeros((3, 3), numpy.int16)).shape, (120, 320))
+        self.assertTrue(stereo.compute(*pair).flags.writeable)
+        allowed = r", allowed: None, or an array of int16, shape \(120, 320\)$"
+        with self.assertRaisesRegex(ValueError, r"^disparity: found an array of int16, shape \(3, 3\)" + allowed):
+            stereo.compute(*pair, numpy.zeros((3, 3), numpy.int16))
+        with self.assertRaisesRegex(ValueError, r"^disparity: found an array of uint8, shape \(120, 320\)" + allowed):
+            stereo.compute(*pair, numpy.zeros((120, 320), numpy.uint8))
+
+    def test_images_of_eight_bits_only(self):
+        left, right = drawn_pair()
+        with self.assertRaisesRegex(ValueError, "^right: found an array of uint16, allowed: uint8$"):
+            disparity.StereoSGM_create().compute(left, right.astype(numpy.uint16))
+
+    def test_made_directly(self):
+        made = disparity.StereoSGM(), disparity.StereoSGM_create()
+        self.assertEqual(*(of._values for of in made))
+        numpy.testing.assert_array_equal(*(of.compute(*drawn_pair()) for of in made))
 
     @unittest.skipIf(cv2 is None, "needs python3-opencv")
     def test_beside_opencv(self):

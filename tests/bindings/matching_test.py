@@ -3,8 +3,11 @@
 
 Usage: matching_test.py DISPARITYCTL SOURCE
 """
+import concurrent.futures
 import multiprocessing
+import pathlib
 import pickle
+import resource
 import sys
 import threading
 import unittest
@@ -53,6 +56,20 @@ def others_run_during(work, attempts):
 
 def in_child(matcher, pair, queue):
     queue.put(matcher.match(*pair).disparity)
+
+
+def in_child_without_memory(matcher, pair, expected):
+    usual = resource.getrlimit(resource.RLIMIT_AS)
+    held = int(pathlib.Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (held + 2_000_000, usual[1]))
+    refused = 0
+    for _ in range(2):
+        try:
+            matcher.match(*pair)
+        except (MemoryError, RuntimeError):
+            refused += 1
+    resource.setrlimit(resource.RLIMIT_AS, usual)
+    sys.exit(0 if refused == 2 and numpy.array_equal(matcher.match(*pair).disparity, expected) else 1)
 
 
 class Matching(unittest.TestCase):
@@ -121,19 +138,15 @@ class Matching(unittest.TestCase):
         expected = [disparity.match(*pair, disparities=32).disparity.tobytes() for pair in pairs]
         shared = disparity.Matcher(disparities=32)
         for matcher_of in (lambda: shared, lambda: disparity.Matcher(disparities=32, threads=1)):
-            wrong = []
+            all_here = threading.Barrier(4)
 
-            def work(matcher, i):
-                for _ in range(5):
-                    if matcher.match(*pairs[i]).disparity.tobytes() != expected[i]:
-                        wrong.append(i)
+            def work(matcher, pair):
+                all_here.wait(60)
+                return [matcher.match(*pair).disparity.tobytes() for _ in range(5)]
 
-            threads = [threading.Thread(target=work, args=(matcher_of(), i)) for i in range(4)]
-            for thread in threads:
-                thread.start()
-            for thread in threads:
-                thread.join()
-            self.assertEqual(wrong, [])
+            with concurrent.futures.ThreadPoolExecutor(4) as threads:
+                found = list(threads.map(work, [matcher_of() for _ in pairs], pairs))
+            self.assertEqual(found, [[one] * 5 for one in expected])
 
     def test_other_threads_run_while_one_matches(self):
         pair = drawn_pair(640, 360)
@@ -149,8 +162,18 @@ class Matching(unittest.TestCase):
         context = multiprocessing.get_context("fork")
         queue = context.Queue()
         child = context.Process(target=in_child, args=(matcher, pair, queue))
-        child.start()
+        with matcher._lock:  # as of another thread that is just making its memory
+            child.start()
         numpy.testing.assert_array_equal(queue.get(timeout=60), expected)
+        child.join(60)
+        self.assertEqual(child.exitcode, 0)
+
+    def test_a_child_without_memory_goes_on_when_it_has_some(self):
+        pair = drawn_pair()
+        matcher = disparity.Matcher(preset="paper", disparities=256, threads=1)
+        expected = matcher.match(*pair).disparity
+        child = multiprocessing.get_context("fork").Process(target=in_child_without_memory, args=(matcher, pair, expected))
+        child.start()
         child.join(60)
         self.assertEqual(child.exitcode, 0)
 

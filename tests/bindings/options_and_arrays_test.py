@@ -84,7 +84,39 @@ class OptionsAndArrays(unittest.TestCase):
                 numpy.testing.assert_array_equal(disparity.match(image, right, disparities=32).disparity, expected)
         same = numpy.broadcast_to(left[:1], left.shape)
         numpy.testing.assert_array_equal(disparity.match(same, same, disparities=32).disparity, disparity.match(same.copy(), same.copy(), disparities=32).disparity)
-        self.assertTrue(numpy.shares_memory(disparity.match(wide[:, 50:370], right, disparities=32).left, wide))  # no copy
+        row = numpy.repeat(left[:1], 2, axis=1)[:, ::2]
+        alone = disparity.match(left[:1], right[:1], disparities=32)
+        for name, image in {"every other of one row": row, "reversed rows, one of them": left[:1].repeat(3, axis=0)[::-1][:1], "a row as an image": left[0][None, :]}.items():
+            with self.subTest(name):
+                found = disparity.match(image, right[0][None, :], disparities=32)
+                numpy.testing.assert_array_equal(found.left, left[:1])
+                numpy.testing.assert_array_equal(found.disparity, alone.disparity)
+
+    def test_results_stay_as_they_were_found(self):
+        left, right = drawn_pair()
+        buffers = left.copy(), right.copy()
+        found = disparity.match(*buffers, disparities=32)
+        for buffer in buffers:
+            buffer[:] = 0  # as a loop that takes each picture to the same memory
+        numpy.testing.assert_array_equal(found.left, left)
+        numpy.testing.assert_array_equal(found.right, right)
+        for name in ("disparity", "confidence", "left", "right"):
+            with self.assertRaisesRegex(ValueError, "read-only"):
+                getattr(found, name)[0, 0] = 1
+            with self.assertRaises(AttributeError):
+                setattr(found, name, left)
+
+    def test_measures_read_only_what_is_there(self):
+        sixteenths, confidence = numpy.zeros((8, 20), numpy.int16), numpy.ones((8, 20), numpy.uint8)
+        refused = "^disparity and confidence: allowed are arrays of one shape \\(height, width\\), without gaps between their pixels$"
+        for wrong in (sixteenths[:, ::2], sixteenths.T, sixteenths[0]):
+            for measure in (lambda of: _matcher.disparity_px(of, -16), lambda of: _matcher.depth_m(of, -16, 1, 0),
+                            lambda of: _matcher.depth_error_m(of, confidence, 1, 0, 1)):
+                with self.assertRaisesRegex(ValueError, refused):
+                    measure(wrong)
+        for wrong in (confidence[:4], confidence[:, ::2], confidence.T.copy().T, confidence[0]):
+            with self.assertRaisesRegex(ValueError, refused):
+                _matcher.depth_error_m(sixteenths, wrong, 1, 0, 1)
 
     def test_nothing_is_written_to_images(self):
         pair = drawn_pair(channels=3)
@@ -103,6 +135,8 @@ class OptionsAndArrays(unittest.TestCase):
             numpy.testing.assert_array_equal(disparity.match(*swapped, disparities=32, bits=bits).disparity, expected)
         beyond = numpy.full((8, 64), 5000, numpy.uint16)  # more than 12 bits: 255
         self.assertEqual(set(disparity.match(beyond, beyond, bits=12).left.ravel()), {255})
+        self.assertEqual(self.refusal(beyond, beyond),
+                         "left: found an array of uint16: say with bits=9 to 16 how many bits the values have, such as 10 of a camera with 10 bits")
         self.assertEqual(self.refusal(left.astype(numpy.uint16), right, bits=8), "bits: found '8', allowed: a whole number from 9 to 16")
 
     def test_what_is_no_pair(self):
@@ -140,9 +174,13 @@ class Absent:
             raise ModuleNotFoundError("No module named 'disparity_matcher'", name=name)
 sys.meta_path.insert(0, Absent())
 import disparity
-print(disparity.Frame.__name__)
+print(disparity.Frame.__name__, hasattr(disparity, "match"))
 try:
     disparity.match
+except AttributeError as error:
+    print(error)
+try:
+    from disparity import match
 except ImportError as error:
     print(error)
 try:
@@ -155,7 +193,7 @@ except AttributeError as error:
             self.skipTest("the client needs python3-protobuf")
         self.assertEqual(said.stderr, "")
         self.assertEqual(said.stdout.splitlines(), [
-            "Frame", "disparity.match is part of the matcher, which is not installed: install the package python3-disparity-matcher, as docs/python.md says",
+            "Frame False", *["disparity.match is part of the matcher, which is not installed: install the package python3-disparity-matcher, as docs/python.md says"] * 2,
             "module 'disparity' has no attribute 'macth'"])
 
     def test_client_has_the_names_of_the_matcher(self):

@@ -6,6 +6,7 @@ Usage: page_test.py DISPARITYCTL SOURCE. What needs matplotlib is skipped withou
 import contextlib
 import importlib.util
 import io
+import math
 import os
 import pathlib
 import re
@@ -48,6 +49,7 @@ class Page(unittest.TestCase):
         lines = self.said(PROGRAMS[1]).splitlines()
         # In real time a busy machine loses frames.
         self.assertIn([line.split()[0] for line in lines], (["0", "1"], ["0"], ["1"]))
+        self.assertTrue(all(math.isfinite(float(line.split()[3])) for line in lines), lines)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 
 Usage: sources_test.py DISPARITYCTL SOURCE
 """
-import contextlib
+import os
 import pathlib
 import signal
 import subprocess
@@ -85,6 +85,24 @@ class Sources(unittest.TestCase):
             with self.assertRaisesRegex((RuntimeError, ValueError), "right_1.pgm"):
                 next(source)
 
+    def test_names_that_are_no_utf_8(self):
+        self.folder = pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/\xff"))
+        self.folder.mkdir()
+        self.pictures()
+        (self.folder / "right_1.pgm").write_bytes(b"no picture")
+        name = f"{self.folder}/left_%d.pgm,{self.folder}/right_%d.pgm"
+        with self.assertLogs("disparity") as said, disparity.open(name, skip_damaged=True) as source:
+            self.assertEqual((source.name, len(list(source))), (name, 2))
+        self.assertIn(f"{self.folder}/right_1.pgm", said.output[-1])
+        with disparity.open(SCENE) as source:
+            (self.folder / "stereo.yml").write_text(source.calibration.to_opencv_yaml())
+        self.assertEqual(disparity.load_calibration(self.folder / "stereo.yml", (320, 180)).origin, f"{self.folder}/stereo.yml")
+        for missing in (lambda: disparity.open(self.folder / "nothing.mkv"), lambda: disparity.load_calibration(self.folder / "no.yml", (320, 180))):
+            with self.assertRaises(ValueError) as refused:
+                missing()
+            self.assertIs(type(refused.exception), ValueError)
+            self.assertIn(str(self.folder), str(refused.exception))
+
     def test_closed_or_not_there(self):
         source = disparity.open(SCENE)
         frame = next(source)
@@ -99,16 +117,14 @@ class Sources(unittest.TestCase):
     def test_close_ends_a_wait(self):
         source = disparity.open("scene:vga@0.1?width=320&height=180", real_time=True)
         next(source)
-
-        def wait():
-            with contextlib.suppress(ValueError):  # where it begins after the end
-                list(source)
-
-        waited = threading.Thread(target=wait)
-        waited.start()
+        ended = []
+        waits = threading.Thread(target=lambda: ended.append(list(source)))
+        self.addCleanup(sys.setswitchinterval, sys.getswitchinterval())
+        sys.setswitchinterval(1000)  # so that start() returns when the thread lets Python's lock go, to wait for a frame
+        waits.start()
         source.close()
-        waited.join(30)
-        self.assertFalse(waited.is_alive())
+        waits.join(30)
+        self.assertEqual(ended, [[]])
 
     def test_ctrl_c_ends_a_wait(self):
         program = ("import disparity_matcher\nsource = disparity_matcher.open('scene:vga@0.1?width=320&height=180', real_time=True)\nnext(source)\n"

@@ -79,7 +79,7 @@ class Calibration:
 
 
 def _from_text(text: str, origin: str) -> Calibration:
-    return Calibration(_matcher.StereoCalibration.from_text(text, origin))
+    return Calibration(_matcher.StereoCalibration.from_text(text, os.fsencode(origin)))
 
 
 def _two_numbers(name: str, size: typing.Any) -> tuple[int, int]:
@@ -98,7 +98,7 @@ def load_calibration(path: str | os.PathLike[str], size: tuple[int, int]) -> Cal
     size: (width, height) of one eye's frames, which several formats do not say, and others have for more than one.
     ValueError with one line that says what is wrong with the file.
     """
-    return Calibration(_matcher.StereoCalibration.read(os.fspath(path), *_two_numbers("size", size)))
+    return Calibration(_matcher.StereoCalibration.read(os.fsencode(path), *_two_numbers("size", size)))
 
 
 class Rectifier:
@@ -168,7 +168,7 @@ class Rectifier:
         """3x3: turns the left camera's axes to the rectified ones (OpenCV's R1)."""
         return self._native.R_left
 
-    def rectify(self, left: ImageLike, right: ImageLike, *, bits: int = 16) -> tuple[Image, Image]:
+    def rectify(self, left: ImageLike, right: ImageLike, *, bits: int | None = None) -> tuple[Image, Image]:
         """Returns the rectified pair as new arrays, uint8: grey of grey images, BGR of BGR ones.
 
         left, right: raw images as match() takes them, of the calibration's size. ValueError with one line for others.
@@ -190,7 +190,8 @@ class Rectifier:
 
 
 def grey_pair(left: Image, right: Image, rectifier: Rectifier | None) -> tuple[Image, Image]:
-    """Returns what is matched of a pair: rectified luma. It is the pair itself where it is grey and rectified."""
+    """Returns what is matched of a pair: rectified luma, in arrays of its own, which the caller's next picture does
+    not change."""
     if rectifier is not None:
         return rectifier._eye(left, False, False), rectifier._eye(right, True, False)
     return _luma("left", left), _luma("right", right)
@@ -198,7 +199,7 @@ def grey_pair(left: Image, right: Image, rectifier: Rectifier | None) -> tuple[I
 
 def _luma(name: str, image: Image) -> Image:
     if image.ndim == 2:
-        return image
+        return image.copy()
     grey = np.empty(image.shape[:2], np.uint8)
     _matcher.rectify(None, False, image, grey)
     return grey

@@ -36,11 +36,11 @@ def eight_bits(image: npt.NDArray[np.uint16], bits: int) -> Image:
     return np.minimum(image >> (bits - 8), 255).astype(np.uint8)
 
 
-def as_image(name: str, given: ImageLike, bits: int) -> Image:
+def as_image(name: str, given: ImageLike, bits: int | None) -> Image:
     """Returns uint8 of height x width, or x 3 (BGR), in whose rows pixels follow each other without gaps. It is the array
     that was given where that is such an array, also a part of one; else a copy.
 
-    bits: how many of uint16 count. ValueError with one line for what is no image.
+    bits: how many of uint16 count, which have to say it. ValueError with one line for what is no image.
     """
     if isinstance(given, np.ma.MaskedArray):
         raise ValueError(f"{name}: found a masked array, whose mask would be lost: give its data, or filled()")
@@ -55,17 +55,21 @@ def as_image(name: str, given: ImageLike, bits: int) -> Image:
     if not all(1 <= side <= _LARGEST_SIDE for side in image.shape[:2]):
         raise ValueError(f"{name}: image size {size_text(image)}: allowed is 1 to {_LARGEST_SIDE} each")
     if image.dtype.itemsize == 2:
+        if bits is None:
+            raise ValueError(f"{name}: found an array of uint16: say with bits=9 to 16 how many bits the values have, such as 10 of "
+                             "a camera with 10 bits")
         return eight_bits(image, bits)
     channels = image.shape[2] if image.ndim == 3 else 1
     without_gaps = image.strides[1:] == ((channels, 1) if image.ndim == 3 else (1,))
     if without_gaps and image.strides[0] >= image.shape[1] * channels:
         return image
-    return np.ascontiguousarray(image)
+    return image.copy()  # not ascontiguousarray(), which returns a single row with any stride as it is
 
 
-def as_pair(left: ImageLike, right: ImageLike, bits: int) -> tuple[Image, Image]:
+def as_pair(left: ImageLike, right: ImageLike, bits: int | None) -> tuple[Image, Image]:
     """Returns both images of a pair. ValueError with one line where they are no images of one size and kind."""
-    bits = whole_number("bits", bits, 9, 16)
+    if bits is not None:
+        bits = whole_number("bits", bits, 9, 16)
     pair = as_image("left", left, bits), as_image("right", right, bits)
     if pair[0].shape != pair[1].shape:
         kinds = ["BGR" if image.ndim == 3 else "grey" for image in pair]

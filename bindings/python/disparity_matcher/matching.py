@@ -2,11 +2,14 @@
 """The matcher: pairs of images in, disparities, confidences and distances out."""
 from __future__ import annotations
 
+import dataclasses
 import functools
 import math
 import operator
+import os
 import threading
 import typing
+import weakref
 
 import numpy as np
 import numpy.typing as npt
@@ -19,9 +22,11 @@ _FIELDS = {name: (is_switch, allowed) for name, is_switch, allowed, _ in _matche
 _OPTIONS_TEXT = "\n".join(f"        {name} ({allowed}): {text}" for name, _, allowed, text in _matcher.fields())
 
 
+@dataclasses.dataclass(frozen=True, eq=False, repr=False)
 class Match:
     """What was found for a pair. All arrays have height x width of the pair; pixels that nobody knows are NaN in
-    floating-point arrays. What is not asked for is not computed.
+    floating-point arrays. What is not asked for is not computed. Nothing can be changed of what was found, so that what
+    follows from it fits: disparity, confidence, left and right are read-only, copy() makes others.
 
     disparity: int16, 1/16 px: left (x, y) and right (x - d, y) show the same; `invalid` where rejected.
     confidence: uint8, 1 to 255; 0 = rejected or interpolated. With calibrated_confidence, as in the presets dense and
@@ -29,15 +34,23 @@ class Match:
     invalid: the value of rejected pixels of `disparity`, (d_min - 1) * 16.
     left, right: uint8, the rectified grey images that were matched.
     f, baseline_mm, disparity_offset: the geometry of distances, 0 = unknown.
+    subpixel_error_px: one sigma of a right disparity.
     """
 
-    def __init__(self, disparity: npt.NDArray[np.int16], confidence: Image, invalid: int, pair: tuple[Image, Image],
-                 metric: Metric) -> None:
-        self.disparity = disparity
-        self.confidence = confidence
-        self.invalid = invalid
-        self.left, self.right = pair
-        self.f, self.baseline_mm, self.disparity_offset, self.subpixel_error_px = metric
+    disparity: npt.NDArray[np.int16]
+    confidence: Image
+    invalid: int
+    left: Image
+    right: Image
+    f: float
+    baseline_mm: float
+    disparity_offset: float
+    subpixel_error_px: float
+
+    def __post_init__(self) -> None:
+        arrays: tuple[npt.NDArray[typing.Any], ...] = (self.disparity, self.confidence, self.left, self.right)
+        for array in arrays:
+            array.setflags(write=False)
 
     @functools.cached_property
     def disparity_px(self) -> npt.NDArray[np.float32]:
@@ -108,7 +121,8 @@ class Matcher:
 
     ValueError with one line where a value is not allowed, TypeError for a name that is no option, RuntimeError where
     memory or a device is missing. Any thread may call match(); while one matches, others wait: with a Matcher for each
-    thread they match at the same time. After a fork the child goes on with threads and memory of its own. Pickling keeps the arguments.
+    thread they match at the same time. After a fork the child goes on with threads and memory of its own.
+    Pickling keeps the arguments.
     """
 
     def __init__(self, *, method: str = "sgm", preset: str | None = None, cost: str | None = None, disparities: int = 64,
@@ -139,6 +153,7 @@ class Matcher:
                               _real("subpixel_error_px", subpixel_error_px, 0.01, 4))
         self._lock = threading.Lock()
         self._native: tuple[tuple[int, int], _matcher.PairMatcher] | None = None
+        _matchers.add(self)
 
     @property
     def options(self) -> dict[str, typing.Any]:
@@ -149,25 +164,32 @@ class Matcher:
     def trouble(self) -> str:
         """One line on what went wrong and was made good, such as a lost GPU whose work the processor has taken over;
         empty as long as all is well."""
-        return self._native[1].trouble if self._native else ""
+        native = self._native  # once, as another thread may change it
+        return native[1].trouble if native else ""
 
-    def match(self, left: ImageLike, right: ImageLike, *, bits: int = 16) -> Match:
+    def match(self, left: ImageLike, right: ImageLike, *, bits: int | None = None) -> Match:
         """Matches a pair. Where the options adapt to noise, it is matched again until its noise level stays, as a pair
         that has no frame before it.
 
         left, right: uint8 of one size, 1 to 8192 pixels each way; grey (height, width), or BGR (height, width, 3).
-            Strided, reversed and read-only arrays are taken; grey rows without gaps are used where they lie, all else
-            is copied. uint16: value / 2^(bits - 8), at most 255; bits: how many of 16 the values use. They must not
-            change during the call.
+            Strided, reversed and read-only arrays are taken. They must not change during the call; afterwards they may,
+            as the result has images of its own.
+        bits: of uint16, which need it: how many of 16 the values use, 9 to 16. Value / 2^(bits - 8) is matched, at most
+            255.
         Returns new arrays. ValueError with one line where these are no images of a pair; RuntimeError where memory or a
         device is missing.
         """
+        disparity, confidence, pair = self._found(left, right, bits)
+        return Match(disparity, confidence, self._options.invalid, *pair, *self._metric)
+
+    def _found(self, left: ImageLike, right: ImageLike,
+               bits: int | None) -> tuple[npt.NDArray[np.int16], Image, tuple[Image, Image]]:
         pair = grey_pair(*as_pair(left, right, bits), self._rectifier)
         matcher = self._of_size(pair[0].shape[0], pair[0].shape[1])
         disparity = np.empty(pair[0].shape, np.int16)
         confidence = np.empty(pair[0].shape, np.uint8)
         matcher.match(pair[0], pair[1], disparity, confidence)
-        return Match(disparity, confidence, self._options.invalid, pair, self._metric)
+        return disparity, confidence, pair
 
     def __reduce__(self) -> tuple[typing.Any, ...]:
         return functools.partial(Matcher, **self._arguments), ()
@@ -181,7 +203,19 @@ class Matcher:
             return self._native[1]
 
 
-def match(left: ImageLike, right: ImageLike, preset: str | None = None, disparities: int = 64, *, bits: int = 16,
+_matchers: weakref.WeakSet[Matcher] = weakref.WeakSet()
+
+
+def _unlock_in_child() -> None:
+    # The thread that held a lock is not in the child to let it go.
+    for matcher in _matchers:
+        matcher._lock = threading.Lock()
+
+
+os.register_at_fork(after_in_child=_unlock_in_child)
+
+
+def match(left: ImageLike, right: ImageLike, preset: str | None = None, disparities: int = 64, *, bits: int | None = None,
           **arguments: typing.Any) -> Match:
     """Matches one pair: Matcher(preset=preset, disparities=disparities, ...).match(left, right, bits=bits). For several
     pairs a Matcher is faster, as it keeps its memory.

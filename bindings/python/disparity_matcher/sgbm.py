@@ -31,7 +31,9 @@ class StereoSGM:
 
     def __init__(self, threads: int = 0) -> None:
         self._threads = threads
-        self._values: dict[str, int] = {}
+        self._values = {"minDisparity": 0, "numDisparities": 16, "blockSize": 3, "P1": 0, "P2": 0, "disp12MaxDiff": 0,
+                        "preFilterCap": 0, "uniquenessRatio": 0, "speckleWindowSize": 0, "speckleRange": 0,
+                        "mode": self.MODE_SGBM}
         self._matcher: Matcher | None = None
 
     def _set(self, name: str, value: typing.Any, least: int, most: int) -> None:
@@ -41,18 +43,23 @@ class StereoSGM:
     def compute(self, left: ImageLike, right: ImageLike,
                 disparity: npt.NDArray[np.int16] | None = None) -> npt.NDArray[np.int16]:
         """Returns the disparities of the left image: int16 of height x width, 1/16 px; (minDisparity - 1) * 16 where
-        there is none. Images as Matcher.match() takes them.
+        there is none. Images are uint8, as OpenCV takes them; else as of Matcher.match().
 
-        disparity: an array of this size to write into, which is returned; one of another size or type is left alone, as
-        OpenCV does.
+        disparity: an array of this size and type to write into, which is returned. ValueError with one line for another.
         """
+        for name, image in (("left", left), ("right", right)):
+            if np.asarray(image).dtype != np.uint8:
+                raise ValueError(f"{name}: found an array of {np.asarray(image).dtype}, allowed: uint8")
         if self._matcher is None:
             self._matcher = self._made()
-        found = self._matcher.match(left, right).disparity
-        if isinstance(disparity, np.ndarray) and disparity.shape == found.shape and disparity.dtype == found.dtype:
-            disparity[...] = found
-            return disparity
-        return found
+        found = self._matcher._found(left, right, None)[0]
+        if disparity is None:
+            return found
+        if not isinstance(disparity, np.ndarray) or disparity.shape != found.shape or disparity.dtype != found.dtype:
+            kind = f"an array of {disparity.dtype}, shape {disparity.shape}" if isinstance(disparity, np.ndarray) else type(disparity).__name__
+            raise ValueError(f"disparity: found {kind}, allowed: None, or an array of int16, shape {found.shape}")
+        disparity[...] = found
+        return disparity
 
     def _made(self) -> Matcher:
         values = self._values

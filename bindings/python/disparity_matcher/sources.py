@@ -179,6 +179,6 @@ def open(source: str | os.PathLike[str], *, calibration: str | os.PathLike[str] 
     """
     from . import _sources  # here, as decoders take long to load
 
-    native = _sources.Source(os.fspath(source), os.fspath(calibration), not real_time, loop, skip_damaged)
+    native = _sources.Source(os.fsencode(source), os.fsencode(calibration), not real_time, loop, skip_damaged)
     tell(native)
     return Source(native)

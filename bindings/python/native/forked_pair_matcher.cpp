@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include <unistd.h>
 
@@ -51,9 +52,10 @@ std::unique_ptr<ForkedPairMatcher::State> ForkedPairMatcher::make() const {
 
 void ForkedPairMatcher::prepare() {
     if (const int process = getpid(); process != process_) {
+        auto made = make();  // may throw: then the next call tries it again
         static_cast<void>(state_.release());
+        state_ = std::move(made);
         process_ = process;
-        state_ = make();
     }
 }
 

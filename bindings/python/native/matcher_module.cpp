@@ -14,6 +14,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "bindings/python/native/file_names.h"
 #include "bindings/python/native/forked_pair_matcher.h"
 #include "bindings/python/native/measures.h"
 #include "calibration/calibration.h"
@@ -111,7 +112,20 @@ void match(ForkedPairMatcher& matcher, const Bytes& left, const Bytes& right, Si
     matcher.match(left_image, right_image, results);
 }
 
+/// Refuses gaps and other shapes: pixels are read one after the other.
+void check_pixels(const py::array& array, const py::array& like) {
+    constexpr int wanted = int{py::array::c_style} | int{py::detail::npy_api::NPY_ARRAY_ALIGNED_};
+    if (array.ndim() != 2 || (array.flags() & wanted) != wanted || array.shape(0) != like.shape(0) ||
+        array.shape(1) != like.shape(1)) {
+        throw std::invalid_argument(
+            "disparity and confidence: allowed are arrays of one shape (height, width), without gaps between their "
+            "pixels");
+    }
+}
+
+/// A new array of the size of disparities, which are checked.
 Floats like(const Sixteenths& disparity) {
+    check_pixels(disparity, disparity);
     return Floats({disparity.shape(0), disparity.shape(1)});
 }
 
@@ -138,6 +152,7 @@ Floats depth_m(const Sixteenths& disparity, std::int16_t invalid, double focal_b
 Floats depth_error_m(const Sixteenths& disparity, const Bytes& confidence, double focal_baseline, double offset,
                      double sigma_px) {
     Floats out = like(disparity);
+    check_pixels(confidence, disparity);
     const auto count = static_cast<std::size_t>(disparity.size());
     const std::int16_t* const from = disparity.data();
     const std::uint8_t* const sure = confidence.data();
@@ -232,7 +247,7 @@ void add_calibration(py::module_& m) {
         .def_readonly("width", &StereoCalibration::width)
         .def_readonly("height", &StereoCalibration::height)
         .def_readonly("rectified", &StereoCalibration::rectified)
-        .def_readonly("origin", &StereoCalibration::origin)
+        .def_property_readonly("origin", [](const StereoCalibration& of) { return text_with_names(of.origin); })
         .def_property_readonly("K_left", [](const StereoCalibration& of) { return camera_matrix(of.left); })
         .def_property_readonly("K_right", [](const StereoCalibration& of) { return camera_matrix(of.right); })
         .def_property_readonly("D_left", [](const StereoCalibration& of) { return lens_coefficients(of.left); })
@@ -267,6 +282,7 @@ void add_calibration(py::module_& m) {
 }  // namespace disparityd::bindings
 
 PYBIND11_MODULE(_matcher, m) {
+    py::register_local_exception_translator(disparityd::bindings::translate_with_names);
     disparityd::bindings::add_matching(m);
     disparityd::bindings::add_calibration(m);
 }

@@ -15,6 +15,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "bindings/python/native/file_names.h"
 #include "calibration/calibration_lookup.h"
 #include "capture/frame_source.h"
 #include "capture/pixel_format.h"
@@ -62,7 +63,7 @@ public:
     py::object next();
     void close();
     /// What was reported since the last call.
-    std::vector<std::string> take_notes();
+    std::vector<py::str> take_notes();
     const capture::SourceInfo& info() const { return info_; }
     std::optional<std::string> calibration_text() const;
 
@@ -99,9 +100,18 @@ std::optional<std::string> PythonSource::calibration_text() const {
     return info_.calibration ? std::optional(calibration::to_text(*info_.calibration)) : std::nullopt;
 }
 
-std::vector<std::string> PythonSource::take_notes() {
-    const std::lock_guard lock(notes_mutex_);
-    return std::exchange(notes_, {});
+std::vector<py::str> PythonSource::take_notes() {
+    std::vector<std::string> taken;
+    {
+        const std::lock_guard lock(notes_mutex_);
+        taken.swap(notes_);
+    }
+    std::vector<py::str> notes;
+    notes.reserve(taken.size());
+    for (const std::string& note : taken) {
+        notes.push_back(text_with_names(note));
+    }
+    return notes;
 }
 
 py::object PythonSource::next() {
@@ -150,7 +160,8 @@ py::tuple PythonSource::made(const RawFrame& frame) {
     }
     return py::make_tuple(pixels, std::string(capture::to_string(image.format)), frame.sequence, frame.monotonic_ns,
                           frame.realtime_ns, frame.dropped_before, (frame.flags & capture::frame_flag_corrupt) != 0,
-                          (frame.flags & capture::frame_flag_discontinuity) != 0, std::string(frame.name), corrected);
+                          (frame.flags & capture::frame_flag_discontinuity) != 0, text_with_names(frame.name),
+                          corrected);
 }
 
 void PythonSource::close() {
@@ -167,6 +178,8 @@ void PythonSource::close() {
 
 PYBIND11_MODULE(_sources, m) {
     using disparityd::bindings::PythonSource;
+    using disparityd::bindings::text_with_names;
+    py::register_local_exception_translator(disparityd::bindings::translate_with_names);
     py::class_<PythonSource>(m, "Source")
         .def(py::init<const std::string&, const std::string&, bool, bool, bool>(), py::arg("uri"),
              py::arg("calibration"), py::arg("fastest"), py::arg("loop"), py::arg("skip_damaged"))
@@ -174,8 +187,9 @@ PYBIND11_MODULE(_sources, m) {
         .def("close", &PythonSource::close)
         .def("take_notes", &PythonSource::take_notes)
         .def_property_readonly("calibration_text", &PythonSource::calibration_text)
-        .def_property_readonly("name", [](const PythonSource& of) { return of.info().name; })
-        .def_property_readonly("description", [](const PythonSource& of) { return of.info().description; })
+        .def_property_readonly("name", [](const PythonSource& of) { return text_with_names(of.info().name); })
+        .def_property_readonly("description",
+                               [](const PythonSource& of) { return text_with_names(of.info().description); })
         .def_property_readonly("width", [](const PythonSource& of) { return of.info().eye_width; })
         .def_property_readonly("height", [](const PythonSource& of) { return of.info().height; })
         .def_property_readonly("rate", [](const PythonSource& of) { return of.info().rate; })

@@ -10,6 +10,7 @@
 Where the package disparity_matcher is installed, too, its names are here as well: match, Matcher, open and what belongs to them
 match images without a daemon.
 """
+import sys
 import typing
 
 from .client import Client, connect
@@ -89,6 +90,8 @@ def __getattr__(name: str) -> typing.Any:
     except ModuleNotFoundError as error:
         if error.name != "disparity_matcher":
             raise
-        raise ImportError(f"disparity.{name} is part of the matcher, which is not installed: install the package "
-                          "python3-disparity-matcher, as docs/python.md says") from None
+        # What hasattr() takes; "from disparity import ..." would put a line of its own in the place of that.
+        kind = ImportError if sys._getframe(1).f_code.co_name == "_handle_fromlist" else AttributeError
+        raise kind(f"disparity.{name} is part of the matcher, which is not installed: install the package "
+                   "python3-disparity-matcher, as docs/python.md says") from None
     return getattr(disparity_matcher, name)
