@@ -30,6 +30,8 @@ public:
     explicit StampPairs(std::int64_t within_ns, std::int64_t interval_ns = 0)
         : within_ns_(within_ns), interval_ns_(interval_ns) {}
 
+    void set_interval(std::int64_t interval_ns) { interval_ns_ = interval_ns; }
+
     void add(Eye eye, Image image) {
         Waiting& list = of(eye);
         bytes_ += image.bytes();
@@ -108,7 +110,7 @@ private:
     }
 
     const std::int64_t within_ns_;
-    const std::int64_t interval_ns_;
+    std::int64_t interval_ns_;
     std::array<Waiting, 2> waiting_;
     std::array<std::uint32_t, 2> unpaired_{};
     std::size_t bytes_ = 0;

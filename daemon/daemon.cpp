@@ -17,6 +17,7 @@
 #include "base/failure_text.h"
 #include "base/freed_memory.h"
 #include "base/out_of_memory.h"
+#include "capture/shown_source.h"
 #include "daemon/configured_access.h"
 #include "daemon/ends_alone.h"
 #include "daemon/log.h"
@@ -73,7 +74,7 @@ void log_changes(const std::vector<std::string>& before, const std::vector<std::
 
 Daemon::Daemon(DaemonOptions options, Config config)
     : options_(std::move(options)),
-      first_source_(config.source.uri),
+      first_source_(capture::shown_source(config.source.uri)),
       signals_(control_, SIGTERM, SIGINT, SIGHUP),
       tick_timer_(control_),
       config_(std::move(config)),

@@ -8,6 +8,7 @@
 
 #include "base/out_of_memory.h"
 #include "base/start_thread.h"
+#include "capture/shown_source.h"
 #include "daemon/log.h"
 
 namespace disparityd::daemon {
@@ -29,7 +30,7 @@ void EngineBuilder::build(BuildReason reason, Config config) noexcept {
     busy_ = true;
     built_.reason = reason;
     try {
-        log_info(fmt::format("preparing {}", config.source.uri));
+        log_info(fmt::format("preparing {}", capture::shown_source(config.source.uri)));
         for (const std::string& note : config.notes) {
             log_info(note);
         }

@@ -28,6 +28,15 @@ struct FreeLz4 {
     void operator()(LZ4F_dctx* context) const { LZ4F_freeDecompressionContext(context); }
 };
 
+/// A shell takes the text as one word, whatever a stranger wrote into it.
+std::string quoted(const std::string& path) {
+    std::string text = "'";
+    for (const char c : base::printable(path, path.size())) {
+        text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    }
+    return text + "'";
+}
+
 }  // namespace
 
 void unpack_zstd(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>& room) {
@@ -95,11 +104,10 @@ void unpack_bz2(std::span<const std::uint8_t> packed, std::vector<std::uint8_t>&
 
 std::string zstd_command(const std::string& path) {
     // The program knows one ending, .zst, and needs a name for the others.
+    const std::size_t name = path.rfind('/') + 1;  // 0 where there is none
     const std::size_t at = path.rfind(".zst");
-    const std::string shown = base::printable(path, path.size());
-    const std::string unpacked =
-        base::printable(at == std::string::npos || at == 0 ? path + ".unpacked" : path.substr(0, at), path.size() + 9);
-    return "zstd -d " + shown + " -o " + unpacked;
+    const bool ending = at != std::string::npos && at > name;
+    return "zstd -d " + quoted(path) + " -o " + quoted(ending ? path.substr(0, at) : path + ".unpacked");
 }
 
 }  // namespace disparityd::formats

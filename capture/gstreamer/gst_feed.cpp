@@ -32,11 +32,18 @@ constexpr std::size_t most_spare = 8;
 
 }  // namespace
 
-GstFeed::GstFeed(std::size_t waiting, GstConverter::Holds holds) : most_(waiting), holds_(holds) {
+GstFeed::GstFeed(std::size_t waiting, bool two_sinks) : most_(waiting), two_sinks_(two_sinks) {
     spare_.reserve(most_spare);
 }
 
 bool GstFeed::accept(Eye eye, GstSample& sample, std::int64_t base_ns) noexcept {
+    const auto wanted = [this] {
+        const std::lock_guard lock(mutex_);
+        return !problem_ && !closed_;
+    };
+    if (!wanted()) {
+        return false;
+    }
     try {
         convert(eye, sample, base_ns);
     } catch (const std::invalid_argument& error) {
@@ -44,8 +51,7 @@ bool GstFeed::accept(Eye eye, GstSample& sample, std::int64_t base_ns) noexcept 
     } catch (const std::exception& error) {
         fail({base::failure_text(error), false});
     }
-    const std::lock_guard lock(mutex_);
-    return !problem_ && !closed_;
+    return wanted();
 }
 
 void GstFeed::convert(Eye eye, GstSample& sample, std::int64_t base_ns) {
@@ -56,7 +62,11 @@ void GstFeed::convert(Eye eye, GstSample& sample, std::int64_t base_ns) {
         throw std::runtime_error("a buffer came without caps");
     }
     if (mine.caps.get() != caps) {
-        mine.converter.emplace(*caps, holds_);
+        using Holds = GstConverter::Holds;
+        mine.caps.reset();  // the converter is gone where these caps are refused
+        mine.converter.emplace(*caps, !two_sinks_        ? Holds::both_eyes
+                                      : eye == Eye::left ? Holds::left_eye
+                                                         : Holds::right_eye);
         mine.caps.reset(gst_caps_ref(caps));
     }
     GstArrival arrival;

@@ -43,8 +43,8 @@ struct GstProblem {
 /// those that nobody takes are counted; else GStreamer's thread waits.
 class GstFeed {
 public:
-    /// At most so many pictures of each eye wait.
-    GstFeed(std::size_t waiting, GstConverter::Holds holds);
+    /// At most so many pictures of each eye wait. Without two sinks those of the left one hold both eyes.
+    GstFeed(std::size_t waiting, bool two_sinks);
 
     // Threads of GStreamer:
     /// Converts and hands over. False: the pictures cannot be taken, or nobody wants any more.
@@ -97,7 +97,7 @@ private:
     void keep_spare(std::vector<std::uint8_t> pixels) noexcept;
 
     const std::size_t most_;
-    const GstConverter::Holds holds_;
+    const bool two_sinks_;
     mutable std::mutex mutex_;  ///< what follows, but for caps and converter
     std::condition_variable changed_;
     std::array<OfEye, 2> eyes_;

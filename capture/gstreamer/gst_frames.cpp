@@ -23,18 +23,30 @@ std::string size_of(const GstPicture& picture) {
 
 }  // namespace
 
+GstPicturesChanged::GstPicturesChanged(const GstPicture& before, const GstPicture& after)
+    : std::runtime_error("source gst: the pictures change from " + size_of(before) + " to " + size_of(after) +
+                         " or to another format; put videoconvert, videoscale and caps in front of the appsink"),
+      now(after) {}
+
 GstFrames::GstFrames(StereoPipeline& pipeline, std::int64_t within_ns)
-    : pipeline_(pipeline), feed_(pipeline.feed()), within_ns_(within_ns) {}
+    : pipeline_(pipeline), feed_(pipeline.feed()), within_ns_(within_ns) {
+    if (pipeline.has_two_sinks()) {
+        pairs_.emplace(within_ns);
+    }
+}
 
 GstFrames::Got GstFrames::next(std::optional<GstFrame>& frame, std::chrono::steady_clock::time_point deadline) {
     const bool two = pipeline_.has_two_sinks();
-    for (bool all_came = false;;) {
+    for (bool all_came = change_ && feed_.live();;) {
         if (auto pair = pairs_ ? pairs_->take(all_came) : std::nullopt) {
             frame = frame_of(std::move(pair->left), std::move(pair->right));
             return Got::picture;
         }
         const std::array<bool, 2> eyes = two ? wanted() : std::array<bool, 2>{true, false};
         if (all_came) {
+            if (change_) {
+                throw GstPicturesChanged(*change_);
+            }
             return Got::ended;
         }
         if (!eyes[0] && !eyes[1]) {
@@ -50,6 +62,7 @@ GstFrames::Got GstFrames::next(std::optional<GstFrame>& frame, std::chrono::stea
                     return Got::picture;
                 }
                 add(eye, std::move(arrival));
+                all_came = change_ && feed_.live();
                 break;
             case Got::eye_ended: all_came = !two || (feed_.ended(Eye::left) && feed_.ended(Eye::right)); break;
             case Got::ended: all_came = true; break;
@@ -64,7 +77,7 @@ std::array<bool, 2> GstFrames::wanted() const {
     const std::array<bool, 2> ended{feed_.ended(Eye::left), feed_.ended(Eye::right)};
     const auto wants = [&](Eye eye) {
         const auto one = static_cast<std::size_t>(eye);
-        return !ended[one] && (live || ended[1 - one] || !pairs_ || pairs_->waiting(eye) < most_ahead);
+        return !ended[one] && !changed_[one] && (live || ended[1 - one] || pairs_->waiting(eye) < most_ahead);
     };
     return {wants(Eye::left), wants(Eye::right)};
 }
@@ -77,30 +90,49 @@ void GstFrames::add(Eye eye, GstArrival arrival) {
                                     " have no time stamps, and pairs are made by these: name a rate in the caps, as "
                                     "image/png,framerate=15/1, or set do-timestamp=true at a live source");
     }
-    if (!first_) {
-        first_ = arrival.picture;
-        pairs_.emplace(within_ns_, first_->rate > 0 ? std::llround(1e9 / first_->rate) : 0);
+    check_picture(eye, arrival.picture);
+    if (!changed_[static_cast<std::size_t>(eye)]) {
+        arrival.stamp_ns = *stamp;
+        pairs_->add(eye, std::move(arrival));
     }
-    const GstPicture& picture = arrival.picture;
-    if (picture.format != first_->format || size_of(picture) != size_of(*first_)) {
+}
+
+/// Pictures of an eye that change end the pairs; those of two eyes that differ from the beginning are refused.
+void GstFrames::check_picture(Eye eye, const GstPicture& picture) {
+    std::optional<GstPicture>& mine = pictures_[static_cast<std::size_t>(eye)];
+    const std::optional<GstPicture>& others = pictures_[eye == Eye::left ? 1 : 0];
+    const auto differs = [&](const GstPicture& other) {
+        return picture.format != other.format || size_of(picture) != size_of(other);
+    };
+    if (mine) {
+        if (differs(*mine)) {
+            changed_[static_cast<std::size_t>(eye)] = true;
+            change_ = change_.value_or(GstPicturesChanged(*mine, picture));
+        }
+        return;
+    }
+    mine = picture;
+    if (!others) {
+        return;
+    }
+    if (differs(*others)) {
+        const std::string sizes = size_of(*pictures_[0]) + " and " + size_of(*pictures_[1]);
         throw std::invalid_argument(
-            size_of(picture) == size_of(*first_)
+            size_of(picture) == size_of(*others)
                 ? "the appsinks left and right get different formats: name the same in the caps of both"
-                : "found pictures of " + size_of(*first_) + " and " + size_of(picture) +
+                : "found pictures of " + sizes +
                       " at the appsinks left and right, expected the same size: put videoscale and caps in front of "
                       "one");
     }
-    arrival.stamp_ns = *stamp;
-    pairs_->add(eye, std::move(arrival));
+    if (picture.rate > 0 && others->rate > 0) {
+        pairs_->set_interval(std::llround(1e9 / std::max(picture.rate, others->rate)));
+    }
 }
 
+/// Pairs are made by this, also where it lies behind the arrival: both eyes may be delayed unequally.
 std::optional<std::int64_t> GstFrames::stamp_of(const GstArrival& arrival) const {
-    if (!feed_.live()) {
-        return arrival.running_ns;
-    }
-    // No frame is younger than its arrival.
-    return arrival.running_ns ? std::optional(std::min(arrival.base_ns + *arrival.running_ns, arrival.arrival_ns))
-                              : std::nullopt;
+    return feed_.live() && arrival.running_ns ? std::optional(arrival.base_ns + *arrival.running_ns)
+                                              : arrival.running_ns;
 }
 
 GstFrame GstFrames::frame_of(GstArrival left, std::optional<GstArrival> right) {
@@ -114,6 +146,10 @@ GstFrame GstFrames::frame_of(GstArrival left, std::optional<GstArrival> right) {
     }
     frame.lost_before = static_cast<std::uint32_t>(std::min<std::uint64_t>(lost, UINT32_MAX));
     frame.stamp_ns = stamp_of(left);
+    if (frame.stamp_ns && feed_.live() && *frame.stamp_ns > left.arrival_ns) {  // no frame is younger than its arrival
+        frame.ahead_ns = *frame.stamp_ns - left.arrival_ns;
+        frame.stamp_ns = left.arrival_ns;
+    }
     frame.left = std::move(left);
     frame.right = std::move(right);
     return frame;
@@ -122,7 +158,18 @@ GstFrame GstFrames::frame_of(GstArrival left, std::optional<GstArrival> right) {
 void GstFrames::take_over(Eye eye, const GstArrival& arrival, GstFrame& frame, std::uint64_t& lost) {
     std::optional<Seen>& seen = seen_[static_cast<std::size_t>(eye)];
     lost = std::max(lost, seen ? lost_of(arrival, *seen, frame.discontinuity) : arrival.dropped);
+    frame.discontinuity = frame.discontinuity || (seen && has_gap(arrival, *seen, lost));
     seen = {arrival.number, arrival.running_ns, arrival.dropped, arrival.breaks};
+}
+
+/// Whether the stamps of frames without numbers, as behind a decoder, say that more are missing than are counted. It
+/// may be the camera that takes fewer.
+bool GstFrames::has_gap(const GstArrival& arrival, const Seen& seen, std::uint64_t lost) {
+    if ((arrival.number && seen.number) || !arrival.running_ns || !seen.running_ns) {
+        return false;
+    }
+    const double steps = static_cast<double>(*arrival.running_ns - *seen.running_ns) * arrival.picture.rate / 1e9;
+    return steps > 1.5 + static_cast<double>(lost);
 }
 
 /// How many frames of an eye were lost since the one before, by all that tells it; the same loss may show twice.

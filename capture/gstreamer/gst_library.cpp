@@ -8,6 +8,7 @@
 
 #include "base/message_text.h"
 #include "base/start_thread.h"
+#include "capture/shown_source.h"
 
 namespace disparityd::capture {
 namespace {
@@ -23,7 +24,7 @@ constexpr std::size_t longest_part = 300;
 void keep_warning(const gchar*, GLogLevelFlags level, const gchar* message, gpointer) {
     if ((level & G_LOG_LEVEL_MASK) <= G_LOG_LEVEL_WARNING && message != nullptr) {
         const std::lock_guard lock(warning_mutex);
-        kept_warning() = base::printable(message, longest_part);
+        kept_warning() = without_passwords(base::printable(message, longest_part));
     }
 }
 
@@ -66,11 +67,16 @@ std::string last_gst_warning() {
     return kept_warning();
 }
 
+void forget_gst_warning() {
+    const std::lock_guard lock(warning_mutex);
+    kept_warning().clear();
+}
+
 std::string gst_words(GstMessage* message, const GError& error, const gchar* debug) {
     const gchar* const name = message->src != nullptr ? GST_OBJECT_NAME(message->src) : "pipeline";
     std::string line = base::printable(name) + ": " + without_dots(error.message);
     const std::string more = without_dots(behind_the_place(debug != nullptr ? debug : ""));
-    return more.empty() ? line : line + " (" + more + ")";
+    return without_passwords(more.empty() ? line : line + " (" + more + ")");
 }
 
 std::string caps_text(const GstCaps* caps) {

@@ -30,6 +30,9 @@ void start_gstreamer();
 /// What GLib, GStreamer or a plugin complained of last, in one line; empty: nothing.
 std::string last_gst_warning();
 
+/// Forgets it: it was of another pipeline.
+void forget_gst_warning();
+
 /// Says in one line what an element's message means: the element, the message, and what stands behind it in short.
 std::string gst_words(GstMessage* message, const GError& error, const gchar* debug);
 

@@ -11,6 +11,7 @@
 #include "base/message_text.h"
 #include "capture/loan_pool.h"
 #include "capture/pixel_format.h"
+#include "capture/shown_source.h"
 #include "capture/source_condition.h"
 
 namespace disparityd::capture {
@@ -28,7 +29,7 @@ constexpr milliseconds steady{2000};
 SourceInfo info_of(const SourceOptions& options, const GstFrame& first) {
     SourceInfo info;
     const GstPicture& picture = first.left.picture;
-    info.name = options.uri;
+    info.name = shown_source(options.uri);
     info.format = picture.format;
     info.eye_width = first.eye_width();
     info.height = picture.height;
@@ -71,9 +72,6 @@ public:
         facts_.node = opened.pipeline->devices();
         facts_.rate = info_.rate;
         facts_.arrivals = 1;
-        if (!opened.first->stamp_ns) {
-            notices_.push_back("the buffers of the pipeline have no time stamps: frames are stamped when they arrive");
-        }
         if (options.stamp == Stamp::exposure_centre) {
             notices_.push_back("a pipeline does not report the exposure: the stamps of its frames are its own");
         }
@@ -102,7 +100,8 @@ private:
     bool take(RawFrame& raw, steady_clock::time_point deadline);
     void lend(GstFrame frame, RawFrame& raw);
     void failed(CameraState state, const std::string& text);
-    void changed(const GstFrame& frame);
+    void changed(int eye_width, const GstPicture& picture);
+    void note_stamps(const GstFrame& frame);
     void set_state(CameraState state, const std::string& detail);
 
     const GstUri uri_;
@@ -113,7 +112,9 @@ private:
     std::unique_ptr<GstFrames> frames_;
     bool begun_ = false;  ///< somebody has asked for frames
     bool ended_ = false;
-    bool anew_ = false;  ///< the next frame is the first of a pipeline that was started anew
+    bool noted_none_ = false;   ///< that buffers have no stamps
+    bool noted_ahead_ = false;  ///< that stamps lie in the future
+    bool anew_ = false;         ///< the next frame is the first of a pipeline that was started anew
     std::uint64_t sequence_ = 0;
     milliseconds retry_{first_retry};
     steady_clock::time_point retry_at_{};
@@ -186,16 +187,13 @@ void GstLive::begin() {
 
 void GstLive::start() {
     anew_ = true;
-    {
-        const std::lock_guard lock(mutex_);
-        ++facts_.restarts;
-    }
     try {
         auto made = std::make_unique<StereoPipeline>(uri_.pipeline, most_waiting(options_));
         made->feed().set_live();
         frames_ = std::make_unique<GstFrames>(*made, uri_.within_ns);
         made->start();
         const std::lock_guard lock(mutex_);
+        ++facts_.restarts;
         pipeline_ = std::move(made);
     } catch (const std::exception& error) {
         failed(CameraState::failed, base::failure_text(error));
@@ -221,6 +219,9 @@ bool GstLive::take(RawFrame& raw, steady_clock::time_point deadline) {
     } catch (const std::invalid_argument& error) {
         failed(CameraState::failed, error.what());
         return false;
+    } catch (const GstPicturesChanged& change) {  // of one of two eyes
+        changed(change.now.width, change.now);
+        return false;
     }
     if (frame) {
         const GstPicture& picture = frame->left.picture;
@@ -228,7 +229,7 @@ bool GstLive::take(RawFrame& raw, steady_clock::time_point deadline) {
             lend(*std::move(frame), raw);
             return true;
         }
-        changed(*frame);
+        changed(frame->eye_width(), picture);
     } else if (got == GstFrames::Got::ended) {
         const auto problem = pipeline_->feed().problem();
         if (!problem && !options_.wait_for_camera) {
@@ -248,6 +249,7 @@ bool GstLive::take(RawFrame& raw, steady_clock::time_point deadline) {
 
 void GstLive::lend(GstFrame frame, RawFrame& raw) {
     const auto now = steady_clock::now();
+    note_stamps(frame);
     std::size_t number = 0;
     {
         const std::lock_guard lock(mutex_);
@@ -283,24 +285,44 @@ void GstLive::lend(GstFrame frame, RawFrame& raw) {
     set_state(CameraState::streaming, "");
 }
 
+/// Says once what is wrong with the stamps.
+void GstLive::note_stamps(const GstFrame& frame) {
+    constexpr std::int64_t allowed_ahead_ns = 1'000'000;
+    const auto note = [this](bool& noted, const char* text) {
+        if (!std::exchange(noted, true)) {
+            const std::lock_guard lock(mutex_);
+            notices_.emplace_back(text);
+        }
+    };
+    if (!frame.stamp_ns) {
+        note(noted_none_, "the buffers of the pipeline have no time stamps: frames are stamped when they arrive");
+    }
+    if (frame.ahead_ns > allowed_ahead_ns) {
+        note(
+            noted_ahead_,
+            "the time stamps of the pipeline lie in the future: frames are stamped when they arrive, and may be older");
+    }
+}
+
 /// A pipeline that gives nothing more is made anew, or ends the source.
 void GstLive::failed(CameraState state, const std::string& text) {
     close();
+    const std::string line = text.starts_with("source gst: ") ? text : "source gst: " + text;
     if (!options_.wait_for_camera) {
         ended_ = true;
-        throw std::runtime_error("source gst: " + text);
+        throw std::runtime_error(line);
     }
     retry_at_ = steady_clock::now() + retry_;
-    set_state(state, "source gst: " + text + "; it is started anew");
+    set_state(state, line + "; it is started anew");
     retry_ = std::min(2 * retry_, longest_retry);
 }
 
 /// The frames of a source have one size: it must be opened anew.
-void GstLive::changed(const GstFrame& frame) {
+void GstLive::changed(int eye_width, const GstPicture& picture) {
     const std::string text = "the pictures change from " + base::size_text(info_.eye_width, info_.height) + " " +
                              std::string(to_string(info_.format)) + " to " +
-                             base::size_text(frame.eye_width(), frame.left.picture.height) + " " +
-                             std::string(to_string(frame.left.picture.format)) + " per eye";
+                             base::size_text(eye_width, picture.height) + " " + std::string(to_string(picture.format)) +
+                             " per eye";
     close();
     if (!options_.wait_for_camera) {
         ended_ = true;

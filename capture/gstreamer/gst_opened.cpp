@@ -63,6 +63,9 @@ GstOpened attempt(const GstUri& uri, const SourceOptions& options, const GstStop
     opened.pipeline->start();
     wait_for_first(opened, options, stop);
     opened.live = opened.pipeline->ask_live();
+    if (!opened.live && options.wait_for_camera && !opened.pipeline->devices().empty()) {
+        throw std::invalid_argument("source gst: " + not_live_text(*opened.pipeline));
+    }
     return opened;
 }
 
@@ -100,6 +103,11 @@ GstOpened open_gst_pipeline(const GstUri& uri, const SourceOptions& options, con
             std::this_thread::sleep_until(std::min(again, steady_clock::now() + slice));
         }
     }
+}
+
+std::string not_live_text(const StereoPipeline& pipeline) {
+    return "found a source that does not say that it is live, " + pipeline.devices() +
+           ": its pictures may be old; set is-live=true or do-timestamp=true at it, or use a live source";
 }
 
 std::string no_frame_text(const StereoPipeline& pipeline, const GstFrames& frames, milliseconds waited) {

@@ -37,6 +37,9 @@ GstOpened open_gst_pipeline(const GstUri& uri, const SourceOptions& options, con
 /// Says that no frame has come in so long, with what is known of the cause.
 std::string no_frame_text(const StereoPipeline& pipeline, const GstFrames& frames, std::chrono::milliseconds waited);
 
+/// Says that devices or the network are not live, of a pipeline that has such sources.
+std::string not_live_text(const StereoPipeline& pipeline);
+
 /// Whether two messages say the same: GStreamer numbers the elements of each pipeline anew.
 bool tell_the_same(const std::string& one, const std::string& other);
 

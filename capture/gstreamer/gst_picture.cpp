@@ -115,15 +115,20 @@ void GstConverter::check_layout(Holds holds) const {
         throw std::invalid_argument("found pictures of " + size + ", whose width has no two equal halves");
     }
     const GstVideoMultiviewMode mode = GST_VIDEO_INFO_MULTIVIEW_MODE(&info_);
-    const bool declared = mode == GST_VIDEO_MULTIVIEW_MODE_SIDE_BY_SIDE;
-    const bool right_first = (GST_VIDEO_INFO_MULTIVIEW_FLAGS(&info_) & GST_VIDEO_MULTIVIEW_FLAGS_RIGHT_VIEW_FIRST) != 0;
     const bool plain = mode == GST_VIDEO_MULTIVIEW_MODE_NONE || mode == GST_VIDEO_MULTIVIEW_MODE_MONO;
-    const bool one_eye = mode == GST_VIDEO_MULTIVIEW_MODE_LEFT || mode == GST_VIDEO_MULTIVIEW_MODE_RIGHT;
-    if ((!plain && !(both ? declared : one_eye)) || (declared && right_first)) {
+    const GstVideoMultiviewMode expected = both                       ? GST_VIDEO_MULTIVIEW_MODE_SIDE_BY_SIDE
+                                           : holds == Holds::left_eye ? GST_VIDEO_MULTIVIEW_MODE_LEFT
+                                                                      : GST_VIDEO_MULTIVIEW_MODE_RIGHT;
+    const bool flags = GST_VIDEO_INFO_MULTIVIEW_FLAGS(&info_) != GST_VIDEO_MULTIVIEW_FLAGS_NONE;
+    const bool declared = mode == expected;
+    if ((!plain && !declared) || flags) {
         const gchar* const name = gst_video_multiview_mode_to_caps_string(mode);
-        throw std::invalid_argument(std::string("it declares the stereo layout \"") + (name != nullptr ? name : "?") +
-                                    (right_first ? ", the right eye first" : "") + "\", expected " +
-                                    (both ? "side by side, the left eye in the left half" : "one eye at each appsink"));
+        throw std::invalid_argument(std::string("it declares the stereo layout \"") +
+                                    (name != nullptr ? name : "none") + (flags ? "\" with multiview-flags" : "\"") +
+                                    ", expected no flags and " +
+                                    (both ? "side by side, the left eye in the left half"
+                                          : std::string("the eye of its appsink, \"") +
+                                                gst_video_multiview_mode_to_caps_string(expected) + "\""));
     }
     if (both && !declared && picture_.width / 2 < picture_.height) {
         throw std::invalid_argument("found pictures of " + size +

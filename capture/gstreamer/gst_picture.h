@@ -37,7 +37,7 @@ inline constexpr const char* taken_formats =
 /// is taken as grey8. One thread uses an object.
 class GstConverter {
 public:
-    enum class Holds : std::uint8_t { both_eyes, one_eye };
+    enum class Holds : std::uint8_t { both_eyes, left_eye, right_eye };
 
     /// Throws std::invalid_argument, with one line without the source's name, for what is not taken.
     GstConverter(const GstCaps& caps, Holds holds);

@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/message_text.h"
-
 namespace disparityd::capture {
 
 GstReader::GstReader(GstOpened opened, const SourceOptions& options, GstStop stop)
@@ -19,6 +17,9 @@ GstReader::GstReader(GstOpened opened, const SourceOptions& options, GstStop sto
     info_.eye_width = opened_.first->eye_width();
     info_.height = picture_.height;
     info_.rate = picture_.rate;
+    if (!opened_.pipeline->devices().empty()) {
+        info_.notices.push_back("source gst: " + not_live_text(*opened_.pipeline) + "; it is played as a recording");
+    }
     if (!opened_.first->stamp_ns) {
         info_.notices.push_back(std::string("source gst: the buffers have no time stamps: ") +
                                 (info_.rate > 0 ? "frames are timed by the rate in the caps"
@@ -44,10 +45,7 @@ bool GstReader::read(recording::FrameFacts& facts, std::uint8_t* pixels) {
     }
     const GstPicture& now = frame->left.picture;
     if (now.format != picture_.format || now.width != picture_.width || now.height != picture_.height) {
-        throw std::runtime_error(
-            "source gst: the pictures change from " + base::size_text(picture_.width, picture_.height) + " to " +
-            base::size_text(now.width, now.height) +
-            " or to another format; put videoconvert, videoscale and caps in front of the appsink");
+        throw GstPicturesChanged(picture_, now);
     }
     GstFrames::put_pixels(*frame, pixels);
     facts = recording::FrameFacts();
@@ -61,7 +59,7 @@ bool GstReader::read(recording::FrameFacts& facts, std::uint8_t* pixels) {
     return true;
 }
 
-std::optional<GstFrame> GstReader::next_frame() {
+std::optional<GstFrame> GstReader::next_frame() try {
     const auto until = std::chrono::steady_clock::now() + longest_wait_;
     std::optional<GstFrame> frame;
     while (!stop_->load()) {
@@ -79,6 +77,8 @@ std::optional<GstFrame> GstReader::next_frame() {
         }
     }
     return std::nullopt;
+} catch (const std::invalid_argument& error) {  // it was well at the start: the file is to blame
+    throw std::runtime_error(std::string("source gst: ") + error.what());
 }
 
 /// A frame without a stamp comes one period after the one before, and one more for each that was lost between.

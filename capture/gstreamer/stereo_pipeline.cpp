@@ -2,10 +2,12 @@
 #include "capture/gstreamer/stereo_pipeline.h"
 
 #include <algorithm>
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -14,6 +16,7 @@
 
 #include "base/message_text.h"
 #include "base/start_thread.h"
+#include "capture/shown_source.h"
 
 namespace disparityd::capture {
 
@@ -30,6 +33,7 @@ struct StereoPipelineState {
     bool starting = false;
     bool stopping = false;
     bool stopped = false;
+    bool left = false;  ///< to itself: it did not stop in time
     std::string warning;
     std::map<std::string, guint64> left_out;  ///< frames, by element
 };
@@ -38,6 +42,8 @@ namespace {
 
 constexpr std::chrono::milliseconds longest_stop{3000};
 constexpr std::chrono::milliseconds longest_stop_of_a_start{300};  ///< that hangs
+
+std::atomic<int> left_pipelines{0};  ///< that hang still
 
 [[noreturn]] void refuse(const std::string& what) {
     throw std::invalid_argument("source gst: " + what);
@@ -52,11 +58,11 @@ GstPtr<GstElement> parse(const std::string& text) {
     if (problem || !pipeline) {
         const bool unknown =
             problem && problem->domain == GST_PARSE_ERROR && problem->code == GST_PARSE_ERROR_NO_SUCH_ELEMENT;
-        refuse(
-            "the pipeline cannot be made: " + base::printable(problem ? problem->message : "no reason is given", 300) +
-            (unknown ? "; its plugin may not be installed (gstreamer1.0-plugins-base, -good, -bad, -ugly, "
-                       "gstreamer1.0-libav): gst-inspect-1.0 lists those that are"
-                     : ""));
+        refuse("the pipeline cannot be made: " +
+               without_passwords(base::printable(problem ? problem->message : "no reason is given", 300)) +
+               (unknown ? "; its plugin may not be installed (gstreamer1.0-plugins-base, -good, -bad, -ugly, "
+                          "gstreamer1.0-libav): gst-inspect-1.0 lists those that are"
+                        : ""));
     }
     if (GST_IS_PIPELINE(pipeline.get()) == FALSE) {
         refuse(
@@ -76,15 +82,68 @@ void for_each_element(GstElement& pipeline, const std::function<void(GstElement&
         const_cast<std::function<void(GstElement&)>*>(&use));
 }
 
+std::string joined(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) {
+        text += (text.empty() ? "" : ", ") + name;
+    }
+    return text;
+}
+
 std::string name_of(GstElement& element) {
     return base::printable(GST_OBJECT_NAME(&element));
 }
 
-/// Whether an element gives what is not in a file.
+bool has_property(GstElement& element, const char* name, GType type) {
+    const GParamSpec* const property = g_object_class_find_property(G_OBJECT_GET_CLASS(&element), name);
+    return property != nullptr && property->value_type == type;
+}
+
+std::string kind_of(GstElement& element) {
+    GstElementFactory* const factory = gst_element_get_factory(&element);
+    return factory != nullptr ? base::printable(GST_OBJECT_NAME(factory)) : "element";
+}
+
+/// Whether an element gives what is not in a file and not made up. What a descriptor leads to nobody knows.
 bool is_device(GstElement& element) {
-    const gchar* const kind = gst_element_get_metadata(&element, GST_ELEMENT_METADATA_KLASS);
-    return GST_OBJECT_FLAG_IS_SET(&element, GST_ELEMENT_FLAG_SOURCE) != FALSE && kind != nullptr &&
-           std::string(kind).find("File") == std::string::npos;
+    const gchar* const text = gst_element_get_metadata(&element, GST_ELEMENT_METADATA_KLASS);
+    if (GST_OBJECT_FLAG_IS_SET(&element, GST_ELEMENT_FLAG_SOURCE) == FALSE || text == nullptr) {
+        return false;
+    }
+    if (has_property(element, "uri", G_TYPE_STRING)) {
+        gchar* uri = nullptr;
+        g_object_get(&element, "uri", &uri, nullptr);
+        const GstPtr<gchar> owned(uri);
+        return uri != nullptr && g_str_has_prefix(uri, "file:") == FALSE && g_str_has_prefix(uri, "data:") == FALSE;
+    }
+    const std::string classes = text;
+    const std::string kind = kind_of(element);
+    const bool decided_inside = GST_IS_BIN(&element) != FALSE && classes.starts_with("Generic");
+    return !decided_inside && !kind.ends_with("testsrc") &&
+           (classes.find("File") == std::string::npos || kind == "fdsrc");
+}
+
+bool stamps_arrivals(GstElement& element) {
+    gboolean stamps = FALSE;
+    if (has_property(element, "do-timestamp", G_TYPE_BOOLEAN)) {
+        g_object_get(&element, "do-timestamp", &stamps, nullptr);
+    }
+    return stamps != FALSE;
+}
+
+/// Returns the kinds of devices. `all_stamp` becomes whether each stamps what it gets.
+std::string devices_of(GstElement& pipeline, bool& all_stamp) {
+    std::vector<std::string> kinds;
+    all_stamp = true;
+    for_each_element(pipeline, [&](GstElement& element) {
+        if (is_device(element)) {
+            all_stamp = all_stamp && stamps_arrivals(element);
+            if (std::find(kinds.begin(), kinds.end(), kind_of(element)) == kinds.end()) {
+                kinds.push_back(kind_of(element));
+            }
+        }
+    });
+    return joined(kinds);
 }
 
 /// Returns the appsinks, the left one first.
@@ -103,23 +162,48 @@ std::vector<GstElement*> sinks_of(GstElement& pipeline) {
     std::sort(sinks.begin(), sinks.end(),
               [](GstElement* one, GstElement* other) { return name_of(*one) < name_of(*other); });
     if (sinks.size() > 1 && (sinks.size() > 2 || name_of(*sinks[0]) != "left" || name_of(*sinks[1]) != "right")) {
-        std::string names;
+        std::vector<std::string> names;
         for (GstElement* const sink : sinks) {
-            names += (names.empty() ? "" : ", ") + name_of(*sink);
+            names.push_back(name_of(*sink));
         }
-        refuse("found the appsinks " + names +
+        refuse("found the appsinks " + joined(names) +
                "; expected one, or two that are called left and right: appsink name=left");
     }
     return sinks;
 }
 
+/// Returns the properties of an appsink that the user has set and nobody would heed.
+std::string set_properties(GstElement& sink) {
+    guint count = 0;
+    GParamSpec** const all = g_object_class_list_properties(G_OBJECT_GET_CLASS(&sink), &count);
+    const GstPtr<gchar> owned(reinterpret_cast<gchar*>(all));  // g_free() takes both
+    std::vector<std::string> set;
+    for (GParamSpec* const property : std::span(all, count)) {
+        const std::string name = property->name;
+        constexpr GParamFlags both = G_PARAM_READWRITE;
+        if ((property->flags & both) != both || name == "name" || name == "parent" || name == "caps" ||
+            name == "sync" || name == "emit-signals") {
+            continue;
+        }
+        GValue value = G_VALUE_INIT;
+        g_value_init(&value, property->value_type);
+        g_object_get_property(G_OBJECT(&sink), property->name, &value);
+        if (g_param_value_defaults(property, &value) == FALSE) {
+            set.push_back(name);
+        }
+        g_value_unset(&value);
+    }
+    std::sort(set.begin(), set.end());
+    return joined(set);
+}
+
 /// Asks for the formats that are taken, of those that the user allows. How many pictures wait is our business.
 void set_up_sink(GstElement& element) {
     GstAppSink* const sink = GST_APP_SINK(&element);
-    if (gst_app_sink_get_drop(sink) != FALSE || gst_app_sink_get_max_buffers(sink) != 0) {
-        refuse("appsink " + name_of(element) +
-               ": drop and max-buffers are not used here, leave them out: of a live pipeline the newest frames are "
-               "taken, of files all");
+    if (const std::string set = set_properties(element); !set.empty()) {
+        refuse("appsink " + name_of(element) + ": found " + set +
+               ", which are not used here, leave them out; allowed are name, caps and sync: of a live pipeline the "
+               "newest frames are taken, of files all");
     }
     GstPtr<GstCaps> wanted = taken_caps();
     if (const GstPtr<GstCaps> users(gst_app_sink_get_caps(sink)); users) {
@@ -267,6 +351,7 @@ void finish(GstElement* pipeline, gpointer owner) {
     gst_bus_set_sync_handler(bus.get(), nullptr, nullptr, nullptr);
     const std::lock_guard stopped_lock(state.mutex);
     state.stopped = true;
+    left_pipelines -= state.left ? 1 : 0;
     state.changed.notify_all();
 }
 
@@ -274,19 +359,20 @@ void finish(GstElement* pipeline, gpointer owner) {
 
 StereoPipeline::StereoPipeline(const std::string& text, std::size_t waiting)
     : state_(std::make_shared<StereoPipelineState>()) {
+    if (left_pipelines >= most_left) {
+        throw std::runtime_error("source gst: " + std::to_string(left_pipelines) +
+                                 " pipelines that were ended hang still, and no other is made until one has ended: "
+                                 "restart the program, or what its elements wait for");
+    }
+    forget_gst_warning();
     state_->pipeline = parse(text);
     state_->sinks = sinks_of(*state_->pipeline);
-    for_each_element(*state_->pipeline, [this](GstElement& element) {
-        const std::string kind = base::printable(GST_OBJECT_NAME(gst_element_get_factory(&element)));
-        if (is_device(element) && state_->devices.find(kind) == std::string::npos) {
-            state_->devices += (state_->devices.empty() ? "" : ", ") + kind;
-        }
-    });
+    bool all_stamp = false;
+    state_->devices = devices_of(*state_->pipeline, all_stamp);
     for (GstElement* const sink : state_->sinks) {
         set_up_sink(*sink);
     }
-    state_->feed = std::make_unique<GstFeed>(
-        waiting, has_two_sinks() ? GstConverter::Holds::one_eye : GstConverter::Holds::both_eyes);
+    state_->feed = std::make_unique<GstFeed>(waiting, has_two_sinks());
     // Stamps of live pipelines are those of CLOCK_MONOTONIC, whatever clocks their elements have.
     const GstPtr<GstClock> clock(gst_system_clock_obtain());
     gst_pipeline_use_clock(GST_PIPELINE(state_->pipeline.get()), clock.get());
@@ -325,6 +411,13 @@ bool StereoPipeline::ask_live() {
         gboolean live = FALSE;
         gst_query_parse_latency(query.get(), &live, nullptr, nullptr);
         if (live != FALSE) {
+            feed().set_live();
+        }
+    }
+    if (!feed().live()) {
+        bool all_stamp = false;
+        state_->devices = devices_of(*state_->pipeline, all_stamp);
+        if (!state_->devices.empty() && all_stamp) {
             feed().set_live();
         }
     }
@@ -368,8 +461,9 @@ void StereoPipeline::stop() {
     const base::SignalsBlocked inherited;
     gst_element_call_async(state_->pipeline.get(), finish, owner, disown);
     std::unique_lock lock(state_->mutex);
-    state_->changed.wait_for(lock, state_->starting ? longest_stop_of_a_start : longest_stop,
-                             [this] { return state_->stopped; });
+    state_->left = !state_->changed.wait_for(lock, state_->starting ? longest_stop_of_a_start : longest_stop,
+                                             [this] { return state_->stopped; });
+    left_pipelines += state_->left ? 1 : 0;
 }
 
 }  // namespace disparityd::capture

@@ -17,7 +17,8 @@ struct StereoPipelineState;
 class StereoPipeline {
 public:
     /// Makes the pipeline. Of each eye so many pictures may wait. Throws std::invalid_argument with one line for text
-    /// that is no pipeline, and for other appsinks than one, or left and right.
+    /// that is no pipeline, and for other appsinks than one, or left and right; std::runtime_error while `most_left`
+    /// pipelines of this process hang after their end: each keeps its memory and threads.
     StereoPipeline(const std::string& text, std::size_t waiting);
     ~StereoPipeline();
     StereoPipeline(const StereoPipeline&) = delete;
@@ -26,13 +27,15 @@ public:
     /// Whether each eye has an appsink.
     bool has_two_sinks() const;
 
-    /// The kinds of elements that take frames from devices or the network, such as "v4l2src"; empty: from files only.
+    /// The kinds of elements that take frames from devices or the network, such as "v4l2src"; empty: from files or test
+    /// sources only. Elements that are made while it starts are known after ask_live().
     const std::string& devices() const;
 
     /// Lets it play. What comes of that is told by feed().
     void start();
 
-    /// Asks the pipeline whether it is live, when pictures have come; feed() then knows, too.
+    /// Asks the pipeline whether it is live, when pictures have come; feed() then knows, too. Devices that stamp what
+    /// they get with do-timestamp=true are live, too.
     bool ask_live();
 
     GstFeed& feed();
@@ -45,6 +48,8 @@ public:
 
     /// Ends it. Elements that do not end within a few seconds are left to themselves: their thread stays.
     void stop();
+
+    static constexpr int most_left = 2;
 
 private:
     std::shared_ptr<StereoPipelineState> state_;

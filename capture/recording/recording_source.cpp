@@ -23,6 +23,7 @@
 #include "capture/pixel_format.h"
 #include "capture/recording/number_ring.h"
 #include "capture/recording/recording_reader.h"
+#include "capture/shown_source.h"
 
 namespace disparityd::capture {
 namespace {
@@ -43,7 +44,7 @@ std::string rate_text(double rate) {
 
 SourceInfo source_info(const SourceOptions& options, const RecordingReader::Info& found) {
     SourceInfo info;
-    info.name = options.uri;
+    info.name = shown_source(options.uri);
     info.format = found.format;
     info.eye_width = found.eye_width;
     info.height = found.height;

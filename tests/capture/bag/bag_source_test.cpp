@@ -378,9 +378,10 @@ TEST(BagSource, AFolderIsItsFilesOneAfterTheOther) {
     metadata("mcap", "zstd\"\n  compression_mode: \"FILE");
     EXPECT_EQ(play_all(options_of(folder.path())).frames.size(), 5U) << "its files lie there unpacked";
     std::filesystem::rename(folder.file("a_1.mcap"), folder.file("a_1.mcap.zstd"));
-    EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }),
-                AllOf(HasSubstr("a_1.mcap.zstd: is packed as a whole"),
-                      HasSubstr("zstd -d " + folder.file("a_1.mcap.zstd") + " -o " + folder.file("a_1.mcap"))));
+    EXPECT_THAT(
+        refusal([&] { open_source(options_of(folder.path())); }),
+        AllOf(HasSubstr("a_1.mcap.zstd: is packed as a whole"),
+              HasSubstr("zstd -d '" + folder.file("a_1.mcap.zstd") + "' -o '" + folder.file("a_1.mcap") + "'")));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: [");
     EXPECT_THAT(refusal([&] { open_source(options_of(folder.path())); }), HasSubstr("is no YAML file: line"));
     folder.write("metadata.yaml", "rosbag2_bagfile_information: 1");

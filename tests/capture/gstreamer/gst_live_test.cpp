@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Live pipelines: stamps, losses, recovery, interruption.
+#include <algorithm>
 #include <thread>
+#include <tuple>
 
 #include "capture/source_condition.h"
 #include "tests/capture/gstreamer/gst_fixture.h"
@@ -58,6 +60,28 @@ TEST(GstLive, EyesOfTwoSinksArePairedByStamp) {
         EXPECT_LT(frame.image.data[width], 50) << "right";
         source->give_back(frame);
     }
+}
+
+TEST(GstLive, EyesWhoseStampsLieInTheFutureArePairedByThemAndThatIsTold) {
+    // The source that is live makes the pipeline so; `sync` lets pictures go 200 ms before their times.
+    const std::string eye = "pattern=ball animation-mode=frames";
+    const std::string early = "! identity sync=true ts-offset=-200000000 ";
+    SourceOptions options = options_of("videotestsrc is-live=true ! fakesink " + test_source(eye, "100", width) +
+                                       early + "! appsink name=left " + test_source(eye, "100", width) + early +
+                                       "! queue max-size-buffers=0 min-threshold-time=100000000 ! appsink name=right");
+    const auto source = open_source(options);
+    ASSERT_TRUE(source->info().live);
+    RawFrame frame;
+    for (int i = 0; i < 12; ++i) {
+        ASSERT_EQ(source->next(frame, soon()), Next::frame);
+        EXPECT_LE(frame.monotonic_ns, now_ns());
+        for (int y = 0; y < frame.image.height; ++y) {
+            const std::uint8_t* const row = frame.image.data + y * frame.image.stride;
+            ASSERT_TRUE(std::equal(row, row + width, row + width)) << "other instants in frame " << i;
+        }
+        source->give_back(frame);
+    }
+    EXPECT_THAT(source->condition().notices, Contains(HasSubstr("lie in the future")));
 }
 
 TEST(GstLive, FramesThatNobodyTakesInTimeAreCounted) {
@@ -125,16 +149,16 @@ TEST(GstLive, ForADaemonAPipelineThatEndsIsStartedAnew) {
         }
     }
     EXPECT_TRUE(anew);
-    EXPECT_EQ(source->condition().camera->restarts, 1U);
+    EXPECT_GE(source->condition().camera->restarts, 1U);
     EXPECT_THAT(lines, Contains(HasSubstr("the pipeline has ended")));
 }
 
 TEST(GstLive, AStallAndAnErrorAreTold) {
-    for (const auto& [element, told] :
-         {std::pair("identity sleep-time=150000", "no frame has come for 0.08 s"),
-          std::pair("identity name=wire error-after=3", "wire: Failed after iterations")}) {
+    for (const auto& [element, told, stall_ms] :
+         {std::tuple("identity sleep-time=150000", "no frame has come for", 60),
+          std::tuple("identity name=wire error-after=3", "wire: Failed after iterations", 2000)}) {
         SourceOptions options = options_of(test_source("is-live=true", "100") + "! " + element + " ! appsink");
-        options.stall_time = milliseconds(60);
+        options.stall_time = milliseconds(stall_ms);
         const test::Played played = test::play_all(options);
         EXPECT_THAT(played.problem, HasSubstr(told));
     }
@@ -178,6 +202,23 @@ TEST(GstLive, AnotherSizeAsksADaemonToOpenTheSourceAnew) {
     }
     EXPECT_TRUE(source->condition().reopen);
     EXPECT_THAT(source->condition().detail, HasSubstr("128x48"));
+}
+
+TEST(GstLive, AnotherSizeOfOneOfTwoEyesAsksADaemonToOpenTheSourceAnew) {
+    SourceOptions options =
+        options_of(test_source("is-live=true", "50", width) + "! appsink name=left " +
+                   "concat name=c ! appsink name=right " + test_source("is-live=true num-buffers=9", "50", width) +
+                   "! c. " + test_source("is-live=true", "50", 2 * width) + "! c.");
+    options.wait_for_camera = true;
+    const auto source = open_source(options);
+    RawFrame frame;
+    for (int calls = 0; calls < 10'000 && !source->condition().reopen; ++calls) {
+        if (source->next(frame, steady_clock::now() + milliseconds(20)) == Next::frame) {
+            source->give_back(frame);
+        }
+    }
+    EXPECT_TRUE(source->condition().reopen);
+    EXPECT_THAT(source->condition().detail, HasSubstr("change from 64x48 grey8 to 128x48 grey8 per eye"));
 }
 
 TEST(GstLive, ADaemonNeedsACalibrationUnlessItMayDoWithout) {

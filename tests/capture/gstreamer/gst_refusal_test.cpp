@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Pipelines that cannot be played: one line each, nothing on standard error, nothing hangs.
+#include "capture/gstreamer/gst_picture.h"
 #include "tests/capture/gstreamer/gst_fixture.h"
 
 namespace disparityd::capture {
@@ -33,6 +34,9 @@ TEST_P(GstRefusal, IsOneLine) {
     const test::Played played = test::play_all(options);
     EXPECT_THAT(testing::internal::GetCapturedStderr(), IsEmpty());
     EXPECT_THAT(testing::internal::GetCapturedStdout(), IsEmpty());
+    if (GetParam().name != std::string("no_element") && played.problem.find("no element") != std::string::npos) {
+        GTEST_SKIP() << played.problem;
+    }
     EXPECT_THAT(played.problem, AllOf(HasSubstr("source gst: "), HasSubstr(GetParam().told)));
 }
 
@@ -48,7 +52,9 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"no_sink", "videotestsrc ! fakesink", "the pipeline has no appsink"},
         Refused{"names", "videotestsrc ! appsink name=a videotestsrc ! appsink name=b", "found the appsinks a, b"},
         Refused{"three", "videotestsrc ! appsink videotestsrc ! appsink videotestsrc ! appsink", "found the appsinks"},
-        Refused{"drop", "videotestsrc ! appsink drop=true max-buffers=1", "leave them out"},
+        Refused{"drop", "videotestsrc ! appsink drop=true max-buffers=1",
+                "found drop, max-buffers, which are not used here, leave them out"},
+        Refused{"offset", "videotestsrc ! appsink sync=false ts-offset=5", "found ts-offset, which"},
         Refused{"format", "videotestsrc ! video/x-raw,format=GRAY16_LE ! appsink",
                 "offered is video/x-raw, format=(string)GRAY16_LE"},
         Refused{"users_caps", "videotestsrc ! appsink caps=video/x-raw,format=P010_10LE", "allowed is video/x-raw"},
@@ -59,13 +65,20 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"interlaced", "videotestsrc ! video/x-raw,interlace-mode=interleaved,width=128,height=48 ! appsink",
                 "put deinterlace"},
         Refused{"top_bottom",
-                "videotestsrc ! capssetter caps=video/x-raw,multiview-mode=top-bottom ! " + caps + "! appsink", ""},
+                "videotestsrc ! " + caps + "! capssetter caps=video/x-raw,multiview-mode=top-bottom ! appsink",
+                "it declares the stereo layout \"top-bottom\", expected no flags and side by side"},
+        Refused{"other_eye",
+                test_source("num-buffers=3", "10", 64) + "! appsink name=left " +
+                    test_source("num-buffers=3", "10", 64) +
+                    "! capssetter caps=video/x-raw,multiview-mode=left ! appsink name=right",
+                "the stereo layout \"left\", expected no flags and the eye of its appsink, \"right\""},
         Refused{"sizes",
                 test_source("num-buffers=3", "10", 64) + "! appsink name=left " +
                     test_source("num-buffers=3", "10", 80) + "! appsink name=right",
                 "at the appsinks left and right"},
-        Refused{"no_file", "multifilesrc location=/nowhere/%d.png caps=image/png,framerate=5/1 ! pngdec ! appsink", ""},
-        Refused{"no_device", "v4l2src device=/dev/video77 ! appsink", ""},
+        Refused{"no_file", "multifilesrc location=/nowhere/%d.png caps=image/png,framerate=5/1 ! pngdec ! appsink",
+                "Error while reading from file \"/nowhere/0.png\""},
+        Refused{"no_device", "v4l2src device=/dev/video77 ! appsink", "Cannot identify device '/dev/video77'"},
         Refused{"no_frame", "videotestsrc ! valve drop=true ! " + caps + "! appsink", "no frame has come for 0.3 s",
                 true},
         Refused{"no_live_frame", "videotestsrc is-live=true ! valve drop=true ! " + caps + "! appsink",
@@ -80,6 +93,22 @@ INSTANTIATE_TEST_SUITE_P(
                 "none at most 5 ms apart"},
         Refused{"empty", "videotestsrc num-buffers=0 ! appsink", "ended without a frame"}),
     [](const auto& info) { return std::string(info.param.name); });
+
+TEST(GstPictures, FlagsOfADeclaredLayoutAreRefused) {
+    GstVideoInfo info;
+    gst_video_info_set_format(&info, GST_VIDEO_FORMAT_GRAY8, 128, 48);
+    GST_VIDEO_INFO_MULTIVIEW_MODE(&info) = GST_VIDEO_MULTIVIEW_MODE_SIDE_BY_SIDE;
+    const auto made = [&](GstVideoMultiviewFlags flags) {
+        GST_VIDEO_INFO_MULTIVIEW_FLAGS(&info) = flags;
+        const GstPtr<GstCaps> of_flags(gst_video_info_to_caps(&info));
+        return GstConverter(*of_flags, GstConverter::Holds::both_eyes).picture().width;
+    };
+    EXPECT_EQ(made(GST_VIDEO_MULTIVIEW_FLAGS_NONE), 128);
+    for (const auto flag : {GST_VIDEO_MULTIVIEW_FLAGS_RIGHT_VIEW_FIRST, GST_VIDEO_MULTIVIEW_FLAGS_LEFT_FLOPPED,
+                            GST_VIDEO_MULTIVIEW_FLAGS_RIGHT_FLIPPED, GST_VIDEO_MULTIVIEW_FLAGS_MIXED_MONO}) {
+        EXPECT_THAT(test::refusal([&] { made(flag); }), HasSubstr("\"side-by-side\" with multiview-flags"));
+    }
+}
 
 }  // namespace
 }  // namespace disparityd::capture

@@ -4,6 +4,9 @@
 #include <cstring>
 #include <numeric>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include "tests/capture/gstreamer/gst_fixture.h"
 #include "tests/temporary_folder.h"
 
@@ -187,6 +190,91 @@ TEST(GstReplay, AnotherSizeInTheMiddleEndsItWithALine) {
                                               "! c. " + test_source("num-buffers=2", "10", 4 * width) + "! c."));
     EXPECT_THAT(played.problem, HasSubstr("the pictures change from 128x48 to 256x48"));
     EXPECT_THAT(played.frames, SizeIs(2));
+}
+
+TEST(GstReplay, AnotherSizeOfOneOfTwoEyesEndsItBehindThePairs) {
+    const auto changes = [](const std::string& name, const std::string& eye, int later) {
+        return "concat name=" + name + " ! appsink name=" + eye + " " + test_source("num-buffers=2", "10", width) +
+               "! " + name + ". " + test_source("num-buffers=2", "10", later) + "! " + name + ". ";
+    };
+    for (const auto& [left, right] : {std::pair(width, 2 * width), std::pair(2 * width, 2 * width)}) {
+        const Played played = play_all(options_of(changes("c", "left", left) + changes("d", "right", right)));
+        EXPECT_THAT(played.problem, HasSubstr("source gst: the pictures change from 64x48 to 128x48"));
+        EXPECT_THAT(played.frames, SizeIs(2));
+    }
+}
+
+TEST(GstReplay, RowsThatGstreamerPadsHaveNoGaps) {
+    constexpr int odd = 130;
+    constexpr int stride = 132;  // GStreamer's rows of GRAY8 are multiples of 4
+    const TemporaryFolder folder;
+    std::string file(std::size_t{stride} * height, '\0');
+    std::string expected;
+    for (std::size_t i = 0; i < file.size(); ++i) {
+        file[i] = static_cast<char>(i * 7 + i / 251);
+        expected += i % stride < odd ? std::string(1, file[i]) : "";
+    }
+    const Played played = play_all(options_of("filesrc location=" + folder.write("raw", file) +
+                                              " ! rawvideoparse format=gray8 width=130 height=48 ! appsink"));
+    EXPECT_THAT(played.problem, IsEmpty());
+    ASSERT_THAT(played.frames, SizeIs(1));
+    EXPECT_EQ(std::string(played.frames[0].begin(), played.frames[0].end()), expected);
+}
+
+TEST(GstReplay, FramesWithoutNumbersThatAreMissingShowInTheirTimes) {
+    if (!has_element("capssetter")) {
+        GTEST_SKIP() << "no capssetter: apt-get install gstreamer1.0-plugins-good";
+    }
+    const TemporaryFolder folder;
+    const std::string path = folder.write("raw", std::string(3 * pixels, '\0'));
+    for (const auto& [rate, flag] : {std::pair("10", 0U), std::pair("20", 0U + frame_flag_discontinuity)}) {
+        const auto source = open_source(options_of(
+            "filesrc location=" + path + " ! rawvideoparse format=gray8 width=128 height=48 framerate=10/1 ! " +
+            "capssetter caps=video/x-raw,framerate=" + rate + "/1 ! appsink"));
+        RawFrame frame;
+        for (std::uint64_t i = 0; source->next(frame, test::soon()) == FrameSource::Next::frame; ++i) {
+            EXPECT_EQ(frame.sequence, i) << "nobody knows how many are missing";
+            EXPECT_EQ(frame.flags, i > 0 ? flag : 0U) << rate;
+            source->give_back(frame);
+        }
+    }
+}
+
+TEST(GstReplay, ADescriptorThatDoesNotSayThatItIsLiveIsNoCamera) {
+    const TemporaryFolder folder;
+    const std::string path = folder.write("raw", std::string(3 * pixels, '\0'));
+    const auto play = [&](const std::string& properties, bool daemon) {
+        const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+        SourceOptions options = options_of("fdsrc fd=" + std::to_string(file) + properties +
+                                           " ! rawvideoparse format=gray8 width=128 height=48 ! appsink");
+        options.wait_for_camera = daemon;
+        Played played = play_all(options);
+        ::close(file);
+        return played;
+    };
+    const std::string told = "found a source that does not say that it is live, fdsrc: ";
+    EXPECT_THAT(play("", true).problem, HasSubstr(told));
+    const Played replay = play("", false);
+    EXPECT_FALSE(replay.info.live);
+    EXPECT_THAT(replay.notices, ElementsAre(HasSubstr(told)));
+    EXPECT_TRUE(play(" do-timestamp=true", false).info.live);
+}
+
+TEST(GstReplay, ADaemonPlaysTestSourcesAndFiles) {
+    const TemporaryFolder folder;
+    std::vector<std::string> pipelines{test_source("num-buffers=2", "10") + "! appsink"};
+    if (has_element("pngdec")) {
+        test::write_image(folder.file("both.png"), numbered_image(2 * width, height, CV_8UC1, 1));
+        pipelines.push_back("uridecodebin uri=file://" + folder.file("both.png") + " ! videoconvert ! appsink");
+    }
+    for (const std::string& pipeline : pipelines) {
+        SourceOptions options = options_of(pipeline);
+        options.wait_for_camera = true;
+        const Played played = play_all(options);
+        EXPECT_THAT(played.problem, IsEmpty());
+        EXPECT_FALSE(played.frames.empty());
+        EXPECT_THAT(played.notices, IsEmpty());
+    }
 }
 
 TEST(GstReplay, ALoopPlaysOnUntilItIsInterrupted) {
