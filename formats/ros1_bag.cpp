@@ -17,8 +17,7 @@ namespace {
 constexpr std::string_view version_line = "#ROSBAG V2.0\n";
 constexpr std::size_t length_size = 4;
 constexpr std::uint64_t most_header = std::uint64_t{1} << 20U;
-constexpr std::size_t most_of_record = 1000;               // fields; ten are enough
-constexpr std::size_t most_text = std::size_t{16} << 20U;  // of names and definitions, as in MCAP files
+constexpr std::size_t most_of_record = 1000;  // fields; ten are enough
 
 /// Kinds of records, as the format numbers them.
 enum class Kind : std::uint8_t { message = 2, bag_header = 3, index = 4, chunk = 5, chunk_info = 6, connection = 7 };
@@ -179,8 +178,9 @@ void Ros1Bag::add_connection(const Record& record) {
     BagConnection connection{std::string(record.text("topic")), type_name(header.text("type")), "ros1", "ros1msg",
                              std::make_shared<const std::string>(header.text("message_definition"))};
     text_bytes_ += connection.topic.size() + connection.type.size() + connection.definition->size() + 100;
-    if (text_bytes_ > most_text) {
-        throw std::runtime_error("its topics and definitions have more than " + std::to_string(most_text) + " bytes");
+    if (text_bytes_ > most_bag_text_bytes) {
+        throw std::runtime_error("its topics and definitions have more than " + std::to_string(most_bag_text_bytes) +
+                                 " bytes");
     }
     connections_.emplace(id, std::move(connection));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -10,6 +11,10 @@
 #include <string_view>
 
 namespace disparityd::formats {
+
+/// What a bag may have of names and definitions, as an MCAP file may: more is no bag of a robot, and would fill the
+/// memory.
+constexpr std::size_t most_bag_text_bytes = std::size_t{16} << 20U;
 
 /// A stream of messages of one type in a bag.
 struct BagConnection {

@@ -18,8 +18,7 @@
 namespace disparityd::formats {
 namespace {
 
-constexpr std::size_t most_text = std::size_t{16} << 20U;  // of names and definitions, as in MCAP files
-constexpr std::size_t row_bytes = 100;                     // that a row counts as, beside its texts
+constexpr std::size_t row_bytes = 100;  // that a row counts as, beside its texts
 constexpr std::size_t most_topics = 10000;
 
 /// Returns the name by which SQLite opens a file without writing beside it. It then takes no part in what another
@@ -153,8 +152,8 @@ void SqliteBag::check_table(const std::string& name) const {
 
 void SqliteBag::count_text(std::size_t bytes) {
     text_bytes_ += bytes;
-    if (text_bytes_ > most_text) {
-        fail("its topics and definitions have more than " + std::to_string(most_text) + " bytes");
+    if (text_bytes_ > most_bag_text_bytes) {
+        fail("its topics and definitions have more than " + std::to_string(most_bag_text_bytes) + " bytes");
     }
 }
 

@@ -8,7 +8,7 @@ namespace disparityd::scan {
 namespace {
 
 /// What is seen behind an edge lies in so many bins from it on: a quarter of the distance.
-constexpr int window = 8;
+constexpr int drop_bins = 8;
 /// So many columns of the image are looked at, or up to twice as many. In these each row counts: far ahead the ground
 /// passes fast from row to row.
 constexpr int looked_at = 160;
@@ -71,7 +71,7 @@ void DropSectors::describe(const Geometry& geometry, int sector, ScanSector& out
     Bin sum;
     for (; last >= 0; --last) {
         sum = {};
-        for (int b = last; b > last - window && b >= 0; --b) {
+        for (int b = last; b > last - drop_bins && b >= 0; --b) {
             const Bin& bin = of_sector[b];
             sum.pixels += bin.pixels;
             sum.confidence += bin.confidence;

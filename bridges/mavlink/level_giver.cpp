@@ -10,7 +10,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds pause_after_error{1000};
+constexpr milliseconds pause_before_retry{1000};
 constexpr milliseconds patience{200};
 /// The daemon takes no more at once.
 constexpr std::size_t most = 64;
@@ -50,7 +50,7 @@ void LevelGiver::give() {
         problem_.clear();
     } catch (const std::exception& error) {
         problem_ = error.what();
-        next_try_ = Clock::now() + pause_after_error;
+        next_try_ = Clock::now() + pause_before_retry;
     }
 }
 

@@ -26,7 +26,7 @@ void put_camera(std::string& text, const CameraModel& camera, const char* matrix
     put_matrix(text, distortion, 1, lens_coefficients(camera));
 }
 
-void put_inertial(std::string& text, const InertialCalibration& inertial) {
+void put_inertial_nodes(std::string& text, const InertialCalibration& inertial) {
     if (inertial.to_left_camera) {
         const auto& [r, t] = *inertial.to_left_camera;
         put_matrix(
@@ -52,7 +52,7 @@ std::string to_opencv_yaml(const StereoCalibration& calibration) {
     put_camera(text, calibration.right, "M2", "D2");
     put_matrix(text, "R", 3, calibration.rotation);
     put_matrix(text, "T", 3, calibration.translation);
-    put_inertial(text, calibration.inertial);
+    put_inertial_nodes(text, calibration.inertial);
     return text;
 }
 

@@ -14,7 +14,7 @@
 namespace disparityd::tools {
 namespace {
 
-Json to_json(const calibration::CameraModel& camera) {
+Json camera_json(const calibration::CameraModel& camera) {
     return {{"fx", camera.fx},
             {"fy", camera.fy},
             {"cx", camera.cx},
@@ -81,10 +81,10 @@ Json to_json(const capture::SourceInfo& source) {
 }
 
 Json to_json(const calibration::StereoCalibration& calibration) {
-    return {{"origin", calibration.origin},      {"width", calibration.width},
-            {"height", calibration.height},      {"rectified", calibration.rectified},
-            {"left", to_json(calibration.left)}, {"right", to_json(calibration.right)},
-            {"rotation", calibration.rotation},  {"translation_mm", calibration.translation}};
+    return {{"origin", calibration.origin},          {"width", calibration.width},
+            {"height", calibration.height},          {"rectified", calibration.rectified},
+            {"left", camera_json(calibration.left)}, {"right", camera_json(calibration.right)},
+            {"rotation", calibration.rotation},      {"translation_mm", calibration.translation}};
 }
 
 Json to_json(const calibration::Rectification& rectification) {

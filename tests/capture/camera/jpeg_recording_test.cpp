@@ -31,19 +31,19 @@ using test::Replay;
 using test::seen;
 using test::SeenFrame;
 
-constexpr int sent_width = 128;
-constexpr int sent_height = 64;
+constexpr int picture_width = 128;
+constexpr int picture_height = 64;
 constexpr std::size_t pictures = 5;
 
 class JpegRecordingTest : public ::testing::Test {
 protected:
     JpegRecordingTest() {
         auto camera = test::zed2();
-        camera.width = sent_width;
-        camera.height = sent_height;
+        camera.width = picture_width;
+        camera.height = picture_height;
         camera.format = V4L2_PIX_FMT_MJPEG;
         for (unsigned seed = 0; seed < pictures; ++seed) {
-            jpegs_.push_back(test::made_jpeg(sent_width, sent_height, TJSAMP_420, seed));
+            jpegs_.push_back(test::made_jpeg(picture_width, picture_height, TJSAMP_420, seed));
         }
         camera.jpegs = jpegs_;
         system_.plug(camera);

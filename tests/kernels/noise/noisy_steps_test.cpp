@@ -96,21 +96,21 @@ TEST_P(NoisyCensus, BorderIsReplicated) {
 
 INSTANTIATE_TEST_SUITE_P(Coarseness, NoisyCensus, testing::Values(1, 2));
 
-constexpr std::int16_t invalid = -16;
+constexpr std::int16_t rejected = -16;
 
 Image<std::int16_t> voted(const Image<std::int16_t>& in) {
     Image<std::int16_t> out(in.width(), in.height());
-    reference::vote(in.plane(), invalid, out.plane(), out.rows());
+    reference::vote(in.plane(), rejected, out.plane(), out.rows());
     return out;
 }
 
 // What is left of 100 in the middle of 5 x 5 pixels, `agreeing` of which have `value` and the others none.
 int middle_among(int agreeing, std::int16_t value) {
-    Image<std::int16_t> image(5, 5, invalid);
+    Image<std::int16_t> image(5, 5, rejected);
     image.at(2, 2) = 100;
     int set = 0;
     for (std::int16_t& pixel : image.pixels()) {
-        if (pixel == invalid && set < agreeing) {
+        if (pixel == rejected && set < agreeing) {
             pixel = value;
             ++set;
         }
@@ -120,15 +120,15 @@ int middle_among(int agreeing, std::int16_t value) {
 
 TEST(Vote, WantsTwelveOthersOfAWholeWindow) {
     EXPECT_EQ(middle_among(12, 100), 100);
-    EXPECT_EQ(middle_among(11, 100), invalid);
-    EXPECT_EQ(middle_among(0, 100), invalid);
+    EXPECT_EQ(middle_among(11, 100), rejected);
+    EXPECT_EQ(middle_among(0, 100), rejected);
 }
 
 TEST(Vote, CountsWhatDiffersByAtMostOneAndAHalfPixels) {
     EXPECT_EQ(middle_among(24, 124), 100 + 23);  // 24 * 24 / 25, rounded
     EXPECT_EQ(middle_among(24, 76), 100 - 23);
-    EXPECT_EQ(middle_among(24, 125), invalid);
-    EXPECT_EQ(middle_among(24, 75), invalid);
+    EXPECT_EQ(middle_among(24, 125), rejected);
+    EXPECT_EQ(middle_among(24, 75), rejected);
 }
 
 TEST(Vote, GivesTheMeanHalvesRoundedUp) {
@@ -143,18 +143,18 @@ TEST(Vote, GivesTheMeanHalvesRoundedUp) {
 TEST(Vote, AtTheBorderTheWindowIsWhatLiesInside) {
     EXPECT_EQ(voted(Image<std::int16_t>(1, 1, 77)).pixels(), (std::vector<std::int16_t>{77}));
     // 5 of 9 in the corner are enough, 4 are not.
-    Image<std::int16_t> corner(3, 3, {0, 0, invalid, 0, 0, invalid, 0, invalid, invalid});
+    Image<std::int16_t> corner(3, 3, {0, 0, rejected, 0, 0, rejected, 0, rejected, rejected});
     EXPECT_EQ(voted(corner).at(0, 0), 0);
-    corner.at(0, 2) = invalid;
-    EXPECT_EQ(voted(corner).at(0, 0), invalid);
+    corner.at(0, 2) = rejected;
+    EXPECT_EQ(voted(corner).at(0, 0), rejected);
 }
 
 TEST(Vote, WhatIsRejectedStaysSoAndDoesNotCount) {
     // The rejected value is near: 16/16 px below 0.
     Image<std::int16_t> image(5, 5, 0);
-    image.at(0, 0) = invalid;
+    image.at(0, 0) = rejected;
     const Image<std::int16_t> found = voted(image);
-    EXPECT_EQ(found.at(0, 0), invalid);
+    EXPECT_EQ(found.at(0, 0), rejected);
     EXPECT_EQ(found.at(1, 1), 0);
 }
 

@@ -12,7 +12,7 @@
 namespace disparityd::eval {
 namespace {
 
-constexpr double scale = 80;  // px in a metre
+constexpr double px_a_metre = 80;
 constexpr double behind_m = 0.5;
 constexpr double least_beside_m = 2.8;
 const cv::Scalar floor_colour(245, 245, 245);
@@ -40,22 +40,22 @@ double width_for(const std::array<DriveResult, 2>& drives, const Robot& robot) {
 class CoursePlan {
 public:
     CoursePlan(const DriveRules& rules, double beside_m)
-        : picture(static_cast<int>(2 * beside_m * scale), static_cast<int>((rules.goal_m + 2 * behind_m) * scale),
-                  CV_8UC3, floor_colour),
+        : picture(static_cast<int>(2 * beside_m * px_a_metre),
+                  static_cast<int>((rules.goal_m + 2 * behind_m) * px_a_metre), CV_8UC3, floor_colour),
           beside_m_(beside_m) {
         cv::line(picture, at(rules.goal_m, -beside_m), at(rules.goal_m, beside_m), cv::Scalar(200, 120, 40), 2);
     }
 
     cv::Point at(double x, double y) const {
-        return {static_cast<int>(std::lround((x + behind_m) * scale)),
-                static_cast<int>(std::lround((beside_m_ - y) * scale))};
+        return {static_cast<int>(std::lround((x + behind_m) * px_a_metre)),
+                static_cast<int>(std::lround((beside_m_ - y) * px_a_metre))};
     }
 
     void draw(const Course& course) {
         for (const Obstacle& obstacle : course.obstacles) {
             const Point& c = obstacle.centre;
             if (obstacle.shape == Obstacle::Shape::post) {
-                const int radius = std::max(2, static_cast<int>(std::lround(obstacle.half.x * scale)));
+                const int radius = std::max(2, static_cast<int>(std::lround(obstacle.half.x * px_a_metre)));
                 cv::circle(picture, at(c.x, c.y), radius, thing_colour, cv::FILLED, cv::LINE_AA);
             } else if (obstacle.shape == Obstacle::Shape::box || obstacle.shape == Obstacle::Shape::hole) {
                 cv::rectangle(picture, at(c.x - obstacle.half.x, c.y + obstacle.half.y),
@@ -67,7 +67,7 @@ public:
     }
 
     void draw(const DriveResult& drive, const Robot& robot) {
-        const int radius = static_cast<int>(std::lround(robot.radius_m * scale));
+        const int radius = static_cast<int>(std::lround(robot.radius_m * px_a_metre));
         for (const Track& track : drive.track) {
             cv::circle(picture, at(track.pose.x, track.pose.y), radius, cv::Scalar(225, 225, 225), cv::FILLED);
         }

@@ -33,7 +33,7 @@ constexpr std::int64_t frame_ns = 33'333'333;
 constexpr std::array<double, 3> noises{0, 3, 6};
 
 /// How a sequence moves. The rendered things do where `loop` says how long their way lasts.
-struct Kind {
+struct Motion {
     const char* name;
     int loop = 0;            ///< frames; 0: they stand still
     int turn_px = 0;         ///< by which the picture moves to the left in each frame
@@ -41,25 +41,25 @@ struct Kind {
     bool renders_each() const { return loop > 0; }
 };
 
-constexpr std::array kinds{Kind{"still"},       Kind{"slow", 190},          Kind{"fast", 48},
-                           Kind{"turns", 0, 4}, Kind{"nearer", 0, 0, 0.05}, Kind{"nearer fast", 0, 0, 0.5}};
+constexpr std::array motions{Motion{"still"},       Motion{"slow", 190},          Motion{"fast", 48},
+                             Motion{"turns", 0, 4}, Motion{"nearer", 0, 0, 0.05}, Motion{"nearer fast", 0, 0, 0.5}};
 
 /// Draws the frames of one sequence.
 class Sequence {
 public:
-    Sequence(const Kind& kind, std::uint32_t seed, double noise)
-        : kind_(kind), noise_(noise), scenes_(rendered_scenes(uri(kind, seed))) {}
+    Sequence(const Motion& motion, std::uint32_t seed, double noise)
+        : motion_(motion), noise_(noise), scenes_(rendered_scenes(uri(motion, seed))) {}
 
     Scene read(int index) {
-        if (!base_ || kind_.renders_each()) {
+        if (!base_ || motion_.renders_each()) {
             base_ = scenes_[static_cast<std::size_t>(index)].read();
         }
         Scene scene = *base_;
         scene.left = base_->left.clone();
         scene.right = base_->right.clone();
-        turn(scene, index * kind_.turn_px);
-        if (kind_.approach_px > 0) {
-            show_wall(scene, first_disparity + index * kind_.approach_px);
+        turn(scene, index * motion_.turn_px);
+        if (motion_.approach_px > 0) {
+            show_wall(scene, first_disparity + index * motion_.approach_px);
         }
         scene.name += '/' + std::to_string(index);
         add_noise(scene, noise_);
@@ -69,14 +69,14 @@ public:
 private:
     static constexpr double first_disparity = 10;
 
-    static std::string uri(const Kind& kind, std::uint32_t seed) {
-        const std::string loop = std::to_string(kind.renders_each() ? kind.loop : frames);
+    static std::string uri(const Motion& motion, std::uint32_t seed) {
+        const std::string loop = std::to_string(motion.renders_each() ? motion.loop : frames);
         return "scene:vga?seed=" + std::to_string(seed) + "&loop=" + loop + "&frames=" + loop;
     }
 
     /// Cuts a part out of the picture, of the same size at each place.
     void turn(Scene& scene, int x0) const {
-        const int width = scene.left.cols - frames * kind_.turn_px;
+        const int width = scene.left.cols - frames * motion_.turn_px;
         const cv::Rect part(x0, 0, width, scene.left.rows);
         const auto cut = [&](auto& values, int type) {
             if (!values.empty()) {
@@ -101,7 +101,7 @@ private:
         scene.non_occluded.clear();
     }
 
-    Kind kind_;
+    Motion motion_;
     double noise_;
     std::vector<SceneToJudge> scenes_;
     std::optional<Scene> base_;
@@ -196,10 +196,10 @@ std::string ratio(double part, double all, int decimals) {
     return all > 0 ? base::fixed(100 * part / all, decimals) : "-";
 }
 
-std::vector<std::string> line(const Kind& kind, double noise, const Counts& counts) {
+std::vector<std::string> line(const Motion& motion, double noise, const Counts& counts) {
     const auto sigma = [&](const Errors& of) { return px(std::sqrt(of.variances / counts.still)); };
     const auto error = [](const Errors& of) { return px(std::sqrt(of.squares / (of.measured - of.wrong))); };
-    return {kind.name,
+    return {motion.name,
             base::fixed(noise, 0),
             sigma(counts.before),
             sigma(counts.after),
@@ -226,17 +226,17 @@ void report_temporal(const TemporalEvaluation& evaluation, Parallel& workers, bo
     tools::Table table({"sequences", "noise", "sigma px", "after", "error px", "after", "wrong %", "after",
                         "of changed wrong %", "after", "behind px"});
     {
-        tools::Progress progress("rows", kinds.size() * noises.size());
+        tools::Progress progress("rows", motions.size() * noises.size());
         std::size_t done = 0;
-        for (const Kind& kind : kinds) {
+        for (const Motion& motion : motions) {
             for (const double noise : noises) {
-                progress.show(done++, kind.name);
+                progress.show(done++, motion.name);
                 Counts counts;
                 for (int i = 0; i < evaluation.sequences; ++i) {
-                    Sequence sequence(kind, evaluation.seed + 2 * static_cast<std::uint32_t>(i), noise);
+                    Sequence sequence(motion, evaluation.seed + 2 * static_cast<std::uint32_t>(i), noise);
                     play(evaluation, sequence, workers, counts);
                 }
-                table.add(line(kind, noise, counts));
+                table.add(line(motion, noise, counts));
             }
         }
     }
