@@ -21,7 +21,6 @@ constexpr double edge_share = 0.25;
 constexpr double least_camera_m = 0.01;
 constexpr double most_m = 65;
 constexpr std::size_t arc_points = 9;
-constexpr int parts_of_way = 4;
 
 /// 0 tells nothing.
 std::uint8_t lesser_trust(std::uint8_t one, std::uint8_t other) {
@@ -269,25 +268,29 @@ void OriginShift::find_obstacle(const ScanSector& obstacle, int camera_sector) {
     }
 }
 
-/// Adds the doubts of what a sector says up to a distance: those of the camera's sectors that the way to it leads
-/// through.
+/// Adds the doubts of what a sector says up to a distance: those of all camera sectors that the way to it leads
+/// through. Seen from the camera the way turns in one direction only.
 void OriginShift::find_doubts(std::span<const ScanSector> camera_sectors, int sector, double end_mm,
                               ScanSector& out) const {
     const auto direction = direction_of<Point>(from_deg_ + width_deg_ * (sector + 0.5));
     const double first_deg = camera_sectors.front().from_cdeg / 100.0;
     const double range_deg = camera_sectors.back().to_cdeg / 100.0 - first_deg;
-    const double middle_deg = first_deg + range_deg / 2;
-    for (int part = 0; part < parts_of_way; ++part) {
-        const double at_mm = least_mm_ + (end_mm - least_mm_) * (part + 0.5) / parts_of_way;
-        const Point seen{at_mm * direction.ahead - camera_.ahead, at_mm * direction.left - camera_.left};
-        const double from_first = std::remainder(bearing_of(seen) - middle_deg, 360.0) + range_deg / 2;
-        const double camera_sector = std::floor(from_first / range_deg * static_cast<double>(camera_sectors.size()));
-        if (camera_sector < 0 || camera_sector >= static_cast<double>(camera_sectors.size())) {
-            continue;  // the camera does not see it
+    const auto seen_at = [&](double mm) {
+        const Point point{mm * direction.ahead - camera_.ahead, mm * direction.left - camera_.left};
+        return std::remainder(bearing_of(point) - first_deg - range_deg / 2, 360.0) + range_deg / 2;
+    };
+    double begin = seen_at(least_mm_);
+    if (begin < 0 || begin > range_deg) {
+        begin = seen_at(std::min(std::max(least_mm_, asked_from_mm_), end_mm));  // the robot is in between
+    }
+    const double end = begin + std::remainder(seen_at(end_mm) - begin, 360.0);
+    const double width = range_deg / static_cast<double>(camera_sectors.size());
+    for (std::size_t s = 0; s < camera_sectors.size(); ++s) {
+        const double right = width * static_cast<double>(s);
+        if (right <= std::max(begin, end) && right + width > std::min(begin, end)) {
+            out.doubts |= camera_sectors[s].doubts;
+            out.trust = lesser_trust(out.trust, camera_sectors[s].trust);
         }
-        const ScanSector& there = camera_sectors[static_cast<std::size_t>(camera_sector)];
-        out.doubts |= there.doubts;
-        out.trust = lesser_trust(out.trust, there.trust);
     }
 }
 

@@ -24,8 +24,6 @@ constexpr int covered_factor = 36;
 
 constexpr std::int64_t least_fine_texture = 12;  // mean square over an eye, beyond the noise
 constexpr int windows_of_dirt = 3;
-/// Dirt of the right eye stays where it was in the left picture for so many windows that do not tell where it is.
-constexpr int windows_kept = 10;
 
 /// Returns the cell, of so many, in which a pixel lies.
 int cell_of(int pixel, int size, int cells) {
@@ -235,7 +233,7 @@ bool Judge::find_dirty() {
 }
 
 /// Dirt of the right eye shows where the disparities put it. Where those of a row put none of it anywhere, it is still
-/// there: the cells of the row stay as they were for a while.
+/// there: the cells of the row stay as they were.
 void Judge::find_dirty_cells(const FrameView& frame) {
     Cells<bool> mapped{};
     add_left_cells(frame, dirt_[right], mapped);
@@ -246,9 +244,7 @@ void Judge::find_dirty_cells(const FrameView& frame) {
             const auto first = cells.begin() + begin;
             return std::find(first, first + cell_columns, true) != first + cell_columns;
         };
-        int& age = findings_.mapped_before[static_cast<std::size_t>(row)];
-        age = any(mapped) ? 0 : age + 1;
-        const bool kept = age > 0 && age <= windows_kept && any(dirt_[right]);
+        const bool kept = !any(mapped) && any(dirt_[right]);
         for (std::ptrdiff_t i = begin; i < begin + cell_columns; ++i) {
             const auto cell = static_cast<std::size_t>(i);
             findings_.mapped_cells[cell] = kept ? findings_.mapped_cells[cell] : mapped[cell];

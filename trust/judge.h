@@ -73,8 +73,6 @@ private:
         std::array<Cells<int>, 2> dull_windows{};  ///< windows in a row in which a cell was dull
         Cells<bool> dirty_cells{};                 ///< of the left image
         Cells<bool> mapped_cells{};                ///< those of them that show dirt of the right eye
-        /// By row, windows since disparities have put dirt of the right eye into it.
-        std::array<int, cell_rows> mapped_before{};
     };
 
     void set_masked_cells(Plane<const std::uint8_t> masked);

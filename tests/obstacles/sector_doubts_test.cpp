@@ -133,6 +133,19 @@ TEST_F(SectorDoubts, AnotherOriginHasThemWhereTheyAreSeenFromThere) {
     EXPECT_EQ(from_camera[(28 + 70) / 2], proto::doubt_dark);
 }
 
+// The camera is 0.3 m to the left of the origin: it sees what is near on the way straight ahead farther to the right.
+TEST_F(SectorDoubts, AnotherOriginHasThoseOfTheWholeWay) {
+    options_.camera_left_m = 0.3;
+    options_.from_deg = -36;
+    options_.to_deg = 36;
+    options_.sectors = 24;
+    fill(202, 232, height, 19);  // from 12 to 20 degrees to the right, where the way is 0.8 to 1.4 m away
+    const std::vector<ScanSector> found = sectors();
+    EXPECT_EQ(std::uint32_t{found[12].doubts} << proto::scan_doubt_shift, proto::doubt_dark);
+    EXPECT_EQ(found[12].trust, 127);
+    EXPECT_EQ(found[0].doubts, 0) << "its way is farther to the right than the dark";
+}
+
 TEST_F(SectorDoubts, WithoutACalibrationNothingIsTold) {
     ObstacleScanner scanner(width, height, options_, reference::steps.frame);
     Scan scan = scanner.empty_scan();
