@@ -126,22 +126,19 @@ Points points_at(const AnyFrame& frame, const AnyPlane& plane, std::uint32_t ste
     points.points.reserve(std::size_t{points.width} * points.height);
     std::vector<std::size_t> pixels;
     pixels.reserve(points.points.capacity());
-    for (std::uint32_t row = 0; row < plane.height; row += step) {
-        for (std::uint32_t column = 0; column < plane.width; column += step) {
-            const std::size_t pixel = nearest_pixel(plane.width, plane.height, column, row, step, depth_at);
-            const float z = depth_at(pixel);
-            Point point{unknown_m, unknown_m, unknown_m};
-            if (std::isfinite(z)) {
-                const auto x = static_cast<double>(pixel % plane.width);
-                const auto y = static_cast<double>(pixel / plane.width);
-                point.x = static_cast<float>((x + static_cast<double>(frame.region_x) - frame.cx) * z / frame.f);
-                point.y = static_cast<float>((y + static_cast<double>(frame.region_y) - frame.cy) * z / frame.f);
-                point.z = z;
-            }
-            points.points.push_back(point);
-            pixels.push_back(pixel);
+    for_each_nearest(plane.width, plane.height, step, depth_at, [&](std::size_t pixel) {
+        const float z = depth_at(pixel);
+        Point point{unknown_m, unknown_m, unknown_m};
+        if (std::isfinite(z)) {
+            const auto x = static_cast<double>(pixel % plane.width);
+            const auto y = static_cast<double>(pixel / plane.width);
+            point.x = static_cast<float>((x + static_cast<double>(frame.region_x) - frame.cx) * z / frame.f);
+            point.y = static_cast<float>((y + static_cast<double>(frame.region_y) - frame.cy) * z / frame.f);
+            point.z = z;
         }
-    }
+        points.points.push_back(point);
+        pixels.push_back(pixel);
+    });
     paint(points, frame, plane.width, plane.height, pixels);
     return points;
 }

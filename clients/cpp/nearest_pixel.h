@@ -29,4 +29,14 @@ std::size_t nearest_pixel(std::uint32_t width, std::uint32_t height, std::uint32
     return nearest;
 }
 
+/// Calls `take` with the nearest_pixel() of each block of `step` columns and rows, row of blocks by row of blocks.
+template <typename Depth, typename Take>
+void for_each_nearest(std::uint32_t width, std::uint32_t height, std::uint32_t step, Depth depth_at, Take take) {
+    for (std::uint32_t row = 0; row < height; row += step) {
+        for (std::uint32_t column = 0; column < width; column += step) {
+            take(nearest_pixel(width, height, column, row, step, depth_at));
+        }
+    }
+}
+
 }  // namespace disparity

@@ -70,7 +70,7 @@ std::string camera_text(const v1::CameraStatus& camera) {
         return camera.state();
     }
     std::string text = camera.state() + ", " + camera.model() + (camera.serial().empty() ? "" : ", serial ") +
-                       camera.serial() + ", " + camera.node();
+                       camera.serial() + (camera.node().empty() ? "" : ", ") + camera.node();
     if (camera.speed_mbit() > 0) {
         text += ", USB " + fixed(camera.speed_mbit(), 0) + " Mbit/s";
     }

@@ -111,18 +111,15 @@ std::optional<std::string> point_cloud(const Frame& frame, std::uint32_t most_po
     write_fields(cdr, paint);
     cdr.boolean(false).u32(point_bytes).u32(point_bytes * width);  // little endian
     std::uint8_t* out = cdr.u8_room(std::size_t{point_bytes} * width * height).data();
-    for (std::uint32_t row = 0; row < depths->height; row += step) {
-        for (std::uint32_t column = 0; column < depths->width; column += step) {
-            const std::size_t pixel = disparity::nearest_pixel(depths->width, depths->height, column, row, step,
-                                                               [&](std::size_t i) { return depths->metres[i]; });
-            std::array<float, 4> point{};
-            place_point(point.data(), frame, static_cast<double>(pixel % depths->width),
-                        static_cast<double>(pixel / depths->width), depths->metres[pixel]);
-            point[3] = paint.plane != nullptr ? paint.value(pixel) : 0;
-            std::memcpy(out, point.data(), point_bytes);
-            out += point_bytes;
-        }
-    }
+    const auto depth_at = [&](std::size_t pixel) { return depths->metres[pixel]; };
+    disparity::for_each_nearest(depths->width, depths->height, step, depth_at, [&](std::size_t pixel) {
+        std::array<float, 4> point{};
+        place_point(point.data(), frame, static_cast<double>(pixel % depths->width),
+                    static_cast<double>(pixel / depths->width), depths->metres[pixel]);
+        point[3] = paint.plane != nullptr ? paint.value(pixel) : 0;
+        std::memcpy(out, point.data(), point_bytes);
+        out += point_bytes;
+    });
     cdr.boolean(false);  // not dense: there are points without a place
     return cdr.take();
 }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -15,6 +17,7 @@
 #include "bridges/web/frames/jpeg.h"
 #include "bridges/web/frames/planes.h"
 #include "bridges/web/images/colours.h"
+#include "clients/cpp/nearest_pixel.h"
 
 namespace disparityd::web {
 namespace {
@@ -179,11 +182,19 @@ std::shared_ptr<const DepthGrid> make_grid(const disparity::Frame& frame, const 
     grid->height = static_cast<int>((plane.height + stride - 1) / stride);
     std::vector<std::uint16_t> depth;
     depth.reserve(static_cast<std::size_t>(grid->width) * static_cast<std::size_t>(grid->height));
-    for (std::uint32_t y = 0; y < plane.height; y += stride) {
-        for (std::uint32_t x = 0; x < plane.width; x += stride) {
-            depth.push_back(depth_mm(frame, value_at<std::int16_t>(plane, x, y)));
-        }
-    }
+    const auto at = [&plane](std::size_t pixel) {
+        return value_at<std::int16_t>(plane, static_cast<std::uint32_t>(pixel % plane.width),
+                                      static_cast<std::uint32_t>(pixel / plane.width));
+    };
+    // The greater the disparity the nearer, which spares a division for each pixel.
+    const std::int64_t offset16 = std::llround(16 * frame.disparity_offset);
+    const auto distance = [&](std::size_t pixel) {
+        const std::int16_t disparity = at(pixel);
+        const bool known = disparity != frame.invalid && disparity + offset16 > 0;
+        return known ? -static_cast<float>(disparity) : std::numeric_limits<float>::quiet_NaN();
+    };
+    disparity::for_each_nearest(plane.width, plane.height, stride, distance,
+                                [&](std::size_t pixel) { depth.push_back(depth_mm(frame, at(pixel))); });
     grid->bytes = std::make_shared<const std::string>(deflated(depth.data(), 2 * depth.size()));
     return grid;
 }

@@ -12,7 +12,8 @@
 
 namespace disparityd::web {
 
-/// A part of the depth image for a cloud of points: pixel (i, j) is that at (i * step, j * step) of the whole image.
+/// A thinned depth image for a cloud of points: pixel (i, j) is the nearest of `step` columns and rows of the whole
+/// image from (i * step, j * step) on, so that nothing thin is lost.
 struct DepthGrid {
     int step = 1;
     int width = 0;

@@ -30,7 +30,8 @@ void main() {
   gl_PointSize = 0.0;
   if (depth == 0u || depth == 65535u) return;
   float z = float(depth) * 0.001;
-  vec2 px = vec2(gl_VertexID % grid.x, gl_VertexID / grid.x) * stride;
+  // The middle of the block whose nearest depth this is.
+  vec2 px = vec2(gl_VertexID % grid.x, gl_VertexID / grid.x) * stride + 0.5 * (stride - 1.0);
   gl_Position = view * vec4((px - centre) * z / f, z, 1.0);
   gl_PointSize = clamp(1.2 * stride * z / f * pxPerMetre / gl_Position.w, 1.0, 40.0);
   if (byDepth == 1) {
