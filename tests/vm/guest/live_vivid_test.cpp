@@ -129,5 +129,51 @@ TEST_F(LiveVivid, NumbersAndTimesOfTheDriverMayWrapAround) {
     EXPECT_TRUE(streams());
 }
 
+/// Both devices of the driver, as two cameras that are the eyes.
+class LiveVividPair : public testing::Test {
+protected:
+    static constexpr int right = 1;
+
+    bool streams() { return daemon_.wait_for_camera("streaming") && daemon_.wait_for_new_frame(); }
+
+    void TearDown() override {
+        if (HasFailure()) {
+            std::printf("%s%s\n", daemon_.log().c_str(), in_words(daemon_.status()).c_str());
+        }
+    }
+
+    LiveDaemon daemon_{"v4l2:160x96@30?left=" + vivid_node() + "&right=" + vivid_node(right)};
+};
+
+TEST_F(LiveVividPair, IsOneStereoSourceThatLosesAnEyeAndGetsItBack) {
+    ASSERT_TRUE(daemon_.recovers());
+    EXPECT_EQ(daemon_.status().camera().node(), vivid_node() + "," + vivid_node(right));
+    {
+        const simulated_camera::FileDescriptor holder(::open(vivid_node(right).c_str(), O_RDWR | O_CLOEXEC));
+        ASSERT_TRUE(holder);
+        set_vivid("Disconnect", 1, right);
+        EXPECT_TRUE(daemon_.wait_for([](const Status& status) {
+            return status.camera().state() == "absent" && status.state() == "waiting" &&
+                   status.detail().find(vivid_node(right)) != std::string::npos;
+        }));
+    }
+    EXPECT_TRUE(streams());
+    const std::uint64_t restarts = daemon_.status().camera().restarts();
+    set_vivid("Inject Fatal Streaming Error");
+    EXPECT_TRUE(daemon_.wait_for([&](const Status& status) { return status.camera().restarts() > restarts; }));
+    EXPECT_TRUE(streams());
+}
+
+TEST_F(LiveVividPair, CountsFramesWithoutPartner) {
+    ASSERT_TRUE(daemon_.recovers());
+    const Status before = daemon_.status();
+    set_vivid("Percentage of Dropped Buffers", 50, right);
+    EXPECT_TRUE(daemon_.wait_for([&](const Status& status) {
+        return status.camera().unpaired() >= before.camera().unpaired() + 10 && status.lost() >= before.lost() + 10;
+    }));
+    set_vivid("Percentage of Dropped Buffers", 0, right);
+    EXPECT_TRUE(daemon_.wait_for([](const Status& status) { return status.camera().has_eyes_apart(); }));
+}
+
 }  // namespace
 }  // namespace vm_guest

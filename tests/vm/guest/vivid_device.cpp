@@ -13,23 +13,24 @@
 
 namespace vm_guest {
 
-std::string vivid_node() {
+std::string vivid_node(int device) {
+    const std::string name = "vivid-00" + std::to_string(device);
     for (const auto& entry : std::filesystem::directory_iterator("/sys/class/video4linux")) {
-        if (first_line(entry.path() / "name").starts_with("vivid")) {
+        if (first_line(entry.path() / "name").starts_with(name)) {
             return "/dev/" + entry.path().filename().string();
         }
     }
-    throw std::runtime_error("no vivid node");
+    throw std::runtime_error("no node " + name);
 }
 
-void set_vivid(const std::string& control, int value) {
-    const simulated_camera::FileDescriptor device(::open(vivid_node().c_str(), O_RDWR | O_CLOEXEC));
+void set_vivid(const std::string& control, int value, int device) {
+    const simulated_camera::FileDescriptor file(::open(vivid_node(device).c_str(), O_RDWR | O_CLOEXEC));
     v4l2_queryctrl query{};
     query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
-    while (::ioctl(device.get(), VIDIOC_QUERYCTRL, &query) == 0) {
+    while (::ioctl(file.get(), VIDIOC_QUERYCTRL, &query) == 0) {
         if (reinterpret_cast<const char*>(query.name) == control) {
             v4l2_control setting{query.id, value};
-            if (::ioctl(device.get(), VIDIOC_S_CTRL, &setting) != 0) {
+            if (::ioctl(file.get(), VIDIOC_S_CTRL, &setting) != 0) {
                 throw std::runtime_error("vivid refuses " + control);
             }
             return;
