@@ -40,7 +40,9 @@ struct RawFrame {
     std::int64_t realtime_ns = 0;      ///< CLOCK_REALTIME at capture (as recorded, when replayed)
     std::uint32_t flags = 0;           ///< FrameFlag bits
     std::uint32_t dropped_before = 0;  ///< frames known to be lost between the previous one and this
-    int loan = -1;                     ///< the source's own number for the buffer
+    /// How far monotonic_ns was moved from the driver's stamp to the centre of the exposure.
+    std::int64_t to_exposure_ns = 0;
+    int loan = -1;  ///< the source's own number for the buffer
     /// The JPEG that the camera sent the frame as; empty unless SourceInfo::jpegs is set. Valid until give_back().
     std::span<const std::uint8_t> jpeg{};
     /// What the calibration was corrected by when this frame was rectified; of a source, what a recording says.

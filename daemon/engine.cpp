@@ -407,9 +407,6 @@ void Engine::fill(v1::Status& status) const {
             status.mutable_trust()->add_doubts(std::string(doubt));
         }
     }
-    if (const auto scan = trust_.scan_status()) {
-        *status.mutable_scan() = *scan;
-    }
     const pipeline::PipelineStatus now = pipeline_->status();
     if (now.noise) {
         status.mutable_measured()->set_noise(now.noise->sigma256 / 256.0);
@@ -417,6 +414,9 @@ void Engine::fill(v1::Status& status) const {
     }
     const Condition condition = condition_of(now);
     status.set_state(to_string(condition.state));
+    if (const auto scan = trust_.scan_status(); scan && condition.state == State::running) {
+        *status.mutable_scan() = *scan;  // an old scan is none
+    }
     const std::string trouble = matcher_->trouble();
     status.set_detail(
         proto::to_valid_utf8(condition.detail + (condition.detail.empty() || trouble.empty() ? "" : "; ") + trouble));

@@ -61,13 +61,12 @@ DistanceLimitStage::Effect DistanceLimitStage::effect_of(const DepthScale& scale
     if (nearest < least_ || farthest > most_) {
         return Effect::nothing_left;
     }
-    if (limits_.min_m > 0 && nearest <= most_) {
-        return Effect::min_too_near;
+    const bool min_in_vain = limits_.min_m > 0 && nearest <= most_;
+    const bool max_in_vain = limits_.max_m > 0 && farthest >= least_;
+    if (min_in_vain && max_in_vain) {
+        return Effect::no_effect;
     }
-    if (limits_.max_m > 0 && farthest >= least_) {
-        return Effect::max_too_far;
-    }
-    return Effect::as_wanted;
+    return min_in_vain ? Effect::min_too_near : max_in_vain ? Effect::max_too_far : Effect::as_wanted;
 }
 
 void DistanceLimitStage::run(const StageFrame& frame, Parallel& workers) {
@@ -107,6 +106,8 @@ std::string DistanceLimitStage::notice() const {
             return min + " has no effect: the range of disparities measures nothing that is nearer";
         case Effect::max_too_far:
             return max + " has no effect: the range of disparities measures nothing that is farther";
+        case Effect::no_effect:
+            return min + " and " + max + " have no effect: the range of disparities measures nothing beyond them";
         case Effect::nothing_left:
             return min + " and " + max + " leave nothing: the range of disparities measures no distance between them";
     }

@@ -39,7 +39,7 @@ public:
     std::string notice() const override;
 
 private:
-    enum class Effect : std::uint8_t { as_wanted, no_distances, min_too_near, max_too_far, nothing_left };
+    enum class Effect : std::uint8_t { as_wanted, no_distances, min_too_near, max_too_far, no_effect, nothing_left };
 
     void set(const DepthScale& scale);
     Effect effect_of(const DepthScale& scale) const;

@@ -50,6 +50,11 @@ std::string both(const std::string& left, const std::string& right) {
     return left == right ? left : left + "," + right;
 }
 
+/// Returns the driver's own time: exposures that the cameras report, one of them or both, must not make other pairs.
+std::int64_t driver_ns(const RawFrame& frame) {
+    return frame.monotonic_ns - frame.to_exposure_ns;
+}
+
 /// Returns the first that may be meant.
 std::optional<UsbCamera> likely(const std::vector<UsbCamera>& present, const CameraRequest& eye) {
     for (const UsbCamera& camera : candidates(present, eye)) {
@@ -234,7 +239,11 @@ bool CameraPair::pull(Time deadline) {
         }
         return true;
     }
-    // The other camera may need help, too, and what it sends meanwhile has no partner.
+    // The other camera may need help, too, and what it sends meanwhile has no partner. Its frame that waits may be the
+    // only one that its driver lends.
+    if (is_silent(eye) && of(other(eye)).waiting) {
+        drop(other(eye));
+    }
     constexpr int most = 8;
     for (int i = 0; is_silent(eye) && !interrupted_.load() && i < most && get(other(eye), system_.now()); ++i) {
     }
@@ -293,7 +302,7 @@ bool CameraPair::take_pair(RawFrame& frame) {
     if (!left || !right) {
         return false;
     }
-    const std::int64_t apart = right->monotonic_ns - left->monotonic_ns;
+    const std::int64_t apart = driver_ns(*right) - driver_ns(*left);
     if (std::abs(apart) > within_ns_) {
         nearest_ns_ = std::min(nearest_ns_.value_or(INT64_MAX), std::abs(apart));
         const Eye earlier = apart > 0 ? Eye::left : Eye::right;
@@ -314,7 +323,7 @@ bool CameraPair::take_pair(RawFrame& frame) {
         }
         return false;
     }
-    measure(left->monotonic_ns, right->monotonic_ns);
+    measure(driver_ns(*left), driver_ns(*right));
     lend(frame);
     return true;
 }

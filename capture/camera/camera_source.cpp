@@ -256,6 +256,7 @@ void CameraSource::fill(RawFrame& frame, const VideoFrame& captured) {
     frame.monotonic_ns = captured.monotonic_ns;
     move_to_exposure(frame, captured);
     frame.monotonic_ns = std::min(frame.monotonic_ns, now);
+    frame.to_exposure_ns = frame.monotonic_ns - captured.monotonic_ns;
     frame.realtime_ns = system_.realtime_ns() - (now - frame.monotonic_ns);
     if (request_.half_of_pair && !captured.stamped) {
         frame.monotonic_ns = 0;  // the driver's own time alone tells which frames belong together

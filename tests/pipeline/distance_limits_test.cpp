@@ -107,6 +107,7 @@ TEST(DistanceLimits, SayWhereTheyChangeNothingOrLeaveNothing) {
     EXPECT_THAT(notice({0.15, 30}), HasSubstr("min_distance_m has no effect"));
     EXPECT_THAT(notice({0, 0.15}), HasSubstr("leave nothing"));
     EXPECT_THAT(notice({0, 30}, 160), HasSubstr("max_distance_m has no effect")) << "1.2 m are the farthest";
+    EXPECT_THAT(notice({0.1, 30}, 160), HasSubstr("max_distance_m have no effect"));
     EXPECT_THAT(notice({20, 30}, 160), HasSubstr("leave nothing"));
 }
 

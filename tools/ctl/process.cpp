@@ -511,9 +511,12 @@ int process(ProcessArguments arguments) {
     }
     run.files.folder->close();
     note_lack_of_level(run.files, run.scan);
-    run.done.measured = run.files.measured->measured();
     run.done.trust = run.files.trust;
-    run.done.empty_note = run.files.measured->note(run.calibration);
+    // What the limits reject was measured.
+    if (!arguments.distances.limits().any()) {
+        run.done.measured = run.files.measured->measured();
+        run.done.empty_note = run.files.measured->note(run.calibration);
+    }
     return report_process(run.done, arguments.json);
 }
 

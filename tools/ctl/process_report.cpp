@@ -47,7 +47,7 @@ void print_summary(const ProcessDone& done, bool as_json) {
                   {"damaged_frames_skipped", done.damaged},
                   {"seconds", done.seconds},
                   {"frames_per_second", rate},
-                  {"measured", done.measured},
+                  {"measured", done.measured ? Json(*done.measured) : Json()},
                   {"trust", done.trust.as_json()},
                   {"distances", done.range ? to_json(*done.range) : Json()},
                   {"complete", done.error.empty() && done.left_out.empty() && !interrupted()},

@@ -24,8 +24,8 @@ struct ProcessDone {
     std::string error;  ///< why it ended early; empty: it did not
     std::uint64_t frames = 0;
     double seconds = 0;
-    double measured = 1;     ///< share of the pixels
-    std::string empty_note;  ///< where hardly any were
+    std::optional<double> measured;  ///< share of the pixels; nothing where limits of distance reject some
+    std::string empty_note;          ///< where hardly any were
     TrustSummary trust;
 };
 

@@ -8,6 +8,7 @@
 
 #include "base/words.h"
 #include "calibration/calibration_lookup.h"
+#include "capture/camera/camera_uri.h"
 #include "capture/gstreamer/gst_uri.h"
 #include "capture/pixel_format.h"
 #include "capture/time_offset.h"
@@ -36,7 +37,9 @@ std::unique_ptr<capture::FrameSource> open_with_progress(capture::SourceOptions 
         }
         bar->show(static_cast<std::uint64_t>(done < 0 ? 0 : done));
     };
-    if (!options.report && (capture::is_gst(options.uri) || is_kept(options.uri))) {
+    const bool two_cameras =
+        capture::is_camera(options.uri) && capture::parse_camera_uri(options.uri).right.has_value();
+    if (!options.report && (capture::is_gst(options.uri) || is_kept(options.uri) || two_cameras)) {
         options.report = [](const std::string& line, bool) { print_note(line); };
     }
     options.calibration_folders = calibration::folder_list(calibration::standard_calibration_folders);

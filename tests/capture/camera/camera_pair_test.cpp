@@ -121,6 +121,16 @@ auto pattern(std::size_t width, std::size_t from) {
     };
 }
 
+TEST_F(CameraPairTest, PairsByTheDriversStampsWhateverTheExposuresAre) {
+    left().exposure = 160;  // half of it is 8 ms, and the right camera tells none
+    SourceOptions options;
+    options.stamp = Stamp::exposure_centre;
+    open(std::string(pair_uri) + "&within_ms=2", options);
+    EXPECT_GT(run(4s), 90);
+    EXPECT_EQ(last_.flags & frame_flag_exposure_centre, frame_flag_exposure_centre);
+    EXPECT_EQ(reported("not synchronised"), 0);
+}
+
 TEST_F(CameraPairTest, HasTheBytesOfOneCameraWithBothEyes) {
     for (const std::uint32_t format : {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_GREY}) {
         const bool grey = format == V4L2_PIX_FMT_GREY;
