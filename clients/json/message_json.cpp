@@ -106,9 +106,15 @@ std::string number_text(double value, const std::string& unit) {
 
 std::string text_of(const Message& message, const FieldDescriptor& field) {
     const Reflection& reflection = *message.GetReflection();
-    return field.cpp_type() == FieldDescriptor::CPPTYPE_STRING
-               ? reflection.GetString(message, &field)
-               : number_text(reflection.GetDouble(message, &field), field.options().GetExtension(v1::info).unit());
+    const std::string& unit = field.options().GetExtension(v1::info).unit();
+    switch (field.cpp_type()) {
+        case FieldDescriptor::CPPTYPE_STRING: return reflection.GetString(message, &field);
+        case FieldDescriptor::CPPTYPE_DOUBLE: return number_text(reflection.GetDouble(message, &field), unit);
+        default: break;
+    }
+    // Of whole numbers, which count something, 0 is known.
+    const Json value = value_of(field, [&](auto single, auto) { return (reflection.*single)(message, &field); });
+    return value.dump() + (unit.empty() ? "" : " ") + unit;
 }
 
 }  // namespace
