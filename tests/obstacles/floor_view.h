@@ -62,8 +62,8 @@ public:
         for (std::size_t i = 0; i < disparity_.size(); ++i) {
             if (confidence_[i] != 0) {
                 const auto change = static_cast<int>(random() % 9) - 4;
-                disparity_[i] =
-                    static_cast<std::int16_t>(random() % 20 == 0 ? random() % 1000 : disparity_[i] + change);
+                disparity_[i] = static_cast<std::int16_t>(random() % 20 == 0 ? static_cast<int>(random() % 1000)
+                                                                             : disparity_[i] + change);
             }
         }
         return *this;

@@ -295,7 +295,8 @@ TEST(BagSource, MessagesAreReadByTheirOwnDefinitionAlsoWhereTypesShareAName) {
                              writer.schema("test/msg/A", "ros2msg", "uint8 other\nuint8 value\n")};
     for (int i = 0; i < 3000; ++i) {
         // Two writers on each topic, as several nodes have.
-        const std::uint16_t channel = writer.channel(schemas[i % 2], "/many/" + std::to_string(i / 2));
+        const std::uint16_t channel =
+            writer.channel(schemas[static_cast<std::size_t>(i) % 2], "/many/" + std::to_string(i / 2));
         writer.message(channel, 0, 1, {"\0\1\0\0\7\5", 6});
     }
     BagMessages bag(folder.write("a.mcap", writer.close()));
