@@ -113,8 +113,7 @@ std::string text_of(const Message& message, const FieldDescriptor& field) {
         default: break;
     }
     // Of whole numbers, which count something, 0 is known.
-    const Json value = value_of(field, [&](auto single, auto) { return (reflection.*single)(message, &field); });
-    return value.dump() + (unit.empty() ? "" : " ") + unit;
+    return single_of(message, field).dump() + (unit.empty() ? "" : " ") + unit;
 }
 
 }  // namespace
