@@ -21,6 +21,11 @@ std::string size_of(const GstPicture& picture) {
     return base::size_text(picture.width, picture.height);
 }
 
+/// How many times the period of its rate a picture comes after an earlier one; 0 where the rate is unknown.
+double periods_between(std::int64_t earlier_ns, const GstArrival& later) {
+    return static_cast<double>(*later.running_ns - earlier_ns) * later.picture.rate / 1e9;
+}
+
 }  // namespace
 
 GstPicturesChanged::GstPicturesChanged(const GstPicture& before, const GstPicture& after)
@@ -86,7 +91,7 @@ void GstFrames::add(Eye eye, GstArrival arrival) {
     const char* const name = eye == Eye::left ? "left" : "right";
     const auto stamp = stamp_of(arrival);
     if (!stamp) {
-        throw std::invalid_argument(std::string("the buffers of appsink ") + name +
+        throw std::invalid_argument(std::string("source gst: the buffers of appsink ") + name +
                                     " have no time stamps, and pairs are made by these: name a rate in the caps, as "
                                     "image/png,framerate=15/1, or set do-timestamp=true at a live source");
     }
@@ -119,8 +124,8 @@ void GstFrames::check_picture(Eye eye, const GstPicture& picture) {
         const std::string sizes = size_of(*pictures_[0]) + " and " + size_of(*pictures_[1]);
         throw std::invalid_argument(
             size_of(picture) == size_of(*others)
-                ? "the appsinks left and right get different formats: name the same in the caps of both"
-                : "found pictures of " + sizes +
+                ? "source gst: the appsinks left and right get different formats: name the same in the caps of both"
+                : "source gst: found pictures of " + sizes +
                       " at the appsinks left and right, expected the same size: put videoscale and caps in front of "
                       "one");
     }
@@ -168,8 +173,7 @@ bool GstFrames::has_gap(const GstArrival& arrival, const Seen& seen, std::uint64
     if ((arrival.number && seen.number) || !arrival.running_ns || !seen.running_ns) {
         return false;
     }
-    const double steps = static_cast<double>(*arrival.running_ns - *seen.running_ns) * arrival.picture.rate / 1e9;
-    return steps > 1.5 + static_cast<double>(lost);
+    return periods_between(*seen.running_ns, arrival) > 1.5 + static_cast<double>(lost);
 }
 
 /// How many frames of an eye were lost since the one before, by all that tells it; the same loss may show twice.
@@ -186,9 +190,8 @@ std::uint64_t GstFrames::lost_of(const GstArrival& arrival, const Seen& seen, bo
     if (!arrival.running_ns || !seen.running_ns || arrival.picture.rate <= 0) {
         return dropped;
     }
-    const double steps = static_cast<double>(*arrival.running_ns - *seen.running_ns) * arrival.picture.rate / 1e9;
-    return std::max(dropped,
-                    static_cast<std::uint64_t>(std::clamp(std::round(steps) - 1, 0.0, static_cast<double>(most))));
+    const double missing = std::round(periods_between(*seen.running_ns, arrival)) - 1;
+    return std::max(dropped, static_cast<std::uint64_t>(std::clamp(missing, 0.0, static_cast<double>(most))));
 }
 
 void GstFrames::put_pixels(const GstFrame& frame, std::uint8_t* to) {

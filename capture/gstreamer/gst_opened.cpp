@@ -31,21 +31,15 @@ void wait_for_first(GstOpened& opened, const SourceOptions& options, const GstSt
     const auto until = steady_clock::now() + longest_wait(options);
     for (;;) {
         check_stop(options, stop);
-        try {
-            switch (opened.frames->next(opened.first, std::min(until, steady_clock::now() + slice))) {
-                case GstFrames::Got::picture: return;
-                case GstFrames::Got::ended:
-                    if (opened.pipeline->feed().problem()) {
-                        throw_problem(opened.pipeline->problem());
-                    }
-                    throw std::runtime_error(
-                        "source gst: the pipeline has ended without a frame" +
-                        (opened.frames->what_came().empty() ? "" : ": " + opened.frames->what_came()));
-                default: break;
-            }
-        } catch (const std::invalid_argument& error) {
-            const std::string text = error.what();
-            throw std::invalid_argument(text.starts_with("source gst: ") ? text : "source gst: " + text);
+        switch (opened.frames->next(opened.first, std::min(until, steady_clock::now() + slice))) {
+            case GstFrames::Got::picture: return;
+            case GstFrames::Got::ended:
+                if (opened.pipeline->feed().problem()) {
+                    throw_problem(opened.pipeline->problem());
+                }
+                throw std::runtime_error("source gst: the pipeline has ended without a frame" +
+                                         (opened.frames->what_came().empty() ? "" : ": " + opened.frames->what_came()));
+            default: break;
         }
         if (steady_clock::now() >= until) {
             throw std::runtime_error("source gst: " +

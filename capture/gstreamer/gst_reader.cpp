@@ -78,7 +78,7 @@ std::optional<GstFrame> GstReader::next_frame() try {
     }
     return std::nullopt;
 } catch (const std::invalid_argument& error) {  // it was well at the start: the file is to blame
-    throw std::runtime_error(std::string("source gst: ") + error.what());
+    throw std::runtime_error(error.what());
 }
 
 /// A frame without a stamp comes one period after the one before, and one more for each that was lost between.
