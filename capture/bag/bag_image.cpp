@@ -12,6 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/message_text.h"
+#include "capture/bayer.h"
 #include "capture/images/image_files.h"
 
 namespace disparityd::capture {
@@ -26,7 +27,7 @@ struct Encoding {
     int conversion;
 };
 
-// OpenCV names Bayer patterns by the second row and column, ROS by the first.
+// ROS names Bayer patterns by the four pixels of the first two rows.
 constexpr std::array<Encoding, 15> encodings{{{"mono8", CV_8UC1, no_conversion},
                                               {"8UC1", CV_8UC1, no_conversion},
                                               {"mono16", CV_16UC1, no_conversion},
@@ -38,10 +39,10 @@ constexpr std::array<Encoding, 15> encodings{{{"mono8", CV_8UC1, no_conversion},
                                               {"yuyv", CV_8UC2, no_conversion},
                                               {"yuv422", CV_8UC2, no_conversion},
                                               {"uyvy", CV_8UC2, no_conversion},
-                                              {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
-                                              {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
-                                              {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
-                                              {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR}}};
+                                              {"bayer_rggb8", CV_8UC1, demosaicing(1, 1)},
+                                              {"bayer_bggr8", CV_8UC1, demosaicing(0, 0)},
+                                              {"bayer_gbrg8", CV_8UC1, demosaicing(0, 1)},
+                                              {"bayer_grbg8", CV_8UC1, demosaicing(1, 0)}}};
 
 const Encoding& encoding_of(std::string_view name) {
     const auto found =

@@ -10,6 +10,19 @@
 
 namespace disparityd::capture {
 
+SourceInfo info_of_camera(const CameraRequest& request, const SourceOptions& options) {
+    SourceInfo info;
+    info.name = options.uri;
+    info.eye_width = request.eye_width();
+    info.height = request.eye_height();
+    info.format = request.format();
+    info.rate = request.rate;
+    info.live = true;
+    info.description =
+        request.wanted() + ", " + std::to_string(info.eye_width) + "x" + std::to_string(info.height) + " per eye";
+    return info;
+}
+
 std::string pair_serial(const std::string& left, const std::string& right) {
     return left.empty() || right.empty() || left == right ? "" : left + "-" + right;
 }

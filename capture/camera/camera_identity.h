@@ -15,6 +15,9 @@ namespace disparityd::capture {
 /// tell them apart.
 std::string pair_serial(const std::string& left, const std::string& right);
 
+/// Returns what is known of a source before a camera is there: without calibration and serial number.
+SourceInfo info_of_camera(const CameraRequest& request, const SourceOptions& options);
+
 /// Finds out which camera a device is, and which calibration belongs to it. One thread.
 class CameraIdentity {
 public:

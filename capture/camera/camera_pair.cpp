@@ -161,6 +161,7 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
       identity_(system, request_, options_),
       interval_ns_(std::llround(1e9 / request_.rate)),
       silence_(std::max<steady_clock::duration>(options.stall_time, std::chrono::nanoseconds(8 * interval_ns_))),
+      info_(info_of_camera(request_, options_)),
       eye_bytes_(static_cast<std::size_t>(request_.eye_width()) *
                  static_cast<std::size_t>(bytes_per_pixel(request_.format()))),
       frames_(static_cast<std::size_t>(std::max(1, options.loans)),
@@ -168,14 +169,6 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
       timing_(interval_ns_),
       paired_at_(system.now()),
       free_(frames_.size()) {
-    info_.name = options_.uri;
-    info_.eye_width = request_.eye_width();
-    info_.height = request_.eye_height();
-    info_.format = request_.format();
-    info_.rate = request_.rate;
-    info_.live = true;
-    info_.description =
-        request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
     refuse_one_camera();
     const SourceOptions eye_options = options_of_eye(options_);
     for (const Eye eye : {Eye::left, Eye::right}) {

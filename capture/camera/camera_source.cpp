@@ -120,16 +120,9 @@ CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, Ca
       configured_controls_(parse_camera_settings(options.controls, "source " + options.uri + ": controls")),
       control_overrides_(options.control_overrides ? options.control_overrides : std::make_shared<ControlOverrides>()),
       identity_(system, request_, options_),
+      info_(info_of_camera(request_, options_)),
       stream_(system, waker_),
       recovery_(recovery_times(options, request_.rate), system.now()) {
-    info_.name = options.uri;
-    info_.eye_width = request_.eye_width();
-    info_.height = request_.eye_height();
-    info_.format = request_.format();
-    info_.rate = request_.rate;
-    info_.live = true;
-    info_.description =
-        request_.wanted() + ", " + std::to_string(info_.eye_width) + "x" + std::to_string(info_.height) + " per eye";
     identity_.expect_likely(info_, options.likely_port);
     if (request_.mjpeg()) {
         jpegs_.emplace(request_.layout(), options.decoders, options.loans, stream_, waker_);

@@ -5,17 +5,11 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "capture/bayer.h"
+
 namespace disparityd::capture {
 
 namespace {
-
-/// OpenCV names Bayer patterns by the four pixels of which the second row and column are the first.
-int demosaicing(const CameraFormat& format) {
-    if (format.blue_row == 0) {
-        return format.blue_column == 0 ? cv::COLOR_BayerRG2BGR : cv::COLOR_BayerGR2BGR;
-    }
-    return format.blue_column == 0 ? cv::COLOR_BayerGB2BGR : cv::COLOR_BayerBG2BGR;
-}
 
 /// Takes a row apart that has a byte of each eye in turn.
 void part_8(const std::uint8_t* row, std::size_t columns, std::uint8_t* first, std::uint8_t* second) {
@@ -81,7 +75,7 @@ void EyeJoiner::put_eye(const std::uint8_t* eye, std::ptrdiff_t stride, std::uin
         const int width = static_cast<int>(columns);
         const cv::Mat sent(height, width, CV_8UC1, const_cast<std::uint8_t*>(eye), static_cast<std::size_t>(stride));
         cv::Mat lent(height, width, CV_8UC3, to, 2 * eye_bytes_);
-        cv::cvtColor(sent, lent, demosaicing(format_));
+        cv::cvtColor(sent, lent, demosaicing(format_.blue_row, format_.blue_column));
         return;
     }
     for (std::size_t row = 0; row < rows_; ++row, eye += stride, to += 2 * eye_bytes_) {
