@@ -57,7 +57,12 @@ void LiveDaemon::read_once() {
     switch (client_->read(frame_, milliseconds(20))) {
         case disparity::ReadResult::frame: ++frames_; break;
         case disparity::ReadResult::timeout: break;
-        case disparity::ReadResult::gone: throw std::runtime_error("the client lost the daemon: " + process_.log());
+        case disparity::ReadResult::gone:
+            // An emulated machine may be silent for longer than a client waits; the next read connects anew.
+            if (!client_->unanswered()) {
+                throw std::runtime_error("the client lost the daemon: " + client_->why_gone() + "\n" + process_.log());
+            }
+            break;
     }
     if (const std::string bytes = client_->take_status(); !bytes.empty()) {
         newest_.emplace();

@@ -14,8 +14,8 @@
 
 namespace vm_guest {
 
-/// disparityd on a camera, and one client that stays connected from the start to the end; a connection that ends is an
-/// exception. Everything that comes is read by whoever waits for something.
+/// disparityd on a camera, and one client that stays connected from the start to the end; a connection that the daemon
+/// ends is an exception. Everything that comes is read by whoever waits for something.
 class LiveDaemon {
 public:
     using Status = disparityd::v1::Status;

@@ -57,9 +57,13 @@ protected:
 TEST_F(LiveJpeg, DamageIsCountedAndTheCameraComesBackFromAnUnplugging) {
     ASSERT_TRUE(streams()) << daemon_->log();
     const std::uint64_t damaged = daemon_->status().camera().damaged();
-    camera_->tell("short 2");
-    EXPECT_TRUE(daemon_->wait_for([&](const Status& status) { return status.camera().damaged() == damaged + 2; }))
-        << in_words(daemon_->status());
+    // A busy daemon drops frames before it decodes them.
+    EXPECT_TRUE(daemon_->wait_for([&](const Status& status) {
+        if (status.camera().damaged() == damaged) {
+            camera_->tell("short 1");
+        }
+        return status.camera().damaged() > damaged;
+    })) << in_words(daemon_->status());
     EXPECT_TRUE(streams());
     camera_->unplug();
     EXPECT_TRUE(daemon_->wait_for_camera("absent"));
