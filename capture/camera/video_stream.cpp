@@ -22,6 +22,13 @@ constexpr int spare_buffers = 4;
 constexpr int most_buffers = VIDEO_MAX_FRAME;
 constexpr int fewest_buffers = 3;
 
+/// A frame without its driver's time has that of its taking where it is known to be no older than this.
+constexpr std::chrono::milliseconds unsure{100};
+
+std::int64_t ns_of(steady_clock::time_point time) {
+    return nanoseconds(time.time_since_epoch()).count();
+}
+
 /// A loan has the number of the buffer in its low bits, above them the generation of the buffers.
 constexpr std::uint32_t index_bits = 8;
 constexpr std::uint32_t generation_mask = (1U << 22U) - 1;
@@ -153,7 +160,7 @@ void VideoStream::map_buffers(int count) {
         if (memory == nullptr) {
             fail(VideoError::Call::buffers, ENOMEM, "a buffer cannot be mapped");
         }
-        buffers_.push_back({memory, buffer.length, false});
+        buffers_.push_back({memory, buffer.length, false, {}});
         if (buffer.length < frame_bytes_) {
             fail(VideoError::Call::buffers, 0, "has buffers smaller than its frames");
         }
@@ -161,6 +168,8 @@ void VideoStream::map_buffers(int count) {
 }
 
 void VideoStream::start() {
+    started_ = system_.now();
+    timed_ = false;
     failure_ = take_returned();
     for (std::uint32_t index = 0; failure_ == 0 && index < buffers_.size(); ++index) {
         if (!buffers_[index].lent) {
@@ -217,6 +226,7 @@ void VideoStream::close() noexcept {
 }
 
 int VideoStream::enqueue(std::uint32_t index) {
+    buffers_[index].queued = system_.now();
     v4l2_buffer buffer = mapped_buffer(index);
     return system_.ioctl(device_, VIDIOC_QBUF, &buffer);
 }
@@ -279,7 +289,9 @@ VideoStream::Got VideoStream::take(VideoFrame& frame, steady_clock::time_point d
         if (system_.now() >= deadline) {
             return Got::nothing;
         }
-        const auto wakening = system_.wait(all_lent ? -1 : device_, waker_, deadline);
+        // Frames without the driver's time are waited for in short turns, so that it is known how old they can be.
+        const auto turn = all_lent || timed_ ? deadline : std::min(deadline, system_.now() + unsure / 2);
+        const auto wakening = system_.wait(all_lent ? -1 : device_, waker_, turn);
         if (wakening.woken) {
             return Got::woken;
         }
@@ -296,9 +308,11 @@ VideoStream::Got VideoStream::take(VideoFrame& frame, steady_clock::time_point d
 VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
     for (std::size_t tries = 0; tries < buffers_.size(); ++tries) {
         v4l2_buffer buffer = mapped_buffer(0);
+        const auto asked = system_.now();
         failure_ = system_.ioctl(device_, VIDIOC_DQBUF, &buffer);
         if (failure_ == EAGAIN) {
             failure_ = 0;
+            empty_at_ = asked;
             return Got::nothing;
         }
         if (failure_ == 0 && buffer.index >= buffers_.size()) {
@@ -312,11 +326,12 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         if (!damaged && !too_short) {
             const Buffer& filled = buffers_[buffer.index];
             const auto stamp = capture_time(buffer);
+            timed_ = stamp.has_value();
             frame = {static_cast<const std::uint8_t*>(filled.memory),
                      std::min<std::size_t>(buffer.bytesused, filled.bytes),
                      static_cast<std::ptrdiff_t>(stride_),
                      buffer.sequence,
-                     stamp.value_or(nanoseconds(system_.now().time_since_epoch()).count()),
+                     stamp ? *stamp : time_of_arrival(filled),
                      static_cast<int>((generation_ << index_bits) | buffer.index),
                      stamp.has_value()};
             buffers_[buffer.index].lent = true;
@@ -332,20 +347,32 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
     return Got::nothing;
 }
 
-/// Returns the driver's time where it is of CLOCK_MONOTONIC and plausible.
+/// Returns the driver's time where it is of CLOCK_MONOTONIC and can be right. A frame may lie in the driver for as long
+/// as this process is stopped, and be of before the stream's start where the device is fed by a program.
 std::optional<std::int64_t> VideoStream::capture_time(const v4l2_buffer& buffer) const {
-    constexpr std::int64_t oldest_s = 10;
+    constexpr std::int64_t longest_before_s = 10;
     constexpr std::int64_t second = 1'000'000'000;
-    const std::int64_t now = nanoseconds(system_.now().time_since_epoch()).count();
+    const std::int64_t now = ns_of(system_.now());
     const bool our_clock = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     // Seconds are compared first: those of a wrong clock may be too many to be counted in nanoseconds.
     const std::int64_t stamp_s = buffer.timestamp.tv_sec;
-    const std::int64_t now_s = now / second;
-    const bool can_be = stamp_s >= std::max<std::int64_t>(0, now_s - oldest_s) && stamp_s <= now_s;
-    if (!our_clock || !can_be) {
+    const std::int64_t stamp_us = buffer.timestamp.tv_usec;
+    const std::int64_t oldest_s = std::max<std::int64_t>(0, ns_of(started_) / second - longest_before_s);
+    const bool countable =
+        stamp_s >= oldest_s && stamp_s <= now / second + 1 && stamp_us >= 0 && stamp_us < second / 1000;
+    const std::int64_t stamp = countable ? stamp_s * second + stamp_us * 1000 : 0;
+    if (!our_clock || stamp == 0 || stamp > now + nanoseconds(unsure).count()) {
         return std::nullopt;
     }
-    return std::min(now, stamp_s * second + std::int64_t{buffer.timestamp.tv_usec} * 1000);
+    return std::min(now, stamp);
+}
+
+/// Returns when a frame without its driver's time came: now where it cannot have lain for long, else the last moment
+/// at which it was not there yet. So it may look older than it is, but an old one never looks new.
+std::int64_t VideoStream::time_of_arrival(const Buffer& filled) const {
+    const auto now = system_.now();
+    const auto not_yet = std::max(empty_at_, filled.queued);
+    return ns_of(now - not_yet <= unsure ? now : not_yet);
 }
 
 std::optional<nanoseconds> VideoStream::exposure() const {

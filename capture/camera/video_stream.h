@@ -39,10 +39,12 @@ struct VideoFrame {
     const std::uint8_t* data = nullptr;
     std::size_t bytes = 0;  ///< as the driver counts them
     std::ptrdiff_t stride = 0;
-    std::uint32_t sequence = 0;     ///< the driver's: 32 bits, from 0 at each start
-    std::int64_t monotonic_ns = 0;  ///< CLOCK_MONOTONIC at capture
+    std::uint32_t sequence = 0;  ///< the driver's: 32 bits, from 0 at each start
+    /// CLOCK_MONOTONIC at capture, however long the frame lay in the driver. Where that gives no time that can be
+    /// right: when the frame was taken if that is exact to 0.1 s, else a moment before it came.
+    std::int64_t monotonic_ns = 0;
     int loan = -1;
-    bool stamped = false;  ///< the time is the driver's; else when the frame was taken
+    bool stamped = false;  ///< the time is the driver's
 };
 
 /// One V4L2 device that streams into memory-mapped buffers, which are lent as they are and go back to the driver when
@@ -101,6 +103,7 @@ private:
         void* memory = nullptr;
         std::size_t bytes = 0;
         bool lent = false;
+        std::chrono::steady_clock::time_point queued;  ///< with the driver since then, empty
     };
     struct Orphan {
         int loan;
@@ -118,6 +121,7 @@ private:
     void free_orphan(int loan);
     Got dequeue(VideoFrame& frame);
     std::optional<std::int64_t> capture_time(const v4l2_buffer& buffer) const;
+    std::int64_t time_of_arrival(const Buffer& filled) const;
 
     VideoSystem& system_;
     base::Waker& waker_;
@@ -129,6 +133,9 @@ private:
     int loans_ = 0;                ///< the most that may be out
     int lent_ = 0;
     bool streaming_ = false;
+    bool timed_ = false;  ///< the newest frame of this stream had its driver's time
+    std::chrono::steady_clock::time_point started_;
+    std::chrono::steady_clock::time_point empty_at_;  ///< when the driver had no frame last
     std::size_t stride_ = 0;
     std::size_t frame_bytes_ = 0;
     double rate_ = 0;

@@ -326,8 +326,8 @@ void FakeVideoSystem::send_frame(Device& device, const Camera& camera) {
         fault.bytes = std::min(fault.bytes, static_cast<std::uint32_t>(jpeg.size()));
     }
     const bool flagged = fault.flagged || camera.flag_stays;
-    device.done.push_back(
-        {index, flagged ? static_cast<std::uint32_t>(V4L2_BUF_FLAG_ERROR) : 0U, fault.bytes, sequence, now_});
+    device.done.push_back({index, flagged ? static_cast<std::uint32_t>(V4L2_BUF_FLAG_ERROR) : 0U, fault.bytes, sequence,
+                           device.next_frame});
 }
 
 void FakeVideoSystem::send_frames() {

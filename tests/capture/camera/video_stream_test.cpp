@@ -40,6 +40,8 @@ protected:
         return got;
     }
 
+    std::int64_t now_ns() { return std::chrono::nanoseconds(system_.now().time_since_epoch()).count(); }
+
     void expect_refusal(VideoError::Call call, int code) {
         try {
             open_and_start();
@@ -200,25 +202,72 @@ TEST_F(VideoStreamTest, RefusalsNameTheCall) {
     expect_refusal(VideoError::Call::format, 0);
 }
 
-TEST_F(VideoStreamTest, ATimeOfAnotherClockIsReplaced) {
+TEST_F(VideoStreamTest, AFrameThatLayInTheDriverNeverLooksFresh) {
+    for (const bool old_clock : {false, true}) {
+        camera().old_clock = old_clock;
+        open_and_start();
+        VideoFrame frame;
+        ASSERT_EQ(take(frame), Got::frame);
+        stream_.give_back(frame.loan);
+        EXPECT_EQ(take(frame, 1ms), Got::nothing);
+        const std::int64_t stopped = now_ns();
+        system_.advance(12s);  // as a process that is stopped
+        std::int64_t captured = stopped - 1'000'000;
+        for (std::uint32_t number = 1; number <= 8; ++number) {
+            ASSERT_EQ(take(frame, 0ms), Got::frame);
+            EXPECT_EQ(frame.sequence, number);
+            captured += 33'333'000;
+            if (old_clock) {
+                EXPECT_FALSE(frame.stamped);
+                EXPECT_GE(frame.monotonic_ns, stopped - 1'000'000);
+                EXPECT_LE(frame.monotonic_ns, captured);
+            } else {
+                EXPECT_TRUE(frame.stamped);
+                EXPECT_EQ(frame.monotonic_ns, captured);
+            }
+            stream_.give_back(frame.loan);
+        }
+        for (int i = 0; i < 20; ++i) {
+            ASSERT_EQ(take(frame), Got::frame);
+            EXPECT_EQ(frame.monotonic_ns, now_ns()) << "it was waited for";
+            stream_.give_back(frame.loan);
+        }
+        stream_.close();
+    }
+}
+
+TEST_F(VideoStreamTest, ATimeOfAnotherClockIsReplacedHoweverSlowTheCameraIs) {
     camera().old_clock = true;
+    camera().period = 700ms;
     open_and_start();
-    system_.advance(500ms);
+    VideoFrame frame;
+    for (int i = 0; i < 3; ++i) {
+        ASSERT_EQ(take(frame, 1s), Got::frame);
+        EXPECT_EQ(frame.monotonic_ns, now_ns());
+        stream_.give_back(frame.loan);
+    }
+}
+
+TEST_F(VideoStreamTest, AFrameOfBeforeTheStartIsAsOldAsItSays) {
+    camera().stamp_ahead = -3s;  // as a device has that another program feeds
+    open_and_start();
     VideoFrame frame;
     ASSERT_EQ(take(frame), Got::frame);
-    EXPECT_EQ(frame.monotonic_ns, std::chrono::nanoseconds(system_.now().time_since_epoch()).count());
+    EXPECT_TRUE(frame.stamped);
+    EXPECT_EQ(frame.monotonic_ns, now_ns() - 3'000'000'000);
 }
 
 TEST_F(VideoStreamTest, ATimeThatCannotBeIsReplaced) {
     open_and_start();
     const std::int64_t now_s = system_.now().time_since_epoch() / 1s;
     // As a driver's clock that wraps around has them, and ones that are too old or still to come.
-    for (const std::int64_t stamp_s : {INT64_MIN, INT64_MIN / 1'000'000'000 - 1, std::int64_t{-1}, now_s - 12,
-                                       now_s + 12, INT64_MAX / 1'000'000'000 + 1, INT64_MAX}) {
+    for (const std::int64_t stamp_s : {INT64_MIN, INT64_MIN / 1'000'000'000 - 1, std::int64_t{-1}, std::int64_t{0},
+                                       now_s - 12, now_s + 2, now_s + 12, INT64_MAX / 1'000'000'000 + 1, INT64_MAX}) {
         camera().stamp_s = stamp_s;
         VideoFrame frame;
         ASSERT_EQ(take(frame), Got::frame);
-        EXPECT_EQ(frame.monotonic_ns, std::chrono::nanoseconds(system_.now().time_since_epoch()).count()) << stamp_s;
+        EXPECT_FALSE(frame.stamped) << stamp_s;
+        EXPECT_EQ(frame.monotonic_ns, now_ns()) << stamp_s;
         stream_.give_back(frame.loan);
     }
 }
