@@ -38,8 +38,7 @@ public:
 private:
     void accept();
     void accept_after(std::chrono::milliseconds pause);
-    template <typename Stream>
-    void serve(Stream&& stream, const std::string& sender);
+    void serve(PeerStream stream, const std::string& sender);
 
     Site site_;
     boost::asio::ip::tcp::acceptor acceptor_;
@@ -111,10 +110,8 @@ void PortListener::stop() {
     pause_.cancel();
 }
 
-template <typename Stream>
-void PortListener::serve(Stream&& stream, const std::string& sender) {
-    const auto session =
-        std::make_shared<HttpSession<std::decay_t<Stream>>>(std::forward<Stream>(stream), site_, sender);
+void PortListener::serve(PeerStream stream, const std::string& sender) {
+    const auto session = std::make_shared<HttpSession>(std::move(stream), site_, sender);
     if (site_.connections.admit(session, sender)) {
         session->start();
     } else {
@@ -136,11 +133,7 @@ void PortListener::accept() {
         notice_vanished_peers(socket);
         const auto peer = socket.remote_endpoint(error);
         const std::string sender = error ? std::string() : sender_of(peer.address());
-        if (tls_) {
-            serve(TlsStream(PlainStream(std::move(socket)), *tls_), sender);
-        } else {
-            serve(PlainStream(std::move(socket)), sender);
-        }
+        serve(tls_ ? PeerStream(std::move(socket), *tls_) : PeerStream(std::move(socket)), sender);
         if (site_.connections.full()) {
             accept_after(pause_when_full);
         } else {

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include <boost/asio/local/stream_protocol.hpp>
-#include <boost/beast/core/basic_stream.hpp>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,8 +15,6 @@
 namespace disparityd::fuzz {
 
 using boost::asio::local::stream_protocol;
-/// What the server has over TCP, over a socket pair.
-using PairStream = boost::beast::basic_stream<stream_protocol>;
 
 namespace {
 
@@ -58,8 +55,9 @@ public:
         std::array<int, 2> ends{};
         expect(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0, ends.data()) == 0, "socketpair");
         visitor_ = ends[1];
-        PairStream stream(PairStream::socket_type(network_, stream_protocol(), ends[0]));
-        const auto session = std::make_shared<web::HttpSession<PairStream>>(
+        // What the server has over TCP, over a socket pair.
+        web::PeerStream stream(stream_protocol::socket(network_, stream_protocol(), ends[0]));
+        const auto session = std::make_shared<web::HttpSession>(
             std::move(stream), web::Site{place_, access_, routes_, connections_, guesses_}, "fuzz");
         expect(connections_.admit(session, "fuzz"), "no room for the only visitor");
         session->start();
