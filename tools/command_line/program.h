@@ -15,6 +15,7 @@ enum ExitCode : int {
     exit_done = 0,
     exit_failed = 1,        ///< the system or the daemon refused, or the input ended in a fault
     exit_user = 2,          ///< arguments, input files or calibration must be changed first
+    exit_again = 75,        ///< the same command may succeed later: EX_TEMPFAIL of sysexits.h
     exit_interrupted = 130  ///< Ctrl-C before the work was done
 };
 

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
         "          disparityctl snapshot -o now.png --disparity now.pfm\n"
         "          disparityctl process walk.mkv -o out\n"
         "Exit status: 0 done; 1 the system, the daemon or damaged input stopped it; 2 arguments, input or calibration\n"
-        "must be changed; 130 Ctrl-C stopped it before the work was done. Every sub-command has its own --help.");
+        "must be changed; 75 process was stopped by what may be over when it is tried again; 130 Ctrl-C stopped it\n"
+        "before the work was done. Every sub-command has its own --help.");
     Action action;
     add_status(program, action);
     add_watch(program, action);

@@ -13,15 +13,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/failure_text.h"
+#include "base/write_failure.h"
 #include "capture/images/image_files.h"
 
 namespace disparityd::images {
 namespace {
-
-[[noreturn]] void refuse(const std::string& path, int error) {
-    throw std::runtime_error(path + ": cannot be written: " + base::error_text(error));
-}
 
 /// The name of the unfinished file; of this process alone.
 std::string unfinished_name(const std::string& target) {
@@ -66,7 +62,7 @@ void replace(const std::string& path, const std::string& target, int beside, std
     }
     if (failure != 0) {
         unlink(unfinished.c_str());
-        refuse(path, failure);
+        base::refuse_to_write(path, failure);
     }
 }
 
@@ -100,11 +96,11 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
     const std::filesystem::path real = special ? wanted : std::filesystem::weakly_canonical(wanted, error);
     const std::string target = error ? path : real.string();
     if (std::filesystem::exists(status) && access(target.c_str(), W_OK) != 0) {
-        refuse(path, errno);  // a file that is protected stays
+        base::refuse_to_write(path, errno);  // a file that is protected stays
     }
     const int beside = special ? -1 : open_beside(target);
     if (!special && beside < 0 && errno != EACCES && errno != EPERM && errno != EROFS) {
-        refuse(path, errno);
+        base::refuse_to_write(path, errno);
     }
     if (beside >= 0) {
         replace(path, target, beside, bytes);
@@ -113,11 +109,11 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
     // Where no file may be made beside it, writing into the one that is there may be allowed all the same.
     const int itself = open(target.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (itself < 0) {
-        refuse(path, errno);
+        base::refuse_to_write(path, errno);
     }
     const int failure = write_all(itself, bytes);
     if (const int closing = close(itself) == 0 ? 0 : errno; failure != 0 || closing != 0) {
-        refuse(path, failure != 0 ? failure : closing);
+        base::refuse_to_write(path, failure != 0 ? failure : closing);
     }
 }
 

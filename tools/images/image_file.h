@@ -12,7 +12,7 @@ namespace disparityd::images {
 
 /// Writes the bytes as a new file in place of one of that name, as a whole or not at all: who reads at the same time
 /// sees the old or the new one, and two writers leave the file of one of them. Pipes and devices are written to. Throws
-/// std::runtime_error with one line (file, reason) when the system refuses.
+/// base::DiskFull or std::runtime_error with one line (file, reason) when the system refuses.
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
 
 /// Writes an 8-bit or 16-bit picture as PNG. Errors as write_file.

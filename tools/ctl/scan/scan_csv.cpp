@@ -9,8 +9,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include "base/failure_text.h"
 #include "base/file_lock.h"
+#include "base/write_failure.h"
 #include "clients/json/scan_json.h"
 #include "proto/doubt.h"
 #include "tools/command_line/table.h"
@@ -57,17 +57,13 @@ std::string mounting_fields(const proto::ScanHead& head) {
                      decimal(head.mounting_roll_cdeg, 2);
 }
 
-[[noreturn]] void refuse_csv(const std::string& path) {
-    throw std::runtime_error(path + ": cannot be written: " + base::error_text(errno));
-}
-
 /// Opens the file, locks it and empties it. The lock comes first: another process may be writing it.
 std::FILE* open_locked(const std::string& path, bool force) {
     check_absent(path, force);
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (force ? 0 : O_EXCL), 0666);
     std::FILE* const file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
     if (file == nullptr) {
-        refuse_csv(path);
+        base::refuse_to_write(path, errno);
     }
     try {
         base::lock_for_writing(descriptor, path);
@@ -111,7 +107,7 @@ void ScanCsv::write(const ScanMoment& moment, const ScanRecord& scan) {
 
 void ScanCsv::put(const std::string& text) {
     if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0) {
-        refuse_csv(path_);
+        base::refuse_to_write(path_, errno);
     }
 }
 

@@ -20,6 +20,9 @@
 
 namespace disparityd::tools {
 
+/// Returns a text as a name that any file system takes: at most 200 bytes, "_" for a slash and control characters.
+std::string file_name(std::string_view input, bool without_ending);
+
 /// Names the files of each frame: the name of the input without its ending ("000012_10" of 000012_10.png), or the
 /// frame's number in six digits where frames have no name. The same frames in the same order get the same names.
 class FrameNames {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/ctl/process_output.h"
+#include "tools/ctl/processing/process_output.h"
 
 #include <algorithm>
 #include <cctype>
@@ -16,6 +16,7 @@
 
 #include "base/failure_text.h"
 #include "base/file_lock.h"
+#include "base/write_failure.h"
 #include "proto/doubt.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/csv.h"
@@ -30,8 +31,10 @@ namespace {
 /// File systems allow 255 bytes; an ending and a number follow the name.
 constexpr std::size_t longest = 200;
 
-std::string stem_of(std::string_view input) {
-    const std::size_t dot = input.rfind('.');
+}  // namespace
+
+std::string file_name(std::string_view input, bool without_ending) {
+    const std::size_t dot = without_ending ? input.rfind('.') : std::string_view::npos;
     std::string stem(dot == std::string_view::npos || dot == 0 ? input : input.substr(0, dot));
     if (stem.size() > longest) {
         std::size_t size = longest;
@@ -44,6 +47,8 @@ std::string stem_of(std::string_view input) {
         stem.begin(), stem.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '/'; }, '_');
     return stem;
 }
+
+namespace {
 
 namespace fs = std::filesystem;
 
@@ -93,9 +98,7 @@ bool is_ours(const std::string& name, const std::set<std::string>& names) {
 
 // A stream that has failed has no reason of its own; errno has the system's.
 [[noreturn]] void refuse_file(const std::string& folder, const char* name) {
-    const int reason = errno;
-    throw std::runtime_error(folder + '/' + name + ": cannot be written" +
-                             (reason == 0 ? "" : ": " + base::error_text(reason)));
+    base::refuse_to_write(folder + '/' + name, errno);
 }
 
 void remove_earlier_run(const std::string& folder) {
@@ -170,7 +173,7 @@ std::string FrameNames::next(std::string_view input) {
         std::snprintf(digits, sizeof digits, "%06llu", static_cast<unsigned long long>(number));
         return digits;
     }
-    const std::string stem = stem_of(input);
+    const std::string stem = file_name(input, true);
     std::string name = stem;
     for (int i = 2; taken_.contains(name) || taken_.contains(name + "_colour"); ++i) {
         name = stem + '-' + std::to_string(i);

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "base/failure_text.h"
+#include "base/words.h"
+#include "base/write_failure.h"
+#include "capture/images/image_sequence.h"
+#include "pipeline/worker_pool.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/number_argument.h"
+#include "tools/command_line/program.h"
+#include "tools/ctl/colour_argument.h"
+#include "tools/ctl/commands.h"
+#include "tools/ctl/processing/process_arguments.h"
+#include "tools/ctl/processing/process_output.h"
+#include "tools/ctl/processing/process_report.h"
+#include "tools/ctl/processing/process_source.h"
+#include "tools/ctl/processing/source_list.h"
+#include "tools/ctl/source_arguments.h"
+
+namespace disparityd::tools {
+namespace {
+
+/// Returns the arguments for one source of a list.
+ProcessArguments for_source(ProcessArguments arguments, const ListedSource& source, bool of_list) {
+    arguments.source = source.uri;
+    arguments.folder = source.folder;
+    if (of_list && !arguments.scan.empty()) {
+        arguments.scan = source.folder + '/' + arguments.scan;
+    }
+    return arguments;
+}
+
+/// Processes a source. What keeps it from beginning is told in what is returned, too.
+ProcessDone attempt(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown) {
+    ProcessDone failed;
+    try {
+        return process_source(arguments, workers, shown);
+    } catch (const base::DiskFull& error) {
+        failed.refusal = error.what();
+        failed.status = exit_again;
+    } catch (const std::invalid_argument& error) {
+        failed.refusal = error.what();
+        failed.status = exit_user;
+    } catch (const std::exception& error) {
+        failed.refusal = base::failure_text(error);
+        failed.status = exit_failed;
+    }
+    failed.source = arguments.source;
+    failed.folder = arguments.folder;
+    return failed;
+}
+
+int process_one(const ProcessArguments& arguments, pipeline::WorkerPool& workers) {
+    if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
+        print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
+    }
+    return report_process(attempt(arguments, workers, {}), arguments.json);
+}
+
+int process_list(const ProcessArguments& arguments, const std::vector<ListedSource>& sources,
+                 pipeline::WorkerPool& workers) {
+    ListReport report(arguments.folder, sources.size(), arguments.json);
+    for (std::size_t i = 0; i < sources.size() && !interrupted(); ++i) {
+        const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(sources.size()) + ", frames",
+                          report.failed() == 0 ? std::string()
+                                               : std::string(", ").append(std::to_string(report.failed())) + " failed"};
+        const int status = report.add(attempt(for_source(arguments, sources[i], true), workers, shown));
+        if (status == exit_again || (status != exit_done && !arguments.keep_going)) {
+            break;
+        }
+    }
+    return report.finish();
+}
+
+int process(const ProcessArguments& arguments) {
+    const std::vector<ListedSource> all = list_sources(arguments.sources, arguments.folder);
+    const bool is_list = all.size() > 1;
+    if (is_list && std::filesystem::path(arguments.scan).has_parent_path()) {
+        throw std::invalid_argument("--scan: found '" + arguments.scan +
+                                    "', allowed with several sources: a name without a folder; the folder of each "
+                                    "source gets such a file");
+    }
+    const std::vector<ListedSource> mine = shard_of(all, arguments.shard);
+    check(arguments);
+    for (const ListedSource& source : mine) {
+        ProcessOutput::check(source.folder, arguments.force);
+    }
+    if (mine.empty()) {
+        print_note("--shard " + arguments.shard + ": none of the " + base::counted(all.size(), "source") +
+                   " belongs to it, nothing to do");
+        return exit_done;
+    }
+    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    return is_list ? process_list(arguments, mine, workers)
+                   : process_one(for_source(arguments, mine.front(), false), workers);
+}
+
+}  // namespace
+
+void add_process(CLI::App& program, Action& action) {
+    CLI::App& command =
+        *program.add_subcommand("process", "Match every frame of a source into a folder of files, offline.");
+    const auto arguments = std::make_shared<ProcessArguments>();
+    command
+        .add_option("SOURCE", arguments->sources,
+                    "recordings, folders, patterns with %d, scene:..., or the two images of one pair; see disparityctl "
+                    "sources")
+        ->required();
+    command
+        .add_option("-o,--output", arguments->folder,
+                    "folder to fill; made when missing; several sources get a folder of their own name in it each")
+        ->type_name("DIR")
+        ->required();
+    command.add_option("--method", arguments->method, method_help() + "; default sgm")->type_name("METHOD");
+    command.add_option("--backend", arguments->backend, backend_help())->type_name("NAME");
+    command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
+        ->type_name("FILE");
+    command.add_option("--size", arguments->size, "size of the rectified image; default: that of the capture")
+        ->type_name("WxH");
+    command.add_option("--region", arguments->region, "part of the rectified image to match; default: all of it")
+        ->type_name("X,Y,W,H");
+    add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
+    add_time_offset(command, arguments->time_offset_us);
+    add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
+    command.add_flag("--temporal", arguments->temporal,
+                     "make a mean over time of disparities that agree, as [temporal] of the daemon does");
+    CLI::Option& self_calibrate =
+        *command.add_flag("--self-calibrate", arguments->self_calibrate,
+                          "estimate corrections of the calibration from the frames, four times in every 80 frames");
+    command
+        .add_flag("--no-self-calibration", arguments->no_self_calibration,
+                  "do not apply the corrections that a recording holds")
+        ->excludes(&self_calibrate);
+    command.add_flag("--pfm", arguments->pfm, "also write PFM (instead of PNG for ranges that a PNG cannot hold)");
+    CLI::Option* const colour =
+        command.add_flag("--colour", arguments->colour, "also write pictures: left image, coloured disparity, scale");
+    add_colour_range(command, arguments->colours)->needs(colour);
+    CLI::Option* const scan =
+        command.add_option("--scan", arguments->scan, "also write obstacle scans: a line per frame and sector")
+            ->type_name("FILE.csv")
+            ->check([](const std::string& name) { return name.empty() ? "found no name" : std::string(); });
+    arguments->scan_options.add_to(command)->needs(scan);
+    command
+        .add_option("--mask-polygon", arguments->mask_polygons,
+                    "reject what lies in a polygon of the rectified left image; may be given several times")
+        ->allow_extra_args(false)
+        ->type_name("\"X,Y X,Y X,Y\"");
+    command.add_option("--mask-image", arguments->mask_image, "reject where a grey image of that size is black")
+        ->type_name("FILE");
+    arguments->distances.add_to(command);
+    command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
+    command.add_flag("--keep-going", arguments->keep_going,
+                     "leave damaged images out, and sources that fail; they are listed, exit status 1");
+    command
+        .add_option("--shard", arguments->shard,
+                    "process only every N-th of the sources, in the order of their names, from number I on; I is 0 to "
+                    "N - 1")
+        ->type_name("I/N");
+    command.add_flag("--json", arguments->json, "a summary as one JSON object");
+    // The daemon's default: the same bytes as from it.
+    arguments->match.add_to(
+        command,
+        "default " + std::to_string(ProcessArguments::default_disparities) + ", or what a dataset's files ask for",
+        Preset::obstacles);
+    command.footer(
+        "DIR gets a 16-bit PNG per frame (disparity x 256, 0 = rejected) with the name of the left image, or, of\n"
+        "videos, 000000.png ...; times.csv (output, input and times of each frame); geometry.json (calibration and\n"
+        "options); and corrections.csv where self-calibration changes something. The same input gives the same\n"
+        "pictures for any number of --workers. Corrections of a recording are applied, not estimated. Of images with\n"
+        "16 bits per channel the upper 8 are used (of 12, with ?bits=12 after SOURCE). Where the input is damaged,\n"
+        "the frames before it are processed, exit status 1. After Ctrl-C the frames in flight are finished, exit\n"
+        "status 130. Exit status 75: a full disk, SIGTERM or SIGHUP ended it, and trying again may help. One process\n"
+        "at a time may fill a folder.\n"
+        "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
+        "          disparityctl process left.png right.png -o out\n"
+        "          disparityctl process drives/*.mkv -o out --keep-going --shard 0/8\n"
+        "          disparityctl process walk.mkv -o out --scan walk.csv --scan-set camera_height_m=0.4");
+    command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
+}
+
+}  // namespace disparityd::tools

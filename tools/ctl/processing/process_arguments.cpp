@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/processing/process_arguments.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+
+#include "capture/images/mask_image.h"
+#include "tools/command_line/program.h"
+#include "tools/ctl/colour_argument.h"
+#include "tools/ctl/output_file.h"
+#include "tools/datasets/announced_range.h"
+#include "tools/images/disparity_file.h"
+
+namespace disparityd::tools {
+namespace {
+
+constexpr int candidates_step = 16, most_candidates = 256;
+
+std::string candidates(int first, int count) {
+    return std::to_string(first) + " to " + std::to_string(first + count - 1) + " px";
+}
+
+/// Returns how many candidates are searched where the command line says nothing: as many as the files of a dataset ask
+/// for (tools/datasets/announced_range.h), else `usual`. A note tells of it, and of a range that does not reach as far
+/// as these files say. `calibration` is the file given instead of the source's own; empty: none.
+int dataset_disparities(const std::string& source, const std::string& calibration, const MatchArguments& match,
+                        int usual) {
+    auto announced = datasets::range_of_images(source);
+    if (!calibration.empty()) {
+        const auto of_calibration = datasets::range_of_calibration(calibration);
+        announced = of_calibration ? of_calibration : announced;
+    }
+    if (!announced) {
+        return usual;
+    }
+    const int first = match.d_min();
+    const double needed = std::ceil((std::floor(announced->largest) + 1 - first) / candidates_step) * candidates_step;
+    const int taken = static_cast<int>(std::clamp(needed, double{candidates_step}, double{most_candidates}));
+    const int searched = match.disparities().value_or(taken);
+    if (searched < needed) {
+        print_note(announced->origin + ", more than is searched: " + candidates(first, searched) +
+                   "; what is nearer is not measured" +
+                   (match.disparities() && taken > searched ? "; --disparities " + std::to_string(taken) +
+                                                                  (taken < needed ? " reaches farther" : " reaches it")
+                                                            : ""));
+    } else if (!match.disparities() && taken != usual) {
+        print_note(announced->origin + ": " + candidates(first, taken) + " are searched");
+    }
+    return taken;
+}
+
+/// Parses whole numbers between separators, of which the last two are a width and a height. Throws
+/// std::invalid_argument unless there are as many as wanted.
+void parse_numbers(const std::string& option, const std::string& text, char separator, const char* form,
+                   std::span<int* const> numbers) {
+    const char* at = text.data();
+    const char* const end = text.data() + text.size();
+    bool good = true;
+    for (std::size_t i = 0; i < numbers.size() && good; ++i) {
+        const auto [stop, error] = std::from_chars(at, end, *numbers[i]);
+        good = error == std::errc() && (i + 1 == numbers.size() ? stop == end : stop != end && *stop == separator);
+        at = stop + 1;
+    }
+    good = good && std::all_of(numbers.end() - 2, numbers.end(), [](const int* side) { return *side >= 1; });
+    if (!good) {
+        throw std::invalid_argument(option + ": found '" + text + "', allowed: " + form);
+    }
+}
+
+/// The folder of a file must be there, or be the one that is made.
+void check_parent(const std::string& file, const std::string& folder) {
+    namespace fs = std::filesystem;
+    const fs::path parent = fs::absolute(file).lexically_normal().parent_path();
+    std::error_code error;
+    if (!fs::is_directory(parent, error) && parent != (fs::absolute(folder) / "").lexically_normal().parent_path()) {
+        throw std::invalid_argument("--scan: " + file + ": there is no folder " + parent.string());
+    }
+}
+
+}  // namespace
+
+MatchOptions match_options(const ProcessArguments& arguments) {
+    return arguments.match.options(parse_method(arguments.method),
+                                   dataset_disparities(arguments.source, arguments.calibration, arguments.match,
+                                                       ProcessArguments::default_disparities));
+}
+
+void check(const ProcessArguments& arguments) {
+    const Method method = parse_method(arguments.method);
+    arguments.match.check_used({method});
+    backend(arguments.backend);  // refuses an unknown one
+    const MatchOptions options = arguments.match.options(method, ProcessArguments::default_disparities);
+    geometry_of(arguments);
+    arguments.distances.limits();  // refuses those that leave nothing
+    if (!arguments.scan.empty()) {
+        arguments.scan_options.options(options.method == Method::sgm && options.sgm.calibrated_confidence);
+    }
+}
+
+calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
+    calibration::RectifiedGeometry geometry;
+    if (!arguments.size.empty()) {
+        int* const numbers[] = {&geometry.width, &geometry.height};
+        parse_numbers("--size", arguments.size, 'x', "WIDTHxHEIGHT such as 640x360", numbers);
+    }
+    if (!arguments.region.empty()) {
+        auto& region = geometry.region;
+        int* const numbers[] = {&region.x, &region.y, &region.width, &region.height};
+        parse_numbers("--region", arguments.region, ',', "X,Y,WIDTH,HEIGHT such as 0,100,640,160", numbers);
+    }
+    return geometry;
+}
+
+std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& arguments) {
+    std::vector<capture::RunOfOneGeometry> parts{{0, SIZE_MAX}};
+    if (!arguments.keep_going && capture::is_image_sequence(arguments.source)) {
+        parts = capture::runs_of_one_geometry(arguments.source, arguments.calibration.empty());
+    }
+    if (parts.size() > 1) {
+        if (arguments.self_calibrate) {
+            throw std::invalid_argument(
+                "--self-calibrate: " + arguments.source +
+                " has images of several sizes or calibrations, allowed: those of one camera and size");
+        }
+        if (arguments.temporal) {
+            throw std::invalid_argument(
+                "--temporal: " + arguments.source +
+                " has images of several sizes or calibrations, allowed: frames of one camera, in their order");
+        }
+        print_note(arguments.source +
+                   ": images of several sizes or calibrations, each pair is matched with its own; geometry.json has " +
+                   std::to_string(parts.size()) + " parts");
+    }
+    return parts;
+}
+
+OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range) {
+    OutputFormats formats{true, arguments.pfm, arguments.colour, colour_range(arguments.colours)};
+    if (!images::fits_png(range)) {
+        formats.png = false;
+        formats.pfm = true;
+        print_note("disparities " + std::to_string(range.first) + " .. " +
+                   std::to_string(range.first + range.count - 1) +
+                   " do not fit a 16-bit PNG of disparity x 256: writing PFM instead");
+    }
+    return formats;
+}
+
+std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match) {
+    if (arguments.scan.empty()) {
+        return std::nullopt;
+    }
+    check_absent(arguments.scan, arguments.force);
+    check_parent(arguments.scan, arguments.folder);
+    return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
+}
+
+void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
+    const pipeline::DistanceLimits limits = arguments.distances.limits();
+    if ((arguments.scan.empty() && !limits.any()) || (rectification.f > 0 && rectification.baseline_mm > 0)) {
+        return;
+    }
+    const std::string option = !arguments.scan.empty() ? "--scan"
+                               : limits.min_m > 0      ? DistanceLimitArguments::min_option
+                                                       : DistanceLimitArguments::max_option;
+    throw std::invalid_argument(option + ": " + arguments.source +
+                                " has no calibration, so no distance is known; give one with --calibration");
+}
+
+ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
+    const capture::MaskImage file =
+        arguments.mask_image.empty() ? capture::MaskImage{} : capture::read_mask_image(arguments.mask_image);
+    return {rectification.width, rectification.height, arguments.mask_polygons, file.plane(), arguments.mask_image};
+}
+
+}  // namespace disparityd::tools

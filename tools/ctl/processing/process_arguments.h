@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "calibration/rectification.h"
+#include "capture/images/image_sequence.h"
+#include "kernels/options.h"
+#include "obstacles/image_mask.h"
+#include "obstacles/scan_options.h"
+#include "tools/command_line/match_arguments.h"
+#include "tools/command_line/scan_arguments.h"
+#include "tools/ctl/distance_limit_arguments.h"
+#include "tools/ctl/processing/process_output.h"
+
+namespace disparityd::tools {
+
+/// What the command line asks `process` for.
+struct ProcessArguments {
+    std::vector<std::string> sources;  ///< as typed
+    std::string source;                ///< the one at hand
+    std::string folder;                ///< that it fills
+    std::string method = "sgm";
+    std::string backend = "auto";
+    std::string calibration;
+    std::string size;
+    std::string region;
+    std::string colours;
+    std::string scan;  ///< file of the obstacle scans; empty: none
+    ScanArguments scan_options;
+    std::vector<std::string> mask_polygons;
+    std::string mask_image;  ///< a file; empty: none
+    DistanceLimitArguments distances;
+    MatchArguments match;
+    static constexpr int default_disparities = 64;
+    std::optional<int> workers;
+    std::optional<int> frames;
+    std::optional<int> time_offset_us;
+    std::string shard;  ///< I/N; empty: all
+    bool temporal = false;
+    bool self_calibrate = false;
+    bool no_self_calibration = false;
+    bool pfm = false;
+    bool colour = false;
+    bool force = false;
+    bool keep_going = false;
+    bool json = false;
+};
+
+// All throw std::invalid_argument with one line for what is not allowed.
+
+/// Returns the options of matching: those given, and as many candidates as the files of a dataset ask for
+/// (tools/datasets/announced_range.h) where the command line says nothing. Notes tell of it.
+MatchOptions match_options(const ProcessArguments& arguments);
+
+/// Refuses what no source could be processed with, before any is opened.
+void check(const ProcessArguments& arguments);
+
+calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments);
+
+/// Returns the parts to process one after the other: of images those that share size and calibration, of
+/// anything else the whole.
+std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& arguments);
+
+OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range);
+
+/// Returns the options of the scan; nothing where none is wanted.
+std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match);
+
+/// Refuses frames without a calibration where every sector would be unknown, or no limit of distance had an effect.
+void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification);
+
+ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification);
+
+}  // namespace disparityd::tools

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/processing/process_source.h"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include "base/failure_text.h"
+#include "base/memory_room.h"
+#include "base/words.h"
+#include "base/write_failure.h"
+#include "calibration/empty_result/empty_result.h"
+#include "capture/frame_source.h"
+#include "kernels/large_buffer.h"
+#include "kernels/stage_notes.h"
+#include "obstacles/mask_stage.h"
+#include "obstacles/scan_stage.h"
+#include "pipeline/calibrating_schedule.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/rectification_schedule.h"
+#include "pipeline/temporal_stage.h"
+#include "tools/command_line/interrupt.h"
+#include "tools/command_line/program.h"
+#include "tools/command_line/progress.h"
+#include "tools/command_line/table.h"
+#include "tools/ctl/processing/process_output.h"
+#include "tools/ctl/scan/scan_csv.h"
+#include "tools/ctl/source_arguments.h"
+#include "trust/trust_stage.h"
+
+namespace disparityd::tools {
+namespace {
+
+/// Ends a source after a number of frames. Threads as FrameSource.
+class LimitedSource final : public capture::FrameSource {
+public:
+    LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames);
+
+    const capture::SourceInfo& info() const override { return info_; }
+    Next next(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline) override;
+    void give_back(const capture::RawFrame& frame) noexcept override { source_->give_back(frame); }
+    void interrupt() noexcept override { source_->interrupt(); }
+
+private:
+    std::unique_ptr<capture::FrameSource> source_;
+    capture::SourceInfo info_;
+    std::uint64_t left_;
+};
+
+LimitedSource::LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames)
+    : source_(std::move(source)), info_(source_->info()), left_(frames) {
+    info_.frame_count = std::min(info_.frame_count.value_or(frames), frames);
+}
+
+capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
+                                               std::chrono::steady_clock::time_point deadline) {
+    if (left_ == 0) {
+        return Next::end;
+    }
+    const Next got = source_->next(frame, deadline);
+    if (got == Next::frame) {
+        --left_;
+    }
+    return got;
+}
+
+/// Opens a part of the source for at most so many frames.
+std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneGeometry& part,
+                                           std::optional<std::uint64_t> frames, int loans,
+                                           std::vector<std::string>& left_out) {
+    capture::SourceOptions options;
+    options.uri = arguments.source;
+    options.first_image = part.first;
+    options.image_count = part.count;
+    options.skip_damaged = arguments.keep_going;
+    options.report = [&left_out](const std::string& line, bool trouble) {
+        if (trouble) {
+            left_out.push_back(line);
+            print_note("left out: " + line);
+        } else {
+            print_note(line);
+        }
+    };
+    options.loans = loans;
+    options.pace = capture::Pace::fastest;
+    options.calibration_path = arguments.calibration;
+    options.time_offset_us = arguments.time_offset_us.value_or(0);
+    auto source = open_with_progress(options);
+    if (frames) {
+        return std::make_unique<LimitedSource>(std::move(source), *frames);
+    }
+    if (source->info().live && !source->info().frame_count) {
+        print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
+    }
+    return source;
+}
+
+/// Runs the pipeline to its end, or to the end of the frames in flight after Ctrl-C.
+void run_to_end(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total, const Shown& shown) {
+    catch_interrupts();
+    Progress bar(shown.what, total);
+    pipeline.start();
+    while (!pipeline.wait_until_ended(std::chrono::milliseconds(50)) && !interrupted()) {
+        const pipeline::PipelineStatus now = pipeline.status();
+        bar.show(now.published, fixed(now.rate, 1) + " frames/s" + shown.more);
+    }
+    pipeline.stop();
+}
+
+/// Says what rectifies each frame: the corrections that --self-calibrate estimates, those of the recording, or the
+/// calibration alone.
+struct Schedule {
+    std::unique_ptr<pipeline::RectificationSchedule> frames;
+    const pipeline::CalibratingSchedule* calibrating = nullptr;  ///< the same where it estimates
+};
+
+Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInfo& info, DisparityRange range) {
+    const calibration::RectifiedGeometry geometry = geometry_of(arguments);
+    if (arguments.self_calibrate) {
+        auto estimating = std::make_unique<pipeline::CalibratingSchedule>(info, geometry, range,
+                                                                          pipeline::CalibratingSchedule::Plan{});
+        const pipeline::CalibratingSchedule* calibrating = estimating.get();
+        return {std::move(estimating), calibrating};
+    }
+    const auto follow = arguments.no_self_calibration ? pipeline::CorrectedRectification::Follow::applied
+                                                      : pipeline::CorrectedRectification::Follow::recorded;
+    return {std::make_unique<pipeline::CorrectedRectification>(info, geometry, follow), nullptr};
+}
+
+/// What a run fills.
+struct RunFiles {
+    std::optional<ProcessOutput> folder;
+    std::optional<ScanCsv> scans;
+    std::optional<empty_result::EmptyResult> measured;
+    std::uint64_t scans_by_mounting = 0;  ///< whose ground is the configured one
+    TrustSummary trust;
+    bool disk_full = false;
+};
+
+/// Writes a frame's files. A lack of memory gets a message of its own.
+void write(RunFiles& files, const pipeline::FrameSlot& slot) {
+    try {
+        const std::uint64_t frame = files.folder->frames();
+        const trust::Verdict verdict = trust::verdict_of(slot.stage_memory[files.scans ? 1 : 0]);
+        files.folder->write(slot, verdict);
+        files.trust.add(verdict);
+        files.measured->add(slot.view.left, slot.view.right, slot.view.confidence);
+        if (files.scans) {
+            const ScanRecord scan = scan_record(slot.stage_memory.front());
+            files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, scan);
+            files.scans_by_mounting += scan.head.ground == GroundSource::configured ? 1U : 0U;
+        }
+    } catch (const base::DiskFull&) {
+        files.disk_full = true;
+        throw;
+    } catch (const std::exception& error) {
+        throw std::runtime_error(base::failure_text(error));
+    }
+}
+
+/// Tells of scans that wanted to be level and had to do without.
+void note_lack_of_level(const RunFiles& files, const std::optional<ScanOptions>& scan) {
+    if (scan && scan->ground == GroundMode::autopilot) {
+        print_note(
+            "every sector is unknown: an autopilot's attitude is not recorded; take another ground, such as "
+            "\"gravity\"");
+    }
+    if (scan && scan->ground == GroundMode::gravity && files.scans_by_mounting > 0) {
+        print_note("the configured ground was taken for " + base::counted(files.scans_by_mounting, "frame") + " of " +
+                   std::to_string(files.folder->frames()) +
+                   ": no steady acceleration in the second before, or one more than 30 degrees off; check imu_axes");
+    }
+}
+
+/// What the parts of a run share.
+struct Run {
+    const ProcessArguments& arguments;
+    pipeline::PipelineConfig config;
+    std::optional<ScanOptions> scan;
+    MatchOptions options;
+    pipeline::WorkerPool& workers;
+    const Shown& shown;
+    RunFiles files;
+    std::optional<calibration::StereoCalibration> calibration;  ///< where all parts have the same
+    ProcessDone done;
+};
+
+/// Makes the folder for the first part, and tells it of the next ones.
+void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& matcher,
+                 const calibration::Rectification& rectification, const std::vector<std::string>& steps) {
+    if (run.files.folder) {
+        run.files.folder->begin_part(info, rectification);
+        return;
+    }
+    const ProcessArguments& arguments = run.arguments;
+    const std::string substitute(matcher.substitute());
+    run.files.folder.emplace(
+        arguments.folder, arguments.force, formats_of(arguments, run.options.range), info, run.options, run.scan,
+        substitute.empty() ? std::string(backend(arguments.backend).name) : substitute, rectification, steps);
+    run.files.measured.emplace(run.options.range);
+    if (run.scan) {
+        run.files.scans.emplace(arguments.scan, arguments.force);
+    }
+}
+
+/// Adds what people are told of the distances of a part.
+void tell_distances(ProcessDone& done, const calibration::Rectification& rectification, const MatchOptions& options,
+                    bool only_part) {
+    done.range = calibration::DepthRange::of(rectification.f, rectification.baseline_mm, rectification.disparity_offset,
+                                             options);
+    std::string line = done.range ? done.range->text() : calibration::unknown_depth_range;
+    if (!only_part) {
+        done.range.reset();
+        line.insert(0, base::size_text(rectification.width, rectification.height) + ": ");
+    }
+    if (std::find(done.distances.begin(), done.distances.end(), line) == done.distances.end()) {
+        done.distances.push_back(line);
+    }
+}
+
+void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional<std::uint64_t> frames,
+                  bool only_part) {
+    const ProcessArguments& arguments = run.arguments;
+    const auto source = open(arguments, part, frames, run.config.slots + 2, run.done.left_out);
+    const capture::SourceInfo& info = source->info();
+    run.config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
+    const Schedule schedule = schedule_of(arguments, info, run.options.range);
+    const calibration::Rectification& rectification = schedule.frames->factory();
+    check_metres(arguments, rectification);
+    if (rectification.unrectified) {
+        print_note(arguments.source + ": no calibration is known, frames are matched as they are");
+    }
+    const auto matcher = make_matcher(arguments.backend, {rectification.width, rectification.height, run.options});
+    const ImageMask mask = mask_of(arguments, rectification);
+    std::optional<ScanStage> scan_stage;
+    std::optional<MaskStage> mask_stage;
+    const auto notes = run.scan ? std::make_shared<StageNotes>() : nullptr;
+    trust::TrustStage trust_stage(rectification.width, rectification.height, {}, mask.pixels(), notes);
+    run.config.stages.clear();
+    if (run.scan) {
+        scan_stage.emplace(rectification.width, rectification.height, run.options.range, *run.scan, nullptr, mask,
+                           notes);
+        run.config.stages.push_back(&*scan_stage);
+    }
+    run.config.stages.push_back(&trust_stage);
+    // What makes no record is last: records are found by their place in this list.
+    if (!mask.empty()) {
+        mask_stage.emplace(mask, run.options.range);
+        run.config.stages.push_back(&*mask_stage);
+    }
+    std::optional<pipeline::TemporalStage> temporal_stage;
+    if (arguments.temporal) {
+        temporal_stage.emplace(rectification.width, rectification.height);
+        run.config.stages.push_back(&*temporal_stage);
+    }
+    std::optional<pipeline::DistanceLimitStage> limit_stage;
+    if (const pipeline::DistanceLimits limits = arguments.distances.limits(); limits.any()) {
+        limit_stage.emplace(
+            limits, run.options.range,
+            pipeline::DistanceLimitNames{DistanceLimitArguments::min_option, DistanceLimitArguments::max_option});
+        run.config.stages.push_back(&*limit_stage);
+    }
+    pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *schedule.frames,
+                                [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
+    base::check_memory_room(large_memory_held(), base::memory_room());
+    begin_files(run, info, *matcher, rectification, pipeline.steps());
+    const auto start = std::chrono::steady_clock::now();
+    run_to_end(pipeline, info.frame_count, run.shown);
+    run.done.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
+        print_note(trouble);
+    }
+    if (const std::string notice = limit_stage ? limit_stage->notice() : std::string(); !notice.empty()) {
+        print_note(notice);
+    }
+    const pipeline::PipelineStatus status = pipeline.status();
+    run.done.damaged += status.damaged;
+    run.done.error = status.error;
+    run.done.again = run.files.disk_full;
+    run.done.frames = run.files.folder->frames();
+    if (schedule.calibrating != nullptr) {
+        run.done.estimates = schedule.calibrating->estimates();
+    }
+    if (only_part) {
+        run.calibration = info.calibration;
+    }
+    tell_distances(run.done, rectification, run.options, only_part);
+}
+
+}  // namespace
+
+ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown) {
+    const MatchOptions options = match_options(arguments);
+    pipeline::PipelineConfig config;
+    config.policy = pipeline::Policy::replay;
+    config.depth = false;
+    const auto scan = scan_of(arguments, options);
+    const auto parts = parts_of(arguments);
+
+    Run run{arguments, config, scan, options, workers, shown, {}, {}, {}};
+    run.done.source = arguments.source;
+    run.done.folder = arguments.folder;
+    for (const capture::RunOfOneGeometry& part : parts) {
+        const auto wanted = arguments.frames
+                                ? std::optional(static_cast<std::uint64_t>(*arguments.frames) - run.done.frames)
+                                : std::nullopt;
+        if (wanted == std::uint64_t{0} || !run.done.error.empty() || interrupted()) {
+            break;
+        }
+        process_part(run, part, wanted, parts.size() == 1);
+    }
+    run.files.folder->close();
+    note_lack_of_level(run.files, run.scan);
+    run.done.trust = run.files.trust;
+    // What the limits reject was measured.
+    if (!arguments.distances.limits().any()) {
+        run.done.measured = run.files.measured->measured();
+        run.done.empty_note = run.files.measured->note(run.calibration);
+    }
+    return run.done;
+}
+
+}  // namespace disparityd::tools

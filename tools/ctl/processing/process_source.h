@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "pipeline/worker_pool.h"
+#include "tools/ctl/processing/process_arguments.h"
+#include "tools/ctl/processing/process_report.h"
+
+namespace disparityd::tools {
+
+/// How the line of progress begins and ends.
+struct Shown {
+    std::string what = "frames";
+    std::string more;
+};
+
+/// Processes arguments.source into arguments.folder, to its end or until Ctrl-C. Throws std::invalid_argument when the
+/// user must change something, base::DiskFull or std::runtime_error when the system refuses, all before the first
+/// frame; what ends it later is ProcessDone::error.
+ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown);
+
+}  // namespace disparityd::tools
