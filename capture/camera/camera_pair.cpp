@@ -17,6 +17,7 @@
 #include "capture/camera/camera_identity.h"
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_source.h"
+#include "capture/camera/eye_cameras.h"
 #include "capture/camera/pair_timing.h"
 #include "capture/camera_setting.h"
 #include "capture/loan_pool.h"
@@ -53,16 +54,6 @@ std::string both(const std::string& left, const std::string& right) {
 /// Returns the driver's own time: exposures that the cameras report, one of them or both, must not make other pairs.
 std::int64_t driver_ns(const RawFrame& frame) {
     return frame.monotonic_ns - frame.to_exposure_ns;
-}
-
-/// Returns the first that may be meant.
-std::optional<UsbCamera> likely(const std::vector<UsbCamera>& present, const CameraRequest& eye) {
-    for (const UsbCamera& camera : candidates(present, eye)) {
-        if (eye.serial.empty() || camera.serial == eye.serial) {
-            return camera;
-        }
-    }
-    return std::nullopt;
 }
 
 SourceOptions options_of_eye(SourceOptions options) {
@@ -103,7 +94,6 @@ private:
     EyeCamera& of(Eye eye) { return eyes_[static_cast<std::size_t>(eye)]; }
     const EyeCamera& of(Eye eye) const { return eyes_[static_cast<std::size_t>(eye)]; }
 
-    void refuse_one_camera() const;
     bool has_room();
     bool pull(Time deadline);
     bool get(Eye eye, Time deadline);
@@ -131,6 +121,7 @@ private:
     const steady_clock::duration silence_;  ///< an eye without a frame for so long has stopped
     SourceInfo info_;
     base::Waker waker_;
+    EyeCameras cameras_;  ///< the sources of the eyes use it
     std::array<EyeCamera, 2> eyes_;
     std::atomic<bool> interrupted_{false};
     std::size_t eye_bytes_;  ///< of a row
@@ -162,6 +153,7 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
       interval_ns_(std::llround(1e9 / request_.rate)),
       silence_(std::max<steady_clock::duration>(options.stall_time, std::chrono::nanoseconds(8 * interval_ns_))),
       info_(info_of_camera(request_, options_)),
+      cameras_(request_),
       eye_bytes_(static_cast<std::size_t>(request_.eye_width()) *
                  static_cast<std::size_t>(bytes_per_pixel(request_.format()))),
       frames_(static_cast<std::size_t>(std::max(1, options.loans)),
@@ -169,29 +161,22 @@ CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const 
       timing_(interval_ns_),
       paired_at_(system.now()),
       free_(frames_.size()) {
-    refuse_one_camera();
+    const auto present = system_.cameras();
+    const auto left = cameras_.likely(Eye::left, present);
+    const auto right = cameras_.likely(Eye::right, present);
+    if (left && right && left->node == right->node) {
+        throw std::invalid_argument("source " + options_.uri + ": " + EyeCameras::one_camera_text(*left));
+    }
     const SourceOptions eye_options = options_of_eye(options_);
     for (const Eye eye : {Eye::left, Eye::right}) {
-        of(eye).source = open_single_camera(system_, eye_options, request_of_eye(request_, eye), nullptr);
+        of(eye).source =
+            open_single_camera(system_, eye_options, request_of_eye(request_, eye), nullptr, {&cameras_, eye});
     }
-    const auto present = system_.cameras();
-    const auto left = likely(present, request_of_eye(request_, Eye::left));
-    const auto right = likely(present, request_of_eye(request_, Eye::right));
     identity_.expect(info_, left && right ? pair_serial(left->serial, right->serial) : "");
     if (!options_.wait_for_camera) {
         if (const auto problem = calibration_problem()) {
             throw std::runtime_error("source " + options_.uri + ": " + problem->detail);
         }
-    }
-}
-
-void CameraPair::refuse_one_camera() const {
-    const auto present = system_.cameras();
-    const auto left = likely(present, request_of_eye(request_, Eye::left));
-    const auto right = likely(present, request_of_eye(request_, Eye::right));
-    if (left && right && left->node == right->node) {
-        throw std::invalid_argument("source " + options_.uri + ": left and right: both are " + left->label() +
-                                    ", allowed are two cameras; those on one USB port are told apart by node");
     }
 }
 

@@ -44,7 +44,8 @@ CameraRecovery::Times recovery_times(const SourceOptions& options, double rate) 
 
 class CameraSource final : public FrameSource {
 public:
-    CameraSource(VideoSystem& system, const SourceOptions& options, CameraRequest request, SensorSystem* sensors);
+    CameraSource(VideoSystem& system, const SourceOptions& options, CameraRequest request, SensorSystem* sensors,
+                 const EyeOfPair& eye);
 
     const SourceInfo& info() const override { return info_; }
     Next next(RawFrame& frame, steady_clock::time_point deadline) override;
@@ -83,6 +84,7 @@ private:
     VideoSystem& system_;
     const SourceOptions options_;
     const CameraRequest request_;
+    const EyeOfPair eye_;
     const std::vector<CameraSetting> configured_controls_;
     const std::shared_ptr<ControlOverrides> control_overrides_;
     CameraIdentity identity_;
@@ -113,10 +115,11 @@ private:
 };
 
 CameraSource::CameraSource(VideoSystem& system, const SourceOptions& options, CameraRequest request,
-                           SensorSystem* sensors)
+                           SensorSystem* sensors, const EyeOfPair& eye)
     : system_(system),
       options_(options),
       request_(std::move(request)),
+      eye_(eye),
       configured_controls_(parse_camera_settings(options.controls, "source " + options.uri + ": controls")),
       control_overrides_(options.control_overrides ? options.control_overrides : std::make_shared<ControlOverrides>()),
       identity_(system, request_, options_),
@@ -308,9 +311,9 @@ void CameraSource::take_step(Step step) {
 /// Opens the first camera that is meant and can be used. Where none can, the problem of the likeliest is reported.
 void CameraSource::open_any() {
     const std::vector<UsbCamera> present = system_.cameras();
-    std::vector<UsbCamera> meant = candidates(present, request_);
+    auto [meant, problem] = eye_.cameras != nullptr ? eye_.cameras->choose(eye_.eye, present)
+                                                    : EyeCameras::Choice{candidates(present, request_), {}};
     note_plugged(meant);
-    std::optional<CameraProblem> problem;
     std::string port;
     bool zeds = false;
     for (UsbCamera& camera : meant) {
@@ -429,6 +432,9 @@ std::vector<CameraControl> CameraSource::set_camera_controls(const std::vector<C
 
 void CameraSource::opened(const UsbCamera& camera) {
     follow_sensors_of(camera);
+    if (eye_.cameras != nullptr) {
+        eye_.cameras->opened(eye_.eye, camera);
+    }
     started();
     const bool no_exposure = exposure_ && !exposure_->to_centre_ns(stream_);
     const bool stalled_before = facts_.state == CameraState::stalled;
@@ -519,6 +525,9 @@ void CameraSource::stream_failed() {
     stream_.close();
     recovery_.absent(system_.now());
     recovery_.forget_attempts();
+    if (eye_.cameras != nullptr) {
+        eye_.cameras->unplugged(eye_.eye);
+    }
     {
         const std::lock_guard lock(mutex_);
         controlled_.reset();
@@ -578,8 +587,9 @@ SourceCondition CameraSource::condition() const {
 }  // namespace
 
 std::unique_ptr<FrameSource> open_single_camera(VideoSystem& system, const SourceOptions& options,
-                                                const CameraRequest& request, SensorSystem* sensors) {
-    return std::make_unique<CameraSource>(system, options, request, sensors);
+                                                const CameraRequest& request, SensorSystem* sensors,
+                                                const EyeOfPair& eye) {
+    return std::make_unique<CameraSource>(system, options, request, sensors, eye);
 }
 
 }  // namespace disparityd::capture

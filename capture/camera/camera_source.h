@@ -5,6 +5,7 @@
 #include <string>
 
 #include "capture/camera/camera_uri.h"
+#include "capture/camera/eye_cameras.h"
 #include "capture/camera/video_system.h"
 #include "capture/frame_source.h"
 #include "capture/sensors/sensor_system.h"
@@ -20,8 +21,10 @@ std::unique_ptr<FrameSource> open_camera(const SourceOptions& options);
 std::unique_ptr<FrameSource> open_camera_on(VideoSystem& system, const SourceOptions& options,
                                             SensorSystem* sensors = nullptr);
 
-/// The same for one camera that the request names, in place of the one in the URI.
+/// The same for one camera that the request names, in place of the one in the URI. It may be of one eye: `eye` then
+/// says which cameras are meant; its pair must outlive the source and be used by the same thread.
 std::unique_ptr<FrameSource> open_single_camera(VideoSystem& system, const SourceOptions& options,
-                                                const CameraRequest& request, SensorSystem* sensors);
+                                                const CameraRequest& request, SensorSystem* sensors,
+                                                const EyeOfPair& eye = {});
 
 }  // namespace disparityd::capture

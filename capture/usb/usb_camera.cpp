@@ -86,6 +86,8 @@ std::vector<UsbCamera> list_cameras(const std::string& sys, const std::string& d
         UsbCamera camera;
         camera.node = (fs::path(dev) / node).string();
         camera.name = attribute(video, "name");
+        std::error_code error;
+        camera.place = fs::canonical(video / "device", error).filename().string();
         if (const fs::path usb = sysfs::usb_device(video / "device"); !usb.empty()) {
             read_usb(usb, camera);
         }

@@ -51,6 +51,7 @@ struct UsbCamera {
     int bus = 0;
     int address = 0;           ///< changes with every plugging
     bool autosuspend = false;  ///< the kernel may switch it off when it is idle
+    std::string place{};       ///< the kernel's name of what the node belongs to: "2-1.4:1.0" where two share a port
 
     const ZedCamera* zed() const { return zed_camera(vendor, product); }
 

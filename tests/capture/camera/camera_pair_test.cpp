@@ -3,7 +3,6 @@
 // Two cameras that are the eyes of one source.
 #include <cerrno>
 #include <chrono>
-#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,6 +18,7 @@
 #include "capture/source_condition.h"
 #include "tests/capture/camera/fake_camera.h"
 #include "tests/capture/camera/made_jpeg.h"
+#include "tests/capture/camera/pair_fixture.h"
 #include "tests/capture/recording/record_fixture.h"
 
 namespace disparityd::capture {
@@ -28,88 +28,13 @@ using namespace std::chrono_literals;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 using Next = FrameSource::Next;
 using test::Bytes;
-using test::FakeVideoSystem;
-
-constexpr const char* left_node = "/dev/video0";
-constexpr const char* right_node = "/dev/video2";
-constexpr const char* pair_uri = "v4l2:64x16@30?left=/dev/video0&right=/dev/video2";
-
-class CameraPairTest : public ::testing::Test {
-protected:
-    CameraPairTest() {
-        plug(left_node, "1-1", "A1");
-        plug(right_node, "1-2", "B2");
-    }
-
-    FakeVideoSystem::Camera& plug(const std::string& node, const std::string& port, const std::string& serial) {
-        FakeVideoSystem::Camera camera;
-        camera.usb.node = node;
-        camera.usb.name = "USB Camera";
-        camera.usb.port = port;
-        camera.usb.vendor = 0x1234;
-        camera.usb.serial = serial;
-        camera.usb.speed_mbit = 480;
-        camera.usb.bus = 1;
-        camera.usb.address = static_cast<int>(port.back());
-        return system_.plug(camera);
-    }
-
-    FakeVideoSystem::Camera& left() { return system_.camera(left_node); }
-    FakeVideoSystem::Camera& right() { return system_.camera(right_node); }
-
-    void open(const std::string& uri = pair_uri, SourceOptions options = {}) {
-        options.uri = uri;
-        options.loans = 4;
-        options.wait_for_camera = true;
-        options.decoders = 0;
-        options.report = [this](const std::string& line, bool) { reports_.push_back(line); };
-        source_.reset();
-        source_ = open_camera_on(system_, options);
-    }
-
-    /// Waits for a frame, at most this long.
-    bool next(RawFrame& frame, std::chrono::milliseconds most = 3s) {
-        for (const auto until = system_.now() + most; system_.now() < until;) {
-            if (source_->next(frame, std::min(until, system_.now() + 100ms)) == Next::frame) {
-                return true;
-            }
-        }
-        return false;
-    }
-
-    /// Runs for this long, giving every frame back; how many came.
-    int run(std::chrono::milliseconds time) {
-        int frames = 0;
-        RawFrame frame;
-        for (const auto until = system_.now() + time;
-             system_.now() < until &&
-             next(frame, std::chrono::duration_cast<std::chrono::milliseconds>(until - system_.now() + 999us));) {
-            ++frames;
-            last_ = frame;
-            source_->give_back(frame);
-        }
-        return frames;
-    }
-
-    CameraFacts facts() const { return *source_->condition().camera; }
-    std::string detail() const { return source_->condition().detail; }
-    std::vector<std::string> notices() const { return source_->condition().notices; }
-
-    int reported(const std::string& part) const {
-        return static_cast<int>(std::count_if(reports_.begin(), reports_.end(), [&](const std::string& line) {
-            return line.find(part) != std::string::npos;
-        }));
-    }
-
-    FakeVideoSystem system_;
-    std::vector<std::string> reports_;
-    std::unique_ptr<FrameSource> source_;
-    RawFrame last_;
-};
+using test::CameraPairTest;
+using test::left_node;
+using test::pair_uri;
+using test::right_node;
 
 /// A picture whose bytes tell frame, row and column; `from` is the first of its columns in the whole.
 auto pattern(std::size_t width, std::size_t from) {
@@ -402,17 +327,6 @@ TEST_F(CameraPairTest, EyesMayBeSwapped) {
     }
 }
 
-TEST_F(CameraPairTest, OneCameraIsNotTwo) {
-    SourceOptions options;
-    options.uri = "v4l2:64x16@30?left=/dev/video0&right=port:1-1";
-    try {
-        open_camera_on(system_, options);
-        ADD_FAILURE() << "one camera passed for two";
-    } catch (const std::invalid_argument& error) {
-        EXPECT_THAT(error.what(), HasSubstr("both are USB Camera (serial A1, /dev/video0, USB port 1-1)"));
-    }
-}
-
 TEST_F(CameraPairTest, ControlsAreSetOnBothAtEveryOpening) {
     SourceOptions options;
     options.controls = "brightness-auto=7";
@@ -430,65 +344,6 @@ TEST_F(CameraPairTest, ControlsAreSetOnBothAtEveryOpening) {
     plug(right_node, "1-2", "B2");
     run(1s);
     EXPECT_EQ(right().brightness, 3) << "what was set since holds for a camera that comes back";
-}
-
-TEST_F(CameraPairTest, TheCalibrationIsThatOfBothSerialNumbers) {
-    const test::TemporaryFolder folder;
-    const auto write = [&folder](const std::string& serials, const std::string& baseline) {
-        const std::string keys = "fx=264\nfy=264\ncx=330\ncy=190\nk1=-0.04\nk2=0.01\n";
-        std::ofstream(folder.file("SN" + serials + ".conf"))
-            << "[LEFT_CAM_VGA]\n"
-            << keys << "[RIGHT_CAM_VGA]\n"
-            << keys << "[STEREO]\nBaseline=" << baseline
-            << "\nTY=0.1\nTZ=0.2\nCV_VGA=0.01\nRX_VGA=0.001\nRZ_VGA=0.002\n";
-    };
-    write("A1-B2", "60");
-    for (auto* camera : {&left(), &right()}) {
-        camera->width = 672;
-        camera->height = 376;
-    }
-    SourceOptions options;
-    options.calibration_folders = {folder.path()};
-    options.allow_unrectified = false;
-    open("v4l2:672x376@30?left=port:1-1&right=port:1-2", options);
-    ASSERT_TRUE(source_->info().calibration);
-    EXPECT_EQ(source_->info().serial, "A1-B2");
-    EXPECT_GT(run(1s), 20);
-    EXPECT_THAT(notices(), IsEmpty());
-
-    // Another camera in the place of one: the calibration does not hold for it.
-    system_.unplug(right_node);
-    run(500ms);
-    auto& other = plug(right_node, "1-2", "C3");
-    other.width = 672;
-    other.height = 376;
-    EXPECT_EQ(run(3s), 0);
-    EXPECT_EQ(facts().state, CameraState::no_calibration);
-    EXPECT_THAT(detail(), HasSubstr("put SNA1-C3.conf into"));
-    write("A1-C3", "70");
-    EXPECT_EQ(run(2s), 0);
-    EXPECT_EQ(facts().state, CameraState::changed);
-    EXPECT_TRUE(source_->condition().reopen);
-    EXPECT_FALSE(source_->condition().delivering);
-    open("v4l2:672x376@30?left=port:1-1&right=port:1-2", options);
-    EXPECT_GT(run(1s), 20);
-    EXPECT_EQ(source_->info().calibration->translation[0], -70);
-
-    // Numbers that are the same tell nothing apart.
-    system_.unplug(right_node);
-    plug(right_node, "1-2", "A1") = [&] {
-        auto same = left();
-        same.usb.node = right_node;
-        same.usb.port = "1-2";
-        return same;
-    }();
-    open("v4l2:672x376@30?left=port:1-1&right=port:1-2", options);
-    EXPECT_EQ(run(3s), 0);
-    EXPECT_THAT(detail(), HasSubstr("no serial numbers tell the two apart, so name a file with [source] calibration"));
-    options.allow_unrectified = true;
-    open("v4l2:672x376@30?left=port:1-1&right=port:1-2", options);
-    EXPECT_GT(run(1s), 20);
-    EXPECT_THAT(notices(), Contains(HasSubstr("frames are unrectified")));
 }
 
 TEST_F(CameraPairTest, AllLoansOutStopNothing) {

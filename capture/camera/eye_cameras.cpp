@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "capture/camera/eye_cameras.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace disparityd::capture {
+namespace {
+
+Eye other(Eye eye) {
+    return eye == Eye::left ? Eye::right : Eye::left;
+}
+
+std::string name_of(Eye eye) {
+    return eye == Eye::left ? "left" : "right";
+}
+
+const std::string& place_of(const UsbCamera& camera) {
+    return camera.place.empty() ? camera.port : camera.place;
+}
+
+/// Whether `camera` is the one that was known, and not the one that the other eye had.
+bool is_known(const UsbCamera& camera, const UsbCamera& known, const std::optional<UsbCamera>& of_other_eye) {
+    const bool serial_tells = !known.serial.empty() && (!of_other_eye || of_other_eye->serial != known.serial);
+    if (serial_tells && camera.serial == known.serial) {
+        return true;
+    }
+    const std::string& place = place_of(known);
+    const bool place_tells = !place.empty() && (!of_other_eye || place_of(*of_other_eye) != place);
+    const bool others_serial = of_other_eye && !camera.serial.empty() && camera.serial == of_other_eye->serial &&
+                               camera.serial != known.serial;
+    return place_tells && place_of(camera) == place && !others_serial;
+}
+
+/// A name by the place means whatever is plugged in there.
+bool names_a_node(const CameraRequest& request) {
+    return !request.device.empty() && !request.device.starts_with("/dev/v4l/by-path/");
+}
+
+bool is_there(const UsbCamera& camera, const std::vector<UsbCamera>& present) {
+    return std::any_of(present.begin(), present.end(), [&](const UsbCamera& c) { return same_plugging(c, camera); });
+}
+
+}  // namespace
+
+EyeCameras::EyeCameras(const CameraRequest& pair)
+    : eyes_{{{request_of_eye(pair, Eye::left), {}}, {request_of_eye(pair, Eye::right), {}}}} {}
+
+EyeCameras::Choice EyeCameras::choose(Eye eye, const std::vector<UsbCamera>& present) const {
+    const Known& own = of(eye);
+    const Known& partner = of(other(eye));
+    Choice choice{candidates(present, own.request), {}};
+    const bool partner_there = partner.held && is_there(*partner.camera, present);
+    std::vector<UsbCamera> named;
+    for (UsbCamera& camera : std::exchange(choice.cameras, {})) {
+        if (!partner_there || !same_plugging(camera, *partner.camera)) {
+            named.push_back(std::move(camera));
+        } else if (own.request.serial.empty() || own.request.serial == camera.serial) {
+            choice.problem = {CameraState::failed, one_camera_text(camera)};
+        }
+    }
+    if (!own.camera || !names_a_node(own.request)) {
+        choice.problem = named.empty() ? choice.problem : std::nullopt;
+        choice.cameras = std::move(named);
+        return choice;
+    }
+    choice.problem.reset();
+    for (const UsbCamera& camera : present) {
+        if (is_known(camera, *own.camera, partner.camera) &&
+            !(partner_there && same_plugging(camera, *partner.camera))) {
+            choice.cameras = {camera};
+            return choice;
+        }
+    }
+    std::erase_if(named, [&](const UsbCamera& camera) {
+        return partner.camera && is_known(camera, *partner.camera, own.camera);
+    });
+    if (named.empty()) {
+        choice.problem = {CameraState::absent, "the camera of the " + name_of(eye) + " eye is not there, " +
+                                                   own.camera->label() + ": plug it in where it was"};
+    } else if (partner_there || !partner.camera) {
+        choice.cameras = std::move(named);
+    } else if (eye == Eye::right && choose(Eye::left, present).problem) {
+        choice.problem = {CameraState::failed, "the right eye waits for the left one"};
+    } else {
+        choice.problem = {CameraState::failed,
+                          "the eyes cannot be told apart: both cameras were gone at once, and " +
+                              named.front().label() +
+                              " has neither the serial number nor the USB port that one of them had; plug both in "
+                              "where they were, or look which eye is which and start the daemon anew"};
+    }
+    return choice;
+}
+
+std::optional<UsbCamera> EyeCameras::likely(Eye eye, const std::vector<UsbCamera>& present) const {
+    const CameraRequest& request = of(eye).request;
+    for (const UsbCamera& camera : candidates(present, request)) {
+        if (request.serial.empty() || camera.serial == request.serial) {
+            return camera;
+        }
+    }
+    return std::nullopt;
+}
+
+std::string EyeCameras::one_camera_text(const UsbCamera& camera) {
+    return "left and right: both are " + camera.label() +
+           ", allowed are two cameras; those on one USB port are told apart by node";
+}
+
+void EyeCameras::opened(Eye eye, const UsbCamera& camera) {
+    Known& known = eyes_[static_cast<std::size_t>(eye)];
+    known.camera = camera;
+    known.held = true;
+}
+
+void EyeCameras::unplugged(Eye eye) {
+    eyes_[static_cast<std::size_t>(eye)].held = false;
+}
+
+}  // namespace disparityd::capture
