@@ -116,6 +116,25 @@ void read_parameter(const SourceUri& uri, const SourceUri::Parameter& parameter,
     }
 }
 
+/// Returns what a path leads to, without the number of one of the nodes that a device has.
+std::string device_of(const std::string& path) {
+    std::error_code error;
+    const std::string whole = std::filesystem::weakly_canonical(path, error).string();
+    const std::string& text = error ? path : whole;
+    const auto index = text.rfind("-video-index");
+    return text.starts_with("/dev/v4l/by-") && index != std::string::npos ? text.substr(0, index) : text;
+}
+
+/// Whether two names mean one camera, whichever cameras are there. A link of udev by-id ends with the serial number.
+bool is_one_device(const CameraName& one, const CameraName& other) {
+    const auto by_id = [](const CameraName& name, const CameraName& link) {
+        return !name.serial.empty() && link.device.starts_with("/dev/v4l/by-id/") &&
+               link.device.find("_" + name.serial + "-video-index") != std::string::npos;
+    };
+    return one == other || by_id(one, other) || by_id(other, one) ||
+           (!one.device.empty() && !other.device.empty() && device_of(one.device) == device_of(other.device));
+}
+
 /// Reads what makes two cameras one source, and refuses what has no meaning then.
 void read_pair(const SourceUri& uri, CameraRequest& request) {
     std::optional<CameraName> left;
@@ -139,7 +158,7 @@ void read_pair(const SourceUri& uri, CameraRequest& request) {
         }
         return;
     }
-    if (left == request.right) {
+    if (is_one_device(*left, *request.right)) {
         uri.fail("left and right", left->text().substr(1),
                  "two cameras; those with one serial number are told apart by port: or by node");
     }

@@ -68,10 +68,12 @@ TEST_F(CameraListTest, NodesInOrderWithTheirUsbFacts) {
     ASSERT_EQ(cameras.size(), 2U);
     EXPECT_EQ(cameras[0].node, "/dev/video2");
     EXPECT_EQ(cameras[0].port, "");
+    EXPECT_EQ(cameras[0].place, "vivid.0");
     EXPECT_EQ(cameras[0].model(), "a camera");
     const UsbCamera& zed = cameras[1];
     EXPECT_EQ(zed.node, "/dev/video10");
     EXPECT_EQ(zed.port, "2-1");
+    EXPECT_EQ(zed.place, "2-1:1.0");
     EXPECT_EQ(zed.vendor, 0x2b03);
     EXPECT_EQ(zed.product, 0xf780);
     EXPECT_EQ(firmware_text(zed.firmware), "1.42");
@@ -180,6 +182,10 @@ TEST(CameraUriTest, TwoCamerasAreNamedEachAndWhatHasNoMeaningThenIsRefused) {
         {"v4l2:64x16?left=/dev/video0", "left= and right="},
         {"v4l2:64x16?right=port:1-1", "left= and right="},
         {"v4l2:64x16?left=/dev/video0&right=/dev/video0", "two cameras"},
+        {"v4l2:64x16?left=/dev/video0&right=/dev/v4l/../video0", "two cameras"},
+        {"v4l2:64x16?left=/dev/v4l/by-id/usb-X_A1-video-index0&right=/dev/v4l/by-id/usb-X_A1-video-index1",
+         "two cameras"},
+        {"v4l2:64x16?left=serial:A1&right=/dev/v4l/by-id/usb-X_A1-video-index0", "two cameras"},
         {"v4l2:64x16?left=port:&right=/dev/video0", "port:USB-PORT"},
         {"v4l2:64x16?left=a&right=b&device=c", "one camera of both eyes"},
         {"v4l2:64x16?left=a&right=b&first=right", "one camera of both eyes"},
