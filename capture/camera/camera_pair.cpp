@@ -18,6 +18,7 @@
 #include "capture/camera/camera_problem.h"
 #include "capture/camera/camera_source.h"
 #include "capture/camera/eye_cameras.h"
+#include "capture/camera/frame_spacing.h"
 #include "capture/camera/pair_timing.h"
 #include "capture/camera_setting.h"
 #include "capture/loan_pool.h"
@@ -89,6 +90,8 @@ private:
         int passed = 0;                       ///< frames of the other eye that were no partner
         std::optional<Time> came;             ///< the newest frame
         std::optional<std::uint64_t> paired;  ///< number of the frame in the newest pair
+        bool tells_rate = false;              ///< the driver
+        FrameSpacing spacing;
     };
 
     EyeCamera& of(Eye eye) { return eyes_[static_cast<std::size_t>(eye)]; }
@@ -97,7 +100,8 @@ private:
     bool has_room();
     bool pull(Time deadline);
     bool get(Eye eye, Time deadline);
-    std::int64_t limit() const;
+    std::int64_t limit();
+    bool next_is_nearer(Eye earlier, std::int64_t apart) const;
     void drop(Eye eye);
     bool take_pair(RawFrame& frame);
     void lend(RawFrame& frame);
@@ -252,19 +256,30 @@ bool CameraPair::get(Eye eye, Time deadline) {
     if (frame.monotonic_ns == 0) {
         untimed_ = true;
         drop(eye);
+    } else {
+        camera.spacing.add(driver_ns(frame), frame.sequence, (frame.flags & frame_flag_discontinuity) != 0);
     }
     return true;
 }
 
 /// Returns how far apart a pair may be: less than was asked for where a camera is faster than that, because half of its
 /// interval is the most.
-std::int64_t CameraPair::limit() const {
+std::int64_t CameraPair::limit() {
     double rate = request_.rate;
-    for (const EyeCamera& camera : eyes_) {
-        rate = std::max(rate, camera.source->condition().camera->rate);
+    for (EyeCamera& camera : eyes_) {
+        const double told = camera.source->condition().camera->rate;
+        camera.tells_rate = told > 0;
+        rate = std::max(rate, told);
     }
     return rate > request_.rate ? std::min<std::int64_t>(request_.within_ns, std::llround(5e8 / rate))
                                 : request_.within_ns;
+}
+
+/// Whether the next frame of the eye whose frame is earlier may be nearer to the one of the other eye. Where the driver
+/// tells no rate only the frames themselves can say.
+bool CameraPair::next_is_nearer(Eye earlier, std::int64_t apart) const {
+    const EyeCamera& camera = of(earlier);
+    return !camera.tells_rate && 2 * apart > camera.spacing.ns();
 }
 
 void CameraPair::drop(Eye eye) {
@@ -281,9 +296,12 @@ bool CameraPair::take_pair(RawFrame& frame) {
         return false;
     }
     const std::int64_t apart = driver_ns(*right) - driver_ns(*left);
-    if (std::abs(apart) > within_ns_) {
-        nearest_ns_ = std::min(nearest_ns_.value_or(INT64_MAX), std::abs(apart));
-        const Eye earlier = apart > 0 ? Eye::left : Eye::right;
+    const Eye earlier = apart > 0 ? Eye::left : Eye::right;
+    const bool too_far = std::abs(apart) > within_ns_;
+    if (too_far || next_is_nearer(earlier, std::abs(apart))) {
+        if (too_far) {
+            nearest_ns_ = std::min(nearest_ns_.value_or(INT64_MAX), std::abs(apart));
+        }
         drop(earlier);
         // A clock that went back would make a partner of a frame that has waited since then.
         if (++of(other(earlier)).passed >= most_passed) {

@@ -138,6 +138,9 @@ int FakeVideoSystem::ioctl(int number, unsigned long request, void* argument) {
             return camera->format_error;
         }
         case VIDIOC_S_PARM:
+            if (camera->untold_rate) {
+                return ENOTTY;
+            }
             if (camera->agreed_rate != 0) {
                 static_cast<v4l2_streamparm*>(argument)->parm.capture.timeperframe = {1, camera->agreed_rate};
             }

@@ -38,6 +38,7 @@ public:
         int heal_by = 0;          ///< a frozen camera thaws by: 1 stream start, 2 opening, 3 USB reset
         std::uint32_t first_sequence = 0;
         std::chrono::microseconds period{33'333};
+        bool untold_rate = false;       ///< the driver does not say one
         std::uint32_t agreed_rate = 0;  ///< frames per second, whatever is asked for; 0: what is
         std::string flash_serial;       ///< digits; empty: no extension unit
         std::vector<std::uint8_t> unit_answer{};
