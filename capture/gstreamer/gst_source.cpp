@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "capture/gstreamer/gst_source.h"
 
+#include <stdexcept>
 #include <utility>
 
 #include "capture/gstreamer/gst_live.h"
@@ -15,6 +16,10 @@ std::unique_ptr<FrameSource> open_gst(const SourceOptions& options) {
     auto first = std::make_shared<GstOpened>(open_gst_pipeline(uri, options));
     if (first->live) {
         return make_gst_live(uri, options, std::move(*first));
+    }
+    if (options.loop && !first->pipeline->devices().empty()) {
+        throw std::invalid_argument("source gst: found a loop over " + first->pipeline->devices() +
+                                    ", which gives its pictures once; expected files");
     }
     const auto stop = std::make_shared<std::atomic<bool>>(false);
     SourceOptions again = options;

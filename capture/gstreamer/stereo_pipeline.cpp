@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -104,6 +105,19 @@ std::string kind_of(GstElement& element) {
     return factory != nullptr ? base::printable(GST_OBJECT_NAME(factory)) : "element";
 }
 
+GstPtr<gchar> text_property(GstElement& element, const char* name) {
+    gchar* text = nullptr;
+    g_object_get(&element, name, &text, nullptr);
+    return GstPtr<gchar>(text);
+}
+
+/// Whether what is read is gone then, as from a pipe or a device: such a path is no file that can be played again.
+bool is_stream(const gchar* path) {
+    std::error_code error;
+    const auto status = path != nullptr ? std::filesystem::status(path, error) : std::filesystem::file_status();
+    return std::filesystem::is_other(status);
+}
+
 /// Whether an element gives what is not in a file and not made up. What a descriptor leads to nobody knows.
 bool is_device(GstElement& element) {
     const gchar* const text = gst_element_get_metadata(&element, GST_ELEMENT_METADATA_KLASS);
@@ -111,10 +125,14 @@ bool is_device(GstElement& element) {
         return false;
     }
     if (has_property(element, "uri", G_TYPE_STRING)) {
-        gchar* uri = nullptr;
-        g_object_get(&element, "uri", &uri, nullptr);
-        const GstPtr<gchar> owned(uri);
-        return uri != nullptr && g_str_has_prefix(uri, "file:") == FALSE && g_str_has_prefix(uri, "data:") == FALSE;
+        const GstPtr<gchar> uri = text_property(element, "uri");
+        if (uri && g_str_has_prefix(uri.get(), "file:") != FALSE) {
+            return is_stream(GstPtr<gchar>(g_filename_from_uri(uri.get(), nullptr, nullptr)).get());
+        }
+        return uri && g_str_has_prefix(uri.get(), "data:") == FALSE;
+    }
+    if (has_property(element, "location", G_TYPE_STRING) && is_stream(text_property(element, "location").get())) {
+        return true;
     }
     const std::string classes = text;
     const std::string kind = kind_of(element);

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/capture/gstreamer/gst_fixture.h"
@@ -258,6 +259,34 @@ TEST(GstReplay, ADescriptorThatDoesNotSayThatItIsLiveIsNoCamera) {
     EXPECT_FALSE(replay.info.live);
     EXPECT_THAT(replay.notices, ElementsAre(HasSubstr(told)));
     EXPECT_TRUE(play(" do-timestamp=true", false).info.live);
+}
+
+TEST(GstReplay, APipeIsNoFileThatCanBePlayedAgain) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("pipe");
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+    const auto play = [&](const std::string& properties, bool daemon, bool loop) {
+        // It holds all three frames, and stays open so that nobody waits for a writer.
+        const int pipe = ::open(path.c_str(), O_RDWR | O_CLOEXEC);
+        const std::string frames(3 * pixels, '\0');
+        EXPECT_EQ(::write(pipe, frames.data(), frames.size()), static_cast<ssize_t>(frames.size()));
+        SourceOptions options =
+            options_of("filesrc location=" + path + properties + " num-buffers=3 blocksize=" + std::to_string(pixels) +
+                       " ! rawvideoparse format=gray8 width=128 height=48 ! appsink");
+        options.wait_for_camera = daemon;
+        options.loop = loop;
+        Played played = play_all(options);
+        ::close(pipe);
+        return played;
+    };
+    const std::string told = "found a source that does not say that it is live, filesrc: ";
+    EXPECT_THAT(play("", true, false).problem, HasSubstr(told));
+    EXPECT_THAT(play("", false, true).problem, HasSubstr("filesrc, which gives its pictures once"));
+    const Played replay = play("", false, false);
+    EXPECT_THAT(replay.problem, IsEmpty());
+    EXPECT_THAT(replay.frames, SizeIs(3));
+    EXPECT_THAT(replay.notices, ElementsAre(HasSubstr(told)));
+    EXPECT_TRUE(play(" do-timestamp=true", false, false).info.live);
 }
 
 TEST(GstReplay, ADaemonPlaysTestSourcesAndFiles) {
