@@ -28,6 +28,7 @@ namespace disparityd::capture {
 namespace {
 
 using std::chrono::steady_clock;
+using Synchronised = PairTiming::Synchronised;
 using Time = steady_clock::time_point;
 
 /// A frame waits for its partner while the next one comes.
@@ -146,7 +147,7 @@ private:
     std::optional<CameraProblem> problem_;  ///< of both together
     std::string unpaired_detail_;           ///< empty: pairs come, or a camera gives none
     std::optional<EyesApart> apart_;
-    bool unsynchronised_ = false;
+    Synchronised synchronised_ = Synchronised::unknown;
 };
 
 CameraPair::CameraPair(VideoSystem& system, const SourceOptions& options, const CameraRequest& request)
@@ -248,7 +249,7 @@ bool CameraPair::get(Eye eye, Time deadline) {
         timing_.restart();
         const std::lock_guard lock(mutex_);
         apart_.reset();
-        unsynchronised_ = false;
+        synchronised_ = Synchronised::unknown;
     }
     camera.came = system_.now();
     camera.waiting = frame;
@@ -381,15 +382,25 @@ void CameraPair::measure(std::int64_t left_ns, std::int64_t right_ns) {
     {
         const std::lock_guard lock(mutex_);
         apart_ = timing_.newest();
-        changed = std::exchange(unsynchronised_, timing_.unsynchronised()) != timing_.unsynchronised();
+        changed = std::exchange(synchronised_, timing_.synchronised()) != timing_.synchronised();
     }
-    if (changed) {
-        const std::string apart = milliseconds(std::abs(timing_.newest()->median_ns));
-        report(timing_.unsynchronised()
-                   ? "the two cameras are not synchronised: their frames are " + apart +
-                         " apart, more than a tenth of the interval; what moves meanwhile gets wrong distances"
-                   : "the two cameras are synchronised: their frames are " + apart + " apart",
-               timing_.unsynchronised());
+    if (!changed) {
+        return;
+    }
+    const std::string apart = milliseconds(std::abs(timing_.newest()->median_ns)) + " apart";
+    switch (timing_.synchronised()) {
+        case Synchronised::no:
+            report("the two cameras are not synchronised: their frames are " + apart +
+                       ", more than a tenth of the interval; what moves meanwhile gets wrong distances",
+                   true);
+            break;
+        case Synchronised::yes:
+            report("the two cameras are synchronised: their frames have been " + apart + " for five minutes", false);
+            break;
+        case Synchronised::unknown:
+            report("the two cameras may not be synchronised: their frames are " + apart + ", and that has changed",
+                   true);
+            break;
     }
 }
 
@@ -558,7 +569,7 @@ SourceCondition CameraPair::condition() const {
     if (condition.delivering) {
         condition.camera->apart = apart_;
     }
-    if (unsynchronised_) {
+    if (synchronised_ == Synchronised::no) {
         condition.notices.emplace_back(
             "the two cameras are not synchronised: their frames are more than a tenth of the interval apart, and what "
             "moves meanwhile gets wrong distances; use cameras that are triggered together, or a higher rate");

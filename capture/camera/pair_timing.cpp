@@ -50,8 +50,30 @@ void PairTiming::end_window(const Window& window) {
         anchor_ = window;
     }
     last_ = window;
-    const std::int64_t share = unsynchronised_ ? 20 : 10;
-    unsynchronised_ = std::abs(window.median_ns) * share > interval_ns_;
+    judge(window);
+}
+
+void PairTiming::judge(const Window& window) {
+    const std::int64_t share = synchronised_ == Synchronised::no ? 20 : 10;
+    if (std::abs(window.median_ns) * share > interval_ns_) {
+        synchronised_ = Synchronised::no;
+        near_.reset();
+        return;
+    }
+    if (!near_) {
+        near_ = window;
+    }
+    const std::int64_t time = window.centre_ns - near_->centre_ns;
+    if (time < evidence_ns) {
+        return;
+    }
+    const auto moved = static_cast<double>(std::abs(window.median_ns - near_->median_ns));
+    if (moved < most_drift * static_cast<double>(time)) {
+        synchronised_ = Synchronised::yes;
+    } else if (synchronised_ == Synchronised::yes) {
+        synchronised_ = Synchronised::unknown;
+    }
+    near_ = window;
 }
 
 void PairTiming::restart() {
@@ -59,7 +81,8 @@ void PairTiming::restart() {
     anchor_.reset();
     last_.reset();
     newest_.reset();
-    unsynchronised_ = false;
+    near_.reset();
+    synchronised_ = Synchronised::unknown;
 }
 
 }  // namespace disparityd::capture

@@ -26,11 +26,21 @@ public:
     /// Returns what was measured last; nothing before the second window has ended.
     const std::optional<EyesApart>& newest() const { return newest_; }
 
-    /// Whether the frames are apart by more than a tenth of the interval, as those of cameras are that run free. It
-    /// stays until they are nearer than a twentieth.
-    bool unsynchronised() const { return unsynchronised_; }
+    enum class Synchronised : unsigned char {
+        unknown,  ///< near each other, as those of cameras that run free are from time to time, too
+        yes,      ///< a trigger holds them together: no drift for evidence_ns
+        no,       ///< apart by more than a tenth of the interval
+    };
+    /// Says what the frames show of the cameras. `no` stays until there is evidence that they are, at less than a
+    /// twentieth of the interval.
+    Synchronised synchronised() const { return synchronised_; }
 
     static constexpr std::int64_t window_ns = 2'500'000'000;
+
+    /// Frames of cameras with clocks of their own move by more than most_drift. In this time that is 0.6 ms, more than
+    /// a median of stamps on the USB is off.
+    static constexpr std::int64_t evidence_ns = 300'000'000'000;
+    static constexpr double most_drift = 2e-6;
 
 private:
     struct Window {
@@ -39,6 +49,7 @@ private:
     };
 
     void end_window(const Window& window);
+    void judge(const Window& window);
 
     const std::int64_t interval_ns_;
     std::array<std::int64_t, 512> apart_{};  ///< of the window that has begun; it ends when this is full
@@ -47,7 +58,8 @@ private:
     std::optional<Window> anchor_;  ///< the drift is measured from here
     std::optional<Window> last_;
     std::optional<EyesApart> newest_;
-    bool unsynchronised_ = false;
+    std::optional<Window> near_;  ///< frames have been near each other since
+    Synchronised synchronised_ = Synchronised::unknown;
 };
 
 }  // namespace disparityd::capture

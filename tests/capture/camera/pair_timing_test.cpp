@@ -6,6 +6,8 @@
 namespace disparityd::capture {
 namespace {
 
+using Synchronised = PairTiming::Synchronised;
+
 TEST(PairTiming, TellsMediansAndForgetsThemWithTheStream) {
     constexpr std::int64_t ms = 1'000'000;
     PairTiming timing(10 * ms);
@@ -21,16 +23,40 @@ TEST(PairTiming, TellsMediansAndForgetsThemWithTheStream) {
     EXPECT_FALSE(pairs(260, ms / 2)) << "one window is no drift";
     EXPECT_TRUE(pairs(260, ms / 2));
     EXPECT_EQ(timing.newest()->median_ns, ms / 2);
-    EXPECT_FALSE(timing.unsynchronised());
+    EXPECT_EQ(timing.synchronised(), Synchronised::unknown);
     pairs(520, -2 * ms);
     EXPECT_EQ(timing.newest()->median_ns, -2 * ms);
-    EXPECT_TRUE(timing.unsynchronised());
-    pairs(520, -6 * ms / 10);
-    EXPECT_TRUE(timing.unsynchronised()) << "it stays until a twentieth";
-    pairs(520, -4 * ms / 10);
-    EXPECT_FALSE(timing.unsynchronised());
+    EXPECT_EQ(timing.synchronised(), Synchronised::no);
+    pairs(31'000, -6 * ms / 10);
+    EXPECT_EQ(timing.synchronised(), Synchronised::no) << "it stays until a twentieth";
+    pairs(29'000, -4 * ms / 10);
+    EXPECT_EQ(timing.synchronised(), Synchronised::no) << "it stays until there is evidence";
+    pairs(2'000, -4 * ms / 10);
+    EXPECT_EQ(timing.synchronised(), Synchronised::yes);
     timing.restart();
     EXPECT_FALSE(timing.newest());
+    EXPECT_EQ(timing.synchronised(), Synchronised::unknown);
+}
+
+TEST(PairTiming, FramesThatDriftPastEachOtherAreNeverCalledSynchronised) {
+    constexpr std::int64_t interval = 33'333'333;
+    for (const std::int64_t ppm : {3, 10, 50}) {
+        PairTiming timing(interval);
+        // From a sixth of the interval on one side to a sixth on the other.
+        const std::int64_t pairs = interval / 3 * 1'000'000 / ppm / interval;
+        for (std::int64_t i = 0; i < pairs; ++i) {
+            timing.add(i * interval, i * interval - interval / 6 + i * interval * ppm / 1'000'000);
+            ASSERT_NE(timing.synchronised(), Synchronised::yes) << ppm << " ppm, pair " << i;
+        }
+        EXPECT_EQ(timing.synchronised(), Synchronised::no);
+        // The same from the middle on: it is not known until it shows.
+        timing.restart();
+        for (std::int64_t i = 0; i < pairs / 2; ++i) {
+            timing.add(i * interval, i * interval + i * interval * ppm / 1'000'000);
+            ASSERT_NE(timing.synchronised(), Synchronised::yes) << ppm << " ppm, pair " << i;
+        }
+        EXPECT_EQ(timing.synchronised(), Synchronised::no);
+    }
 }
 
 }  // namespace
