@@ -78,7 +78,7 @@ TEST_F(ProcessFilesTest, OutputsHaveTheNamesOfTheInputs) {
     make_pair("000012_10.png", 3);
     make_pair("000012_11.png", 5);
     ASSERT_EQ(process({path("in")}).exit_code, 0);
-    EXPECT_THAT(names_in_output(), ElementsAre("000012_10.png", "000012_11.png", "geometry.json"));
+    EXPECT_THAT(names_in_output(), ElementsAre("000012_10.png", "000012_11.png", "geometry.json", "manifest.json"));
     EXPECT_THAT(times(), ElementsAre("frame,output,input", "0,000012_10,000012_10.png", "1,000012_11,000012_11.png"));
     expect_shift("000012_10.png", 3);
     expect_shift("000012_11.png", 5);
@@ -92,8 +92,9 @@ TEST_F(ProcessFilesTest, InputsOfOneStemGetNamesOfTheirOwn) {
     make_pair("a_colour.png", 5);
     ASSERT_EQ(process({path("in"), "--colour"}).exit_code, 0);
     EXPECT_THAT(times(), ElementsAre("frame,output,input", "0,a,a.bmp", "1,a-2,a.png", "2,a_colour-2,a_colour.png"));
-    EXPECT_THAT(names_in_output(), ElementsAre("a-2.png", "a-2_colour.png", "a.png", "a_colour-2.png",
-                                               "a_colour-2_colour.png", "a_colour.png", "geometry.json"));
+    EXPECT_THAT(names_in_output(),
+                ElementsAre("a-2.png", "a-2_colour.png", "a.png", "a_colour-2.png", "a_colour-2_colour.png",
+                            "a_colour.png", "geometry.json", "manifest.json"));
     expect_shift("a.png", 3);
     expect_shift("a-2.png", 4);
     expect_shift("a_colour-2.png", 5);
@@ -107,14 +108,14 @@ TEST_F(ProcessFilesTest, UnusualNamesAreQuotedAndRemovedAgain) {
     ASSERT_EQ(process({path("in")}).exit_code, 0);
     EXPECT_THAT(times(), ElementsAre("frame,output,input", "0,\"a, \"\"b\"\"\",\"a, \"\"b\"\".png\"",
                                      "1,c__[2J,c??[2J.png", "2," + endless.substr(40) + ',' + endless + ".png"));
-    EXPECT_THAT(names_in_output(),
-                ElementsAre("a, \"b\".png", "c__[2J.png", "geometry.json", endless.substr(40) + ".png"));
+    EXPECT_THAT(names_in_output(), ElementsAre("a, \"b\".png", "c__[2J.png", "geometry.json", "manifest.json",
+                                               endless.substr(40) + ".png"));
 
     write_text(path("out/mine.png"), "keep");
     write_text(path("out/b.png"), "keep, it is no output");
     make_kitti_folder(path("other"), 1, 64, 32);
     EXPECT_EQ(process({path("other"), "--force"}).exit_code, 0);
-    EXPECT_THAT(names_in_output(), ElementsAre("000000.png", "b.png", "geometry.json", "mine.png"));
+    EXPECT_THAT(names_in_output(), ElementsAre("000000.png", "b.png", "geometry.json", "manifest.json", "mine.png"));
 }
 
 TEST_F(ProcessFilesTest, VideosKeepNumbersAndNameThemselves) {
@@ -168,7 +169,7 @@ TEST_F(ProcessFilesTest, KeepGoingLeavesDamagedImagesOut) {
                                    HasSubstr("left out: " + path("in/image_1/000002.png")),
                                    HasSubstr("2 frames were left out, as noted above; in "), HasSubstr(": 2 frames")));
     EXPECT_THAT(times(), ElementsAre("frame,output,input", "0,000000,000000.png", "1,000003,000003.png"));
-    EXPECT_THAT(names_in_output(), ElementsAre("000000.png", "000003.png", "geometry.json"));
+    EXPECT_THAT(names_in_output(), ElementsAre("000000.png", "000003.png", "geometry.json", "manifest.json"));
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["frames"], 2);
     EXPECT_EQ(summary["complete"], false);
@@ -263,8 +264,7 @@ TEST_F(ProcessFilesTest, OneProcessAtATimeFillsAFolder) {
     ASSERT_TRUE(eventually([&] { return std::filesystem::exists(path("out/000000.png")) || !first.running(); }));
     first.send(SIGSTOP);
     const Outcome second = process({path("other"), "--force"});
-    const bool refused_early = !std::filesystem::exists(path("out/times.csv")) ||
-                               read_file(path("out/times.csv")).find("other") == std::string::npos;
+    const bool refused_early = read_file(path("out/geometry.json")).find("other") == std::string::npos;
     first.send(SIGCONT);
     first.send(SIGINT);
     EXPECT_EQ(second.exit_code, 1) << second.err;

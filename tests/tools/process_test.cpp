@@ -38,7 +38,7 @@ TEST_F(ProcessTest, FolderOfPairsBecomesDisparity) {
     EXPECT_EQ(summary["complete"], true);
 
     const auto files = files_in(path("out"));
-    EXPECT_EQ(files.size(), 4U) << "three pictures and geometry.json";
+    EXPECT_EQ(files.size(), 5U) << "three pictures, geometry.json and manifest.json";
     EXPECT_EQ(timed_frames(path("out")), 3U);
     for (int i = 0; i < 3; ++i) {
         const auto map = images::read_disparity_png(path("out/00000" + std::to_string(i) + ".png"));
@@ -64,7 +64,7 @@ TEST_F(ProcessTest, SameInputSameBytesWhateverTheWorkers) {
         return files_in(path(name));
     };
     const auto first = pictures("one", "1");
-    EXPECT_EQ(first.size(), 6U * 3 + 1);
+    EXPECT_EQ(first.size(), 6U * 3 + 2);
     EXPECT_EQ(first, pictures("again", "1"));
     EXPECT_EQ(first, pictures("two", "2"));
     EXPECT_EQ(first, pictures("four", "4"));

@@ -18,6 +18,7 @@ void add_snapshot(CLI::App& program, Action& action);
 void add_record(CLI::App& program, Action& action);
 void add_process(CLI::App& program, Action& action);
 void add_calibrate(CLI::App& program, Action& action);
+void add_verify(CLI::App& program, Action& action);
 void add_board(CLI::App& program, Action& action);
 void add_rows(CLI::App& program, Action& action);
 void add_certificates(CLI::App& program, Action& action);

@@ -42,7 +42,7 @@ bool fits_png(DisparityRange range) {
     return range.first >= 0 && (range.first + range.count - 1) * png_scale <= png_max;
 }
 
-void write_disparity_png(const std::string& path, const DisparityMap& map) {
+cv::Mat disparity_picture(const DisparityMap& map) {
     cv::Mat picture(map.d16.height, map.d16.width, CV_16UC1);
     for (int y = 0; y < map.d16.height; ++y) {
         auto* row = picture.ptr<std::uint16_t>(y);
@@ -52,11 +52,18 @@ void write_disparity_png(const std::string& path, const DisparityMap& map) {
                                           : static_cast<std::uint16_t>(std::clamp(d16 * (png_scale / 16), 1, png_max));
         }
     }
-    write_png(path, picture);
+    return picture;
+}
+
+void write_disparity_png(const std::string& path, const DisparityMap& map) {
+    write_png(path, disparity_picture(map));
 }
 
 void write_disparity_pfm(const std::string& path, const DisparityMap& map) {
-    const FloatMap values = to_float(map);
+    write_disparity_pfm(path, to_float(map));
+}
+
+void write_disparity_pfm(const std::string& path, const FloatMap& values) {
     const std::string header = "Pf\n" + std::to_string(values.width) + ' ' + std::to_string(values.height) + "\n-1.0\n";
     std::vector<std::uint8_t> bytes(header.size() + values.values.size() * 4);
     std::memcpy(bytes.data(), header.data(), header.size());

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@
 #include "tools/ctl/processing/process_output.h"
 #include "tools/ctl/processing/process_report.h"
 #include "tools/ctl/processing/process_source.h"
+#include "tools/ctl/processing/resume.h"
 #include "tools/ctl/processing/source_list.h"
 #include "tools/ctl/source_arguments.h"
 
@@ -59,21 +61,31 @@ ProcessDone attempt(const ProcessArguments& arguments, pipeline::WorkerPool& wor
     return failed;
 }
 
-int process_one(const ProcessArguments& arguments, pipeline::WorkerPool& workers) {
+/// A source to process, or what an earlier run has done of it.
+struct Task {
+    ListedSource source;
+    std::optional<ProcessDone> before;
+};
+
+int process_one(const ProcessArguments& arguments, const Task& task, pipeline::WorkerPool& workers) {
+    if (task.before) {
+        return report_process(*task.before, arguments.json);
+    }
     if (arguments.keep_going && !capture::is_image_sequence(arguments.source)) {
         print_note("--keep-going is for images; of " + arguments.source + " everything up to a damage is processed");
     }
     return report_process(attempt(arguments, workers, {}), arguments.json);
 }
 
-int process_list(const ProcessArguments& arguments, const std::vector<ListedSource>& sources,
-                 pipeline::WorkerPool& workers) {
-    ListReport report(arguments.folder, sources.size(), arguments.json);
-    for (std::size_t i = 0; i < sources.size() && !interrupted(); ++i) {
-        const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(sources.size()) + ", frames",
+int process_list(const ProcessArguments& arguments, const std::vector<Task>& tasks, pipeline::WorkerPool& workers) {
+    ListReport report(arguments.folder, tasks.size(), arguments.json);
+    for (std::size_t i = 0; i < tasks.size() && !interrupted(); ++i) {
+        const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(tasks.size()) + ", frames",
                           report.failed() == 0 ? std::string()
                                                : std::string(", ").append(std::to_string(report.failed())) + " failed"};
-        const int status = report.add(attempt(for_source(arguments, sources[i], true), workers, shown));
+        const Task& task = tasks[i];
+        const int status =
+            report.add(task.before ? *task.before : attempt(for_source(arguments, task.source, true), workers, shown));
         if (status == exit_again || (status != exit_done && !arguments.keep_going)) {
             break;
         }
@@ -91,8 +103,11 @@ int process(const ProcessArguments& arguments) {
     }
     const std::vector<ListedSource> mine = shard_of(all, arguments.shard);
     check(arguments);
+    std::vector<Task> tasks;
     for (const ListedSource& source : mine) {
-        ProcessOutput::check(source.folder, arguments.force);
+        ProcessOutput::check(source.folder, replacing(arguments));
+        tasks.push_back({source, arguments.resume ? finished_before(for_source(arguments, source, is_list))
+                                                  : std::optional<ProcessDone>()});
     }
     if (mine.empty()) {
         print_note("--shard " + arguments.shard + ": none of the " + base::counted(all.size(), "source") +
@@ -100,8 +115,8 @@ int process(const ProcessArguments& arguments) {
         return exit_done;
     }
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
-    return is_list ? process_list(arguments, mine, workers)
-                   : process_one(for_source(arguments, mine.front(), false), workers);
+    return is_list ? process_list(arguments, tasks, workers)
+                   : process_one(for_source(arguments, mine.front(), false), tasks.front(), workers);
 }
 
 }  // namespace
@@ -157,7 +172,12 @@ void add_process(CLI::App& program, Action& action) {
     command.add_option("--mask-image", arguments->mask_image, "reject where a grey image of that size is black")
         ->type_name("FILE");
     arguments->distances.add_to(command);
-    command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
+    CLI::Option* const force =
+        command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
+    command
+        .add_flag("--resume", arguments->resume,
+                  "leave alone what an earlier run has finished with the same options, do the rest")
+        ->excludes(force);
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out, and sources that fail; they are listed, exit status 1");
     command
@@ -178,11 +198,11 @@ void add_process(CLI::App& program, Action& action) {
         "pictures for any number of --workers. Corrections of a recording are applied, not estimated. Of images with\n"
         "16 bits per channel the upper 8 are used (of 12, with ?bits=12 after SOURCE). Where the input is damaged,\n"
         "the frames before it are processed, exit status 1. After Ctrl-C the frames in flight are finished, exit\n"
-        "status 130. Exit status 75: a full disk, SIGTERM or SIGHUP ended it, and trying again may help. One process\n"
+        "status 130. Exit status 75: a full disk, SIGTERM or SIGHUP ended it, and --resume may go on. One process\n"
         "at a time may fill a folder.\n"
         "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
         "          disparityctl process left.png right.png -o out\n"
-        "          disparityctl process drives/*.mkv -o out --keep-going --shard 0/8\n"
+        "          disparityctl process drives/*.mkv -o out --keep-going --resume --shard 0/8\n"
         "          disparityctl process walk.mkv -o out --scan walk.csv --scan-set camera_height_m=0.4");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
 }

@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <span>
 #include <stdexcept>
+#include <system_error>
 
 #include "capture/images/mask_image.h"
 #include "tools/command_line/program.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/output_file.h"
+#include "tools/ctl/processing/digest.h"
 #include "tools/datasets/announced_range.h"
 #include "tools/images/disparity_file.h"
 
@@ -90,6 +92,13 @@ MatchOptions match_options(const ProcessArguments& arguments) {
                                                        ProcessArguments::default_disparities));
 }
 
+Replacing replacing(const ProcessArguments& arguments) {
+    if (arguments.resume) {
+        return Replacing::unfinished;
+    }
+    return arguments.force ? Replacing::earlier_run : Replacing::nothing;
+}
+
 void check(const ProcessArguments& arguments) {
     const Method method = parse_method(arguments.method);
     arguments.match.check_used({method});
@@ -97,9 +106,7 @@ void check(const ProcessArguments& arguments) {
     const MatchOptions options = arguments.match.options(method, ProcessArguments::default_disparities);
     geometry_of(arguments);
     arguments.distances.limits();  // refuses those that leave nothing
-    if (!arguments.scan.empty()) {
-        arguments.scan_options.options(options.method == Method::sgm && options.sgm.calibrated_confidence);
-    }
+    scan_options_of(arguments, options);
 }
 
 calibration::RectifiedGeometry geometry_of(const ProcessArguments& arguments) {
@@ -151,13 +158,45 @@ OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range
     return formats;
 }
 
-std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match) {
+std::optional<ScanOptions> scan_options_of(const ProcessArguments& arguments, const MatchOptions& match) {
     if (arguments.scan.empty()) {
         return std::nullopt;
     }
-    check_absent(arguments.scan, arguments.force);
-    check_parent(arguments.scan, arguments.folder);
     return arguments.scan_options.options(match.method == Method::sgm && match.sgm.calibrated_confidence);
+}
+
+std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match) {
+    if (!arguments.scan.empty()) {
+        check_absent(arguments.scan, arguments.force || arguments.resume);
+        check_parent(arguments.scan, arguments.folder);
+    }
+    return scan_options_of(arguments, match);
+}
+
+Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
+                   const std::optional<ScanOptions>& scan) {
+    const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
+    const auto digest = [](const std::string& file) { return file.empty() ? Json() : Json(sha256_of_file(file)); };
+    std::error_code none;
+    const auto bytes = std::filesystem::file_size(arguments.source, none);
+    const pipeline::DistanceLimits limits = arguments.distances.limits();
+    return {{"input", {{"source", arguments.source}, {"bytes", none ? Json() : Json(bytes)}}},
+            {"match", to_json(match)},
+            {"calibration", digest(arguments.calibration)},
+            {"size", arguments.size},
+            {"region", arguments.region},
+            {"frames", or_null(arguments.frames)},
+            {"time_offset_us", arguments.time_offset_us.value_or(0)},
+            {"temporal", arguments.temporal},
+            {"self_calibrate", arguments.self_calibrate},
+            {"no_self_calibration", arguments.no_self_calibration},
+            {"mask_polygons", arguments.mask_polygons},
+            {"mask_image", digest(arguments.mask_image)},
+            {"min_distance_m", limits.min_m},
+            {"max_distance_m", limits.max_m},
+            {"pfm", arguments.pfm},
+            {"colour", arguments.colour ? Json(arguments.colours) : Json()},
+            {"scan", scan ? to_json(*scan) : Json()}};
 }
 
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {

@@ -12,6 +12,7 @@
 #include "obstacles/scan_options.h"
 #include "tools/command_line/match_arguments.h"
 #include "tools/command_line/scan_arguments.h"
+#include "tools/ctl/describe.h"
 #include "tools/ctl/distance_limit_arguments.h"
 #include "tools/ctl/processing/process_output.h"
 
@@ -45,6 +46,7 @@ struct ProcessArguments {
     bool pfm = false;
     bool colour = false;
     bool force = false;
+    bool resume = false;
     bool keep_going = false;
     bool json = false;
 };
@@ -54,6 +56,9 @@ struct ProcessArguments {
 /// Returns the options of matching: those given, and as many candidates as the files of a dataset ask for
 /// (tools/datasets/announced_range.h) where the command line says nothing. Notes tell of it.
 MatchOptions match_options(const ProcessArguments& arguments);
+
+/// Returns what may be in the folder already.
+Replacing replacing(const ProcessArguments& arguments);
 
 /// Refuses what no source could be processed with, before any is opened.
 void check(const ProcessArguments& arguments);
@@ -68,6 +73,14 @@ OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range
 
 /// Returns the options of the scan; nothing where none is wanted.
 std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match);
+
+/// Returns the same without a look at the files.
+std::optional<ScanOptions> scan_options_of(const ProcessArguments& arguments, const MatchOptions& match);
+
+/// Returns everything that results depend on but the calibration that a source brings, for the manifest. Throws
+/// std::invalid_argument when a file that is named cannot be read.
+Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
+                   const std::optional<ScanOptions>& scan);
 
 /// Refuses frames without a calibration where every sector would be unknown, or no limit of distance had an effect.
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification);

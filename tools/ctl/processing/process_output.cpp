@@ -6,7 +6,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -16,11 +18,11 @@
 
 #include "base/failure_text.h"
 #include "base/file_lock.h"
-#include "base/write_failure.h"
 #include "proto/doubt.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/csv.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/processing/digest.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -53,13 +55,13 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* times_name = "times.csv";
-constexpr const char* geometry_name = "geometry.json";
 constexpr const char* corrections_name = "corrections.csv";
 
 /// Returns the names that an earlier run gave its frames, from its times.csv.
 std::set<std::string> names_of_earlier_run(const fs::path& folder) {
     std::set<std::string> names;
-    std::ifstream times(folder / times_name);
+    const fs::path whole = folder / times_name;
+    std::ifstream times(fs::exists(whole) ? whole.string() : GrowingFile::part_of(whole));
     std::string line;
     std::getline(times, line);
     const std::vector<std::string> head = csv_fields(line);
@@ -75,7 +77,7 @@ std::set<std::string> names_of_earlier_run(const fs::path& folder) {
 
 /// Whether this class gives such a file name: a frame's number or one of `names` with an ending.
 bool is_ours(const std::string& name, const std::set<std::string>& names) {
-    if (name == times_name || name == geometry_name || name == corrections_name) {
+    if (name == times_name || name == geometry_name || name == corrections_name || name == manifest_name) {
         return true;
     }
     for (const std::string_view ending : {"_colour.png", ".png", ".pfm"}) {
@@ -92,24 +94,39 @@ bool is_ours(const std::string& name, const std::set<std::string>& names) {
     return false;
 }
 
-[[noreturn]] void refuse(const std::string& folder, const std::error_code& error) {
-    throw std::runtime_error(folder + ": " + base::error_text(error.value()));
+/// Whether it is what a killed process was writing: ".NAME.part" or ".NAME.PROCESS".
+bool is_left_over(const std::string& name) {
+    const std::string_view text = name;
+    if (!text.starts_with('.')) {
+        return false;
+    }
+    const auto is_written = [](std::string_view file) {
+        return file.ends_with(".png") || file.ends_with(".pfm") || file == geometry_name;
+    };
+    const std::size_t dot = text.rfind('.');
+    const bool number = std::all_of(text.begin() + static_cast<std::ptrdiff_t>(dot) + 1, text.end(),
+                                    [](unsigned char c) { return std::isdigit(c) != 0; });
+    return text.ends_with(".csv.part") || text == GrowingFile::part_of(manifest_name) ||
+           (dot > 0 && number && is_written(text.substr(1, dot - 1)));
 }
 
-// A stream that has failed has no reason of its own; errno has the system's.
-[[noreturn]] void refuse_file(const std::string& folder, const char* name) {
-    base::refuse_to_write(folder + '/' + name, errno);
+[[noreturn]] void refuse(const std::string& folder, const std::error_code& error) {
+    throw std::runtime_error(folder + ": " + base::error_text(error.value()));
 }
 
 void remove_earlier_run(const std::string& folder) {
     const std::set<std::string> names = names_of_earlier_run(folder);
     std::error_code error;
+    // First, lest what is half removed looks finished; geometry.json last, which tells that the rest is ours.
+    fs::remove(fs::path(folder) / manifest_name, error);
     std::vector<fs::path> earlier;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-        if (is_ours(entry.path().filename().string(), names)) {
+        const std::string name = entry.path().filename().string();
+        if (name != geometry_name && (is_ours(name, names) || is_left_over(name))) {
             earlier.push_back(entry.path());
         }
     }
+    earlier.push_back(fs::path(folder) / geometry_name);
     for (const fs::path& path : earlier) {
         if (!error) {
             fs::remove(path, error);
@@ -120,18 +137,34 @@ void remove_earlier_run(const std::string& folder) {
     }
 }
 
-void check_content(const std::string& folder, bool force) {
+/// What a folder holds before a run.
+struct Content {
+    std::string other;  ///< the name of a file, where there is any
+    bool begun = false;
+    bool finished = false;
+};
+
+Content content_of(const fs::path& folder) {
+    Content content;
     std::error_code error;
-    const fs::directory_iterator first(folder, error);
-    if (error || first == fs::directory_iterator()) {
-        return;
+    content.begun = fs::exists(folder / geometry_name, error);
+    content.finished = fs::exists(folder / manifest_name, error);
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+        const std::string name = entry.path().filename().string();
+        if (!is_left_over(name)) {
+            content.other = name;
+            break;
+        }
     }
+    return content;
+}
+
+void check_content(const std::string& folder, const Content& found, Replacing replacing) {
     // Other pictures may have such names, too, for example the input.
-    const bool earlier_run = fs::exists(fs::path(folder) / geometry_name, error);
-    if (!force || !earlier_run) {
-        throw std::invalid_argument(folder + ": is not empty (found " + first->path().filename().string() +
-                                    "), allowed: a new or empty folder" +
-                                    (earlier_run ? ", or --force to replace the files of the earlier run in it" : ""));
+    if (!found.other.empty() && (replacing == Replacing::nothing || !found.begun)) {
+        throw std::invalid_argument(
+            folder + ": is not empty (found " + found.other + "), allowed: a new or empty folder" +
+            (found.begun ? ", --resume to finish the earlier run in it, or --force to replace it" : ""));
     }
 }
 
@@ -209,26 +242,32 @@ FolderLock::~FolderLock() {
     }
 }
 
-void ProcessOutput::check(const std::string& folder, bool force) {
+void ProcessOutput::check(const std::string& folder, Replacing replacing) {
     std::error_code error;
     if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
         throw std::invalid_argument(folder + ": is a file, allowed: a new or empty folder");
     }
     const FolderLock lock(folder, FolderLock::Missing::leave);
-    check_content(folder, force);
+    check_content(folder, content_of(folder), replacing);
 }
 
-ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
-                             const MatchOptions& options, const std::optional<ScanOptions>& scan,
-                             const std::string& backend, const calibration::Rectification& rectification,
-                             const std::vector<std::string>& steps)
+ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputFormats formats,
+                             const capture::SourceInfo& source, const MatchOptions& options,
+                             const std::optional<ScanOptions>& scan, const std::string& backend,
+                             const calibration::Rectification& rectification, const std::vector<std::string>& steps,
+                             const Json& parameters)
     : folder_(std::move(folder)),
       source_name_(name_of_source(source.name)),
       synthetic_(source.synthetic),
       lock_(folder_, FolderLock::Missing::make),
       formats_(formats),
       options_(options) {
-    check_content(folder_, force);  // again: another run may have filled it meanwhile
+    const Content found = content_of(folder_);  // again: another run may have filled it meanwhile
+    check_content(folder_, found, replacing);
+    if (replacing == Replacing::unfinished && found.finished) {
+        throw std::runtime_error(folder_ + ": another program has finished it meanwhile; run this again");
+    }
+    replaces_unfinished_ = found.begun && replacing == Replacing::unfinished;
     remove_earlier_run(folder_);
     match_ = to_json(options);
     match_["backend"] = backend;
@@ -236,13 +275,21 @@ ProcessOutput::ProcessOutput(std::string folder, bool force, OutputFormats forma
         scan_ = to_json(*scan);
     }
     begin_part(source, rectification);
-
-    times_.open(folder_ + '/' + times_name, std::ios::binary);
-    times_ << "frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts";
+    times_.emplace(folder_ + '/' + times_name);
+    std::string head = "frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts";
     for (const std::string& step : steps) {
-        times_ << ',' << step << "_us";
+        head += ',' + step + "_us";
     }
-    times_ << ",total_us\n";
+    times_->write(head + ",total_us\n");
+    manifest_.emplace(folder_, parameters);
+}
+
+ProcessOutput::~ProcessOutput() {
+    try {
+        close();
+    } catch (const std::exception&) {
+        // What failed before is told already.
+    }
 }
 
 void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification) {
@@ -268,20 +315,25 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
         geometry["distances"] = parts_[0]["distances"];
     }
     geometry["files"] = files_of(formats_);
+    files_[geometry_name] = sha256_of_geometry(geometry);
     const std::string text = to_text(geometry, 2) + '\n';
     images::write_file(folder_ + '/' + geometry_name,
                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
-void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict) {
-    const std::string name = names_.next(slot.raw.name);
+Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::string& name) {
     const std::string path = folder_ + '/' + name;
     const images::DisparityMap map{slot.view.disparity, options_.range};
+    Json digests;
     if (formats_.png) {
-        images::write_disparity_png(path + ".png", map);
+        const cv::Mat picture = images::disparity_picture(map);
+        images::write_png(path + ".png", picture);
+        digests[name + ".png"] = sha256(picture);
     }
     if (formats_.pfm) {
-        images::write_disparity_pfm(path + ".pfm", map);
+        const images::FloatMap values = images::to_float(map);
+        images::write_disparity_pfm(path + ".pfm", values);
+        digests[name + ".pfm"] = sha256(values);
     }
     if (formats_.colour) {
         const calibration::Rectification& used = *slot.rectification;
@@ -293,10 +345,31 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict&
             images::mark_synthetic(picture);
         }
         images::write_png(path + "_colour.png", picture);
+        digests[name + "_colour.png"] = sha256(picture);
     }
+    return digests;
+}
+
+void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict) {
+    const std::string name = names_.next(slot.raw.name);
+    const Json digests = write_planes(slot, name);
+    manifest_->add({{"output", name},
+                    {"input", input_of(slot)},
+                    {"sequence", slot.raw.sequence},
+                    {"monotonic_ns", slot.raw.monotonic_ns},
+                    {"flags", slot.raw.flags},
+                    {"dropped_before", slot.dropped_before},
+                    {"trust", unsigned{verdict.trust}},
+                    {"doubts", proto::doubt_names(verdict.doubts)},
+                    {"sha256", digests}});
+    lost_ += slot.dropped_before;
     write_times(slot, verdict, name);
     note_correction(slot);
     ++frames_;
+}
+
+std::string_view ProcessOutput::input_of(const pipeline::FrameSlot& slot) const {
+    return slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name;
 }
 
 void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
@@ -305,44 +378,56 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
         return;
     }
     correction_ = correction;
-    if (!corrections_.is_open()) {
-        corrections_.open(folder_ + '/' + corrections_name, std::ios::binary);
-        corrections_.precision(17);
-        corrections_ << "from_frame,from_sequence,pitch_nrad,yaw_nrad,roll_nrad,focal_ppb,f,cx,cy,baseline_mm,"
-                        "calibration_id\n";
+    std::ostringstream line;
+    line.precision(17);
+    if (!corrections_) {
+        corrections_.emplace(folder_ + '/' + corrections_name);
+        line << "from_frame,from_sequence,pitch_nrad,yaw_nrad,roll_nrad,focal_ppb,f,cx,cy,baseline_mm,calibration_id\n";
     }
     const calibration::Rectification& used = *slot.rectification;
-    corrections_ << frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad
-                 << ',' << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ','
-                 << used.cy << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
-    if (!corrections_.flush()) {
-        refuse_file(folder_, corrections_name);
-    }
+    line << frames_ << ',' << slot.raw.sequence << ',' << correction.pitch_nrad << ',' << correction.yaw_nrad << ','
+         << correction.roll_nrad << ',' << correction.focal_ppb << ',' << used.f << ',' << used.cx << ',' << used.cy
+         << ',' << used.baseline_mm << ',' << hexadecimal(used.calibration_id) << '\n';
+    corrections_->write(line.str());
 }
 
 void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict,
                                 const std::string& name) {
-    const std::string_view input = slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name;
-    times_ << frames_ << ',' << csv_field(name) << ',' << csv_field(input) << ',' << slot.raw.sequence << ','
-           << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before << ','
-           << unsigned{verdict.trust} << ',' << proto::doubt_names(verdict.doubts);
+    std::ostringstream line;
+    line << frames_ << ',' << csv_field(name) << ',' << csv_field(input_of(slot)) << ',' << slot.raw.sequence << ','
+         << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before << ','
+         << unsigned{verdict.trust} << ',' << proto::doubt_names(verdict.doubts);
     std::chrono::nanoseconds total{0};
     for (const std::chrono::nanoseconds time : slot.step_times) {
         total += time;
-        times_ << ',' << fixed(static_cast<double>(time.count()) / 1e3, 1);
+        line << ',' << fixed(static_cast<double>(time.count()) / 1e3, 1);
     }
-    times_ << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
-    // After a killed run this file lacks at most the last frame that has files.
-    if (!times_.flush()) {
-        refuse_file(folder_, times_name);
-    }
+    line << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
+    times_->write(line.str());
+    times_->flush();  // after a killed run this file lacks at most the last frame that has files
 }
 
 void ProcessOutput::close() {
-    times_.close();
-    if (!times_) {
-        refuse_file(folder_, times_name);
+    for (std::optional<GrowingFile>* const file : {&times_, &corrections_}) {
+        if (*file) {
+            (*file)->finish();
+            file->reset();
+        }
     }
+}
+
+void ProcessOutput::finish(const Json& losses, const std::string& scan) {
+    if (const std::string path = folder_ + '/' + corrections_name; fs::exists(path)) {
+        files_[corrections_name] = sha256_of_file(path);
+    }
+    const fs::path scan_path(scan);
+    if (!scan.empty() && fs::absolute(scan_path).lexically_normal().parent_path() ==
+                             (fs::absolute(folder_) / "").lexically_normal().parent_path()) {
+        files_[scan_path.filename().string()] = sha256_of_file(scan);
+    }
+    Json all = losses;
+    all["lost"] = lost_;
+    manifest_->finish({{"parts", parts_}, {"losses", all}, {"files", files_}});
 }
 
 }  // namespace disparityd::tools

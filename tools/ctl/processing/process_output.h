@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,6 +14,8 @@
 #include "obstacles/scan_options.h"
 #include "pipeline/frame_slot.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/growing_file.h"
+#include "tools/ctl/processing/manifest.h"
 #include "tools/images/picture.h"
 #include "trust/judge.h"
 
@@ -44,6 +45,13 @@ struct OutputFormats {
     images::ColourRange colours = images::ColourRange::searched;
 };
 
+/// What a run may replace in the folder that it fills.
+enum class Replacing {
+    nothing,
+    unfinished,   ///< an earlier run that has left no manifest
+    earlier_run,  ///< whatever an earlier run has left
+};
+
 /// Locks a folder: only this process fills it while the object exists (base/file_lock.h). One thread uses it.
 class FolderLock {
 public:
@@ -59,19 +67,24 @@ private:
 };
 
 /// The folder that `process` fills: NAME.png, NAME.pfm and NAME_colour.png per frame (frame_names.h), times.csv with a
-/// line per frame, geometry.json, and corrections.csv where self-calibration changed something. One thread uses it at a
-/// time. Everything but times.csv depends on input and options alone.
+/// line per frame, geometry.json, corrections.csv where self-calibration changed something, and manifest.json when all
+/// is done. Each appears by its name when it is whole. One thread uses it at a time. Everything but times.csv depends
+/// on input and options alone.
 class ProcessOutput {
 public:
-    /// Throws std::invalid_argument when the folder holds anything, but for an earlier run with `force`, and
-    /// std::runtime_error when another process fills it; changes nothing yet.
-    static void check(const std::string& folder, bool force);
+    /// Throws std::invalid_argument when the folder holds anything but what may be replaced, or a finished run that is
+    /// to stay, and std::runtime_error when another process fills it; changes nothing yet.
+    static void check(const std::string& folder, Replacing replacing);
 
-    /// Makes the folder; files of an earlier run in it are removed. Throws as check() does, and std::runtime_error when
-    /// the system refuses.
-    ProcessOutput(std::string folder, bool force, OutputFormats formats, const capture::SourceInfo& source,
+    /// Makes the folder; files of an earlier run in it are removed. Throws as check() does, also for a run that another
+    /// process has finished meanwhile, and std::runtime_error when the system refuses.
+    ProcessOutput(std::string folder, Replacing replacing, OutputFormats formats, const capture::SourceInfo& source,
                   const MatchOptions& options, const std::optional<ScanOptions>& scan, const std::string& backend,
-                  const calibration::Rectification& rectification, const std::vector<std::string>& steps);
+                  const calibration::Rectification& rectification, const std::vector<std::string>& steps,
+                  const Json& parameters);
+    ~ProcessOutput();  ///< times.csv of what was done gets its name
+    ProcessOutput(const ProcessOutput&) = delete;
+    ProcessOutput& operator=(const ProcessOutput&) = delete;
 
     /// Says that the frames from here on are of another size: geometry.json then describes each part. Throws
     /// std::runtime_error when it cannot be written.
@@ -80,13 +93,22 @@ public:
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
     void write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict);
 
-    /// Throws std::runtime_error when the last lines of times.csv cannot be written.
+    /// Gives times.csv and corrections.csv their names. Throws as write().
     void close();
+
+    /// Writes the manifest: all frames of the source are there. `scan` is the file of the obstacle scans, which is told
+    /// where it lies in the folder; empty: none. Throws as write().
+    void finish(const Json& losses, const std::string& scan);
+
+    /// Whether it removed an earlier run that was not finished.
+    bool replaces_unfinished() const { return replaces_unfinished_; }
 
     std::uint64_t frames() const { return frames_; }
 
 private:
     void write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict, const std::string& name);
+    std::string_view input_of(const pipeline::FrameSlot& slot) const;
+    Json write_planes(const pipeline::FrameSlot& slot, const std::string& name);
     void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;
@@ -98,9 +120,13 @@ private:
     MatchOptions options_;
     Json parts_ = Json::array();  ///< source, rectified, distances of each
     Json match_;
-    Json scan_;  ///< null: no scan
-    std::ofstream times_;
-    std::ofstream corrections_;  // opened with the first of them
+    Json scan_;               ///< null: no scan
+    Json files_;              ///< of the manifest
+    std::uint64_t lost_ = 0;  ///< by source and pipeline
+    bool replaces_unfinished_ = false;
+    std::optional<GrowingFile> times_;
+    std::optional<GrowingFile> corrections_;  // opened with the first of them
+    std::optional<ManifestWriter> manifest_;
     calibration::CalibrationCorrection correction_;
     std::uint64_t frames_ = 0;
 };

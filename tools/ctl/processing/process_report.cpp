@@ -55,6 +55,7 @@ Json summary_json(const ProcessDone& done) {
     Json json{{"folder", done.folder},
               {"frames", done.frames},
               {"damaged_frames_skipped", done.damaged},
+              {"done_before", done.before},
               {"seconds", done.seconds},
               {"frames_per_second", rate(done.frames, done.seconds)},
               {"measured", done.measured ? Json(*done.measured) : Json()},
@@ -70,6 +71,10 @@ Json summary_json(const ProcessDone& done) {
 }
 
 void print_summary(const ProcessDone& done) {
+    if (done.before) {
+        std::cout << done.folder << ": " << base::counted(done.frames, "frame") << ", done before\n";
+        return;
+    }
     if (done.estimates) {
         report_estimates(*done.estimates);
     }
@@ -96,6 +101,9 @@ int tell_trouble(const ProcessDone& done) {
     }
     if (!done.empty_note.empty()) {
         print_note(done.source + ": " + done.empty_note);
+    }
+    for (const std::string& line : done.before ? done.left_out : std::vector<std::string>()) {
+        print_note("left out: " + line);
     }
     if (done.damaged > 0) {
         print_note("left out because they are marked as damaged: " + base::counted(done.damaged, "frame") + " of " +
@@ -137,13 +145,14 @@ ListReport::ListReport(std::string folder, std::size_t sources, bool json)
 
 int ListReport::add(const ProcessDone& done) {
     ++tried_;
-    frames_ += done.frames;
+    frames_ += done.before ? 0 : done.frames;
+    before_ += done.before ? 1U : 0U;
     seconds_ += done.seconds;
     if (json_) {
         Json one = summary_json(done);
         one["source"] = done.source;
         each_.push_back(std::move(one));
-    } else if (done.refusal.empty()) {
+    } else if (done.refusal.empty() && !done.before) {
         std::cout << done.folder << ": " << in_time(done.frames, done.seconds) << std::endl;
     }
     const int status = tell_trouble(done);
@@ -165,13 +174,15 @@ int ListReport::finish() {
                               {"frames_per_second", rate(frames_, seconds_)},
                               {"complete", whole == sources_},
                               {"sources_done", whole},
+                              {"sources_done_before", before_},
                               {"sources_failed", failed_},
                               {"sources_left", sources_ - whole - failed_},
                               {"sources", each_}},
                              2)
                   << '\n';
     } else {
-        std::cout << folder_ << ": " << whole << " of " << base::counted(sources_, "source") << ", "
+        std::cout << folder_ << ": " << whole << " of " << base::counted(sources_, "source")
+                  << (before_ > 0 ? std::string(" (done before: ").append(std::to_string(before_)) + ")" : "") << ", "
                   << in_time(frames_, seconds_) << '\n';
     }
     if (failed_ > 0) {

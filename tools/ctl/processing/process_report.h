@@ -27,6 +27,7 @@ struct ProcessDone {
     bool again = false;   ///< that was a full disk
     std::string refusal;  ///< why it did not begin; empty: it did
     int status = 0;       ///< exit status of a refusal
+    bool before = false;  ///< an earlier run did all of it
     std::uint64_t frames = 0;
     double seconds = 0;
     std::optional<double> measured;  ///< share of the pixels; nothing where limits of distance reject some
@@ -57,6 +58,7 @@ private:
     json::Json each_ = json::Json::array();
     std::size_t tried_ = 0;
     std::size_t failed_ = 0;
+    std::size_t before_ = 0;
     std::uint64_t frames_ = 0;
     double seconds_ = 0;
     int status_ = 0;  ///< of the failure that counts most

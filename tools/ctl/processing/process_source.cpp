@@ -2,6 +2,7 @@
 #include "tools/ctl/processing/process_source.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -68,20 +69,13 @@ capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
 /// Opens a part of the source for at most so many frames.
 std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneGeometry& part,
                                            std::optional<std::uint64_t> frames, int loans,
-                                           std::vector<std::string>& left_out) {
+                                           std::function<void(const std::string&, bool)> report) {
     capture::SourceOptions options;
     options.uri = arguments.source;
     options.first_image = part.first;
     options.image_count = part.count;
     options.skip_damaged = arguments.keep_going;
-    options.report = [&left_out](const std::string& line, bool trouble) {
-        if (trouble) {
-            left_out.push_back(line);
-            print_note("left out: " + line);
-        } else {
-            print_note(line);
-        }
-    };
+    options.report = std::move(report);
     options.loans = loans;
     options.pace = capture::Pace::fastest;
     options.calibration_path = arguments.calibration;
@@ -90,10 +84,11 @@ std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, co
     if (frames) {
         return std::make_unique<LimitedSource>(std::move(source), *frames);
     }
-    if (source->info().live && !source->info().frame_count) {
-        print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
-    }
     return source;
+}
+
+std::optional<std::uint64_t> frames_of(const ProcessArguments& arguments) {
+    return arguments.frames ? std::optional(static_cast<std::uint64_t>(*arguments.frames)) : std::nullopt;
 }
 
 /// Runs the pipeline to its end, or to the end of the frames in flight after Ctrl-C.
@@ -195,12 +190,13 @@ void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& match
     }
     const ProcessArguments& arguments = run.arguments;
     const std::string substitute(matcher.substitute());
-    run.files.folder.emplace(
-        arguments.folder, arguments.force, formats_of(arguments, run.options.range), info, run.options, run.scan,
-        substitute.empty() ? std::string(backend(arguments.backend).name) : substitute, rectification, steps);
+    run.files.folder.emplace(arguments.folder, replacing(arguments), formats_of(arguments, run.options.range), info,
+                             run.options, run.scan,
+                             substitute.empty() ? std::string(backend(arguments.backend).name) : substitute,
+                             rectification, steps, parameters_of(arguments, run.options, run.scan));
     run.files.measured.emplace(run.options.range);
     if (run.scan) {
-        run.files.scans.emplace(arguments.scan, arguments.force);
+        run.files.scans.emplace(arguments.scan, arguments.force || arguments.resume);
     }
 }
 
@@ -219,11 +215,35 @@ void tell_distances(ProcessDone& done, const calibration::Rectification& rectifi
     }
 }
 
+/// Says why a source that was begun is not gone on with.
+void tell_new_begin(const Run& run) {
+    std::string names;
+    for (const AddedStage* stage : run.config.stages) {
+        if (stage->depends_on_earlier_frames()) {
+            names += names.empty() ? "" : ", ";
+            names += stage->name();
+        }
+    }
+    if (run.files.folder->replaces_unfinished() && run.files.folder->frames() == 0) {
+        print_note(run.arguments.folder + ": was not finished; it begins anew" +
+                   (names.empty() ? "" : ", as what it tells of a frame depends on the frames before (" + names + ")"));
+    }
+}
+
 void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional<std::uint64_t> frames,
                   bool only_part) {
     const ProcessArguments& arguments = run.arguments;
-    const auto source = open(arguments, part, frames, run.config.slots + 2, run.done.left_out);
+    const auto source =
+        open(arguments, part, frames, run.config.slots + 2, [&run](const std::string& line, bool trouble) {
+            if (trouble) {
+                run.done.left_out.push_back(line);
+            }
+            print_note((trouble ? "left out: " : "") + line);
+        });
     const capture::SourceInfo& info = source->info();
+    if (info.live && !info.frame_count) {
+        print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
+    }
     run.config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
     const Schedule schedule = schedule_of(arguments, info, run.options.range);
     const calibration::Rectification& rectification = schedule.frames->factory();
@@ -265,6 +285,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
     begin_files(run, info, *matcher, rectification, pipeline.steps());
+    tell_new_begin(run);
     const auto start = std::chrono::steady_clock::now();
     run_to_end(pipeline, info.frame_count, run.shown);
     run.done.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -290,6 +311,14 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
 
 }  // namespace
 
+capture::SourceInfo info_of(const ProcessArguments& arguments) {
+    const capture::RunOfOneGeometry whole{0, SIZE_MAX};
+    const bool parts = !arguments.keep_going && capture::is_image_sequence(arguments.source);
+    const auto part =
+        parts ? capture::runs_of_one_geometry(arguments.source, arguments.calibration.empty()).front() : whole;
+    return open(arguments, part, frames_of(arguments), 2, [](const std::string&, bool) {})->info();
+}
+
 ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown) {
     const MatchOptions options = match_options(arguments);
     pipeline::PipelineConfig config;
@@ -302,15 +331,25 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
     run.done.source = arguments.source;
     run.done.folder = arguments.folder;
     for (const capture::RunOfOneGeometry& part : parts) {
-        const auto wanted = arguments.frames
-                                ? std::optional(static_cast<std::uint64_t>(*arguments.frames) - run.done.frames)
-                                : std::nullopt;
+        auto wanted = frames_of(arguments);
+        if (wanted) {
+            *wanted -= run.done.frames;
+        }
         if (wanted == std::uint64_t{0} || !run.done.error.empty() || interrupted()) {
             break;
         }
         process_part(run, part, wanted, parts.size() == 1);
     }
+    if (!run.files.folder) {
+        return run.done;  // Ctrl-C came before the first part
+    }
     run.files.folder->close();
+    if (run.files.scans) {
+        run.files.scans->finish();
+    }
+    if (run.done.error.empty() && !interrupted() && run.done.frames > 0) {
+        run.files.folder->finish({{"damaged", run.done.damaged}, {"left_out", run.done.left_out}}, arguments.scan);
+    }
     note_lack_of_level(run.files, run.scan);
     run.done.trust = run.files.trust;
     // What the limits reject was measured.

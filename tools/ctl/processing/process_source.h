@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "capture/frame_source.h"
 #include "pipeline/worker_pool.h"
 #include "tools/ctl/processing/process_arguments.h"
 #include "tools/ctl/processing/process_report.h"
@@ -14,6 +15,9 @@ struct Shown {
     std::string what = "frames";
     std::string more;
 };
+
+/// Returns what the source of the first part says of itself, without reading frames. Throws as process_source().
+capture::SourceInfo info_of(const ProcessArguments& arguments);
 
 /// Processes arguments.source into arguments.folder, to its end or until Ctrl-C. Throws std::invalid_argument when the
 /// user must change something, base::DiskFull or std::runtime_error when the system refuses, all before the first

@@ -1,16 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/scan/scan_csv.h"
 
-#include <cerrno>
 #include <cmath>
-#include <stdexcept>
-#include <utility>
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include "base/file_lock.h"
-#include "base/write_failure.h"
 #include "clients/json/scan_json.h"
 #include "proto/doubt.h"
 #include "tools/command_line/table.h"
@@ -57,22 +49,9 @@ std::string mounting_fields(const proto::ScanHead& head) {
                      decimal(head.mounting_roll_cdeg, 2);
 }
 
-/// Opens the file, locks it and empties it. The lock comes first: another process may be writing it.
-std::FILE* open_locked(const std::string& path, bool force) {
+std::string checked(const std::string& path, bool force) {
     check_absent(path, force);
-    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (force ? 0 : O_EXCL), 0666);
-    std::FILE* const file = descriptor < 0 ? nullptr : ::fdopen(descriptor, "w");
-    if (file == nullptr) {
-        base::refuse_to_write(path, errno);
-    }
-    try {
-        base::lock_for_writing(descriptor, path);
-    } catch (...) {
-        std::fclose(file);
-        throw;
-    }
-    static_cast<void>(::ftruncate(descriptor, 0));  // a pipe or a device has no length
-    return file;
+    return path;
 }
 
 }  // namespace
@@ -97,18 +76,13 @@ std::string scan_csv_rows(const ScanMoment& moment, const ScanRecord& scan) {
     return rows;
 }
 
-ScanCsv::ScanCsv(std::string path, bool force) : path_(std::move(path)), file_(open_locked(path_, force)) {
-    put(scan_csv_head());
+ScanCsv::ScanCsv(const std::string& path, bool force) : file_(checked(path, force)) {
+    file_.write(scan_csv_head());
 }
 
 void ScanCsv::write(const ScanMoment& moment, const ScanRecord& scan) {
-    put(scan_csv_rows(moment, scan));
-}
-
-void ScanCsv::put(const std::string& text) {
-    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0) {
-        base::refuse_to_write(path_, errno);
-    }
+    file_.write(scan_csv_rows(moment, scan));
+    file_.flush();
 }
 
 }  // namespace disparityd::tools

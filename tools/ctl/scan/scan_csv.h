@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <cstdio>
-#include <memory>
 #include <string>
 
 #include "obstacles/scan_stage.h"
+#include "tools/ctl/growing_file.h"
 
 namespace disparityd::tools {
 
@@ -27,20 +26,16 @@ class ScanCsv {
 public:
     /// Makes the file. Throws std::invalid_argument when it is there already and `force` is false, std::runtime_error
     /// when another process writes it or the system refuses.
-    ScanCsv(std::string path, bool force);
+    ScanCsv(const std::string& path, bool force);
 
     /// Throws std::runtime_error when the rows cannot be written.
     void write(const ScanMoment& moment, const ScanRecord& scan);
 
+    /// Gives the file its name, which it has not before. Throws as write().
+    void finish() { file_.finish(); }
+
 private:
-    struct Close {
-        void operator()(std::FILE* file) const { std::fclose(file); }
-    };
-
-    void put(const std::string& text);
-
-    std::string path_;
-    std::unique_ptr<std::FILE, Close> file_;
+    GrowingFile file_;
 };
 
 }  // namespace disparityd::tools

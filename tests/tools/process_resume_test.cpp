@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// `process --resume` after a crash, and the manifests that `verify` checks.
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <random>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+#include "tools/images/image_file.h"
+
+namespace disparityd::test {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+using Files = std::map<std::string, std::string>;
+
+class ProcessResumeTest : public FolderTest {
+protected:
+    void SetUp() override {
+        FolderTest::SetUp();
+        make_kitti_folder(path("drive"), 4, 64, 32);
+        make_recording(path("walk.mkv"), 6, 80, 40);
+    }
+
+    std::vector<std::string> words(const std::string& folder, std::vector<std::string> more = {}) const {
+        std::vector<std::string> all{
+            "process", path("drive"), path("walk.mkv"), "scene:vga?width=96&height=64&frames=3",
+            "-o",      path(folder),  "--disparities",  "16",
+            "--pfm"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+
+    Outcome process(const std::string& folder, std::vector<std::string> more = {}) const {
+        return run(DISPARITYCTL, words(folder, std::move(more)));
+    }
+
+    Outcome verify(const std::string& folder, const std::string& against = "") const {
+        std::vector<std::string> all{"verify", path(folder)};
+        if (!against.empty()) {
+            all.insert(all.end(), {"--against", path(against)});
+        }
+        return run(DISPARITYCTL, all);
+    }
+
+    /// Every file of every source, hidden ones too.
+    std::map<std::string, Files> all_in(const std::string& folder) const {
+        std::map<std::string, Files> all;
+        for (const auto& entry : std::filesystem::directory_iterator(path(folder))) {
+            all[entry.path().filename()] = files_in(entry.path());
+        }
+        return all;
+    }
+
+    nlohmann::json manifest(const std::string& folder) const {
+        return nlohmann::json::parse(read_file(path(folder + "/manifest.json")));
+    }
+};
+
+// DISPARITYD_KILLS asks for more rounds.
+TEST_F(ProcessResumeTest, KilledAtAnyMomentAndResumedGivesTheSameFiles) {
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_EQ(process("whole").exit_code, 0);
+    const auto usual = std::chrono::steady_clock::now() - start;
+    const auto whole = all_in("whole");
+    const char* const asked = std::getenv("DISPARITYD_KILLS");
+    const int rounds = asked == nullptr ? 5 : std::atoi(asked);
+    std::mt19937 random(std::random_device{}());
+    int killed = 0;
+    for (int i = 0; i < rounds; ++i) {
+        const double share = std::uniform_real_distribution<double>(0, 1)(random);
+        SCOPED_TRACE("round " + std::to_string(i) + " at " + std::to_string(share));
+        Program program(DISPARITYCTL, words("out", {"--resume"}));
+        std::this_thread::sleep_for(std::chrono::duration_cast<std::chrono::nanoseconds>(usual) * share);
+        program.send(SIGKILL);
+        const Outcome ended = program.wait();
+        ASSERT_TRUE(ended.exit_code == 0 || ended.exit_code == 128 + SIGKILL) << ended.err;
+        killed += ended.exit_code == 0 ? 0 : 1;
+        if (ended.exit_code == 0) {
+            EXPECT_EQ(all_in("out"), whole);
+            std::filesystem::remove_all(path("out"));
+        }
+    }
+    const Outcome last = process("out", {"--resume"});
+    ASSERT_EQ(last.exit_code, 0) << last.err;
+    EXPECT_EQ(all_in("out"), whole) << "after " << killed << " kills";
+    EXPECT_EQ(verify("out", "whole").exit_code, 0);
+}
+
+TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
+    ASSERT_EQ(process("whole").exit_code, 0);
+    ASSERT_EQ(process("out").exit_code, 0);
+    // As after a crash: one source half done, a file and a manifest half written.
+    std::filesystem::remove(path("out/walk/manifest.json"));
+    std::filesystem::remove(path("out/walk/000003.png"));
+    std::filesystem::rename(path("out/walk/times.csv"), path("out/walk/.times.csv.part"));
+    write_text(path("out/walk/.000003.png.12345"), "half a picture");
+    write_text(path("out/walk/.manifest.json.part"), "{");
+    write_text(path("out/walk/mine.txt"), "keep");
+    const auto finished = std::filesystem::last_write_time(path("out/drive/000001.png"));
+    const Outcome outcome = process("out", {"--resume", "--json", "--workers", "1", "--backend", "reference"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("out/walk: was not finished; it begins anew, as what it tells of a frame "
+                                             "depends on the frames before (trust)"),
+                                   Not(HasSubstr("out/drive"))));
+    const auto summary = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(summary["sources_done"], 3);
+    EXPECT_EQ(summary["sources_done_before"], 2);
+    EXPECT_EQ(summary["frames"], 6);
+    EXPECT_EQ(std::filesystem::last_write_time(path("out/drive/000001.png")), finished);
+    EXPECT_EQ(read_file(path("out/walk/mine.txt")), "keep");
+    std::filesystem::remove(path("out/walk/mine.txt"));
+    const auto manifests_only = [](std::map<std::string, Files> all) {
+        for (auto& [name, files] : all) {
+            files.erase("geometry.json");  // names the back end
+        }
+        return all;
+    };
+    EXPECT_EQ(manifests_only(all_in("out")), manifests_only(all_in("whole")));
+
+    std::filesystem::remove(path("out/drive/000001.png"));
+    const Outcome again = process("out", {"--resume"});
+    EXPECT_EQ(again.exit_code, 0);
+    EXPECT_THAT(again.err, HasSubstr("out/drive/000001.png: is missing or empty"));
+    EXPECT_EQ(verify("out").exit_code, 0);
+
+    const Outcome alone = run(DISPARITYCTL, {"process", path("drive"), "-o", path("alone")});
+    ASSERT_EQ(alone.exit_code, 0);
+    EXPECT_THAT(run(DISPARITYCTL, {"process", path("drive"), "-o", path("alone"), "--resume"}).out,
+                HasSubstr("alone: 4 frames, done before\n"));
+}
+
+TEST_F(ProcessResumeTest, WhatWasMadeOtherwiseIsRefused) {
+    ASSERT_EQ(process("out").exit_code, 0);
+    const auto before = all_in("out");
+    const auto refused = [&](std::vector<std::string> more, const std::string& text) {
+        more.emplace_back("--resume");
+        const Outcome outcome = process("out", more);
+        EXPECT_EQ(outcome.exit_code, 2) << text;
+        EXPECT_THAT(outcome.err,
+                    AllOf(HasSubstr(text), HasSubstr("choose another folder, or replace all with --force")));
+        EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    };
+    refused({"--median", "5"}, "out/drive: was made with parameters.match.median = 3, now 5");
+    refused({"--frames", "2"}, "parameters.frames = null, now 2");
+    refused({"--colour"}, "parameters.colour = null, now \"\"");
+    EXPECT_EQ(all_in("out"), before);
+    std::filesystem::rename(path("walk.mkv"), path("walk_of_6.mkv"));
+    make_recording(path("walk.mkv"), 5, 80, 40);
+    refused({}, "out/walk: was made with parameters.input.bytes = ");
+    std::filesystem::rename(path("walk_of_6.mkv"), path("walk.mkv"));
+    make_kitti_folder(path("drive"), 5, 64, 32);
+    refused({}, "out/drive: was made with source.description = ");
+    std::filesystem::remove_all(path("drive"));
+    make_kitti_folder(path("drive"), 4, 64, 32);
+    std::string text = read_file(path("out/drive/manifest.json"));
+    text.replace(text.find("disparityctl "), 14, "disparityctl 9");
+    write_text(path("out/drive/manifest.json"), text);
+    refused({}, "was made with version = \"disparityctl 9");
+    EXPECT_EQ(process("out", {"--force"}).exit_code, 0);
+    EXPECT_EQ(all_in("out"), before);
+    EXPECT_EQ(process("out", {"--force", "--resume"}).exit_code, 2);
+    EXPECT_THAT(process("out").err, HasSubstr("--resume to finish the earlier run in it, or --force to replace it"));
+}
+
+TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {
+    ASSERT_EQ(process("out").exit_code, 0);
+    ASSERT_EQ(process("other", {"--workers", "1"}).exit_code, 0);
+    EXPECT_EQ(verify("out", "other").out,
+              path("out") + ": 3 sources, 13 frames: all is as the manifest says, and as in " + path("other") + '\n');
+    // Compressed in another way it is the same picture.
+    const cv::Mat picture = images::read_image(path("out/walk/000000.png"));
+    std::filesystem::remove(path("out/walk/000001.png"));
+    std::filesystem::copy_file(path("out/walk/000003.pfm"), path("out/walk/000002.pfm"),
+                               std::filesystem::copy_options::overwrite_existing);
+    cv::Mat changed = picture.clone();
+    changed.at<std::uint16_t>(3, 4) ^= 1U;
+    images::write_png(path("out/drive/000000.png"), changed);
+    write_text(path("out/drive/extra.txt"), "");
+    std::string geometry = read_file(path("out/drive/geometry.json"));
+    geometry.replace(geometry.find("\"invalid\": -16"), 14, "\"invalid\": -17");
+    write_text(path("out/drive/geometry.json"), geometry);
+    std::filesystem::remove(path("out/walk/times.csv"));
+    const Outcome outcome = verify("out");
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.out, path("out/drive/000000.png") + ": changed\n" + path("out/drive/geometry.json") +
+                               ": changed\n" + path("out/drive/extra.txt") + ": extra\n" + path("out/walk/000001.png") +
+                               ": missing\n" + path("out/walk/000002.pfm") + ": changed\n" +
+                               path("out/walk/times.csv") + ": missing\n" + path("out") +
+                               ": 3 sources, 13 frames: 6 problems\n");
+    EXPECT_EQ(verify("drive").exit_code, 2) << "no manifest";
+    write_text(path("out/walk/manifest.json"), "{\"manifest\": 1, \"frames\": [{\"output\": 3}]}");
+    EXPECT_THAT(verify("out").out, HasSubstr("walk/manifest.json: is damaged, or no manifest"));
+
+    ASSERT_EQ(process("third", {"--min-distance-m", "0", "--p1", "20"}).exit_code, 0);
+    const Outcome differ = verify("third", "other");
+    EXPECT_EQ(differ.exit_code, 1);
+    EXPECT_THAT(differ.out, HasSubstr("third/walk: parameters.match.p1 = 20, there 15\n"));
+}
+
+TEST_F(ProcessResumeTest, TheManifestTellsThePixelsAsOtherDecodersSeeThem) {
+    if (std::system("python3 --version >/dev/null 2>&1 && sha256sum --version >/dev/null 2>&1") != 0) {
+        GTEST_SKIP() << "python3 and sha256sum are not installed";
+    }
+    ASSERT_EQ(process("out", {"--colour"}).exit_code, 0);
+    const auto frame = manifest("out/walk")["frames"][2];
+    EXPECT_EQ(frame["sequence"], 2);
+    for (const char* name : {"000002.png", "000002_colour.png"}) {
+        const std::string decoded = "python3 -B " PNG_DIGEST " " + path("out/walk/") + name + " > " + path("digest");
+        ASSERT_EQ(std::system(decoded.c_str()), 0);
+        EXPECT_EQ(frame["sha256"][name], read_file(path("digest")).substr(0, 64)) << name;
+    }
+    // Behind the header a PFM has the rows from the bottom.
+    const std::string pfm = read_file(path("out/walk/000002.pfm"));
+    constexpr std::size_t row = 80 * 4;
+    std::string rows;
+    for (std::size_t y = 1; y <= 40; ++y) {
+        rows += pfm.substr(pfm.size() - y * row, row);
+    }
+    write_text(path("rows"), rows);
+    ASSERT_EQ(std::system(("sha256sum < " + path("rows") + " > " + path("digest")).c_str()), 0);
+    EXPECT_EQ(frame["sha256"]["000002.pfm"], read_file(path("digest")).substr(0, 64));
+}
+
+}  // namespace
+}  // namespace disparityd::test

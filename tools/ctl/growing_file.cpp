@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/growing_file.h"
+
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/file_lock.h"
+#include "base/write_failure.h"
+
+namespace disparityd::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A link stays one: what it leads to is replaced.
+std::string target_of(const std::string& path) {
+    std::error_code error;
+    const fs::path real = fs::weakly_canonical(path, error);
+    return error ? path : real.string();
+}
+
+bool is_special(const std::string& path) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+}  // namespace
+
+std::string GrowingFile::part_of(const std::string& path) {
+    const fs::path whole(path);
+    return (whole.parent_path() / ('.' + whole.filename().string() + ".part")).string();
+}
+
+GrowingFile::GrowingFile(std::string path) : path_(target_of(path)), part_(is_special(path_) ? path_ : part_of(path_)) {
+    const int descriptor = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+    file_.reset(descriptor < 0 ? nullptr : ::fdopen(descriptor, "w"));
+    if (!file_) {
+        base::refuse_to_write(path, errno);
+    }
+    base::lock_for_writing(descriptor, path);       // before it is emptied: another process may be writing it
+    static_cast<void>(::ftruncate(descriptor, 0));  // a pipe or a device has no length
+}
+
+void GrowingFile::write(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size()) {
+        base::refuse_to_write(path_, errno);
+    }
+}
+
+void GrowingFile::flush() {
+    if (std::fflush(file_.get()) != 0) {
+        base::refuse_to_write(path_, errno);
+    }
+}
+
+void GrowingFile::finish() {
+    flush();
+    // Renamed while it is open, and locked: nobody else may have begun another one of that name.
+    if (part_ != path_ && ::rename(part_.c_str(), path_.c_str()) != 0) {
+        base::refuse_to_write(path_, errno);
+    }
+    if (std::fclose(file_.release()) != 0) {
+        base::refuse_to_write(path_, errno);
+    }
+}
+
+void GrowingFile::discard() noexcept {
+    if (file_ && part_ != path_) {
+        ::unlink(part_.c_str());
+    }
+    file_.reset();
+}
+
+}  // namespace disparityd::tools

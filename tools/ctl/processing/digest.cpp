@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/processing/digest.h"
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <fstream>
+#include <stdexcept>
+
+#include <opencv2/imgproc.hpp>
+#include <openssl/evp.h>
+
+#include "base/failure_text.h"
+
+namespace disparityd::tools {
+
+static_assert(std::endian::native == std::endian::little, "pixels are hashed as they lie in memory");
+
+void Sha256::Free::operator()(evp_md_ctx_st* context) const {
+    EVP_MD_CTX_free(context);
+}
+
+Sha256::Sha256() : context_(EVP_MD_CTX_new()) {
+    if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) {
+        throw std::runtime_error("OpenSSL offers no SHA-256 here");
+    }
+}
+
+void Sha256::add(const void* bytes, std::size_t count) {
+    EVP_DigestUpdate(context_.get(), bytes, count);
+}
+
+std::string Sha256::hex() {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned int size = 0;
+    EVP_DigestFinal_ex(context_.get(), digest.data(), &size);
+    std::string text;
+    for (unsigned int i = 0; i < size; ++i) {
+        constexpr const char* digits = "0123456789abcdef";
+        text += digits[digest[i] >> 4U];
+        text += digits[digest[i] & 15U];
+    }
+    return text;
+}
+
+std::string sha256(std::string_view text) {
+    Sha256 digest;
+    digest.add(text.data(), text.size());
+    return digest.hex();
+}
+
+std::string sha256_of_file(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    Sha256 digest;
+    std::array<char, 65536> bytes{};
+    while (file.read(bytes.data(), bytes.size()) || file.gcount() > 0) {
+        digest.add(bytes.data(), static_cast<std::size_t>(file.gcount()));
+    }
+    if (!file.eof()) {
+        throw std::invalid_argument(path + ": cannot be read: " + base::error_text(errno));
+    }
+    return digest.hex();
+}
+
+std::string sha256(const cv::Mat& picture) {
+    cv::Mat pixels = picture;
+    if (picture.type() == CV_8UC3) {
+        cv::cvtColor(picture, pixels, cv::COLOR_BGR2RGB);
+    }
+    Sha256 digest;
+    for (int y = 0; y < pixels.rows; ++y) {
+        digest.add(pixels.ptr(y), static_cast<std::size_t>(pixels.cols) * pixels.elemSize());
+    }
+    return digest.hex();
+}
+
+std::string sha256(const images::FloatMap& map) {
+    Sha256 digest;
+    digest.add(map.values.data(), map.values.size() * sizeof(float));
+    return digest.hex();
+}
+
+}  // namespace disparityd::tools
