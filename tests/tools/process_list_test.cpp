@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `process` over several sources: where each goes, shards, what fails, and when trying again may help.
+#include <algorithm>
 #include <csignal>
 
 #include <gmock/gmock.h>

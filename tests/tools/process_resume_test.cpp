@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `process --resume` after a crash, and the manifests that `verify` checks.
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>

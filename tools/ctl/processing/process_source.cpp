@@ -9,6 +9,7 @@
 
 #include "base/failure_text.h"
 #include "base/memory_room.h"
+#include "base/message_text.h"
 #include "base/words.h"
 #include "base/write_failure.h"
 #include "calibration/empty_result/empty_result.h"
