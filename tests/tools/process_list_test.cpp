@@ -109,7 +109,8 @@ TEST_F(ProcessListTest, WhatMaySucceedLaterIsExitStatus75) {
     program.send(SIGTERM);
     const Outcome ended = program.wait();
     EXPECT_EQ(ended.exit_code, 75) << ended.err;
-    EXPECT_THAT(ended.err, HasSubstr("note: stopped by SIGTERM"));
+    EXPECT_THAT(ended.err,
+                AllOf(HasSubstr("note: stopped by SIGTERM"), HasSubstr("1 was not begun; --resume goes on")));
     EXPECT_FALSE(std::filesystem::exists(path("out/drive"))) << "it is not begun";
 }
 

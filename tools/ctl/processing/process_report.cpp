@@ -185,15 +185,22 @@ int ListReport::finish() {
                   << (before_ > 0 ? std::string(" (done before: ").append(std::to_string(before_)) + ")" : "") << ", "
                   << in_time(frames_, seconds_) << '\n';
     }
+    const bool stopped = status_ == exit_again || status_ == exit_interrupted;
+    const std::size_t left = sources_ - tried_;
+    std::string line;
     if (failed_ > 0) {
-        std::string line =
-            base::counted(failed_, "source") + " of " + std::to_string(sources_) + " failed, as told above";
-        if (const std::size_t left = sources_ - tried_; left > 0) {
-            line.append(", ").append(std::to_string(left));
-            line += left == 1 ? " was" : " were";
-            line += " not begun; --keep-going goes on with the next ones";
-        }
+        line = base::counted(failed_, "source") + " of " + std::to_string(sources_) + " failed, as told above";
+    }
+    if (left > 0) {
+        line += line.empty() ? "" : ", ";
+        line += std::to_string(left);
+        line += left == 1 ? " was" : " were";
+        line += stopped ? " not begun; --resume goes on" : " not begun; --keep-going goes on with the next ones";
+    }
+    if (failed_ > 0) {
         print_error(line);
+    } else if (!line.empty()) {
+        print_note(line);
     }
     return status_;
 }
