@@ -25,6 +25,9 @@ constexpr int fewest_buffers = 3;
 /// A frame without its driver's time has that of its taking where it is known to be no older than this.
 constexpr std::chrono::milliseconds unsure{100};
 
+/// A driver's time of longer before the stream's start is of an old frame or a wrong clock: nobody can tell which.
+constexpr std::chrono::seconds longest_before_start{10};
+
 std::int64_t ns_of(steady_clock::time_point time) {
     return nanoseconds(time.time_since_epoch()).count();
 }
@@ -170,6 +173,7 @@ void VideoStream::map_buffers(int count) {
 void VideoStream::start() {
     started_ = system_.now();
     timed_ = false;
+    of_unknown_age_ = buffers_.size();
     failure_ = take_returned();
     for (std::uint32_t index = 0; failure_ == 0 && index < buffers_.size(); ++index) {
         if (!buffers_[index].lent) {
@@ -313,6 +317,7 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         if (failure_ == EAGAIN) {
             failure_ = 0;
             empty_at_ = asked;
+            of_unknown_age_ = 0;
             return Got::nothing;
         }
         if (failure_ == 0 && buffer.index >= buffers_.size()) {
@@ -323,22 +328,26 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
         }
         const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0;
         const bool too_short = buffer.bytesused < frame_bytes_;
-        if (!damaged && !too_short) {
+        const bool of_unknown_age = of_unknown_age_ > 0;
+        of_unknown_age_ -= of_unknown_age ? 1 : 0;
+        const auto stamp = capture_time(buffer);
+        if (!damaged && !too_short && (stamp || !of_unknown_age)) {
             const Buffer& filled = buffers_[buffer.index];
-            const auto stamp = capture_time(buffer);
-            timed_ = stamp.has_value();
+            timed_ = stamp && *stamp >= ns_of(started_ - longest_before_start);
             frame = {static_cast<const std::uint8_t*>(filled.memory),
                      std::min<std::size_t>(buffer.bytesused, filled.bytes),
                      static_cast<std::ptrdiff_t>(stride_),
                      buffer.sequence,
                      stamp ? *stamp : time_of_arrival(filled),
                      static_cast<int>((generation_ << index_bits) | buffer.index),
-                     stamp.has_value()};
+                     timed_};
             buffers_[buffer.index].lent = true;
             ++lent_;
             return Got::frame;
         }
-        (damaged ? damaged_ : too_short_).fetch_add(1, std::memory_order_relaxed);
+        if (damaged || too_short) {
+            (damaged ? damaged_ : too_short_).fetch_add(1, std::memory_order_relaxed);
+        }
         failure_ = enqueue(buffer.index);
         if (failure_ != 0) {
             return Got::failed;
@@ -347,19 +356,16 @@ VideoStream::Got VideoStream::dequeue(VideoFrame& frame) {
     return Got::nothing;
 }
 
-/// Returns the driver's time where it is of CLOCK_MONOTONIC and can be right. A frame may lie in the driver for as long
-/// as this process is stopped, and be of before the stream's start where the device is fed by a program.
+/// Returns the driver's time where it is of CLOCK_MONOTONIC and not to come. It may be of any age: a device
+/// that a program feeds has frames of before the stream's start.
 std::optional<std::int64_t> VideoStream::capture_time(const v4l2_buffer& buffer) const {
-    constexpr std::int64_t longest_before_s = 10;
     constexpr std::int64_t second = 1'000'000'000;
     const std::int64_t now = ns_of(system_.now());
     const bool our_clock = (buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) == V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC;
     // Seconds are compared first: those of a wrong clock may be too many to be counted in nanoseconds.
     const std::int64_t stamp_s = buffer.timestamp.tv_sec;
     const std::int64_t stamp_us = buffer.timestamp.tv_usec;
-    const std::int64_t oldest_s = std::max<std::int64_t>(0, ns_of(started_) / second - longest_before_s);
-    const bool countable =
-        stamp_s >= oldest_s && stamp_s <= now / second + 1 && stamp_us >= 0 && stamp_us < second / 1000;
+    const bool countable = stamp_s >= 0 && stamp_s <= now / second + 1 && stamp_us >= 0 && stamp_us < second / 1000;
     const std::int64_t stamp = countable ? stamp_s * second + stamp_us * 1000 : 0;
     if (!our_clock || stamp == 0 || stamp > now + nanoseconds(unsure).count()) {
         return std::nullopt;

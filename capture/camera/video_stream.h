@@ -40,11 +40,12 @@ struct VideoFrame {
     std::size_t bytes = 0;  ///< as the driver counts them
     std::ptrdiff_t stride = 0;
     std::uint32_t sequence = 0;  ///< the driver's: 32 bits, from 0 at each start
-    /// CLOCK_MONOTONIC at capture, however long the frame lay in the driver. Where that gives no time that can be
-    /// right: when the frame was taken if that is exact to 0.1 s, else a moment before it came.
+    /// CLOCK_MONOTONIC at capture, however long the frame lay in the driver. Where the driver gives no time that can be
+    /// right: when the frame was taken if that is exact to 0.1 s, else a moment before it came. Never newer than a time
+    /// of the driver's that is of this clock and past.
     std::int64_t monotonic_ns = 0;
     int loan = -1;
-    bool stamped = false;  ///< the time is the driver's
+    bool stamped = false;  ///< the time is the driver's, and at most 10 s before the stream's start
 };
 
 /// One V4L2 device that streams into memory-mapped buffers, which are lent as they are and go back to the driver when
@@ -77,7 +78,8 @@ public:
         woken,    ///< the waker was woken
         failed,   ///< the device has an error: failure() says which; close or restart it
     };
-    /// Frames that are flagged as damaged or too short go back to the driver and are counted. Allocates nothing.
+    /// Frames that are flagged as damaged or too short go back to the driver and are counted. So do, uncounted, those
+    /// without a time that the driver may have had before start(): nobody knows how old they are. Allocates nothing.
     Got take(VideoFrame& frame, std::chrono::steady_clock::time_point deadline);
 
     void give_back(int loan) noexcept;
@@ -133,9 +135,10 @@ private:
     int loans_ = 0;                ///< the most that may be out
     int lent_ = 0;
     bool streaming_ = false;
-    bool timed_ = false;  ///< the newest frame of this stream had its driver's time
+    bool timed_ = false;  ///< the newest frame of this stream is stamped
     std::chrono::steady_clock::time_point started_;
     std::chrono::steady_clock::time_point empty_at_;  ///< when the driver had no frame last
+    std::size_t of_unknown_age_ = 0;                  ///< so many of the next frames may be of before the start
     std::size_t stride_ = 0;
     std::size_t frame_bytes_ = 0;
     double rate_ = 0;

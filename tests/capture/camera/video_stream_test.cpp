@@ -255,14 +255,48 @@ TEST_F(VideoStreamTest, AFrameOfBeforeTheStartIsAsOldAsItSays) {
     ASSERT_EQ(take(frame), Got::frame);
     EXPECT_TRUE(frame.stamped);
     EXPECT_EQ(frame.monotonic_ns, now_ns() - 3'000'000'000);
+
+    stream_.give_back(frame.loan);
+    camera().stamp_ahead = -60s;
+    ASSERT_EQ(take(frame), Got::frame);
+    EXPECT_FALSE(frame.stamped) << "the clock may be another";
+    EXPECT_EQ(frame.monotonic_ns, now_ns() - 60'000'000'000);
+}
+
+TEST_F(VideoStreamTest, AFrameThatMayBeOfBeforeTheStartHasATimeOrIsLeftOut) {
+    for (const bool old_clock : {false, true}) {
+        camera().old_clock = old_clock;
+        open_and_start();
+        const std::int64_t started = now_ns();
+        system_.advance(40ms);  // one waits, and the driver was never seen empty
+        VideoFrame frame;
+        ASSERT_EQ(take(frame), Got::frame);
+        EXPECT_EQ(frame.sequence, old_clock ? 1U : 0U);
+        EXPECT_EQ(frame.stamped, !old_clock);
+        EXPECT_EQ(frame.monotonic_ns, old_clock ? now_ns() : started + 33'333'000);
+        stream_.close();
+    }
+}
+
+TEST_F(VideoStreamTest, ADriverThatIsNeverEmptyIsNotLeftOutForEver) {
+    camera().old_clock = true;
+    open_and_start();
+    system_.advance(1s);
+    VideoFrame frame;
+    EXPECT_EQ(take(frame, 0ms), Got::nothing) << "eight of before";
+    const std::int64_t emptied = now_ns();
+    system_.advance(1s);
+    ASSERT_EQ(take(frame, 0ms), Got::frame);
+    EXPECT_FALSE(frame.stamped);
+    EXPECT_EQ(frame.monotonic_ns, emptied) << "since then the buffer was with the driver";
 }
 
 TEST_F(VideoStreamTest, ATimeThatCannotBeIsReplaced) {
     open_and_start();
     const std::int64_t now_s = system_.now().time_since_epoch() / 1s;
-    // As a driver's clock that wraps around has them, and ones that are too old or still to come.
-    for (const std::int64_t stamp_s : {INT64_MIN, INT64_MIN / 1'000'000'000 - 1, std::int64_t{-1}, std::int64_t{0},
-                                       now_s - 12, now_s + 2, now_s + 12, INT64_MAX / 1'000'000'000 + 1, INT64_MAX}) {
+    // As a driver's clock that wraps around has them, and ones that are still to come.
+    for (const std::int64_t stamp_s : {INT64_MIN, INT64_MIN / 1'000'000'000 - 1, std::int64_t{-1}, now_s + 2,
+                                       now_s + 12, INT64_MAX / 1'000'000'000 + 1, INT64_MAX}) {
         camera().stamp_s = stamp_s;
         VideoFrame frame;
         ASSERT_EQ(take(frame), Got::frame);
