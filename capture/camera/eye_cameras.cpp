@@ -32,6 +32,12 @@ bool is_known(const UsbCamera& camera, const UsbCamera& known, const std::option
     return place_tells && place_of(camera) == place && !others_serial;
 }
 
+/// Whether `camera` may be the one that `other_eye` had, while that one is away and this eye never had any: without two
+/// serial numbers that differ, it may be that one at another place.
+bool may_be_known(const UsbCamera& camera, const UsbCamera& other_eye) {
+    return camera.serial.empty() || other_eye.serial.empty() || is_known(camera, other_eye, std::nullopt);
+}
+
 /// A name by the place means whatever is plugged in there.
 bool names_a_node(const CameraRequest& request) {
     return !request.device.empty() && !request.device.starts_with("/dev/v4l/by-path/");
@@ -60,6 +66,14 @@ EyeCameras::Choice EyeCameras::choose(Eye eye, const std::vector<UsbCamera>& pre
         }
     }
     if (!own.camera || !names_a_node(own.request)) {
+        const bool partner_away = partner.camera && !partner_there && names_a_node(own.request);
+        if (partner_away &&
+            std::erase_if(named, [&](const UsbCamera& c) { return may_be_known(c, *partner.camera); })) {
+            choice.problem = {CameraState::failed, "the " + name_of(eye) + " eye waits for the camera of the " +
+                                                       name_of(other(eye)) + " one, " + partner.camera->label() +
+                                                       ": what is at " + own.request.device +
+                                                       " may be that one; plug it in where it was"};
+        }
         choice.problem = named.empty() ? choice.problem : std::nullopt;
         choice.cameras = std::move(named);
         return choice;
@@ -78,8 +92,13 @@ EyeCameras::Choice EyeCameras::choose(Eye eye, const std::vector<UsbCamera>& pre
     if (named.empty()) {
         choice.problem = {CameraState::absent, "the camera of the " + name_of(eye) + " eye is not there, " +
                                                    own.camera->label() + ": plug it in where it was"};
-    } else if (partner_there || !partner.camera) {
+    } else if (partner_there) {
         choice.cameras = std::move(named);
+    } else if (!partner.camera) {
+        choice.problem = {CameraState::failed,
+                          "the " + name_of(eye) + " eye had " + own.camera->label() + ", and " + named.front().label() +
+                              " may be the other eye's: plug the eye's own in where it was, or look which "
+                              "eye is which and start the daemon anew"};
     } else if (eye == Eye::right && choose(Eye::left, present).problem) {
         choice.problem = {CameraState::failed, "the right eye waits for the left one"};
     } else {

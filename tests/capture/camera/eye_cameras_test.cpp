@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Which camera is which eye.
+#include "capture/camera/eye_cameras.h"
+
 #include <fstream>
 #include <utility>
 
@@ -15,8 +17,10 @@ namespace {
 using namespace std::chrono_literals;
 using test::CameraPairTest;
 using test::left_node;
+using test::pair_uri;
 using test::right_node;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -104,6 +108,64 @@ TEST_F(CameraPairTest, EyesThatNothingTellsApartAreNotGuessed) {
     EXPECT_FALSE(source_->condition().delivering);
     EXPECT_THAT(detail(), HasSubstr("the eyes cannot be told apart: both cameras were gone at once, and USB Camera"));
     EXPECT_EQ(reported("cannot be told apart"), 1);
+}
+
+UsbCamera usb_camera(const std::string& node, const std::string& port, const std::string& serial, int address) {
+    UsbCamera camera;
+    camera.node = node;
+    camera.port = port;
+    camera.serial = serial;
+    camera.bus = 1;
+    camera.address = address;
+    return camera;
+}
+
+std::vector<std::string> ports(const EyeCameras::Choice& choice) {
+    std::vector<std::string> list;
+    for (const UsbCamera& camera : choice.cameras) {
+        list.push_back(camera.port);
+    }
+    EXPECT_NE(list.empty(), !choice.problem) << "one of both";
+    return list;
+}
+
+TEST(EyeCamerasTest, TheCameraOfOneEyeIsNotTakenForThatOfTheOtherWhichNeverHadOne) {
+    for (const char* serial : {"", "B2"}) {
+        EyeCameras eyes(parse_camera_uri(pair_uri));
+        const UsbCamera first = usb_camera(right_node, "1-2", serial, 1);
+        eyes.opened(Eye::right, first);
+        eyes.unplugged(Eye::right);
+        const UsbCamera again = usb_camera(left_node, "1-2", serial, 2);
+        const auto left = eyes.choose(Eye::left, {again});
+        EXPECT_THAT(ports(left), IsEmpty()) << serial;
+        EXPECT_THAT(left.problem->detail, HasSubstr("the left eye waits for the camera of the right one, " +
+                                                    first.label() + ": what is at /dev/video0 may be that one"));
+        EXPECT_THAT(ports(eyes.choose(Eye::right, {again})), ElementsAre("1-2")) << serial;
+
+        // Moved, it has its serial number at most.
+        const UsbCamera moved = usb_camera(left_node, "1-4", serial, 3);
+        EXPECT_THAT(ports(eyes.choose(Eye::left, {moved})), IsEmpty()) << serial;
+        const bool another = *serial != '\0';
+        EXPECT_EQ(ports(eyes.choose(Eye::left, {usb_camera(left_node, "1-1", "A1", 4)})).size(), another ? 1U : 0U);
+
+        // While the right one is there, what else is plugged in is another.
+        eyes.opened(Eye::right, first);
+        EXPECT_THAT(ports(eyes.choose(Eye::left, {first, moved})), ElementsAre("1-4")) << serial;
+    }
+}
+
+TEST(EyeCamerasTest, AnotherCameraIsNotAnEyesWhileTheOtherEyeNeverHadOne) {
+    EyeCameras eyes(parse_camera_uri(pair_uri));
+    eyes.opened(Eye::right, usb_camera(right_node, "1-2", "", 1));
+    eyes.unplugged(Eye::right);
+    const UsbCamera other = usb_camera(right_node, "1-1", "", 2);
+    const auto right = eyes.choose(Eye::right, {other});
+    EXPECT_THAT(ports(right), IsEmpty());
+    EXPECT_THAT(right.problem->detail,
+                HasSubstr(other.label() + " may be the other eye's: plug the eye's own in where it was"));
+    const UsbCamera left = usb_camera(left_node, "1-7", "", 3);
+    eyes.opened(Eye::left, left);
+    EXPECT_THAT(ports(eyes.choose(Eye::right, {other, left})), ElementsAre("1-1"));
 }
 
 TEST_F(CameraPairTest, TheCalibrationIsThatOfBothSerialNumbers) {
