@@ -77,7 +77,7 @@ TEST_F(ProcessResumeTest, KilledAtAnyMomentAndResumedGivesTheSameFiles) {
     const int rounds = asked == nullptr ? 5 : std::atoi(asked);
     std::mt19937 random(std::random_device{}());
     int killed = 0;
-    for (int i = 0; i < rounds; ++i) {
+    for (int i = 0; i < rounds || (killed == 0 && i < 10 * rounds); ++i) {
         const double share = std::uniform_real_distribution<double>(0, 1)(random);
         SCOPED_TRACE("round " + std::to_string(i) + " at " + std::to_string(share));
         Program program(DISPARITYCTL, words("out", {"--resume"}));
@@ -91,6 +91,7 @@ TEST_F(ProcessResumeTest, KilledAtAnyMomentAndResumedGivesTheSameFiles) {
             std::filesystem::remove_all(path("out"));
         }
     }
+    EXPECT_GT(killed, 0) << "every run had ended before its kill";
     const Outcome last = process("out", {"--resume"});
     ASSERT_EQ(last.exit_code, 0) << last.err;
     EXPECT_EQ(all_in("out"), whole) << "after " << killed << " kills";
@@ -133,6 +134,13 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
     EXPECT_EQ(again.exit_code, 0);
     EXPECT_THAT(again.err, HasSubstr("out/drive/000001.png: is missing or empty"));
     EXPECT_EQ(verify("out").exit_code, 0);
+    write_text(path("out/drive/manifest.json"), "");
+    const Outcome power_cut = process("out", {"--resume"});
+    EXPECT_EQ(power_cut.exit_code, 0);
+    EXPECT_THAT(power_cut.err,
+                HasSubstr("out/drive/manifest.json: is damaged, or no manifest of disparityctl process; " +
+                          path("drive") + " is processed again"));
+    EXPECT_EQ(verify("out", "whole").exit_code, 0);
 
     const Outcome alone = run(DISPARITYCTL, {"process", path("drive"), "-o", path("alone")});
     ASSERT_EQ(alone.exit_code, 0);

@@ -60,6 +60,10 @@ void GrowingFile::flush() {
 
 void GrowingFile::finish() {
     flush();
+    // A power cut must not leave the name without the content. EINVAL: the file system has no such call.
+    if (part_ != path_ && ::fsync(::fileno(file_.get())) != 0 && errno != EINVAL) {
+        base::refuse_to_write(path_, errno);
+    }
     // Renamed while it is open, and locked: nobody else may have begun another one of that name.
     if (part_ != path_ && ::rename(part_.c_str(), path_.c_str()) != 0) {
         base::refuse_to_write(path_, errno);

@@ -25,7 +25,8 @@ public:
     /// Hands over to the system what was written. Throws as write().
     void flush();
 
-    /// Gives the file its name, in place of one that has it. Throws as write(). Nothing is written afterwards.
+    /// Gives the file its name, in place of one that has it, once its content is on the disk. Throws as write().
+    /// Nothing is written afterwards.
     void finish();
 
     /// Removes the temporary file, unless finish() was called.

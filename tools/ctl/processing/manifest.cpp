@@ -68,11 +68,12 @@ Json read_manifest(const std::string& folder, const std::function<void(const Jso
         for (const char* const member_of_all : {"made_by", "parameters", "frames", "parts", "losses", "files"}) {
             static_cast<void>(manifest.at(member_of_all));
         }
+        for (const char* const loss : {"left_out", "damaged", "lost"}) {
+            static_cast<void>(manifest["losses"].at(loss));
+        }
         return manifest;
     } catch (const Json::exception&) {
-        throw std::invalid_argument(path +
-                                    ": is damaged, or no manifest of disparityctl process; remove it, and "
-                                    "process --resume does the source again");
+        throw DamagedManifest(path + ": is damaged, or no manifest of disparityctl process");
     }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <stdexcept>
 #include <string>
 
 #include "tools/ctl/describe.h"
@@ -33,8 +34,13 @@ private:
     bool any_ = false;
 };
 
-/// Returns a folder's manifest without its frames, which `frame` gets one after the other. Throws std::invalid_argument
-/// with one line when it is none.
+/// A manifest.json that is none, such as an empty one after a power cut.
+struct DamagedManifest : std::invalid_argument {
+    using std::invalid_argument::invalid_argument;
+};
+
+/// Returns a folder's manifest without its frames, which `frame` gets one after the other. Throws DamagedManifest, or
+/// std::invalid_argument for that of another version, with one line.
 Json read_manifest(const std::string& folder, const std::function<void(const Json& frame)>& frame);
 
 /// Returns the SHA-256 of what geometry.json says, but for the back end, on which no result depends.

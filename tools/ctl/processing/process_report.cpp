@@ -102,9 +102,6 @@ int tell_trouble(const ProcessDone& done) {
     if (!done.empty_note.empty()) {
         print_note(done.source + ": " + done.empty_note);
     }
-    for (const std::string& line : done.before ? done.left_out : std::vector<std::string>()) {
-        print_note("left out: " + line);
-    }
     if (done.damaged > 0) {
         print_note("left out because they are marked as damaged: " + base::counted(done.damaged, "frame") + " of " +
                    done.source);

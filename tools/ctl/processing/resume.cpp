@@ -6,6 +6,7 @@
 
 #include "base/file_kind.h"
 #include "base/version.h"
+#include "base/words.h"
 #include "tools/command_line/program.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/ctl/processing/process_source.h"
@@ -27,6 +28,13 @@ bool has_content(const std::string& path) {
                                 "; repeat what it was made with, choose another folder, or replace all with --force");
 }
 
+/// Says why an earlier run is not done, and takes its manifest away.
+std::nullopt_t begin_anew(const ProcessArguments& arguments, const std::string& reason) {
+    print_note(reason + "; " + arguments.source + " is processed again");
+    fs::remove(arguments.folder + '/' + manifest_name);
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
@@ -46,10 +54,15 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
             }
         }
     };
-    const Json manifest = read_manifest(folder, [&](const Json& frame) {
-        ++done.frames;
-        look_for(frame.at("sha256"));
-    });
+    Json manifest;
+    try {
+        manifest = read_manifest(folder, [&](const Json& frame) {
+            ++done.frames;
+            look_for(frame.at("sha256"));
+        });
+    } catch (const DamagedManifest& error) {
+        return begin_anew(arguments, error.what());
+    }
     look_for(manifest["files"]);
     const MatchOptions options = match_options(arguments);
     const Json made{{"version", manifest["made_by"]}, {"parameters", manifest["parameters"]}};
@@ -66,11 +79,14 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
         }
     }
     if (!missing.empty()) {
-        print_note(missing + ": is missing or empty; " + arguments.source + " is processed again");
-        fs::remove(folder + '/' + manifest_name);
-        return std::nullopt;
+        return begin_anew(arguments, missing + ": is missing or empty");
     }
-    done.left_out = manifest["losses"].at("left_out").get<std::vector<std::string>>();
+    const Json& losses = manifest["losses"];
+    // What kept them from being read may have passed, such as a share that was gone.
+    if (const std::size_t left_out = losses.at("left_out").size(); left_out > 0) {
+        return begin_anew(arguments, folder + ": " + base::counted(left_out, "frame") + " left out before");
+    }
+    done.damaged = losses.at("damaged").get<std::uint64_t>();
     return done;
 }
 

@@ -9,8 +9,8 @@
 namespace disparityd::tools {
 
 /// Returns what an earlier run has done where it has finished arguments.source in arguments.folder with the same
-/// options, calibration and version; nothing where it has not, or where a file is missing now. Throws
-/// std::invalid_argument with one line where it was made of or with anything else.
+/// options, calibration and version; nothing where it has not, has left frames out, or where a file is missing now.
+/// Throws std::invalid_argument with one line where it was made of or with anything else.
 std::optional<ProcessDone> finished_before(const ProcessArguments& arguments);
 
 }  // namespace disparityd::tools
