@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Prints the SHA-256 of a PNG's pixels as the manifest of `disparityctl process` defines it, by a decoder of its own.
+"""Prints the SHA-256 of a PNG's shape and pixels as the manifest of `disparityctl process` defines it, by a decoder of its own.
 
 Usage: png_digest.py FILE (grey of 16 bits, or red, green, blue of 8).
 """
@@ -35,8 +35,9 @@ def main():
     with open(sys.argv[1], "rb") as file:
         parts = list(chunks(file.read()))
     width, height, bits, colour = struct.unpack(">IIBB", parts[0][1][:10])
-    pixel = bits // 8 * {0: 1, 2: 3}[colour]
-    digest = hashlib.sha256()
+    channels = {0: 1, 2: 3}[colour]
+    pixel = bits // 8 * channels
+    digest = hashlib.sha256(f"{width} {height} {channels} {bits}\n".encode())
     for row in rows(b"".join(body for kind, body in parts if kind == b"IDAT"), height, width * pixel, pixel):
         digest.update(struct.pack(f"<{width}H", *struct.unpack(f">{width}H", row)) if bits == 16 else row)
     print(digest.hexdigest())

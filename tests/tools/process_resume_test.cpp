@@ -148,6 +148,27 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
                 HasSubstr("alone: 4 frames, done before\n"));
 }
 
+TEST_F(ProcessResumeTest, LossesAreToldAgainAndWhatWasLeftOutIsTriedAgain) {
+    write_text(path("drive/image_0/000001.png"), "damaged");
+    ASSERT_EQ(process("out", {"--keep-going"}).exit_code, 1);
+    std::string text = read_file(path("out/walk/manifest.json"));
+    text.replace(text.find("\"damaged\":0"), 11, "\"damaged\":2");
+    write_text(path("out/walk/manifest.json"), text);
+    const Outcome verified = verify("out");
+    EXPECT_EQ(verified.exit_code, 0);
+    EXPECT_THAT(verified.out, AllOf(HasSubstr("out/drive: not in it: 1 frame left out, 1 frame missing in between\n"),
+                                    HasSubstr("out/walk: not in it: 2 frames marked as damaged\n")));
+    const Outcome again = process("out", {"--keep-going", "--resume", "--json"});
+    EXPECT_EQ(again.exit_code, 1);
+    EXPECT_THAT(again.err, HasSubstr("out/drive: 1 frame left out before; " + path("drive") + " is processed again"));
+    const auto summary = nlohmann::json::parse(again.out);
+    EXPECT_EQ(summary["sources_done_before"], 2);
+    EXPECT_EQ(summary["frames"], 3);
+    for (const auto& source : summary["sources"]) {
+        EXPECT_EQ(source["damaged_frames_skipped"], source["folder"] == path("out/walk") ? 2 : 0);
+    }
+}
+
 TEST_F(ProcessResumeTest, WhatWasMadeOtherwiseIsRefused) {
     ASSERT_EQ(process("out").exit_code, 0);
     const auto before = all_in("out");
@@ -194,6 +215,7 @@ TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {
     cv::Mat changed = picture.clone();
     changed.at<std::uint16_t>(3, 4) ^= 1U;
     images::write_png(path("out/drive/000000.png"), changed);
+    images::write_png(path("out/drive/000001.png"), images::read_image(path("out/drive/000001.png")).reshape(0, 64));
     write_text(path("out/drive/extra.txt"), "");
     std::string geometry = read_file(path("out/drive/geometry.json"));
     geometry.replace(geometry.find("\"invalid\": -16"), 14, "\"invalid\": -17");
@@ -201,11 +223,15 @@ TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {
     std::filesystem::remove(path("out/walk/times.csv"));
     const Outcome outcome = verify("out");
     EXPECT_EQ(outcome.exit_code, 1);
-    EXPECT_EQ(outcome.out, path("out/drive/000000.png") + ": changed\n" + path("out/drive/geometry.json") +
-                               ": changed\n" + path("out/drive/extra.txt") + ": extra\n" + path("out/walk/000001.png") +
-                               ": missing\n" + path("out/walk/000002.pfm") + ": changed\n" +
-                               path("out/walk/times.csv") + ": missing\n" + path("out") +
-                               ": 3 sources, 13 frames: 6 problems\n");
+    EXPECT_EQ(outcome.out, path("out/drive/000000.png") + ": changed\n" + path("out/drive/000001.png") + ": changed\n" +
+                               path("out/drive/geometry.json") + ": changed\n" + path("out/drive/extra.txt") +
+                               ": extra\n" + path("out/walk/000001.png") + ": missing\n" + path("out/walk/000002.pfm") +
+                               ": changed\n" + path("out/walk/times.csv") + ": missing\n" + path("out") +
+                               ": 3 sources, 13 frames: 7 problems\n");
+    std::string times = read_file(path("out/drive/times.csv"));
+    times.replace(times.find("000002,"), 7, "000007,");
+    write_text(path("out/drive/times.csv"), times);
+    EXPECT_THAT(verify("out").out, HasSubstr("out/drive/times.csv: changed: line 4\n"));
     EXPECT_EQ(verify("drive").exit_code, 2) << "no manifest";
     write_text(path("out/walk/manifest.json"), "{\"manifest\": 1, \"frames\": [{\"output\": 3}]}");
     EXPECT_THAT(verify("out").out, HasSubstr("walk/manifest.json: is damaged, or no manifest"));
@@ -231,7 +257,7 @@ TEST_F(ProcessResumeTest, TheManifestTellsThePixelsAsOtherDecodersSeeThem) {
     // Behind the header a PFM has the rows from the bottom.
     const std::string pfm = read_file(path("out/walk/000002.pfm"));
     constexpr std::size_t row = 80 * 4;
-    std::string rows;
+    std::string rows = "80 40 1 32\n";
     for (std::size_t y = 1; y <= 40; ++y) {
         rows += pfm.substr(pfm.size() - y * row, row);
     }

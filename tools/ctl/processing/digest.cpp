@@ -14,6 +14,19 @@
 
 namespace disparityd::tools {
 
+namespace {
+
+/// Begins with the shape: pictures of two shapes may have the same pixels.
+Sha256 begin(int width, int height, int channels, std::size_t bits) {
+    const std::string shape = std::to_string(width) + ' ' + std::to_string(height) + ' ' + std::to_string(channels) +
+                              ' ' + std::to_string(bits) + '\n';
+    Sha256 digest;
+    digest.add(shape.data(), shape.size());
+    return digest;
+}
+
+}  // namespace
+
 static_assert(std::endian::native == std::endian::little, "pixels are hashed as they lie in memory");
 
 void Sha256::Free::operator()(evp_md_ctx_st* context) const {
@@ -67,7 +80,7 @@ std::string sha256(const cv::Mat& picture) {
     if (picture.type() == CV_8UC3) {
         cv::cvtColor(picture, pixels, cv::COLOR_BGR2RGB);
     }
-    Sha256 digest;
+    Sha256 digest = begin(pixels.cols, pixels.rows, pixels.channels(), pixels.elemSize1() * 8);
     for (int y = 0; y < pixels.rows; ++y) {
         digest.add(pixels.ptr(y), static_cast<std::size_t>(pixels.cols) * pixels.elemSize());
     }
@@ -75,7 +88,7 @@ std::string sha256(const cv::Mat& picture) {
 }
 
 std::string sha256(const images::FloatMap& map) {
-    Sha256 digest;
+    Sha256 digest = begin(map.width, map.height, 1, 32);
     digest.add(map.values.data(), map.values.size() * sizeof(float));
     return digest.hex();
 }

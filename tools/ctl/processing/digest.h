@@ -33,8 +33,8 @@ std::string sha256(std::string_view text);
 /// Returns the SHA-256 of a file's bytes. Throws std::invalid_argument when it cannot be read.
 std::string sha256_of_file(const std::string& path);
 
-/// Returns the SHA-256 of a picture's pixels, row by row from the top, without gaps: grey of 16 bits little endian, and
-/// 8 bits as red, green, blue.
+/// Returns the SHA-256 of a picture: of the line "WIDTH HEIGHT CHANNELS BITS\n", and of its pixels behind it, row by
+/// row from the top, without gaps: grey of 16 bits little endian, and 8 bits as red, green, blue.
 std::string sha256(const cv::Mat& picture);
 
 /// The same of 32-bit floats, little endian; +infinity where a disparity was rejected.

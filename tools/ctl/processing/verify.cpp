@@ -17,6 +17,7 @@
 #include "base/words.h"
 #include "tools/command_line/program.h"
 #include "tools/ctl/commands.h"
+#include "tools/ctl/csv.h"
 #include "tools/ctl/processing/digest.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/images/disparity_file.h"
@@ -103,25 +104,91 @@ void tell_extra(const std::string& folder, const std::set<std::string>& known, F
     }
 }
 
+/// times.csv beside the manifest: but for how long each step took, both tell the same.
+class TimesFile {
+public:
+    explicit TimesFile(const std::string& folder) : path_(folder + "/times.csv"), file_(path_) {
+        expect("frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts,");
+    }
+
+    void expect_frame(const Json& frame) {
+        std::string columns = std::to_string(lines_ - 1) + ',';
+        for (const char* const name :
+             {"output", "input", "sequence", "monotonic_ns", "flags", "dropped_before", "trust", "doubts"}) {
+            const Json& value = frame.at(name);
+            columns += (value.is_string() ? csv_field(value.get<std::string>()) : to_text(value, -1)) + ',';
+        }
+        expect(columns);
+    }
+
+    void tell(Findings& found) {
+        std::string more;
+        if (!base::is_file(path_)) {
+            found.tell(path_, "missing");
+        } else if (changed_ > 0) {
+            found.tell(path_, "changed: line " + std::to_string(changed_));
+        } else if (std::getline(file_, more)) {
+            found.tell(path_, "changed: has more lines than there are frames");
+        }
+    }
+
+private:
+    void expect(const std::string& begin) {
+        ++lines_;
+        std::string line;
+        std::getline(file_, line);
+        // As in the manifest, where names are UTF-8.
+        if (changed_ == 0 && !Json::parse(to_text(line, -1)).get<std::string>().starts_with(begin)) {
+            changed_ = lines_;
+        }
+    }
+
+    std::string path_;
+    std::ifstream file_;
+    std::uint64_t lines_ = 0;    ///< that were compared
+    std::uint64_t changed_ = 0;  ///< the first of them, from 1; 0: none
+};
+
+/// Tells what of the source is in no frame; it is no change of what was written. Images that are left out are missing
+/// in between, too, but for the last ones.
+void tell_losses(const std::string& folder, const Json& losses) {
+    std::string line;
+    const auto add = [&line](std::uint64_t count, const char* what) {
+        if (count > 0) {
+            line.append(line.empty() ? "" : ", ").append(base::counted(count, "frame")).append(what);
+        }
+    };
+    add(losses.at("left_out").size(), " left out");
+    add(losses.at("damaged").get<std::uint64_t>(), " marked as damaged");
+    add(losses.at("lost").get<std::uint64_t>(), " missing in between");
+    if (!line.empty()) {
+        std::cout << folder << ": not in it: " << line << '\n';
+    }
+}
+
 void verify_source(const std::string& folder, Findings& found) {
     if (!base::is_file(folder + '/' + manifest_name)) {
         found.tell(folder, "not finished: there is no manifest.json");
         return;
     }
     std::set<std::string> known{manifest_name, "times.csv"};
+    TimesFile times(folder);
     try {
         const Json manifest = read_manifest(folder, [&](const Json& frame) {
             ++found.frames;
+            times.expect_frame(frame);
             check_files(folder, frame.at("sha256"), known, found);
         });
         check_files(folder, manifest["files"], known, found);
+        tell_losses(folder, manifest["losses"]);
+    } catch (const DamagedManifest& error) {
+        found.tell(folder, error.what() + std::string("; process --resume does the source again"));
+        return;
     } catch (const std::invalid_argument& error) {
         found.tell(folder, error.what());
         return;
     }
-    if (!base::is_file(folder + "/times.csv")) {
-        found.tell(folder + "/times.csv", "missing");
-    }
+    times.tell(found);
     tell_extra(folder, known, found);
 }
 
@@ -225,8 +292,10 @@ void add_verify(CLI::App& program, Action& action) {
     command.add_option("--against", *other, "another folder, whose manifests must tell the same")->type_name("DIR");
     command.footer(
         "Every file that is missing, changed or extra is a line, exit status 1. Pictures are decoded: how they are\n"
-        "compressed does not matter. --against compares parameters, geometry, frames and their SHA-256, but not where\n"
-        "the sources lie; it reads the manifests of the other folder, not its files.\n"
+        "compressed does not matter. The times of steps in times.csv are not compared. Frames that the source lost "
+        "are\n"
+        "told. --against compares parameters, geometry, frames and their SHA-256, but not where the sources lie; it\n"
+        "reads the manifests of the other folder, not its files. It alone sees that the folder of a source is gone.\n"
         "Examples: disparityctl verify out\n"
         "          disparityctl verify out --against /mnt/other/out");
     command.callback([folder, other, &action] { action = [folder, other] { return verify(*folder, *other); }; });
