@@ -19,17 +19,36 @@ const std::string& place_of(const UsbCamera& camera) {
     return camera.place.empty() ? camera.port : camera.place;
 }
 
-/// Whether `camera` is the one that was known, and not the one that the other eye had.
-bool is_known(const UsbCamera& camera, const UsbCamera& known, const std::optional<UsbCamera>& of_other_eye) {
+/// Tells how much `camera` is like the one that was known, and not like the one that the other eye had: 0 it is not
+/// that one, 1 it is at its place, 2 it has its serial number, 3 both.
+int likeness(const UsbCamera& camera, const UsbCamera& known, const std::optional<UsbCamera>& of_other_eye) {
     const bool serial_tells = !known.serial.empty() && (!of_other_eye || of_other_eye->serial != known.serial);
-    if (serial_tells && camera.serial == known.serial) {
-        return true;
-    }
+    const bool same_serial = serial_tells && camera.serial == known.serial;
     const std::string& place = place_of(known);
     const bool place_tells = !place.empty() && (!of_other_eye || place_of(*of_other_eye) != place);
     const bool others_serial = of_other_eye && !camera.serial.empty() && camera.serial == of_other_eye->serial &&
                                camera.serial != known.serial;
-    return place_tells && place_of(camera) == place && !others_serial;
+    const bool same_place = place_tells && place_of(camera) == place && !others_serial;
+    return (same_serial ? 2 : 0) + (same_place ? 1 : 0);
+}
+
+bool is_known(const UsbCamera& camera, const UsbCamera& known, const std::optional<UsbCamera>& of_other_eye) {
+    return likeness(camera, known, of_other_eye) > 0;
+}
+
+/// Returns the camera that is most like the known one, or null. What the other eye has now is none.
+const UsbCamera* likeliest(const std::vector<UsbCamera>& cameras, const UsbCamera& known,
+                           const std::optional<UsbCamera>& of_other_eye, bool other_is_there) {
+    const UsbCamera* best = nullptr;
+    int most = 0;
+    for (const UsbCamera& camera : cameras) {
+        const int like = likeness(camera, known, of_other_eye);
+        if (like > most && !(other_is_there && same_plugging(camera, *of_other_eye))) {
+            most = like;
+            best = &camera;
+        }
+    }
+    return best;
 }
 
 /// Whether `camera` may be the one that `other_eye` had, while that one is away and this eye never had any: without two
@@ -79,12 +98,9 @@ EyeCameras::Choice EyeCameras::choose(Eye eye, const std::vector<UsbCamera>& pre
         return choice;
     }
     choice.problem.reset();
-    for (const UsbCamera& camera : present) {
-        if (is_known(camera, *own.camera, partner.camera) &&
-            !(partner_there && same_plugging(camera, *partner.camera))) {
-            choice.cameras = {camera};
-            return choice;
-        }
+    if (const UsbCamera* known = likeliest(present, *own.camera, partner.camera, partner_there)) {
+        choice.cameras = {*known};
+        return choice;
     }
     std::erase_if(named, [&](const UsbCamera& camera) {
         return partner.camera && is_known(camera, *partner.camera, own.camera);

@@ -168,6 +168,26 @@ TEST(EyeCamerasTest, AnotherCameraIsNotAnEyesWhileTheOtherEyeNeverHadOne) {
     EXPECT_THAT(ports(eyes.choose(Eye::right, {other, left})), ElementsAre("1-1"));
 }
 
+TEST(EyeCamerasTest, TheSerialNumberGoesBeforeThePlaceInWhateverOrderTheyAreListed) {
+    EyeCameras eyes(parse_camera_uri(pair_uri));
+    const UsbCamera right = usb_camera(right_node, "1-2", "B2", 2);
+    eyes.opened(Eye::left, usb_camera(left_node, "1-1", "A1", 1));
+    eyes.opened(Eye::right, right);
+    eyes.unplugged(Eye::left);
+    const UsbCamera in_its_place = usb_camera(left_node, "1-1", "C3", 3);
+    const UsbCamera own = usb_camera("/dev/video4", "1-4", "A1", 4);
+    EXPECT_THAT(ports(eyes.choose(Eye::left, {in_its_place, right, own})), ElementsAre("1-4"));
+    EXPECT_THAT(ports(eyes.choose(Eye::left, {own, right, in_its_place})), ElementsAre("1-4"));
+    EXPECT_THAT(ports(eyes.choose(Eye::left, {in_its_place, right})), ElementsAre("1-1")) << "put in for it";
+
+    // Where a number is there twice, the place tells.
+    EyeCameras twins(parse_camera_uri(pair_uri));
+    twins.opened(Eye::right, usb_camera(right_node, "1-2", "B2", 1));
+    twins.unplugged(Eye::right);
+    const UsbCamera twin = usb_camera(left_node, "1-1", "B2", 2);
+    EXPECT_THAT(ports(twins.choose(Eye::right, {twin, usb_camera("/dev/video4", "1-2", "B2", 3)})), ElementsAre("1-2"));
+}
+
 TEST_F(CameraPairTest, TheCalibrationIsThatOfBothSerialNumbers) {
     const disparityd::test::TemporaryFolder folder;
     const auto write = [&folder](const std::string& serials, const std::string& baseline) {
