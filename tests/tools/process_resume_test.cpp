@@ -102,11 +102,13 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
     ASSERT_EQ(process("whole").exit_code, 0);
     ASSERT_EQ(process("out").exit_code, 0);
     // As after a crash: one source half done, a file and a manifest half written.
-    std::filesystem::remove(path("out/walk/manifest.json"));
+    std::filesystem::rename(path("out/walk/manifest.json"), path("out/walk/.manifest.json.part"));
+    std::filesystem::resize_file(path("out/walk/.manifest.json.part"),
+                                 std::filesystem::file_size(path("out/walk/.manifest.json.part")) / 2);
     std::filesystem::remove(path("out/walk/000003.png"));
     std::filesystem::rename(path("out/walk/times.csv"), path("out/walk/.times.csv.part"));
     write_text(path("out/walk/.000003.png.12345"), "half a picture");
-    write_text(path("out/walk/.manifest.json.part"), "{");
+    write_text(path("out/walk/000009.png"), "not listed");
     write_text(path("out/walk/mine.txt"), "keep");
     const auto finished = std::filesystem::last_write_time(path("out/drive/000001.png"));
     const Outcome outcome = process("out", {"--resume", "--json", "--workers", "1", "--backend", "reference"});
@@ -120,7 +122,9 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
     EXPECT_EQ(summary["frames"], 6);
     EXPECT_EQ(std::filesystem::last_write_time(path("out/drive/000001.png")), finished);
     EXPECT_EQ(read_file(path("out/walk/mine.txt")), "keep");
+    EXPECT_EQ(read_file(path("out/walk/000009.png")), "not listed");
     std::filesystem::remove(path("out/walk/mine.txt"));
+    std::filesystem::remove(path("out/walk/000009.png"));
     const auto manifests_only = [](std::map<std::string, Files> all) {
         for (auto& [name, files] : all) {
             files.erase("geometry.json");  // names the back end
@@ -134,7 +138,8 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
     EXPECT_EQ(again.exit_code, 0);
     EXPECT_THAT(again.err, HasSubstr("out/drive/000001.png: is missing or empty"));
     EXPECT_EQ(verify("out").exit_code, 0);
-    write_text(path("out/drive/manifest.json"), "");
+    std::filesystem::resize_file(path("out/drive/manifest.json"),
+                                 std::filesystem::file_size(path("out/drive/manifest.json")) - 10);
     const Outcome power_cut = process("out", {"--resume"});
     EXPECT_EQ(power_cut.exit_code, 0);
     EXPECT_THAT(power_cut.err,
@@ -188,10 +193,12 @@ TEST_F(ProcessResumeTest, WhatWasMadeOtherwiseIsRefused) {
     make_recording(path("walk.mkv"), 5, 80, 40);
     refused({}, "out/walk: was made with parameters.input.bytes = ");
     std::filesystem::rename(path("walk_of_6.mkv"), path("walk.mkv"));
-    make_kitti_folder(path("drive"), 5, 64, 32);
-    refused({}, "out/drive: was made with source.description = ");
-    std::filesystem::remove_all(path("drive"));
-    make_kitti_folder(path("drive"), 4, 64, 32);
+    // Other pictures under the same names, of the same size.
+    const std::string image = path("drive/image_0/000001.png");
+    const auto time = std::filesystem::last_write_time(image);
+    std::filesystem::last_write_time(image, time + std::chrono::nanoseconds(1000));
+    refused({}, "out/drive: was made with other input: names, sizes or times of change of its files differ now");
+    std::filesystem::last_write_time(image, time);
     std::string text = read_file(path("out/drive/manifest.json"));
     text.replace(text.find("disparityctl "), 14, "disparityctl 9");
     write_text(path("out/drive/manifest.json"), text);
@@ -200,6 +207,33 @@ TEST_F(ProcessResumeTest, WhatWasMadeOtherwiseIsRefused) {
     EXPECT_EQ(all_in("out"), before);
     EXPECT_EQ(process("out", {"--force", "--resume"}).exit_code, 2);
     EXPECT_THAT(process("out").err, HasSubstr("--resume to finish the earlier run in it, or --force to replace it"));
+}
+
+TEST_F(ProcessResumeTest, WhatWasBegunOfAnotherSourceIsRefused) {
+    const auto resume = [&](const std::string& source, std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"process", source, "-o", path("out"), "--disparities", "16", "--resume"});
+        return run(DISPARITYCTL, more);
+    };
+    const std::string scene = "scene:vga?width=96&height=64&frames=2", scan = path("scan.csv");
+    write_text(scan, "somebody's");
+    EXPECT_EQ(resume(scene, {"--scan", scan}).exit_code, 2);
+    EXPECT_EQ(read_file(scan), "somebody's");
+    std::filesystem::remove(scan);
+    ASSERT_EQ(resume(scene, {"--scan", scan}).exit_code, 0);
+    EXPECT_THAT(resume(scene, {"--scan", scan}).out, HasSubstr("done before"));
+    EXPECT_THAT(resume(scene, {"--scan", path("other.csv")}).err, HasSubstr("parameters.scan_file = "));
+    write_text(scan, "somebody's");
+    const Outcome changed = resume(scene, {"--scan", scan});
+    EXPECT_EQ(changed.exit_code, 2);
+    EXPECT_THAT(changed.err, HasSubstr("scan.csv: is not the file that was written with "));
+    std::filesystem::rename(path("out/manifest.json"), path("out/.manifest.json.part"));
+    const auto before = files_in(path("out"));
+    const Outcome other = resume(path("walk.mkv"), {"--scan", scan});
+    EXPECT_EQ(other.exit_code, 2);
+    EXPECT_THAT(other.err, HasSubstr("out: was made with parameters.input.bytes = null, now "));
+    EXPECT_EQ(files_in(path("out")), before);
+    EXPECT_EQ(resume(scene, {"--scan", scan}).exit_code, 0);
+    EXPECT_THAT(read_file(scan), Not(HasSubstr("somebody")));
 }
 
 TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <csignal>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
@@ -121,12 +124,20 @@ TEST_F(ProcessTest, AFolderWithFilesIsLeftAlone) {
     EXPECT_THAT(not_ours.err, HasSubstr("allowed: a new or empty folder"));
     EXPECT_EQ(files_in(path("out")).size(), 2U);
 
-    write_text(path("out/geometry.json"), "of an earlier run");
+    write_text(path("out/geometry.json"), "{\"crs\": \"EPSG:4326\"}");
+    EXPECT_EQ(process({path("in"), "-o", path("out"), "--force"}).exit_code, 2) << "somebody's geometry.json";
+    for (const char* const unknown : {"{\"crs\": 1}", "{\"match\": {}, \"files\": []}"}) {
+        write_text(path("out/geometry.json"), unknown);
+        const Outcome resumed = process({path("in"), "-o", path("out"), "--resume"});
+        EXPECT_EQ(resumed.exit_code, 2);
+        EXPECT_THAT(resumed.err, HasSubstr("no manifest tells what was begun in it"));
+        EXPECT_EQ(files_in(path("out")).size(), 3U);
+    }
     EXPECT_THAT(process({path("in"), "-o", path("out")}).err, HasSubstr("--force"));
     EXPECT_EQ(process({path("in"), "-o", path("out"), "--force"}).exit_code, 0);
     const auto files = files_in(path("out"));
     EXPECT_EQ(files.at("mine.txt"), "keep");
-    EXPECT_THAT(files, testing::Not(Contains(Key("000007.png"))));
+    EXPECT_THAT(files, Contains(Key("000007.png"))) << "no times.csv names it";
     EXPECT_EQ(process({path("in"), "-o", path("in/image_0/000000.png")}).exit_code, 2) << "a file is no folder";
 }
 
@@ -140,7 +151,8 @@ TEST_F(ProcessTest, CtrlCLeavesWholeFiles) {
     EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("note: stopped by Ctrl-C"));
     EXPECT_THAT(outcome.err, testing::Not(HasSubstr("error")));
-    const auto files = files_in(path("out"));
+    auto files = files_in(path("out"));
+    EXPECT_EQ(files.erase(".manifest.json.part"), 1U) << "--resume goes by it";
     ASSERT_LT(files.size(), 400U);
     ASSERT_GE(files.size(), 3U);
     for (const auto& [name, bytes] : files) {
@@ -149,6 +161,24 @@ TEST_F(ProcessTest, CtrlCLeavesWholeFiles) {
         }
     }
     EXPECT_EQ(timed_frames(path("out")), files.size() - 1);
+}
+
+TEST_F(ProcessTest, ASignalBeforeTheFirstFrameIsExitStatus75) {
+    make_recording(path("in.mkv"), 2, 64, 32);
+    ASSERT_EQ(mkfifo(path("calibration.yml").c_str(), 0600), 0);
+    Program program(DISPARITYCTL,
+                    {"process", path("in.mkv"), "-o", path("out"), "--calibration", path("calibration.yml")});
+    // It can be opened once the program reads it, and holds the program there until it is closed.
+    int writer = -1;
+    ASSERT_TRUE(eventually([&] {
+        writer = open(path("calibration.yml").c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+        return writer >= 0 || !program.running();
+    }));
+    program.send(SIGTERM);
+    close(writer);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.exit_code, 75) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("note: stopped by SIGTERM"));
 }
 
 TEST_F(ProcessTest, TruncatedRecordingGivesWhatIsThere) {

@@ -26,6 +26,7 @@ ManifestWriter::ManifestWriter(const std::string& folder, const Json& parameters
     file_.write("{\"manifest\": " + std::to_string(format) +
                 ",\n\"made_by\": " + to_text(base::version_line("disparityctl"), one_line) +
                 ",\n\"parameters\": " + to_text(parameters, one_line) + ",\n\"frames\": [");
+    file_.flush();  // after a killed run it says what the folder was begun with
 }
 
 void ManifestWriter::add(const Json& frame) {

@@ -20,7 +20,7 @@ public:
     /// Throws as GrowingFile does, as all of it.
     ManifestWriter(const std::string& folder, const Json& parameters);
 
-    ~ManifestWriter() { file_.discard(); }
+    ~ManifestWriter() = default;  ///< without finish() what is written stays: it says what the folder was begun with
     ManifestWriter(const ManifestWriter&) = delete;
     ManifestWriter& operator=(const ManifestWriter&) = delete;
 

@@ -77,10 +77,12 @@ int process_one(const ProcessArguments& arguments, const Task& task, pipeline::W
     return report_process(attempt(arguments, workers, {}), arguments.json);
 }
 
-int process_list(const ProcessArguments& arguments, const std::vector<Task>& tasks, pipeline::WorkerPool& workers) {
-    ListReport report(arguments.folder, tasks.size(), arguments.json);
+/// `sources` counts those, too, for which a signal left no task.
+int process_list(const ProcessArguments& arguments, const std::vector<Task>& tasks, std::size_t sources,
+                 pipeline::WorkerPool& workers) {
+    ListReport report(arguments.folder, sources, arguments.json);
     for (std::size_t i = 0; i < tasks.size() && !interrupted(); ++i) {
-        const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(tasks.size()) + ", frames",
+        const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(sources) + ", frames",
                           report.failed() == 0 ? std::string()
                                                : std::string(", ").append(std::to_string(report.failed())) + " failed"};
         const Task& task = tasks[i];
@@ -94,6 +96,7 @@ int process_list(const ProcessArguments& arguments, const std::vector<Task>& tas
 }
 
 int process(const ProcessArguments& arguments) {
+    catch_interrupts();
     const std::vector<ListedSource> all = list_sources(arguments.sources, arguments.folder);
     const bool is_list = all.size() > 1;
     if (is_list && std::filesystem::path(arguments.scan).has_parent_path()) {
@@ -105,6 +108,9 @@ int process(const ProcessArguments& arguments) {
     check(arguments);
     std::vector<Task> tasks;
     for (const ListedSource& source : mine) {
+        if (interrupted() && !tasks.empty()) {
+            break;
+        }
         ProcessOutput::check(source.folder, replacing(arguments));
         tasks.push_back({source, arguments.resume ? finished_before(for_source(arguments, source, is_list))
                                                   : std::optional<ProcessDone>()});
@@ -115,7 +121,7 @@ int process(const ProcessArguments& arguments) {
         return exit_done;
     }
     pipeline::WorkerPool workers(arguments.workers.value_or(0));
-    return is_list ? process_list(arguments, tasks, workers)
+    return is_list ? process_list(arguments, tasks, mine.size(), workers)
                    : process_one(for_source(arguments, mine.front(), false), tasks.front(), workers);
 }
 

@@ -14,7 +14,9 @@
 #include "tools/command_line/program.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/output_file.h"
+#include "tools/ctl/processing/begun_run.h"
 #include "tools/ctl/processing/digest.h"
+#include "tools/ctl/processing/input_files.h"
 #include "tools/datasets/announced_range.h"
 #include "tools/images/disparity_file.h"
 
@@ -79,7 +81,7 @@ void check_parent(const std::string& file, const std::string& folder) {
     namespace fs = std::filesystem;
     const fs::path parent = fs::absolute(file).lexically_normal().parent_path();
     std::error_code error;
-    if (!fs::is_directory(parent, error) && parent != (fs::absolute(folder) / "").lexically_normal().parent_path()) {
+    if (!fs::is_directory(parent, error) && !lies_in(file, folder)) {
         throw std::invalid_argument("--scan: " + file + ": there is no folder " + parent.string());
     }
 }
@@ -139,9 +141,6 @@ std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& argument
                 "--temporal: " + arguments.source +
                 " has images of several sizes or calibrations, allowed: frames of one camera, in their order");
         }
-        print_note(arguments.source +
-                   ": images of several sizes or calibrations, each pair is matched with its own; geometry.json has " +
-                   std::to_string(parts.size()) + " parts");
     }
     return parts;
 }
@@ -167,7 +166,8 @@ std::optional<ScanOptions> scan_options_of(const ProcessArguments& arguments, co
 
 std::optional<ScanOptions> scan_of(const ProcessArguments& arguments, const MatchOptions& match) {
     if (!arguments.scan.empty()) {
-        check_absent(arguments.scan, arguments.force || arguments.resume);
+        // The parameters of a begun run were compared, and name this file.
+        check_absent(arguments.scan, arguments.force || (arguments.resume && begun_with(arguments.folder)));
         check_parent(arguments.scan, arguments.folder);
     }
     return scan_options_of(arguments, match);
@@ -177,10 +177,13 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
                    const std::optional<ScanOptions>& scan) {
     const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
     const auto digest = [](const std::string& file) { return file.empty() ? Json() : Json(sha256_of_file(file)); };
-    std::error_code none;
-    const auto bytes = std::filesystem::file_size(arguments.source, none);
+    const std::filesystem::path scan_path(arguments.scan);
+    const Json scan_file = arguments.scan.empty() ? Json()
+                           : lies_in(arguments.scan, arguments.folder)
+                               ? Json(scan_path.filename().string())
+                               : Json(std::filesystem::absolute(scan_path).lexically_normal().string());
     const pipeline::DistanceLimits limits = arguments.distances.limits();
-    return {{"input", {{"source", arguments.source}, {"bytes", none ? Json() : Json(bytes)}}},
+    return {{"input", facts_of_input(arguments.source)},
             {"match", to_json(match)},
             {"calibration", digest(arguments.calibration)},
             {"size", arguments.size},
@@ -196,7 +199,8 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
             {"max_distance_m", limits.max_m},
             {"pfm", arguments.pfm},
             {"colour", arguments.colour ? Json(arguments.colours) : Json()},
-            {"scan", scan ? to_json(*scan) : Json()}};
+            {"scan", scan ? to_json(*scan) : Json()},
+            {"scan_file", scan_file}};
 }
 
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {

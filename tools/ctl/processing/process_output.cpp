@@ -22,6 +22,7 @@
 #include "tools/command_line/table.h"
 #include "tools/ctl/csv.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/processing/begun_run.h"
 #include "tools/ctl/processing/digest.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
@@ -75,19 +76,16 @@ std::set<std::string> names_of_earlier_run(const fs::path& folder) {
     return names;
 }
 
-/// Whether this class gives such a file name: a frame's number or one of `names` with an ending.
+/// Whether the earlier run made such a file: one of `names` with an ending, or a list.
 bool is_ours(const std::string& name, const std::set<std::string>& names) {
-    if (name == times_name || name == geometry_name || name == corrections_name || name == manifest_name) {
+    if (name == corrections_name) {
         return true;
     }
     for (const std::string_view ending : {"_colour.png", ".png", ".pfm"}) {
         if (!std::string_view(name).ends_with(ending)) {
             continue;
         }
-        const std::string base = name.substr(0, name.size() - ending.size());
-        const bool number = base.size() >= 6 &&
-                            std::all_of(base.begin(), base.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-        if (number || names.contains(base)) {
+        if (names.contains(name.substr(0, name.size() - ending.size()))) {
             return true;
         }
     }
@@ -117,16 +115,21 @@ bool is_left_over(const std::string& name) {
 void remove_earlier_run(const std::string& folder) {
     const std::set<std::string> names = names_of_earlier_run(folder);
     std::error_code error;
-    // First, lest what is half removed looks finished; geometry.json last, which tells that the rest is ours.
-    fs::remove(fs::path(folder) / manifest_name, error);
+    // What is half removed must not look finished, and must still tell what it was begun with, and its names: all that
+    // tells this goes last.
+    const fs::path manifest = fs::path(folder) / manifest_name, begun = GrowingFile::part_of(manifest);
+    const fs::path times = fs::path(folder) / times_name, times_begun = GrowingFile::part_of(times);
+    if (fs::exists(manifest)) {
+        fs::rename(manifest, begun, error);
+    }
     std::vector<fs::path> earlier;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
-        if (name != geometry_name && (is_ours(name, names) || is_left_over(name))) {
+        if (entry.path() != begun && entry.path() != times_begun && (is_ours(name, names) || is_left_over(name))) {
             earlier.push_back(entry.path());
         }
     }
-    earlier.push_back(fs::path(folder) / geometry_name);
+    earlier.insert(earlier.end(), {times, times_begun, fs::path(folder) / geometry_name, begun});
     for (const fs::path& path : earlier) {
         if (!error) {
             fs::remove(path, error);
@@ -139,15 +142,24 @@ void remove_earlier_run(const std::string& folder) {
 
 /// What a folder holds before a run.
 struct Content {
-    std::string other;  ///< the name of a file, where there is any
-    bool begun = false;
+    std::string other;   ///< the name of a file, where there is any
+    bool begun = false;  ///< by this program
+    bool known = false;  ///< with parameters that are known
     bool finished = false;
 };
+
+/// Whether the file is a geometry.json of this program: others may have files of that name.
+bool is_geometry(const fs::path& path) {
+    std::ifstream file(path);
+    const Json geometry = Json::parse(file, nullptr, false);
+    return geometry.is_object() && geometry.contains("match") && geometry.contains("files");
+}
 
 Content content_of(const fs::path& folder) {
     Content content;
     std::error_code error;
-    content.begun = fs::exists(folder / geometry_name, error);
+    content.known = begun_with(folder.string()).has_value();
+    content.begun = content.known || is_geometry(folder / geometry_name);
     content.finished = fs::exists(folder / manifest_name, error);
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
@@ -160,6 +172,13 @@ Content content_of(const fs::path& folder) {
 }
 
 void check_content(const std::string& folder, const Content& found, Replacing replacing) {
+    if (!found.other.empty() && replacing == Replacing::unfinished && !found.known) {
+        throw std::invalid_argument(
+            folder + ": is not empty (found " + found.other +
+            "), and no manifest tells what was begun in it, allowed with --resume: a new or empty folder, or one that "
+            "an earlier run of this version has begun" +
+            (found.begun ? "; --force replaces the earlier run" : ""));
+    }
     // Other pictures may have such names, too, for example the input.
     if (!found.other.empty() && (replacing == Replacing::nothing || !found.begun)) {
         throw std::invalid_argument(
@@ -216,6 +235,11 @@ std::string FrameNames::next(std::string_view input) {
     return name;
 }
 
+bool lies_in(const std::string& file, const std::string& folder) {
+    return fs::absolute(file).lexically_normal().parent_path() ==
+           (fs::absolute(folder) / "").lexically_normal().parent_path();
+}
+
 FolderLock::FolderLock(const std::string& folder, Missing missing) {
     if (missing == Missing::make) {
         std::error_code error;
@@ -255,7 +279,7 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
                              const capture::SourceInfo& source, const MatchOptions& options,
                              const std::optional<ScanOptions>& scan, const std::string& backend,
                              const calibration::Rectification& rectification, const std::vector<std::string>& steps,
-                             const Json& parameters)
+                             const Json& parameters, const std::string& scan_file)
     : folder_(std::move(folder)),
       source_name_(name_of_source(source.name)),
       synthetic_(source.synthetic),
@@ -264,8 +288,11 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
       options_(options) {
     const Content found = content_of(folder_);  // again: another run may have filled it meanwhile
     check_content(folder_, found, replacing);
-    if (replacing == Replacing::unfinished && found.finished) {
-        throw std::runtime_error(folder_ + ": another program has finished it meanwhile; run this again");
+    if (replacing == Replacing::unfinished) {
+        check_begun_with(folder_, parameters);
+        if (found.finished && lack_of(folder_, scan_file).empty()) {
+            throw std::runtime_error(folder_ + ": another program has finished it meanwhile; run this again");
+        }
     }
     replaces_unfinished_ = found.begun && replacing == Replacing::unfinished;
     remove_earlier_run(folder_);
@@ -274,6 +301,7 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
     if (scan) {
         scan_ = to_json(*scan);
     }
+    manifest_.emplace(folder_, parameters);
     begin_part(source, rectification);
     times_.emplace(folder_ + '/' + times_name);
     std::string head = "frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts";
@@ -281,7 +309,6 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
         head += ',' + step + "_us";
     }
     times_->write(head + ",total_us\n");
-    manifest_.emplace(folder_, parameters);
 }
 
 ProcessOutput::~ProcessOutput() {
@@ -352,6 +379,9 @@ Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::str
 
 void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict) {
     const std::string name = names_.next(slot.raw.name);
+    // First: what is not listed is not removed when the run is killed and begins anew.
+    listed_only_ = true;
+    write_times(slot, verdict, name);
     const Json digests = write_planes(slot, name);
     manifest_->add({{"output", name},
                     {"input", input_of(slot)},
@@ -363,8 +393,8 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict&
                     {"doubts", proto::doubt_names(verdict.doubts)},
                     {"sha256", digests}});
     lost_ += slot.dropped_before;
-    write_times(slot, verdict, name);
     note_correction(slot);
+    listed_only_ = false;
     ++frames_;
 }
 
@@ -404,13 +434,15 @@ void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const trust::Ve
     }
     line << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
     times_->write(line.str());
-    times_->flush();  // after a killed run this file lacks at most the last frame that has files
+    times_->flush();  // a killed run leaves at most the last frame of this file without pictures
 }
 
 void ProcessOutput::close() {
     for (std::optional<GrowingFile>* const file : {&times_, &corrections_}) {
         if (*file) {
-            (*file)->finish();
+            if (!listed_only_) {
+                (*file)->finish();
+            }
             file->reset();
         }
     }
@@ -420,14 +452,13 @@ void ProcessOutput::finish(const Json& losses, const std::string& scan) {
     if (const std::string path = folder_ + '/' + corrections_name; fs::exists(path)) {
         files_[corrections_name] = sha256_of_file(path);
     }
-    const fs::path scan_path(scan);
-    if (!scan.empty() && fs::absolute(scan_path).lexically_normal().parent_path() ==
-                             (fs::absolute(folder_) / "").lexically_normal().parent_path()) {
-        files_[scan_path.filename().string()] = sha256_of_file(scan);
+    const Json scan_digest = fs::is_regular_file(scan) ? Json(sha256_of_file(scan)) : Json();
+    if (!scan_digest.is_null() && lies_in(scan, folder_)) {
+        files_[fs::path(scan).filename().string()] = scan_digest;
     }
     Json all = losses;
     all["lost"] = lost_;
-    manifest_->finish({{"parts", parts_}, {"losses", all}, {"files", files_}});
+    manifest_->finish({{"parts", parts_}, {"losses", all}, {"files", files_}, {"scan_sha256", scan_digest}});
 }
 
 }  // namespace disparityd::tools

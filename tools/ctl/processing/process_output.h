@@ -37,6 +37,9 @@ private:
     std::set<std::string, std::less<>> taken_;
 };
 
+/// Whether a file lies in a folder itself. Neither need be there.
+bool lies_in(const std::string& file, const std::string& folder);
+
 /// Says which files `process` writes for a frame: at least one of png and pfm.
 struct OutputFormats {
     bool png = true;
@@ -81,8 +84,8 @@ public:
     ProcessOutput(std::string folder, Replacing replacing, OutputFormats formats, const capture::SourceInfo& source,
                   const MatchOptions& options, const std::optional<ScanOptions>& scan, const std::string& backend,
                   const calibration::Rectification& rectification, const std::vector<std::string>& steps,
-                  const Json& parameters);
-    ~ProcessOutput();  ///< times.csv of what was done gets its name
+                  const Json& parameters, const std::string& scan_file);
+    ~ProcessOutput();  ///< as close(), but for what the system refuses
     ProcessOutput(const ProcessOutput&) = delete;
     ProcessOutput& operator=(const ProcessOutput&) = delete;
 
@@ -93,7 +96,8 @@ public:
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
     void write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict);
 
-    /// Gives times.csv and corrections.csv their names. Throws as write().
+    /// Gives times.csv and corrections.csv their names, unless the files of the last frame could not be written. Throws
+    /// as write().
     void close();
 
     /// Writes the manifest: all frames of the source are there. `scan` is the file of the obstacle scans, which is told
@@ -124,6 +128,7 @@ private:
     Json files_;              ///< of the manifest
     std::uint64_t lost_ = 0;  ///< by source and pipeline
     bool replaces_unfinished_ = false;
+    bool listed_only_ = false;  ///< the last line of times.csv is of a frame whose files are not written
     std::optional<GrowingFile> times_;
     std::optional<GrowingFile> corrections_;  // opened with the first of them
     std::optional<ManifestWriter> manifest_;

@@ -182,8 +182,11 @@ int ListReport::finish() {
                   << (before_ > 0 ? std::string(" (done before: ").append(std::to_string(before_)) + ")" : "") << ", "
                   << in_time(frames_, seconds_) << '\n';
     }
-    const bool stopped = status_ == exit_again || status_ == exit_interrupted;
     const std::size_t left = sources_ - tried_;
+    if (interrupted() && left > 0) {
+        status_ = interrupted_status();  // the signal may have come between two sources
+    }
+    const bool stopped = status_ == exit_again || status_ == exit_interrupted;
     std::string line;
     if (failed_ > 0) {
         line = base::counted(failed_, "source") + " of " + std::to_string(sources_) + " failed, as told above";

@@ -94,7 +94,6 @@ std::optional<std::uint64_t> frames_of(const ProcessArguments& arguments) {
 
 /// Runs the pipeline to its end, or to the end of the frames in flight after Ctrl-C.
 void run_to_end(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>& total, const Shown& shown) {
-    catch_interrupts();
     Progress bar(shown.what, total);
     pipeline.start();
     while (!pipeline.wait_until_ended(std::chrono::milliseconds(50)) && !interrupted()) {
@@ -179,6 +178,7 @@ struct Run {
     const Shown& shown;
     RunFiles files;
     std::optional<calibration::StereoCalibration> calibration;  ///< where all parts have the same
+    bool endless = false;                                       ///< only a signal ends it
     ProcessDone done;
 };
 
@@ -194,7 +194,7 @@ void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& match
     run.files.folder.emplace(arguments.folder, replacing(arguments), formats_of(arguments, run.options.range), info,
                              run.options, run.scan,
                              substitute.empty() ? std::string(backend(arguments.backend).name) : substitute,
-                             rectification, steps, parameters_of(arguments, run.options, run.scan));
+                             rectification, steps, parameters_of(arguments, run.options, run.scan), arguments.scan);
     run.files.measured.emplace(run.options.range);
     if (run.scan) {
         run.files.scans.emplace(arguments.scan, arguments.force || arguments.resume);
@@ -242,7 +242,8 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
             print_note((trouble ? "left out: " : "") + line);
         });
     const capture::SourceInfo& info = source->info();
-    if (info.live && !info.frame_count) {
+    run.endless = info.live && !info.frame_count;
+    if (run.endless) {
         print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
     }
     run.config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
@@ -312,12 +313,19 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
 
 }  // namespace
 
-capture::SourceInfo info_of(const ProcessArguments& arguments) {
-    const capture::RunOfOneGeometry whole{0, SIZE_MAX};
-    const bool parts = !arguments.keep_going && capture::is_image_sequence(arguments.source);
-    const auto part =
-        parts ? capture::runs_of_one_geometry(arguments.source, arguments.calibration.empty()).front() : whole;
-    return open(arguments, part, frames_of(arguments), 2, [](const std::string&, bool) {})->info();
+std::vector<capture::SourceInfo> infos_of(const ProcessArguments& arguments) {
+    std::vector<capture::SourceInfo> all;
+    auto wanted = frames_of(arguments);
+    for (const capture::RunOfOneGeometry& part : parts_of(arguments)) {
+        if (wanted == std::uint64_t{0}) {
+            break;
+        }
+        all.push_back(open(arguments, part, wanted, 2, [](const std::string&, bool) {})->info());
+        if (wanted) {
+            *wanted -= all.back().frame_count.value_or(*wanted);
+        }
+    }
+    return all;
 }
 
 ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPool& workers, const Shown& shown) {
@@ -327,8 +335,13 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
     config.depth = false;
     const auto scan = scan_of(arguments, options);
     const auto parts = parts_of(arguments);
+    if (parts.size() > 1) {
+        print_note(arguments.source +
+                   ": images of several sizes or calibrations, each pair is matched with its own; geometry.json has " +
+                   std::to_string(parts.size()) + " parts");
+    }
 
-    Run run{arguments, config, scan, options, workers, shown, {}, {}, {}};
+    Run run{arguments, config, scan, options, workers, shown, {}, {}, false, {}};
     run.done.source = arguments.source;
     run.done.folder = arguments.folder;
     for (const capture::RunOfOneGeometry& part : parts) {
@@ -345,10 +358,15 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
         return run.done;  // Ctrl-C came before the first part
     }
     run.files.folder->close();
-    if (run.files.scans) {
+    const bool finished = run.done.error.empty() && !interrupted() && run.done.frames > 0;
+    // A part of the scans must not look whole. What has no end is whole when a signal ends it.
+    if (run.files.scans && (finished || (run.endless && run.done.error.empty()))) {
         run.files.scans->finish();
+    } else if (run.files.scans) {
+        print_note(arguments.scan + ": not written, as the source was not finished; " +
+                   GrowingFile::part_of(arguments.scan) + " has the scans until then");
     }
-    if (run.done.error.empty() && !interrupted() && run.done.frames > 0) {
+    if (finished) {
         run.files.folder->finish({{"damaged", run.done.damaged}, {"left_out", run.done.left_out}}, arguments.scan);
     }
     note_lack_of_level(run.files, run.scan);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "capture/frame_source.h"
 #include "pipeline/worker_pool.h"
@@ -16,8 +17,8 @@ struct Shown {
     std::string more;
 };
 
-/// Returns what the source of the first part says of itself, without reading frames. Throws as process_source().
-capture::SourceInfo info_of(const ProcessArguments& arguments);
+/// Returns what the source of each part says of itself, without reading frames. Throws as process_source().
+std::vector<capture::SourceInfo> infos_of(const ProcessArguments& arguments);
 
 /// Processes arguments.source into arguments.folder, to its end or until Ctrl-C. Throws std::invalid_argument when the
 /// user must change something, base::DiskFull or std::runtime_error when the system refuses, all before the first

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/processing/resume.h"
 
-#include <filesystem>
+#include <cstdint>
 #include <stdexcept>
 
 #include "base/file_kind.h"
 #include "base/version.h"
-#include "base/words.h"
 #include "tools/command_line/program.h"
+#include "tools/ctl/processing/begun_run.h"
+#include "tools/ctl/processing/digest.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/ctl/processing/process_source.h"
 #include "tools/ctl/source_arguments.h"
@@ -15,78 +16,66 @@
 namespace disparityd::tools {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// What lost power in the middle may have its name and no content.
-bool has_content(const std::string& path) {
-    std::error_code error;
-    return fs::file_size(path, error) > 0 && !error;
+void check_same(const std::string& folder, const Json& made, const Json& now) {
+    if (const std::string other = difference(made, now, "now"); !other.empty()) {
+        refuse_made_with(folder, other);
+    }
 }
 
-[[noreturn]] void refuse(const std::string& folder, const std::string& difference) {
-    throw std::invalid_argument(folder + ": was made with " + difference +
-                                "; repeat what it was made with, choose another folder, or replace all with --force");
-}
-
-/// Says why an earlier run is not done, and takes its manifest away.
-std::nullopt_t begin_anew(const ProcessArguments& arguments, const std::string& reason) {
-    print_note(reason + "; " + arguments.source + " is processed again");
-    fs::remove(arguments.folder + '/' + manifest_name);
-    return std::nullopt;
+/// Compares what the sources of all parts say of themselves.
+void check_parts(const ProcessArguments& arguments, const Json& manifest) {
+    Json before = Json::array(), now = Json::array();
+    for (const Json& part : manifest["parts"]) {
+        before.push_back(part.at("source"));
+    }
+    for (const capture::SourceInfo& info : infos_of(arguments)) {
+        now.push_back(to_json(info));
+    }
+    check_same(arguments.folder, {{"parts", before.size()}}, {{"parts", now.size()}});
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        check_same(arguments.folder, {{"source", before[i]}}, {{"source", now[i]}});
+    }
 }
 
 }  // namespace
 
 std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
     const std::string& folder = arguments.folder;
+    if (!begun_with(folder)) {
+        return std::nullopt;
+    }
+    const MatchOptions options = match_options(arguments);
+    const Json parameters = parameters_of(arguments, options, scan_options_of(arguments, options));
     if (!base::is_file(folder + '/' + manifest_name)) {
+        check_begun_with(folder, parameters);
         return std::nullopt;
     }
     ProcessDone done;
     done.source = arguments.source;
     done.folder = folder;
     done.before = true;
-    std::string missing = arguments.scan.empty() || base::is_file(arguments.scan) ? "" : arguments.scan;
-    const auto look_for = [&](const Json& files) {
-        for (const auto& [name, digest] : files.items()) {
-            if (missing.empty() && !has_content(folder + '/' + name)) {
-                missing = folder + '/' + name;
-            }
-        }
-    };
     Json manifest;
     try {
-        manifest = read_manifest(folder, [&](const Json& frame) {
-            ++done.frames;
-            look_for(frame.at("sha256"));
-        });
+        manifest = read_manifest(folder, [&](const Json&) { ++done.frames; });
     } catch (const DamagedManifest& error) {
-        return begin_anew(arguments, error.what());
+        check_begun_with(folder, parameters);
+        print_note(std::string(error.what()) + "; " + arguments.source + " is processed again");
+        return std::nullopt;
     }
-    look_for(manifest["files"]);
-    const MatchOptions options = match_options(arguments);
-    const Json made{{"version", manifest["made_by"]}, {"parameters", manifest["parameters"]}};
-    const Json now{{"version", base::version_line("disparityctl")},
-                   {"parameters", parameters_of(arguments, options, scan_options_of(arguments, options))}};
-    if (const std::string other = difference(made, now, "now"); !other.empty()) {
-        refuse(folder, other);
-    }
+    check_same(folder, {{"version", manifest["made_by"]}, {"parameters", manifest["parameters"]}},
+               {{"version", base::version_line("disparityctl")}, {"parameters", parameters}});
     if (is_kept(arguments.source)) {
-        const Json source{{"source", to_json(info_of(arguments))}};
-        const Json before{{"source", manifest["parts"].at(0).at("source")}};
-        if (const std::string other = difference(before, source, "now"); !other.empty()) {
-            refuse(folder, other);
-        }
+        check_parts(arguments, manifest);
     }
-    if (!missing.empty()) {
-        return begin_anew(arguments, missing + ": is missing or empty");
+    if (const std::string lack = lack_of(folder, arguments.scan); !lack.empty()) {
+        print_note(lack + "; " + arguments.source + " is processed again");
+        return std::nullopt;
     }
-    const Json& losses = manifest["losses"];
-    // What kept them from being read may have passed, such as a share that was gone.
-    if (const std::size_t left_out = losses.at("left_out").size(); left_out > 0) {
-        return begin_anew(arguments, folder + ": " + base::counted(left_out, "frame") + " left out before");
+    if (base::is_file(arguments.scan) && manifest.value("scan_sha256", Json()) != sha256_of_file(arguments.scan)) {
+        throw std::invalid_argument(arguments.scan + ": is not the file that was written with " + folder +
+                                    "; move it away to have it made again, or replace all with --force");
     }
-    done.damaged = losses.at("damaged").get<std::uint64_t>();
+    done.damaged = manifest["losses"].at("damaged").get<std::uint64_t>();
     return done;
 }
 

@@ -36,12 +36,13 @@ bool stands_alone(const std::string& word) {
 /// Returns the file or folder that a source begins with, as an absolute path; of other sources the whole text.
 fs::path place_of(const std::string& uri) {
     fs::path path = uri;
+    std::error_code too_long;  // a pipeline of GStreamer may be longer than a name can be
     for (const char* const rest : {"?", ","}) {
-        if (!fs::exists(path)) {
+        if (!fs::exists(path, too_long)) {
             path = uri.substr(0, uri.find(rest));
         }
     }
-    const bool is_file = fs::exists(path) || uri.find(':') == std::string::npos;
+    const bool is_file = fs::exists(path, too_long) || uri.find(':') == std::string::npos;
     if (!is_file) {
         std::string text = uri;
         std::replace(text.begin(), text.end(), '/', '_');

@@ -207,6 +207,7 @@ Comparable comparable(const std::string& folder) {
     });
     manifest.made_by = all["made_by"].get<std::string>();
     all["parameters"].erase("input");
+    all["parameters"].erase("scan_file");
     Json rectified = Json::array();
     for (const Json& part : all["parts"]) {
         rectified.push_back({{"from_frame", part.at("from_frame")}, {"rectified", part.at("rectified")}});
