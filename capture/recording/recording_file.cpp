@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/failure_text.h"
 #include "base/file_lock.h"
+#include "base/write_failure.h"
 
 namespace disparityd::capture {
 namespace {
@@ -39,7 +39,7 @@ RecordingFile::RecordingFile(const std::string& path, bool overwrite) : path_(pa
         if (error == EEXIST) {
             throw std::invalid_argument(path + ": exists already; choose another name");
         }
-        throw std::runtime_error(path + ": cannot be written: " + base::error_text(error));
+        base::refuse_to_write(path, error);
     }
     struct stat status {};
     seekable_ = ::fstat(fd_, &status) == 0 && S_ISREG(status.st_mode);
@@ -82,7 +82,7 @@ void RecordingFile::claim() {
     if (existed_ && ::ftruncate(fd_, 0) != 0) {
         const int error = errno;
         close();
-        throw std::runtime_error(path_ + ": cannot be written: " + base::error_text(error));
+        base::refuse_to_write(path_, error);
     }
 }
 

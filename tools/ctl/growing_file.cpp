@@ -3,40 +3,26 @@
 
 #include <cerrno>
 #include <filesystem>
-#include <utility>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/file_lock.h"
 #include "base/write_failure.h"
+#include "base/write_target.h"
 
 namespace disparityd::tools {
-namespace {
-
-namespace fs = std::filesystem;
-
-/// A link stays one: what it leads to is replaced.
-std::string target_of(const std::string& path) {
-    std::error_code error;
-    const fs::path real = fs::weakly_canonical(path, error);
-    return error ? path : real.string();
-}
-
-bool is_special(const std::string& path) {
-    std::error_code error;
-    const fs::file_status status = fs::status(path, error);
-    return fs::exists(status) && !fs::is_regular_file(status);
-}
-
-}  // namespace
 
 std::string GrowingFile::part_of(const std::string& path) {
-    const fs::path whole(path);
+    const std::filesystem::path whole(path);
     return (whole.parent_path() / ('.' + whole.filename().string() + ".part")).string();
 }
 
-GrowingFile::GrowingFile(std::string path) : path_(target_of(path)), part_(is_special(path_) ? path_ : part_of(path_)) {
+GrowingFile::GrowingFile(const std::string& path) {
+    const base::WriteTarget target = base::write_target(path);
+    path_ = target.path;
+    part_ = target.special ? path_ : part_of(path_);
     const int descriptor = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     file_.reset(descriptor < 0 ? nullptr : ::fdopen(descriptor, "w"));
     if (!file_) {
@@ -44,6 +30,9 @@ GrowingFile::GrowingFile(std::string path) : path_(target_of(path)), part_(is_sp
     }
     base::lock_for_writing(descriptor, path);       // before it is emptied: another process may be writing it
     static_cast<void>(::ftruncate(descriptor, 0));  // a pipe or a device has no length
+    if (target.mode) {
+        ::fchmod(descriptor, *target.mode);
+    }
 }
 
 void GrowingFile::write(std::string_view text) {
@@ -71,13 +60,6 @@ void GrowingFile::finish() {
     if (std::fclose(file_.release()) != 0) {
         base::refuse_to_write(path_, errno);
     }
-}
-
-void GrowingFile::discard() noexcept {
-    if (file_ && part_ != path_) {
-        ::unlink(part_.c_str());
-    }
-    file_.reset();
 }
 
 }  // namespace disparityd::tools

@@ -14,7 +14,7 @@ namespace disparityd::tools {
 class GrowingFile {
 public:
     /// Throws std::runtime_error when the system refuses, or another process writes it.
-    explicit GrowingFile(std::string path);
+    explicit GrowingFile(const std::string& path);
     ~GrowingFile() = default;  ///< without finish() the temporary file stays
     GrowingFile(const GrowingFile&) = delete;
     GrowingFile& operator=(const GrowingFile&) = delete;
@@ -28,9 +28,6 @@ public:
     /// Gives the file its name, in place of one that has it, once its content is on the disk. Throws as write().
     /// Nothing is written afterwards.
     void finish();
-
-    /// Removes the temporary file, unless finish() was called.
-    void discard() noexcept;
 
     /// Returns the temporary name of a file.
     static std::string part_of(const std::string& path);

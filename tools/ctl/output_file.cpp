@@ -2,11 +2,12 @@
 #include "tools/ctl/output_file.h"
 
 #include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <stdexcept>
 
 #include <unistd.h>
+
+#include "base/write_failure.h"
 
 namespace disparityd::tools {
 
@@ -21,7 +22,7 @@ void check_writable(const std::string& path) {
         throw std::invalid_argument(path + ": the folder " + folder + " is not there; make it, or name another file");
     }
     if (!std::filesystem::exists(path, error) && ::access(folder.c_str(), W_OK) != 0) {
-        throw std::runtime_error(path + ": cannot be written: " + std::strerror(errno));
+        base::refuse_to_write(path, errno);
     }
 }
 

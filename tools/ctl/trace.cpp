@@ -6,8 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "base/failure_text.h"
 #include "base/words.h"
+#include "base/write_failure.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/commands.h"
@@ -35,7 +35,7 @@ int trace(const TraceArguments& arguments) {
     const std::uint64_t events = file ? write_trace_json(file, trace) : 0;
     file.close();
     if (!file) {
-        throw std::runtime_error(arguments.file + ": cannot be written: " + base::error_text(errno));
+        base::refuse_to_write(arguments.file, errno);
     }
     constexpr double ns_of_s = 1e9;
     std::cout << arguments.file << ": " << base::counted(events, "event") << " in "

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/write_failure.h"
+#include "base/write_target.h"
 #include "capture/images/image_files.h"
 
 namespace disparityd::images {
@@ -47,17 +48,17 @@ int write_all(int descriptor, std::span<const std::uint8_t> bytes) {
 }
 
 /// Puts the new file in place of the target, whole or not at all; `path` is for messages.
-void replace(const std::string& path, const std::string& target, int beside, std::span<const std::uint8_t> bytes) {
-    const std::string unfinished = unfinished_name(target);
+void replace(const std::string& path, const base::WriteTarget& target, int beside,
+             std::span<const std::uint8_t> bytes) {
+    const std::string unfinished = unfinished_name(target.path);
     int failure = write_all(beside, bytes);
-    struct stat before {};
-    if (stat(target.c_str(), &before) == 0) {
-        fchmod(beside, before.st_mode & 07777);
+    if (target.mode) {
+        fchmod(beside, *target.mode);
     }
     if (close(beside) != 0 && failure == 0) {
         failure = errno;
     }
-    if (failure == 0 && rename(unfinished.c_str(), target.c_str()) != 0) {
+    if (failure == 0 && rename(unfinished.c_str(), target.path.c_str()) != 0) {
         failure = errno;
     }
     if (failure != 0) {
@@ -85,21 +86,9 @@ void write_encoded(const std::string& path, const cv::Mat& picture, const char* 
 }  // namespace
 
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
-    std::error_code error;
-    const auto status = std::filesystem::status(path, error);
-    const bool special = std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-    // A pipe or a device is written to; a link stays one, and what it leads to is replaced, or made.
-    const bool dangling = !std::filesystem::exists(status) && std::filesystem::is_symlink(path, error);
-    const std::filesystem::path wanted =
-        dangling ? std::filesystem::path(path).parent_path() / std::filesystem::read_symlink(path, error)
-                 : std::filesystem::path(path);
-    const std::filesystem::path real = special ? wanted : std::filesystem::weakly_canonical(wanted, error);
-    const std::string target = error ? path : real.string();
-    if (std::filesystem::exists(status) && access(target.c_str(), W_OK) != 0) {
-        base::refuse_to_write(path, errno);  // a file that is protected stays
-    }
-    const int beside = special ? -1 : open_beside(target);
-    if (!special && beside < 0 && errno != EACCES && errno != EPERM && errno != EROFS) {
+    const base::WriteTarget target = base::write_target(path);
+    const int beside = target.special ? -1 : open_beside(target.path);
+    if (!target.special && beside < 0 && errno != EACCES && errno != EPERM && errno != EROFS) {
         base::refuse_to_write(path, errno);
     }
     if (beside >= 0) {
@@ -107,7 +96,7 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
         return;
     }
     // Where no file may be made beside it, writing into the one that is there may be allowed all the same.
-    const int itself = open(target.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    const int itself = open(target.path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (itself < 0) {
         base::refuse_to_write(path, errno);
     }
