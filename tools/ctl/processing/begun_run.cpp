@@ -42,26 +42,26 @@ std::optional<Json> begun_with(const std::string& folder) {
     return parameters ? parameters : parameters_in(GrowingFile::part_of(whole));
 }
 
-void check_begun_with(const std::string& folder, const Json& parameters) {
-    const auto before = begun_with(folder);
-    if (!before) {
+void check_made_with(const std::string& folder, const Json& made, const Json& now) {
+    const std::string other = difference(made, now, "now");
+    if (other.empty()) {
         return;
     }
-    const Json made{{"parameters", *before}}, now{{"parameters", parameters}};
-    if (const std::string other = difference(made, now, "now"); !other.empty()) {
-        refuse_made_with(folder, other);
-    }
-}
-
-void refuse_made_with(const std::string& folder, const std::string& difference) {
-    const bool input = difference.starts_with("parameters.input.listing");
+    const bool input = other.starts_with("parameters.input.listing");
     throw std::invalid_argument(
         folder + ": was made with " +
-        (input ? std::string("other input: names, sizes or times of change of its files differ now") : difference) +
+        (input ? std::string("other input: names, sizes or times of change of its files differ now") : other) +
         "; repeat what it was made with, choose another folder, or replace all with --force");
 }
 
-std::string lack_of(const std::string& folder, const std::string& scan) {
+void check_begun_with(const std::string& folder, const Json& parameters) {
+    if (const auto before = begun_with(folder)) {
+        check_made_with(folder, {{"parameters", *before}}, {{"parameters", parameters}});
+    }
+}
+
+MadeRun made_run(const std::string& folder, const std::string& scan) {
+    MadeRun run;
     std::error_code error;
     std::string missing = scan.empty() || std::filesystem::exists(scan, error) ? "" : scan;
     const auto look_for = [&](const Json& files) {
@@ -71,18 +71,26 @@ std::string lack_of(const std::string& folder, const std::string& scan) {
             }
         }
     };
-    Json manifest;
-    try {
-        manifest = read_manifest(folder, [&](const Json& frame) { look_for(frame.at("sha256")); });
-    } catch (const DamagedManifest& error) {
-        return error.what();
-    }
-    look_for(manifest["files"]);
+    run.manifest = read_manifest(folder, [&](const Json& frame) {
+        ++run.frames;
+        look_for(frame.at("sha256"));
+    });
+    look_for(run.manifest["files"]);
+    const std::size_t left_out = run.manifest["losses"].at("left_out").size();
     if (!missing.empty()) {
-        return missing + ": is missing or empty";
+        run.lack = missing + ": is missing or empty";
+    } else if (left_out > 0) {
+        run.lack = folder + ": " + base::counted(left_out, "frame") + " left out before";
     }
-    const std::size_t left_out = manifest["losses"].at("left_out").size();
-    return left_out == 0 ? "" : folder + ": " + base::counted(left_out, "frame") + " left out before";
+    return run;
+}
+
+bool is_done(const std::string& folder, const std::string& scan) {
+    try {
+        return made_run(folder, scan).lack.empty();
+    } catch (const DamagedManifest&) {
+        return false;
+    }
 }
 
 }  // namespace disparityd::tools

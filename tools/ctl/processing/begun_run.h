@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -12,15 +13,25 @@ namespace disparityd::tools {
 /// them; nothing where no manifest was begun.
 std::optional<Json> begun_with(const std::string& folder);
 
-/// Throws std::invalid_argument with one line where the run in the folder has other parameters.
+/// Throws std::invalid_argument with one line where the run in the folder was made with other things than now.
+void check_made_with(const std::string& folder, const Json& made, const Json& now);
+
+/// The same of its parameters, finished or not; those of a folder without a run are not compared.
 void check_begun_with(const std::string& folder, const Json& parameters);
 
-/// Throws std::invalid_argument: the folder was made with what the text says.
-[[noreturn]] void refuse_made_with(const std::string& folder, const std::string& difference);
+/// A run that has its manifest.
+struct MadeRun {
+    Json manifest;  ///< without frames
+    std::uint64_t frames = 0;
+    /// Why it is not done all the same: "out/000001.png: is missing or empty", or that frames were left out, as what
+    /// kept them from being read may have passed. Empty: it is done.
+    std::string lack;
+};
 
-/// Returns why a run that has its manifest is not done: "out/000001.png: is missing or empty", that the manifest is
-/// damaged, or that frames were left out, as what kept them from being read may have passed; empty: it is done. `scan`
-/// is the file of the obstacle scans; empty: none. Throws std::invalid_argument for a manifest of another version.
-std::string lack_of(const std::string& folder, const std::string& scan);
+/// Reads it. `scan` is the file of the obstacle scans; empty: none. Throws as read_manifest().
+MadeRun made_run(const std::string& folder, const std::string& scan);
+
+/// Whether it is done; not where its manifest is damaged. Else as made_run().
+bool is_done(const std::string& folder, const std::string& scan);
 
 }  // namespace disparityd::tools

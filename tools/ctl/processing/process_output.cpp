@@ -24,6 +24,7 @@
 #include "tools/ctl/describe.h"
 #include "tools/ctl/processing/begun_run.h"
 #include "tools/ctl/processing/digest.h"
+#include "tools/ctl/processing/times_csv.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 #include "tools/images/picture.h"
@@ -55,7 +56,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* times_name = "times.csv";
 constexpr const char* corrections_name = "corrections.csv";
 
 /// Returns the names that an earlier run gave its frames, from its times.csv.
@@ -290,7 +290,7 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
     check_content(folder_, found, replacing);
     if (replacing == Replacing::unfinished) {
         check_begun_with(folder_, parameters);
-        if (found.finished && lack_of(folder_, scan_file).empty()) {
+        if (found.finished && is_done(folder_, scan_file)) {
             throw std::runtime_error(folder_ + ": another program has finished it meanwhile; run this again");
         }
     }
@@ -304,11 +304,11 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
     manifest_.emplace(folder_, parameters);
     begin_part(source, rectification);
     times_.emplace(folder_ + '/' + times_name);
-    std::string head = "frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts";
+    std::string head = times_head();
     for (const std::string& step : steps) {
-        head += ',' + step + "_us";
+        head += step + "_us,";
     }
-    times_->write(head + ",total_us\n");
+    times_->write(head + "total_us\n");
 }
 
 ProcessOutput::~ProcessOutput() {
@@ -379,27 +379,23 @@ Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::str
 
 void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict) {
     const std::string name = names_.next(slot.raw.name);
+    Json frame{{"output", name},
+               {"input", slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name},
+               {"sequence", slot.raw.sequence},
+               {"monotonic_ns", slot.raw.monotonic_ns},
+               {"flags", slot.raw.flags},
+               {"dropped_before", slot.dropped_before},
+               {"trust", unsigned{verdict.trust}},
+               {"doubts", proto::doubt_names(verdict.doubts)}};
     // First: what is not listed is not removed when the run is killed and begins anew.
     listed_only_ = true;
-    write_times(slot, verdict, name);
-    const Json digests = write_planes(slot, name);
-    manifest_->add({{"output", name},
-                    {"input", input_of(slot)},
-                    {"sequence", slot.raw.sequence},
-                    {"monotonic_ns", slot.raw.monotonic_ns},
-                    {"flags", slot.raw.flags},
-                    {"dropped_before", slot.dropped_before},
-                    {"trust", unsigned{verdict.trust}},
-                    {"doubts", proto::doubt_names(verdict.doubts)},
-                    {"sha256", digests}});
+    write_times(slot, frame);
+    frame["sha256"] = write_planes(slot, name);
+    manifest_->add(frame);
     lost_ += slot.dropped_before;
     note_correction(slot);
     listed_only_ = false;
     ++frames_;
-}
-
-std::string_view ProcessOutput::input_of(const pipeline::FrameSlot& slot) const {
-    return slot.raw.name.empty() ? std::string_view(source_name_) : slot.raw.name;
 }
 
 void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
@@ -421,19 +417,14 @@ void ProcessOutput::note_correction(const pipeline::FrameSlot& slot) {
     corrections_->write(line.str());
 }
 
-void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict,
-                                const std::string& name) {
-    std::ostringstream line;
-    line << frames_ << ',' << csv_field(name) << ',' << csv_field(input_of(slot)) << ',' << slot.raw.sequence << ','
-         << slot.raw.monotonic_ns << ',' << slot.raw.flags << ',' << slot.dropped_before << ','
-         << unsigned{verdict.trust} << ',' << proto::doubt_names(verdict.doubts);
+void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const Json& frame) {
+    std::string line = times_columns(frames_, frame);
     std::chrono::nanoseconds total{0};
     for (const std::chrono::nanoseconds time : slot.step_times) {
         total += time;
-        line << ',' << fixed(static_cast<double>(time.count()) / 1e3, 1);
+        line += fixed(static_cast<double>(time.count()) / 1e3, 1) + ',';
     }
-    line << ',' << fixed(static_cast<double>(total.count()) / 1e3, 1) << '\n';
-    times_->write(line.str());
+    times_->write(line + fixed(static_cast<double>(total.count()) / 1e3, 1) + '\n');
     times_->flush();  // a killed run leaves at most the last frame of this file without pictures
 }
 

@@ -69,7 +69,7 @@ private:
     int descriptor_ = -1;
 };
 
-/// The folder that `process` fills: NAME.png, NAME.pfm and NAME_colour.png per frame (frame_names.h), times.csv with a
+/// The folder that `process` fills: NAME.png, NAME.pfm and NAME_colour.png per frame (FrameNames), times.csv with a
 /// line per frame, geometry.json, corrections.csv where self-calibration changed something, and manifest.json when all
 /// is done. Each appears by its name when it is whole. One thread uses it at a time. Everything but times.csv depends
 /// on input and options alone.
@@ -110,8 +110,7 @@ public:
     std::uint64_t frames() const { return frames_; }
 
 private:
-    void write_times(const pipeline::FrameSlot& slot, const trust::Verdict& verdict, const std::string& name);
-    std::string_view input_of(const pipeline::FrameSlot& slot) const;
+    void write_times(const pipeline::FrameSlot& slot, const Json& frame);
     Json write_planes(const pipeline::FrameSlot& slot, const std::string& name);
     void note_correction(const pipeline::FrameSlot& slot);
 

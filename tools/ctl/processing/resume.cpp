@@ -16,12 +16,6 @@
 namespace disparityd::tools {
 namespace {
 
-void check_same(const std::string& folder, const Json& made, const Json& now) {
-    if (const std::string other = difference(made, now, "now"); !other.empty()) {
-        refuse_made_with(folder, other);
-    }
-}
-
 /// Compares what the sources of all parts say of themselves.
 void check_parts(const ProcessArguments& arguments, const Json& manifest) {
     Json before = Json::array(), now = Json::array();
@@ -31,9 +25,9 @@ void check_parts(const ProcessArguments& arguments, const Json& manifest) {
     for (const capture::SourceInfo& info : infos_of(arguments)) {
         now.push_back(to_json(info));
     }
-    check_same(arguments.folder, {{"parts", before.size()}}, {{"parts", now.size()}});
+    check_made_with(arguments.folder, {{"parts", before.size()}}, {{"parts", now.size()}});
     for (std::size_t i = 0; i < now.size(); ++i) {
-        check_same(arguments.folder, {{"source", before[i]}}, {{"source", now[i]}});
+        check_made_with(arguments.folder, {{"source", before[i]}}, {{"source", now[i]}});
     }
 }
 
@@ -50,32 +44,34 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
         check_begun_with(folder, parameters);
         return std::nullopt;
     }
-    ProcessDone done;
-    done.source = arguments.source;
-    done.folder = folder;
-    done.before = true;
-    Json manifest;
+    MadeRun made;
     try {
-        manifest = read_manifest(folder, [&](const Json&) { ++done.frames; });
+        made = made_run(folder, arguments.scan);
     } catch (const DamagedManifest& error) {
         check_begun_with(folder, parameters);
         print_note(std::string(error.what()) + "; " + arguments.source + " is processed again");
         return std::nullopt;
     }
-    check_same(folder, {{"version", manifest["made_by"]}, {"parameters", manifest["parameters"]}},
-               {{"version", base::version_line("disparityctl")}, {"parameters", parameters}});
+    const Json& manifest = made.manifest;
+    check_made_with(folder, {{"version", manifest.at("made_by")}, {"parameters", manifest.at("parameters")}},
+                    {{"version", base::version_line("disparityctl")}, {"parameters", parameters}});
     if (is_kept(arguments.source)) {
         check_parts(arguments, manifest);
     }
-    if (const std::string lack = lack_of(folder, arguments.scan); !lack.empty()) {
-        print_note(lack + "; " + arguments.source + " is processed again");
+    if (!made.lack.empty()) {
+        print_note(made.lack + "; " + arguments.source + " is processed again");
         return std::nullopt;
     }
     if (base::is_file(arguments.scan) && manifest.value("scan_sha256", Json()) != sha256_of_file(arguments.scan)) {
         throw std::invalid_argument(arguments.scan + ": is not the file that was written with " + folder +
                                     "; move it away to have it made again, or replace all with --force");
     }
-    done.damaged = manifest["losses"].at("damaged").get<std::uint64_t>();
+    ProcessDone done;
+    done.source = arguments.source;
+    done.folder = folder;
+    done.before = true;
+    done.frames = made.frames;
+    done.damaged = manifest.at("losses").at("damaged").get<std::uint64_t>();
     return done;
 }
 

@@ -17,9 +17,9 @@
 #include "base/words.h"
 #include "tools/command_line/program.h"
 #include "tools/ctl/commands.h"
-#include "tools/ctl/csv.h"
 #include "tools/ctl/processing/digest.h"
 #include "tools/ctl/processing/manifest.h"
+#include "tools/ctl/processing/times_csv.h"
 #include "tools/images/disparity_file.h"
 #include "tools/images/image_file.h"
 
@@ -107,19 +107,11 @@ void tell_extra(const std::string& folder, const std::set<std::string>& known, F
 /// times.csv beside the manifest: but for how long each step took, both tell the same.
 class TimesFile {
 public:
-    explicit TimesFile(const std::string& folder) : path_(folder + "/times.csv"), file_(path_) {
-        expect("frame,output,input,sequence,monotonic_ns,flags,dropped_before,trust,doubts,");
+    explicit TimesFile(const std::string& folder) : path_(folder + '/' + times_name), file_(path_) {
+        expect(times_head());
     }
 
-    void expect_frame(const Json& frame) {
-        std::string columns = std::to_string(lines_ - 1) + ',';
-        for (const char* const name :
-             {"output", "input", "sequence", "monotonic_ns", "flags", "dropped_before", "trust", "doubts"}) {
-            const Json& value = frame.at(name);
-            columns += (value.is_string() ? csv_field(value.get<std::string>()) : to_text(value, -1)) + ',';
-        }
-        expect(columns);
-    }
+    void expect_frame(const Json& frame) { expect(times_columns(lines_ - 1, frame)); }
 
     void tell(Findings& found) {
         std::string more;
@@ -171,7 +163,7 @@ void verify_source(const std::string& folder, Findings& found) {
         found.tell(folder, "not finished: there is no manifest.json");
         return;
     }
-    std::set<std::string> known{manifest_name, "times.csv"};
+    std::set<std::string> known{manifest_name, times_name};
     TimesFile times(folder);
     try {
         const Json manifest = read_manifest(folder, [&](const Json& frame) {
