@@ -71,20 +71,12 @@ public:
 
     template <typename Buffers, typename Handler>
     auto async_read_some(const Buffers& buffers, Handler&& handler) {
-        return boost::asio::async_initiate<Handler, void(Error, std::size_t)>(
-            [this](auto&& handler, const FewBuffers<boost::asio::mutable_buffer>& few) {
-                read_some(few, kept<Moved>(std::forward<decltype(handler)>(handler)));
-            },
-            handler, FewBuffers<boost::asio::mutable_buffer>(buffers));
+        return begin(&PeerStream::read_some, FewBuffers<boost::asio::mutable_buffer>(buffers), handler);
     }
 
     template <typename Buffers, typename Handler>
     auto async_write_some(const Buffers& buffers, Handler&& handler) {
-        return boost::asio::async_initiate<Handler, void(Error, std::size_t)>(
-            [this](auto&& handler, const FewBuffers<boost::asio::const_buffer>& few) {
-                write_some(few, kept<Moved>(std::forward<decltype(handler)>(handler)));
-            },
-            handler, FewBuffers<boost::asio::const_buffer>(buffers));
+        return begin(&PeerStream::write_some, FewBuffers<boost::asio::const_buffer>(buffers), handler);
     }
 
     /// Beast ends the stream under a WebSocket with this.
@@ -102,6 +94,16 @@ private:
         return [kept = std::make_shared<std::decay_t<Handler>>(std::forward<Handler>(handler))](auto... results) {
             std::move (*kept)(results...);
         };
+    }
+
+    template <typename Buffer, typename Handler>
+    auto begin(void (PeerStream::*operation)(const FewBuffers<Buffer>&, Moved), const FewBuffers<Buffer>& buffers,
+               Handler& handler) {
+        return boost::asio::async_initiate<Handler, void(Error, std::size_t)>(
+            [this, operation](auto&& handler, const FewBuffers<Buffer>& few) {
+                (this->*operation)(few, kept<Moved>(std::forward<decltype(handler)>(handler)));
+            },
+            handler, buffers);
     }
 
     void read_some(const FewBuffers<boost::asio::mutable_buffer>& buffers, Moved done);
