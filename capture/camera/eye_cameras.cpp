@@ -62,69 +62,78 @@ bool names_a_node(const CameraRequest& request) {
     return !request.device.empty() && !request.device.starts_with("/dev/v4l/by-path/");
 }
 
-bool is_there(const UsbCamera& camera, const std::vector<UsbCamera>& present) {
-    return std::any_of(present.begin(), present.end(), [&](const UsbCamera& c) { return same_plugging(c, camera); });
-}
-
 }  // namespace
 
 EyeCameras::EyeCameras(const CameraRequest& pair)
     : eyes_{{{request_of_eye(pair, Eye::left), {}}, {request_of_eye(pair, Eye::right), {}}}} {}
 
+bool EyeCameras::is_held(const Known& known, const std::vector<UsbCamera>& present) {
+    return known.held && std::any_of(present.begin(), present.end(),
+                                     [&](const UsbCamera& camera) { return same_plugging(camera, *known.camera); });
+}
+
 EyeCameras::Choice EyeCameras::choose(Eye eye, const std::vector<UsbCamera>& present) const {
     const Known& own = of(eye);
     const Known& partner = of(other(eye));
-    Choice choice{candidates(present, own.request), {}};
-    const bool partner_there = partner.held && is_there(*partner.camera, present);
+    Choice choice;
     std::vector<UsbCamera> named;
-    for (UsbCamera& camera : std::exchange(choice.cameras, {})) {
-        if (!partner_there || !same_plugging(camera, *partner.camera)) {
+    for (UsbCamera& camera : candidates(present, own.request)) {
+        if (!is_held(partner, present) || !same_plugging(camera, *partner.camera)) {
             named.push_back(std::move(camera));
         } else if (own.request.serial.empty() || own.request.serial == camera.serial) {
             choice.problem = {CameraState::failed, one_camera_text(camera)};
         }
     }
-    if (!own.camera || !names_a_node(own.request)) {
-        const bool partner_away = partner.camera && !partner_there && names_a_node(own.request);
-        if (partner_away &&
-            std::erase_if(named, [&](const UsbCamera& c) { return may_be_known(c, *partner.camera); })) {
-            choice.problem = {CameraState::failed, "the " + name_of(eye) + " eye waits for the camera of the " +
-                                                       name_of(other(eye)) + " one, " + partner.camera->label() +
-                                                       ": what is at " + own.request.device +
-                                                       " may be that one; plug it in where it was"};
-        }
-        choice.problem = named.empty() ? choice.problem : std::nullopt;
-        choice.cameras = std::move(named);
-        return choice;
+    if (own.camera && names_a_node(own.request)) {
+        return choose_again(eye, present, std::move(named));
     }
-    choice.problem.reset();
+    const bool partner_away = partner.camera && !is_held(partner, present) && names_a_node(own.request);
+    if (partner_away && std::erase_if(named, [&](const UsbCamera& c) { return may_be_known(c, *partner.camera); })) {
+        choice.problem = {CameraState::failed, "the " + name_of(eye) + " eye waits for the camera of the " +
+                                                   name_of(other(eye)) + " one, " + partner.camera->label() +
+                                                   ": what is at " + own.request.device +
+                                                   " may be that one; plug it in where it was"};
+    }
+    choice.problem = named.empty() ? choice.problem : std::nullopt;
+    choice.cameras = std::move(named);
+    return choice;
+}
+
+/// For an eye that had a camera. `named`: those at the node that is named, but for the one that the other eye holds.
+EyeCameras::Choice EyeCameras::choose_again(Eye eye, const std::vector<UsbCamera>& present,
+                                            std::vector<UsbCamera> named) const {
+    const Known& own = of(eye);
+    const Known& partner = of(other(eye));
+    const bool partner_there = is_held(partner, present);
     if (const UsbCamera* known = likeliest(present, *own.camera, partner.camera, partner_there)) {
-        choice.cameras = {*known};
-        return choice;
+        return {{*known}, {}};
     }
     std::erase_if(named, [&](const UsbCamera& camera) {
         return partner.camera && is_known(camera, *partner.camera, own.camera);
     });
     if (named.empty()) {
-        choice.problem = {CameraState::absent, "the camera of the " + name_of(eye) + " eye is not there, " +
-                                                   own.camera->label() + ": plug it in where it was"};
-    } else if (partner_there) {
-        choice.cameras = std::move(named);
-    } else if (!partner.camera) {
-        choice.problem = {CameraState::failed,
-                          "the " + name_of(eye) + " eye had " + own.camera->label() + ", and " + named.front().label() +
-                              " may be the other eye's: plug the eye's own in where it was, or look which "
-                              "eye is which and start the daemon anew"};
-    } else if (eye == Eye::right && choose(Eye::left, present).problem) {
-        choice.problem = {CameraState::failed, "the right eye waits for the left one"};
-    } else {
-        choice.problem = {CameraState::failed,
-                          "the eyes cannot be told apart: both cameras were gone at once, and " +
-                              named.front().label() +
-                              " has neither the serial number nor the USB port that one of them had; plug both in "
-                              "where they were, or look which eye is which and start the daemon anew"};
+        return {{},
+                {{CameraState::absent, "the camera of the " + name_of(eye) + " eye is not there, " +
+                                           own.camera->label() + ": plug it in where it was"}}};
     }
-    return choice;
+    if (partner_there) {
+        return {std::move(named), {}};
+    }
+    if (!partner.camera) {
+        return {{},
+                {{CameraState::failed, "the " + name_of(eye) + " eye had " + own.camera->label() + ", and " +
+                                           named.front().label() +
+                                           " may be the other eye's: plug the eye's own in where it was, or look which "
+                                           "eye is which and start the daemon anew"}}};
+    }
+    if (eye == Eye::right && choose(Eye::left, present).problem) {
+        return {{}, {{CameraState::failed, "the right eye waits for the left one"}}};
+    }
+    return {{},
+            {{CameraState::failed,
+              "the eyes cannot be told apart: both cameras were gone at once, and " + named.front().label() +
+                  " has neither the serial number nor the USB port that one of them had; plug both in "
+                  "where they were, or look which eye is which and start the daemon anew"}}};
 }
 
 std::optional<UsbCamera> EyeCameras::likely(Eye eye, const std::vector<UsbCamera>& present) const {

@@ -43,6 +43,9 @@ private:
         bool held = false;                ///< not unplugged since
     };
 
+    static bool is_held(const Known& known, const std::vector<UsbCamera>& present);
+    Choice choose_again(Eye eye, const std::vector<UsbCamera>& present, std::vector<UsbCamera> named) const;
+
     const Known& of(Eye eye) const { return eyes_[static_cast<std::size_t>(eye)]; }
 
     std::array<Known, 2> eyes_;
