@@ -9,8 +9,7 @@
 #include <linux/videodev2.h>
 
 #include "capture/camera/eye_joiner.h"
-#include "capture/source_condition.h"
-#include "tests/capture/camera/fake_camera.h"
+#include "tests/capture/camera/camera_fixture.h"
 
 namespace disparityd::capture {
 namespace {
@@ -22,7 +21,7 @@ using Next = FrameSource::Next;
 using test::FakeVideoSystem;
 using test::zed2;
 
-class CameraSourceTest : public ::testing::Test {
+class CameraSourceTest : public test::FakeCameraTest {
 protected:
     FakeVideoSystem::Camera& camera() { return system_.camera("/dev/video0"); }
 
@@ -60,19 +59,6 @@ protected:
     }
 
     CameraState state() const { return source_->condition().camera->state; }
-    std::string detail() const { return source_->condition().detail; }
-    CameraFacts facts() const { return *source_->condition().camera; }
-
-    int reported(const std::string& part) const {
-        return static_cast<int>(std::count_if(reports_.begin(), reports_.end(), [&](const std::string& line) {
-            return line.find(part) != std::string::npos;
-        }));
-    }
-
-    FakeVideoSystem system_;
-    std::vector<std::string> reports_;
-    std::unique_ptr<FrameSource> source_;
-    RawFrame last_;
 };
 
 TEST_F(CameraSourceTest, DeliversFramesWithTimesAndCountsWhatIsLost) {

@@ -3,15 +3,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "capture/camera/camera_source.h"
-#include "capture/source_condition.h"
-#include "tests/capture/camera/fake_camera.h"
+#include "tests/capture/camera/camera_fixture.h"
 
 namespace disparityd::capture::test {
 
@@ -20,7 +15,7 @@ inline constexpr const char* right_node = "/dev/video2";
 inline constexpr const char* pair_uri = "v4l2:64x16@30?left=/dev/video0&right=/dev/video2";
 
 /// Two cameras that are the eyes of one source.
-class CameraPairTest : public ::testing::Test {
+class CameraPairTest : public FakeCameraTest {
 protected:
     CameraPairTest() {
         plug(left_node, "1-1", "A1");
@@ -78,20 +73,7 @@ protected:
         return frames;
     }
 
-    CameraFacts facts() const { return *source_->condition().camera; }
-    std::string detail() const { return source_->condition().detail; }
     std::vector<std::string> notices() const { return source_->condition().notices; }
-
-    int reported(const std::string& part) const {
-        return static_cast<int>(std::count_if(reports_.begin(), reports_.end(), [&](const std::string& line) {
-            return line.find(part) != std::string::npos;
-        }));
-    }
-
-    FakeVideoSystem system_;
-    std::vector<std::string> reports_;
-    std::unique_ptr<FrameSource> source_;
-    RawFrame last_;
 };
 
 }  // namespace disparityd::capture::test
