@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "bridges/web/http/http_session.h"
-#include "tests/bridges/web/foxglove_frames.h"
+#include "tests/bridges/ros_messages/message_frames.h"
 #include "tests/fuzz/outcome.h"
 
 namespace disparityd::fuzz {

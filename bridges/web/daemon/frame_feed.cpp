@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/start_thread.h"
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/planes.h"
 
 namespace disparityd::web {
 namespace {
@@ -13,6 +13,7 @@ namespace {
 using disparity::Frame;
 using disparity::Product;
 using disparity::ReadResult;
+using frames::leave_out_broken_planes;
 using std::chrono::milliseconds;
 
 constexpr milliseconds read_patience{500};  ///< so long a change of the wants may wait for a frame that does not come

@@ -1,42 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
-#include "clients/cpp/disparity_client.hpp"
-#include "proto/disparity.pb.h"
+#include "bridges/ros_messages/contents.h"
 
 namespace disparityd::foxglove {
 
-/// A channel of Foxglove's protocol. The numbers are its ids: a viewer may keep what it knows of an id, so a number
-/// always means the same topic and schema.
-enum class Channel : std::uint32_t {
-    left_image = 1,
-    left_jpeg = 2,
-    left_info = 3,
-    right_info = 4,
-    disparity = 5,
-    depth = 6,
-    depth_error = 7,
-    confidence = 8,
-    points = 9,
-    scan = 10,
-    transforms = 11,
-    imu = 12,
-    magnetic_field = 13,
-    imu_temperature = 14,
-    camera_temperature = 15,
-    left_temperature = 16,
-    right_temperature = 17,
-    pressure = 18,
-    humidity = 19,
-    status = 20,
-    depth_mm = 21
-};
+using ros::needs_of;
+using ros::Offer;
+using ros::offer_of;
+using ros::Wanted;
+
+/// A channel of Foxglove's protocol; its number is the channel's id.
+using Channel = ros::Content;
 
 /// What is always the same of a channel.
 struct ChannelFacts {
@@ -47,34 +25,5 @@ struct ChannelFacts {
 
 /// Returns all channels in the order in which they are advertised.
 std::span<const ChannelFacts> all_channels();
-
-/// What the daemon has for its clients.
-struct Offer {
-    std::vector<disparity::Product> products = {};  ///< that can be subscribed to
-    bool calibrated = false;                        ///< frames have a focal length and a baseline
-    bool sensors = false;                           ///< there may be samples of the camera's sensors
-
-    bool operator==(const Offer&) const = default;
-};
-
-/// Returns what a daemon with this status offers. `products`: those of its Welcome. Samples of sensors may come from a
-/// camera that has some, and from recordings; the status of neither a live camera without sensors nor a rendered
-/// source leaves hope for them.
-Offer offer_of(const v1::Status& status, std::vector<disparity::Product> products);
-
-/// What subscriptions need from the daemon.
-struct Wanted {
-    std::vector<disparity::Product> products = {};  ///< each once, by number; empty: no frames
-    bool sensors = false;                           ///< samples of the camera's sensors
-    bool status = false;                            ///< the daemon's status, once a second or so
-
-    bool operator==(const Wanted&) const = default;
-
-    /// Adds what the other one needs.
-    void add(const Wanted& other);
-};
-
-/// Returns what a channel needs, or nothing when it does not exist with this offer.
-std::optional<Wanted> needs_of(Channel channel, const Offer& offer);
 
 }  // namespace disparityd::foxglove

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "bridges/ros_messages/encode.h"
 #include "bridges/web/foxglove/channels.h"
 #include "clients/cpp/disparity_client.hpp"
 
@@ -17,18 +18,12 @@ using Payload = std::shared_ptr<const std::string>;
 /// Messages of several channels.
 using Payloads = std::map<Channel, Payload>;
 
-/// How frames are encoded.
-struct Encoding {
-    std::uint32_t most_points = 640 * 480;  ///< of a point cloud; larger ones are thinned
-    int jpeg_quality = 85;                  ///< 1 .. 100
-};
-
 /// The messages of one frame. Each is encoded when the first session asks for it, and once for all sessions. One thread
 /// uses it.
 class EncodedFrame {
 public:
     /// The frame outlives the object.
-    explicit EncodedFrame(const disparity::Frame& frame, const Encoding& encoding = {});
+    explicit EncodedFrame(const disparity::Frame& frame, const ros::Encoding& encoding = {});
 
     /// Returns the message of a channel; nullptr when the frame does not carry what it needs, and for channels that do
     /// not come with frames.
@@ -39,7 +34,7 @@ public:
 
 private:
     const disparity::Frame& frame_;
-    Encoding encoding_;
+    ros::Encoding encoding_;
     Payloads payloads_;  ///< nullptr: it was found that there is none
 };
 

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "base/little_endian.h"
-#include "bridges/web/foxglove/message_schemas.h"
-#include "bridges/web/foxglove/sensor_messages.h"
+#include "bridges/ros_messages/message_definitions.h"
+#include "bridges/web/foxglove/status_schema.h"
 #include "clients/json/message_json.h"
 #include "proto/disparity.pb.h"
 
@@ -33,8 +33,8 @@ Json json_of(const ChannelFacts& facts) {
                      {"schemaEncoding", "jsonschema"}});
     } else {
         json.update({{"encoding", "cdr"},
-                     {"schemaName", schema_name(facts.message)},
-                     {"schema", ros2msg(facts.message)},
+                     {"schemaName", ros::schema_name(facts.message)},
+                     {"schema", ros::ros2msg(facts.message)},
                      {"schemaEncoding", "ros2msg"}});
     }
     return json;
@@ -63,20 +63,6 @@ std::vector<ChannelFacts> all_with(const Offer& offer) {
     std::copy_if(all_channels().begin(), all_channels().end(), std::back_inserter(list),
                  [&](const ChannelFacts& facts) { return needs_of(facts.channel, offer).has_value(); });
     return list;
-}
-
-std::optional<std::string> encode(Channel channel, const disparity::SensorSample& sample) {
-    switch (channel) {
-        case Channel::imu: return imu(sample);
-        case Channel::magnetic_field: return magnetic_field(sample);
-        case Channel::imu_temperature: return imu_temperature(sample);
-        case Channel::camera_temperature: return camera_temperature(sample);
-        case Channel::left_temperature: return left_temperature(sample);
-        case Channel::right_temperature: return right_temperature(sample);
-        case Channel::pressure: return pressure(sample);
-        case Channel::humidity: return humidity(sample);
-        default: return std::nullopt;
-    }
 }
 
 /// Returns one text that names the first thing that was wrong, or none.
@@ -240,7 +226,7 @@ std::vector<Message> FoxgloveSession::on_sensors(const disparity::SensorBatch& b
             if (messages.size() == most_sensor_messages) {
                 break;
             }
-            if (std::optional<std::string> bytes = encode(entry->second, *sample)) {
+            if (std::optional<std::string> bytes = ros::encode(entry->second, *sample, {})) {
                 auto payload = std::make_shared<const std::string>(std::move(*bytes));
                 messages.push_back(message(entry->first, received_ns, std::move(payload)));
             }

@@ -14,7 +14,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "bridges/web/daemon/hub.h"
-#include "bridges/web/foxglove/message_schemas.h"
+#include "bridges/web/foxglove/status_schema.h"
 #include "bridges/web/http/page_files.h"
 #include "bridges/web/images/colours.h"
 #include "bridges/web/images/snapshot.h"

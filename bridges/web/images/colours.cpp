@@ -7,10 +7,14 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/planes.h"
 
 namespace disparityd::web {
 namespace {
+
+using frames::disparity_px;
+using frames::has_metres;
+using frames::metres;
 
 constexpr Colour rejected{0, 0, 0};
 

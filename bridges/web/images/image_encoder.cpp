@@ -14,8 +14,8 @@
 #include <opencv2/imgproc.hpp>
 #include <zlib.h>
 
-#include "bridges/web/frames/jpeg.h"
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/jpeg.h"
+#include "bridges/frames/planes.h"
 #include "bridges/web/images/colours.h"
 #include "clients/cpp/nearest_pixel.h"
 
@@ -24,6 +24,10 @@ namespace {
 
 using disparity::PlaneData;
 using disparity::Product;
+using frames::depth_mm;
+using frames::has_metres;
+using frames::jpeg_of;
+using frames::value_at;
 
 std::string deflated(const void* data, std::size_t bytes) {
     uLongf size = compressBound(bytes);

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/planes.h"
 
 namespace disparityd::web {
 namespace {
@@ -16,6 +16,10 @@ namespace {
 using disparity::Frame;
 using disparity::PlaneData;
 using disparity::Product;
+using frames::depth_mm;
+using frames::has_metres;
+using frames::metres;
+using frames::value_at;
 
 const PlaneData& plane_of(const Frame& frame, Product product) {
     const PlaneData* const plane = frame.plane(product);

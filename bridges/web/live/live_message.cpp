@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/version.h"
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/planes.h"
 #include "clients/json/message_json.h"
 #include "clients/json/scan_json.h"
 #include "clients/json/sensor_json.h"
@@ -19,6 +19,8 @@ namespace {
 
 using disparity::PlaneData;
 using disparity::Product;
+using frames::metres;
+using frames::value_at;
 using json::Json;
 using json::to_text;
 

@@ -2,7 +2,7 @@
 //
 // Decodes what a session of the bridge sends with Foxglove's own npm packages, and compares every field.
 //   node decode_foxglove.cjs PROGRAM
-// PROGRAM is foxglove_messages; foxglove_frames.cpp has the values. Exit status: 0 all is right, 1 something differs,
+// PROGRAM is foxglove_messages; tests/bridges/ros_messages/message_frames.cpp has the values. Exit status: 0 all is right, 1 something differs,
 // 77 a package is missing.
 'use strict'
 
@@ -166,7 +166,7 @@ function status (message) {
 
 const grey = (view, at, i) => assert.strictEqual(view.getFloat32(at, true), 7 * i)
 const colour = (view, at, i) => assert.strictEqual(view.getUint32(at, true), ((255 - i) << 16) | (2 * i << 8) | i)
-const bgr = PIXELS.flatMap(i => [i, 2 * i, 255 - i])
+const rgb = PIXELS.flatMap(i => [255 - i, 2 * i, i])
 
 // What comes, in this order: topic, check.
 const EXPECTED = [
@@ -196,7 +196,7 @@ const EXPECTED = [
   ['/temperature/imu', message => scalar(message, LATER, 'camera_imu', 'temperature', 37)],
   ['/status', status],
   // The frame with a coloured image and disparities alone.
-  ['/left/image_rect', message => bytesImage(message, 'bgr8', bgr)],
+  ['/left/image_rect', message => bytesImage(message, 'rgb8', rgb)],
   ['/left/image_rect/compressed', jpeg],
   ['/left/camera_info', message => cameraInfo(message, 3.5, 0)],
   ['/right/camera_info', message => cameraInfo(message, 3.75, -12)],

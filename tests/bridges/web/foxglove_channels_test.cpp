@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "bridges/web/foxglove/channels.h"
-#include "tests/bridges/web/foxglove_frames.h"
+#include "tests/bridges/ros_messages/message_frames.h"
 
 namespace disparityd::foxglove {
 namespace {

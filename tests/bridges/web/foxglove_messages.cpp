@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridges/web/foxglove/session.h"
-#include "tests/bridges/web/foxglove_frames.h"
+#include "tests/bridges/ros_messages/message_frames.h"
 
 namespace {
 

@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "bridges/ros_messages/message_definitions.h"
 #include "bridges/web/foxglove/channels.h"
-#include "bridges/web/foxglove/message_schemas.h"
+#include "bridges/web/foxglove/status_schema.h"
 #include "clients/json/message_json.h"
-#include "tests/bridges/web/foxglove_frames.h"
+#include "tests/bridges/ros_messages/message_frames.h"
 
 namespace disparityd::foxglove {
 namespace {
+
+using ros::ros2msg;
+using ros::schema_name;
 
 TEST(FoxgloveSchema, ContainedMessagesFollowALineOf80) {
     EXPECT_EQ(ros2msg("sensor_msgs/Temperature"),

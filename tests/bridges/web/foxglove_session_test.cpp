@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "bridges/web/foxglove/session.h"
-#include "tests/bridges/web/cdr_reader.h"
-#include "tests/bridges/web/foxglove_frames.h"
+#include "tests/bridges/ros_messages/cdr_reader.h"
+#include "tests/bridges/ros_messages/message_frames.h"
 
 namespace disparityd::foxglove {
 namespace {

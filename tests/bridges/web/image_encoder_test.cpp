@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <zlib.h>
 
-#include "bridges/web/frames/planes.h"
+#include "bridges/frames/planes.h"
 #include "bridges/web/images/colours.h"
 #include "bridges/web/images/snapshot.h"
 #include "kernels/reference/steps.h"
@@ -22,6 +22,8 @@ namespace {
 
 using disparity::PlaneData;
 using disparity::Product;
+using frames::depth_mm;
+using frames::leave_out_broken_planes;
 
 constexpr int width = 96;
 constexpr int height = 64;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace disparityd::frames {
+
+/// A JPEG has no side that is longer, px.
+inline constexpr std::uint32_t most_jpeg_side = 65500;
+
+/// An 8-bit picture, grey or BGR. It belongs to somebody else.
+struct JpegPixels {
+    const std::uint8_t* data = nullptr;
+    int width = 0;      ///< px
+    int height = 0;     ///< px
+    int row_bytes = 0;  ///< from one row to the next
+    bool grey = true;   ///< one byte per pixel, else three
+};
+
+/// Compresses a picture; `quality` is 1 .. 100. Each thread has a compressor of its own. Throws std::runtime_error with
+/// one line when the library refuses.
+std::string jpeg_of(const JpegPixels& pixels, int quality);
+
+}  // namespace disparityd::frames

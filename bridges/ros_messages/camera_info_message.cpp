@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/ros_messages/camera_info_message.h"
+
+#include <array>
+
+#include "bridges/ros_messages/message_header.h"
+
+namespace disparityd::ros {
+namespace {
+
+using disparity::Frame;
+
+/// Returns what the images of the frame show of the whole image.
+Region region_of(const Frame& frame) {
+    for (const disparity::PlaneData& plane : frame.planes) {
+        const bool image = plane.product != disparity::Product::scan;
+        if (image && (plane.width != frame.width || plane.height != frame.height)) {
+            return {frame.region_x, frame.region_y, plane.width, plane.height};
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+std::optional<std::string> camera_info(const Frame& frame, Camera camera, const FrameNames& names) {
+    if (frame.f <= 0 || frame.baseline_mm <= 0 || (frame.flags & disparity::unrectified) != 0) {
+        return std::nullopt;
+    }
+    // d + offset = f B / Z and d = x - x', so the right camera's principal point is the offset farther right.
+    const bool right = camera == Camera::right;
+    const double f = frame.f;
+    const double cx = frame.cx + (right ? frame.disparity_offset : 0);
+    const double cy = frame.cy;
+    const double shift = right ? -f * frame.baseline_mm / 1000 : 0;
+    CdrWriter cdr(512);
+    write_header(cdr, frame.realtime_ns, names.left);
+    cdr.u32(frame.height).u32(frame.width).text("plumb_bob");
+    cdr.f64_sequence(std::array{0.0, 0.0, 0.0, 0.0, 0.0});  // a rectified image has no distortion
+    cdr.f64_array(std::array{f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0});
+    cdr.f64_array(std::array{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
+    cdr.f64_array(std::array{f, 0.0, cx, shift, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0});
+    cdr.u32(0).u32(0);  // no binning
+    write_region(cdr, region_of(frame));
+    return cdr.take();
+}
+
+}  // namespace disparityd::ros
