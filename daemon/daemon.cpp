@@ -284,7 +284,7 @@ void Daemon::take_over(const Config& config, const std::shared_ptr<Engine>& engi
     set_log_level(config.log.level);
     recording_.configure(record_rules(config));
     recording_.set_source(engine->source(), "");
-    newest_wanted_.store(true, std::memory_order_relaxed);
+    wanted_since_.store(always_wanted);
     engine->start([this](const PublishedFrame& frame) { publish(frame); },
                   [this, live = engine->source().live](const capture::RawFrame& frame) {
                       recording_.offer(frame);
@@ -403,9 +403,10 @@ void Daemon::publish_sensors(const capture::RawFrame& frame, bool live) {
 
 void Daemon::publish(const PublishedFrame& frame) {
     if (shared_memory_) {
-        shared_memory_->publish(frame);
-        if (!newest_wanted_.load(std::memory_order_relaxed)) {
-            shared_memory_->outdate();  // it was wanted when it was captured, newer ones were not
+        // It was wanted when it was taken. Newer ones were not, and nobody who comes later may take it for one of then.
+        shared_memory_->publish(frame, is_outdated(frame));
+        if (is_outdated(frame)) {  // since then
+            shared_memory_->outdate();
         }
     }
     server_.publish(frame);
@@ -415,7 +416,11 @@ void Daemon::publish(const PublishedFrame& frame) {
 bool Daemon::wants_frames() {
     const bool wanted =
         server_.wants_frames() || recording_.is_recording() || (shared_memory_ && shared_memory_->has_reader());
-    newest_wanted_.store(wanted, std::memory_order_relaxed);
+    if (!wanted) {
+        wanted_since_.store(never_wanted);
+    } else if (wanted_since_.load() == never_wanted) {
+        wanted_since_.store(std::chrono::steady_clock::now());
+    }
     if (!wanted && shared_memory_) {
         shared_memory_->outdate();  // who opens it later is to get a frame of then
     }

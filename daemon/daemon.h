@@ -94,8 +94,12 @@ private:
     v1::Status status() const;
     std::shared_ptr<Engine> engine() const;
     void publish(const PublishedFrame& frame);
+    bool is_outdated(const PublishedFrame& frame) const { return frame.taken < wanted_since_.load(); }
     bool wants_frames();
     void publish_sensors(const capture::RawFrame& frame, bool live);
+
+    static constexpr auto always_wanted = std::chrono::steady_clock::time_point::min();  ///< so without on_demand
+    static constexpr auto never_wanted = std::chrono::steady_clock::time_point::max();
 
     const DaemonOptions options_;
     const std::string first_source_;  ///< what the status names while there is no engine
@@ -134,8 +138,9 @@ private:
     PlaceWatch memory_place_;
     PlaceWatch socket_place_;
     std::unique_ptr<SharedMemoryPublisher> shared_memory_;  ///< the publish thread's while an engine runs
-    std::atomic<bool> newest_wanted_{true};                 ///< the newest captured frame, always without on_demand
-    SocketServer server_;                                   ///< outlives recording_, which answers through it
+    /// Frames that the pipeline took before are old to who comes: `never_wanted` while the newest frame is not wanted.
+    std::atomic<std::chrono::steady_clock::time_point> wanted_since_{always_wanted};
+    SocketServer server_;  ///< outlives recording_, which answers through it
     RecordingControl recording_;
     CameraControlService camera_;  ///< answers through the server too, as the next one
     TraceService trace_;

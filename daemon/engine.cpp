@@ -259,6 +259,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.captured = source().live
                          ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns) - moved_on)
                          : slot.captured;
+    frame.taken = slot.captured;
     note_rectification(*slot.rectification);
     frame.info = geometry_;
     frame.info.publish_index = next_index_++;

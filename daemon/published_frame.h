@@ -58,6 +58,7 @@ struct PublishedFrame {
     std::array<Plane<const std::uint8_t>, product_count> planes{};
     std::chrono::steady_clock::time_point captured;   ///< where its age is counted from
     std::chrono::steady_clock::time_point published;  ///< when the pipeline finished it
+    std::chrono::steady_clock::time_point taken;      ///< by the pipeline, which had asked whether it is wanted
 };
 
 }  // namespace disparityd::daemon

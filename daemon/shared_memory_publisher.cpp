@@ -55,7 +55,7 @@ SharedMemoryPublisher::~SharedMemoryPublisher() {
     thread_.join();
 }
 
-void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
+void SharedMemoryPublisher::publish(const PublishedFrame& frame, bool outdated) {
     std::array<proto::PlaneSource, product_count> planes;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const auto& plane = frame.planes[i];
@@ -63,7 +63,7 @@ void SharedMemoryPublisher::publish(const PublishedFrame& frame) {
                      static_cast<std::size_t>(plane.stride)};
     }
     writer_.publish(frame.info, std::span(planes).first(layout_.products.size()),
-                    std::chrono::nanoseconds(frame.published.time_since_epoch()).count());
+                    std::chrono::nanoseconds(frame.published.time_since_epoch()).count(), outdated);
     if (wake(woken_at_once) == woken_at_once) {
         {
             const std::lock_guard lock(mutex_);

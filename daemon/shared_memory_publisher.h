@@ -26,8 +26,9 @@ public:
 
     const std::string& object_name() const { return writer_.object_name(); }
 
-    /// Publishes a frame of the layout. One thread; allocates nothing.
-    void publish(const PublishedFrame& frame);
+    /// Publishes a frame of the layout; one that is `outdated` already no reader gets as a new one. One thread;
+    /// allocates nothing.
+    void publish(const PublishedFrame& frame, bool outdated);
 
     /// Returns whether a reader has the memory open. One that does not lock it counts for two seconds after it has
     /// waited for a frame: one that waits now is woken, finds nothing new and waits again. Any thread.

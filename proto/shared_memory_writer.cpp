@@ -331,8 +331,8 @@ void SharedMemoryWriter::close() {
     }
 }
 
-void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSource> planes,
-                                 std::int64_t published_ns) {
+void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSource> planes, std::int64_t published_ns,
+                                 bool outdated) {
     const std::lock_guard publishing(publishing_);
     if (header_ == nullptr) {
         throw std::invalid_argument("shared memory " + object_name_ + " is closed");
@@ -369,6 +369,9 @@ void SharedMemoryWriter::publish(const FrameInfo& frame, std::span<const PlaneSo
             }
             packer.flush();
         }
+    }
+    if (outdated) {  // before any reader can see it
+        header_->outdated_total.store(total + 1, std::memory_order_release);
     }
     header_->published_total.store(total + 1, std::memory_order_release);
     header_->published.fetch_add(1, std::memory_order_release);

@@ -63,9 +63,10 @@ public:
     /// Copies a frame into the next slot. `planes` has each plane of the layout once, in any order. It does not wake
     /// readers: call wake() after it. It never allocates. It waits for restore() only, while
     /// that exchanges a pointer. Throws std::invalid_argument, and publishes nothing, when planes or sizes are not
-    /// those of the layout. `published_ns`: the instant where frame.age_ns ends.
+    /// those of the layout. `published_ns`: the instant where frame.age_ns ends. `outdated`: the frame is old already,
+    /// no reader gets it as a new one.
     void publish(const FrameInfo& frame, std::span<const PlaneSource> planes,
-                 std::int64_t published_ns = monotonic_ns());
+                 std::int64_t published_ns = monotonic_ns(), bool outdated = false);
 
     /// Wakes readers that wait for a frame, but not more than `most`. Returns how many it woke.
     int wake(int most = INT_MAX);

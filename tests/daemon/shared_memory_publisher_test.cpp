@@ -71,7 +71,7 @@ TEST_F(SharedMemoryPublisherTest, WakesMoreReadersThanThePublishingThreadDoes) {
         });
     }
     std::this_thread::sleep_for(200ms);  // not needed to pass: makes it likely that all readers sleep already
-    publisher_.publish(frame_);
+    publisher_.publish(frame_, false);
     for (std::thread& thread : threads) {
         thread.join();
     }
@@ -99,7 +99,7 @@ TEST_F(SharedMemoryPublisherTest, KnowsOfAReaderThatWaitsWithoutALock) {
     ASSERT_GE(file.get(), 0);
     const proto::Mapping memory(file, sizeof(proto::ShmHeader), PROT_READ);
     ASSERT_TRUE(memory);
-    publisher_.publish(frame_);
+    publisher_.publish(frame_, false);
     EXPECT_FALSE(publisher_.has_reader()) << "nobody waited for the frame";
     const auto& published = memory.start<const proto::ShmHeader>().published;
     std::thread reader([&] { proto::futex_wait(published, published.load(), 120s); });

@@ -29,9 +29,9 @@ protected:
     std::string name_ = pattern::unique_name("unit", ::getpid());
     proto::ShmLayout layout_ = pattern::layout();
 
-    void publish(proto::SharedMemoryWriter& writer, std::uint64_t sequence) {
+    void publish(proto::SharedMemoryWriter& writer, std::uint64_t sequence, bool outdated = false) {
         pattern::Source source(layout_);
-        writer.publish(pattern::head(sequence, layout_), source.make(sequence));
+        writer.publish(pattern::head(sequence, layout_), source.make(sequence), proto::monotonic_ns(), outdated);
     }
 
     void expect_frame(const Collected& got, std::uint64_t sequence) {
@@ -119,6 +119,17 @@ TEST_F(SharedMemory, AnOutdatedFrameIsNotReadAnyMore) {
         ASSERT_EQ(got.read(*reader, 0ms), Result::frame);
         expect_frame(got, 3);
     }
+}
+
+TEST_F(SharedMemory, AFrameThatIsPublishedAsOldIsNotRead) {
+    proto::SharedMemoryWriter writer(name_, layout_);
+    proto::ShmReader reader(name_);
+    Collected got;
+    publish(writer, 1, true);
+    EXPECT_EQ(got.read(reader, 0ms), Result::timeout);
+    publish(writer, 2);
+    ASSERT_EQ(got.read(reader, 0ms), Result::frame);
+    expect_frame(got, 2);
 }
 
 TEST_F(SharedMemory, ABorrowedFrameIsWholeUntilTheRingComesRound) {
