@@ -412,7 +412,7 @@ void Daemon::publish(const PublishedFrame& frame) {
     server_.publish(frame);
 }
 
-/// Called by the capture thread for each frame with [pipeline] on_demand.
+/// Called by the capture thread: for each frame with [pipeline] on_demand, before the first one with [source] start.
 bool Daemon::wants_frames() {
     const bool wanted =
         server_.wants_frames() || recording_.is_recording() || (shared_memory_ && shared_memory_->has_reader());

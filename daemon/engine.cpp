@@ -12,11 +12,11 @@
 
 #include "base/memory_room.h"
 #include "base/words.h"
-#include "calibration/calibration_lookup.h"
 #include "calibration/depth_range.h"
 #include "calibration/online/correction_file.h"
 #include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
+#include "daemon/configured_source.h"
 #include "daemon/log.h"
 #include "daemon/product_planes.h"
 #include "daemon/requests/camera_message.h"
@@ -33,35 +33,6 @@ using std::chrono::steady_clock;
 
 /// After so long without a frame the state is `waiting`.
 constexpr std::chrono::seconds silence_limit{2};
-
-/// Frames that a source lends beyond those in the pipeline's slots: one that the capture stage holds, one that may
-/// replace it.
-constexpr int spare_loans = 2;
-
-std::unique_ptr<capture::FrameSource> open_source(const Config& config, const Engine::CarryOver& carry_over,
-                                                  std::function<void(int, int)> progress) {
-    capture::SourceOptions options;
-    options.uri = config.source.uri;
-    options.loans = config.pipeline.slots + spare_loans;
-    options.pace = config.source.pace;
-    options.loop = config.source.loop;
-    options.stamp = config.source.stamp;
-    options.time_offset_us = config.source.time_offset_us;
-    options.calibration_path = config.source.calibration;
-    options.wait_for_camera = true;
-    options.allow_unrectified = config.source.allow_unrectified;
-    options.calibration_folders = calibration::folder_list(config.source.calibration_folders);
-    options.controls = config.source.controls;
-    options.control_overrides = carry_over.control_overrides;
-    options.likely_port = carry_over.camera_port;
-    options.sensors = config.source.sensors;
-    options.stall_time = std::chrono::milliseconds(config.source.stall_ms);
-    options.report = [](const std::string& line, bool trouble) {
-        log_line(trouble ? LogLevel::warning : LogLevel::info, line);
-    };
-    options.progress = std::move(progress);
-    return capture::open_source(options);
-}
 
 MatcherConfig matcher_config(const Config& config, const calibration::Rectification& rectification) {
     return {rectification.width, rectification.height, config.match.options};
@@ -154,7 +125,8 @@ pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const 
 
 Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<void(int, int)> progress)
     : config_(config),
-      source_(open_source(config, carry_over, std::move(progress))),
+      source_(open_configured_source(config, carry_over, std::move(progress), [this] { return wanted_(); })),
+      awaited_(dynamic_cast<const AwaitedSource*>(source_.get())),
       rectifications_(make_schedule(config, source_->info())),
       corrected_(dynamic_cast<pipeline::CorrectedRectification*>(rectifications_.get())),
       calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
@@ -342,6 +314,9 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     if (const auto source = source_->condition(); !source.delivering) {
         return {State::waiting, source.detail, false};
+    }
+    if (awaited_ != nullptr && !awaited_->has_begun()) {
+        return {State::waiting, "the first frame waits for whoever wants frames ([source] start)", false};
     }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));

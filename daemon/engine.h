@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "capture/frame_source.h"
+#include "daemon/awaited_source.h"
 #include "daemon/config/config.h"
+#include "daemon/configured_source.h"
 #include "daemon/level_watch.h"
 #include "daemon/load_watch.h"
 #include "daemon/measured_watch.h"
@@ -36,11 +38,8 @@ public:
     static constexpr const char* synthetic_notice =
         "the frames are synthetic, no camera saw them: for those of a camera set [source] uri, such as \"v4l2:auto\"";
 
-    /// What one engine passes to the next; see SourceOptions.
-    struct CarryOver {
-        std::shared_ptr<capture::ControlOverrides> control_overrides;
-        std::string camera_port;
-    };
+    /// What one engine passes to the next.
+    using CarryOver = SourceCarryOver;
 
     /// Opens and allocates everything. The source reports its preparation by `progress`, which may throw to give up.
     /// Throws std::invalid_argument when the user must change something, std::runtime_error when the system refuses.
@@ -53,8 +52,8 @@ public:
     using Sink = std::function<void(const PublishedFrame&)>;
 
     /// Starts the pipeline; frames are numbered from `first_index` on. `raw` is called in the capture thread. So is
-    /// `wanted` for each frame with [pipeline] on_demand: whether anybody wants it. Throws std::runtime_error when the
-    /// system starts no more threads.
+    /// `wanted`, whether anybody wants frames: for each with [pipeline] on_demand, and before the first one where
+    /// [source] start waits for a client. Throws std::runtime_error when the system starts no more threads.
     void start(Sink sink, pipeline::Pipeline::RawTap raw, std::function<bool()> wanted, std::uint64_t first_index);
     void stop();
     bool stopped() const { return stopped_; }
@@ -145,6 +144,7 @@ private:
 
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
+    const AwaitedSource* awaited_ = nullptr;  ///< source_ where [source] start waits for a client
     std::unique_ptr<pipeline::RectificationSchedule> rectifications_;
     pipeline::CorrectedRectification* corrected_ = nullptr;       ///< the same, where it is one
     const pipeline::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one

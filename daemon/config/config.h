@@ -16,6 +16,7 @@
 namespace disparityd::daemon {
 
 enum class PolicyChoice : unsigned char { automatic, live, replay };
+enum class SourceStart : unsigned char { at_once, on_client };
 enum class LogLevel : unsigned char { debug, info, warning, error };
 enum class WhenClientIsGone : unsigned char { go_on, stop };
 enum class LogTarget : unsigned char { automatic, terminal, journal };
@@ -26,6 +27,7 @@ struct Config {
         std::string uri = "v4l2:auto";
         capture::Pace pace = capture::Pace::source;
         bool loop = false;
+        SourceStart start = SourceStart::at_once;       ///< on_client: recordings, folders and files only
         capture::Stamp stamp = capture::Stamp::source;  ///< cameras only
         int time_offset_us = 0;                         ///< added to the stamps of frames
         std::string calibration;                        ///< empty = what the source brings

@@ -288,6 +288,9 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
                                            {{"source", capture::Pace::source}, {"fastest", capture::Pace::fastest}},
                                            FIELD(source.pace)));
     keys.push_back(bool_key("source", "loop", FIELD(source.loop)));
+    keys.push_back(name_key<SourceStart>("source", "start",
+                                         {{"at-once", SourceStart::at_once}, {"on-client", SourceStart::on_client}},
+                                         FIELD(source.start)));
     keys.push_back(name_key<capture::Stamp>(
         "source", "stamp", {{"source", capture::Stamp::source}, {"exposure-centre", capture::Stamp::exposure_centre}},
         FIELD(source.stamp)));

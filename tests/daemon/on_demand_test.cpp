@@ -157,5 +157,48 @@ TEST_F(OnDemandTest, OfAReplayEveryFrameIsMatched) {
     })) << check->log();
 }
 
+// The only frame of a folder: who comes later than it would never get one.
+TEST_F(OnDemandTest, ThePictureOfAReplayWaitsForItsFirstClient) {
+    std::string image = "P5\n96 64\n255\n";
+    for (int i = 0; i < 96 * 64; ++i) {
+        image.push_back(static_cast<char>(i * i % 251));
+    }
+    folder_.write("im2.pgm", image);
+    folder_.write("im6.pgm", image);
+    const auto daemon = start_ready(config_text(folder_.path(), 96, 64), {"--set", "source.start=on-client"});
+    WireClient other = observer(*daemon);
+    v1::Status now = status(other);
+    while (now.detail().find("[source] start") == std::string::npos) {  // until it is open
+        now = status(other);
+    }
+    EXPECT_EQ(now.state(), "waiting");
+    EXPECT_EQ(now.captured(), 0U) << "who asks for a status wants no frame";
+    WireClient client = subscriber(daemon->address("unix:"), {v1::DISPARITY});
+    const auto frame = client.receive_frame();
+    ASSERT_TRUE(frame) << daemon->log();
+    EXPECT_EQ(frame->envelope.frame().publish_index(), 0U);
+    EXPECT_EQ(frame->envelope.frame().sequence(), 0U);
+    while (now.state() != "ended") {
+        now = status(other);
+    }
+    EXPECT_EQ(now.published(), 1U);
+    daemon->send_signal(SIGHUP);  // it plays again, for whoever is there
+    EXPECT_TRUE(client.receive_frame()) << daemon->log();
+}
+
+TEST_F(OnDemandTest, AReplayThatWaitsForAClientStopsAtOnce) {
+    folder_.write("im2.pgm", "P5\n96 64\n255\n" + std::string(96 * 64, 'x'));
+    folder_.write("im6.pgm", "P5\n96 64\n255\n" + std::string(96 * 64, 'x'));
+    const auto daemon = start_ready(config_text(folder_.path(), 96, 64), {"--set", "source.start=on-client"});
+    daemon->send_signal(SIGINT);
+    EXPECT_EQ(daemon->wait_for_exit(), 0) << daemon->log();
+}
+
+TEST_F(OnDemandTest, FramesOfALiveSourceWaitForNobody) {
+    const auto daemon = start(config(), {"--set", "source.start=on-client"});
+    EXPECT_EQ(daemon->wait_for_exit(), 2);
+    EXPECT_THAT(daemon->log(), HasSubstr("[source] start is \"on-client\", but the frames of scene:"));
+}
+
 }  // namespace
 }  // namespace disparityd::test
