@@ -64,6 +64,96 @@ void apply_mask(GroundTruth& truth, const DatasetScene& scene) {
     truth.knows_occlusion = true;
 }
 
+/// Reads a picture that says something of each pixel by 0 or more.
+std::vector<std::uint8_t> read_flags(const std::string& path, const GroundTruth& truth, const DatasetScene& scene) {
+    cv::Mat image = capture::decode_image(path);
+    if (image.channels() > 1) {
+        cv::extractChannel(image, image, 0);  // grey that is stored as colour
+    }
+    if (image.depth() != CV_8U && image.depth() != CV_16U) {
+        throw std::invalid_argument(path + ": is no image of 8 or 16 bits");
+    }
+    check_size(scene.truth, {truth.width, truth.height}, path, {image.cols, image.rows});
+    std::vector<std::uint8_t> flags;
+    flags.reserve(image.total());
+    for (int y = 0; y < image.rows; ++y) {
+        for (int x = 0; x < image.cols; ++x) {
+            const int value = image.depth() == CV_8U ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);
+            flags.push_back(value != 0 ? 1 : 0);
+        }
+    }
+    return flags;
+}
+
+void apply_unseen(GroundTruth& truth, const DatasetScene& scene) {
+    for (const std::string& path : scene.unseen) {
+        const std::vector<std::uint8_t> unseen = read_flags(path, truth, scene);
+        for (std::size_t i = 0; i < unseen.size(); ++i) {
+            if (truth.classes[i] != TruthClass::none && unseen[i] != 0) {
+                truth.classes[i] = TruthClass::occluded;
+            }
+        }
+    }
+    truth.knows_occlusion = true;
+}
+
+/// Three bytes for each pixel, as Sintel packs them.
+FloatMap read_sintel(const std::string& path) {
+    const cv::Mat image = capture::decode_image(path);
+    if (image.type() != CV_8UC3) {
+        throw std::invalid_argument(path + ": is no colour image of 8 bits, as Sintel packs disparities");
+    }
+    FloatMap result{image.cols, image.rows, {}};
+    result.values.reserve(image.total());
+    for (int y = 0; y < image.rows; ++y) {
+        for (int x = 0; x < image.cols; ++x) {
+            const auto bgr = image.at<cv::Vec3b>(y, x);
+            result.values.push_back(static_cast<float>(bgr[2] * 4 + bgr[1] / 64.0 + bgr[0] / 16384.0));
+        }
+    }
+    return result;
+}
+
+FloatMap read_coded(const std::string& path, TruthCoding coding, double scale) {
+    if (coding == TruthCoding::sintel) {
+        return read_sintel(path);
+    }
+    if (!base::lower_case(path).ends_with(".pfm")) {
+        return read_scaled(path, scale);
+    }
+    FloatMap map = images::read_disparity_pfm(path);
+    if (coding == TruthCoding::either_sign) {
+        for (float& value : map.values) {
+            value = std::abs(value);
+        }
+    }
+    return map;
+}
+
+/// Whether the right image shows the point of a pixel, by the truth of both images.
+bool sees_it_too(const FloatMap& right, int x, int y, float disparity) {
+    constexpr float nearer = 1;
+    const auto at = static_cast<long>(std::lround(static_cast<double>(x) - static_cast<double>(disparity)));
+    if (at < 0 || at >= right.width) {
+        return false;
+    }
+    const float other = right.at(static_cast<int>(at), y);
+    return std::isfinite(other) && other - disparity <= nearer;
+}
+
+void apply_right_truth(GroundTruth& truth, const DatasetScene& scene, double scale) {
+    const FloatMap right = read_coded(scene.right_truth, scene.coding, scale);
+    check_size(scene.truth, {truth.width, truth.height}, scene.right_truth, {right.width, right.height});
+    for (std::size_t i = 0; i < truth.classes.size(); ++i) {
+        const int x = static_cast<int>(i) % truth.width;
+        const int y = static_cast<int>(i) / truth.width;
+        if (truth.classes[i] != TruthClass::none && !sees_it_too(right, x, y, truth.disparity[i])) {
+            truth.classes[i] = TruthClass::occluded;
+        }
+    }
+    truth.knows_occlusion = true;
+}
+
 void apply_visible_truth(GroundTruth& truth, const DatasetScene& scene, double scale) {
     const FloatMap visible = read_scaled(scene.visible_truth, scale);
     check_size(scene.truth, {truth.width, truth.height}, scene.visible_truth, {visible.width, visible.height});
@@ -84,8 +174,7 @@ GroundTruth read_ground_truth(const DatasetScene& scene, double given_scale) {
                                     ": what its values stand for is not known from the folder's name; "
                                     "give the scale (stored value per pixel of disparity)");
     }
-    const bool pfm = base::lower_case(scene.truth).ends_with(".pfm");
-    FloatMap disparity = pfm ? images::read_disparity_pfm(scene.truth) : read_scaled(scene.truth, scale);
+    FloatMap disparity = read_coded(scene.truth, scene.coding, scale);
     if (const auto size = capture::peek_image_size(scene.left)) {
         check_size(scene.left, *size, scene.truth, {disparity.width, disparity.height});
     }
@@ -101,6 +190,13 @@ GroundTruth read_ground_truth(const DatasetScene& scene, double given_scale) {
         apply_mask(truth, scene);
     } else if (!scene.visible_truth.empty()) {
         apply_visible_truth(truth, scene, scale);
+    } else if (!scene.unseen.empty()) {
+        apply_unseen(truth, scene);
+    } else if (!scene.right_truth.empty()) {
+        apply_right_truth(truth, scene, scale);
+    }
+    if (!scene.objects.empty()) {
+        truth.foreground = read_flags(scene.objects, truth, scene);
     }
     return truth;
 }

@@ -11,6 +11,7 @@
 
 #include "base/message_text.h"
 #include "capture/images/image_files.h"
+#include "tools/command_line/program.h"
 #include "tools/datasets/announced_range.h"
 
 namespace disparityd::eval {
@@ -28,14 +29,17 @@ int announced_disparities(const std::string& picture) {
 std::vector<datasets::DatasetScene> find_scenes(const std::vector<std::string>& folders) {
     std::vector<datasets::DatasetScene> all;
     for (const std::string& folder : folders) {
-        std::vector<datasets::DatasetScene> found = datasets::find_scenes(folder);
-        if (found.empty()) {
-            throw std::invalid_argument(folder +
-                                        ": found no scene with ground truth, allowed: Middlebury folders (left "
-                                        "and right picture, disp_left or disp0) or KITTI folders (image_2, "
-                                        "image_3, disp_occ_0)");
+        datasets::FoundScenes found = datasets::look_for_scenes(folder);
+        for (const std::string& line : found.incomplete) {
+            tools::print_note(line);
         }
-        std::move(found.begin(), found.end(), std::back_inserter(all));
+        if (found.scenes.empty()) {
+            throw std::invalid_argument(folder +
+                                        ": found no scene with ground truth, allowed: folders as Middlebury, ETH3D, "
+                                        "KITTI, Sintel, SceneFlow and DrivingStereo have them (left and right picture "
+                                        "with disp_left or disp0; image_2, image_3, disp_occ_0; ...)");
+        }
+        std::move(found.scenes.begin(), found.scenes.end(), std::back_inserter(all));
     }
     return all;
 }
@@ -58,6 +62,7 @@ Scene read_scene(const datasets::DatasetScene& files, double scale) {
             truth.classes.begin(), truth.classes.end(), std::back_inserter(scene.non_occluded),
             [](datasets::TruthClass known) -> std::uint8_t { return known == datasets::TruthClass::visible; });
     }
+    scene.foreground = std::move(truth.foreground);
     scene.truth = {truth.width, truth.height, std::move(truth.disparity)};
     scene.disparities = covering_disparities(scene.truth, announced_disparities(files.left));
     return scene;

@@ -22,9 +22,11 @@ struct Scene {
     std::vector<std::uint8_t> non_occluded;  ///< one per pixel, 1 = both cameras see it; empty = not known
     std::vector<std::uint8_t> thin;          ///< one per pixel, 1 = a pole or a wire; empty = not known
     int disparities = 0;                     ///< candidates that cover the truth, a multiple of 16 up to 256
+    std::vector<std::uint8_t> foreground{};  ///< one per pixel, 1 = on a car of KITTI 2015; empty = not known
 };
 
-/// The scenes with ground truth in each folder and below. Throws std::invalid_argument for a folder without one.
+/// The scenes with ground truth in each folder and below. A note on stderr tells of each pair that cannot be judged
+/// (datasets::FoundScenes). Throws std::invalid_argument for a folder without a scene.
 std::vector<datasets::DatasetScene> find_scenes(const std::vector<std::string>& folders);
 
 /// Reads pictures and truth; `scale` other than 0 is the stored value per pixel of disparity. Throws

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/datasets/dataset.h"
+
+namespace disparityd::datasets {
+
+/// What one data set's layout finds in a folder, not in those below. A folder that does not have the layout gives
+/// nothing at all. Files are looked for by name, none is opened.
+FoundScenes scenes_of_middlebury(const std::string& folder);
+FoundScenes scenes_of_kitti(const std::string& folder);
+FoundScenes scenes_of_sintel(const std::string& folder);
+FoundScenes scenes_of_scene_flow(const std::string& folder);
+FoundScenes scenes_of_driving_stereo(const std::string& folder);
+
+/// The first file of these names in a folder; empty where there is none.
+template <typename Names>
+std::string first_file(const std::string& folder, const Names& names) {
+    for (const char* name : names) {
+        const std::filesystem::path path = std::filesystem::path(folder) / name;
+        if (std::error_code ignored; std::filesystem::is_regular_file(path, ignored)) {
+            return path.string();
+        }
+    }
+    return {};
+}
+
+/// The name of a folder that is given in any way, such as "." or with a slash at its end.
+std::string folder_name(const std::string& folder);
+
+/// The path as the start of a line for people.
+std::string shown(const std::filesystem::path& path);
+
+/// Pairs whose left images lie in a tree of folders, and whose other files lie at the same place of trees of their own.
+struct TreeOfPairs {
+    using Path = std::filesystem::path;
+    Path left;                                         ///< the folder of left images
+    std::function<bool(const Path& relative)> counts;  ///< whether a left image, by its path in `left`, is one
+    std::function<Path(const Path& relative)> right;   ///< the other eye's file of a left image
+    std::function<Path(const Path& relative)> truth;   ///< the file of ground truth
+    std::function<std::string(const Path& relative)> name;
+    std::function<void(DatasetScene& scene, const Path& relative)> complete;  ///< adds what else is known
+};
+
+/// The scenes of a tree in the order of their files' names.
+FoundScenes scenes_of_tree(const TreeOfPairs& tree);
+
+/// Shortens the lines of one folder to what FoundScenes says.
+void shorten(std::vector<std::string>& incomplete);
+
+/// Appends what another layout or folder has.
+void append(FoundScenes& found, FoundScenes more);
+
+}  // namespace disparityd::datasets
