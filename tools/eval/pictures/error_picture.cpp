@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "tools/images/colour_map.h"
 #include "tools/images/picture.h"
 
 namespace disparityd::eval {
@@ -35,36 +34,41 @@ cv::Vec3b judge(float disparity, float truth, bool occluded) {
     return grey_of(error);
 }
 
-cv::Mat error_legend(int height) {
-    return images::colour_legend(height, "error",
-                                 {{grey_of(0), "0 px"},
-                                  {grey_of(0.5), "0.5 px"},
-                                  {grey_of(1), "1 px"},
-                                  {wrong, "over 1 px"},
-                                  {wrong_and_occluded, "over 1 px, occluded"},
-                                  {rejected, "rejected"},
-                                  {no_truth, "no ground truth"}});
-}
-
 }  // namespace
 
-cv::Mat error_picture(const Scene& scene, const MatcherResult& result) {
-    const images::FloatMap disparity = images::to_float(result.map());
-    cv::Mat errors(result.height, result.width, CV_8UC3);
-    for (int y = 0; y < result.height; ++y) {
-        for (int x = 0; x < result.width; ++x) {
+const std::vector<images::LegendRow>& error_colours() {
+    static const std::vector<images::LegendRow> colours{{grey_of(0), "0 px"},
+                                                        {grey_of(0.5), "0.5 px"},
+                                                        {grey_of(1), "1 px"},
+                                                        {wrong, "over 1 px"},
+                                                        {wrong_and_occluded, "over 1 px, occluded"},
+                                                        {rejected, "rejected"},
+                                                        {no_truth, "no ground truth"}};
+    return colours;
+}
+
+cv::Mat error_image(const Scene& scene, const images::FloatMap& disparity) {
+    cv::Mat errors(disparity.height, disparity.width, CV_8UC3);
+    for (int y = 0; y < disparity.height; ++y) {
+        for (int x = 0; x < disparity.width; ++x) {
             const auto i =
-                static_cast<std::size_t>(y) * static_cast<std::size_t>(result.width) + static_cast<std::size_t>(x);
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(disparity.width) + static_cast<std::size_t>(x);
             const bool occluded = !scene.non_occluded.empty() && scene.non_occluded[i] == 0;
             errors.at<cv::Vec3b>(y, x) = judge(disparity.at(x, y), scene.truth.at(x, y), occluded);
         }
     }
+    return errors;
+}
+
+cv::Mat error_picture(const Scene& scene, const MatcherResult& result) {
+    const cv::Mat errors = error_image(scene, images::to_float(result.map()));
     // The range that covers the truth: the same colours for every method, so that their pictures can be compared.
     const images::ColourScale scale = images::whole_range(result.range);
     const cv::Mat bar = images::scale_bar(result.height, scale, {});
     const cv::Mat all = images::picture(scene.left, result.map(), scale, {});
     const cv::Mat left_and_disparity = all(cv::Rect(0, 0, 2 * result.width, result.height));
-    return images::side_by_side({left_and_disparity, errors, bar, error_legend(result.height)});
+    return images::side_by_side(
+        {left_and_disparity, errors, bar, images::colour_legend(result.height, "error", error_colours())});
 }
 
 }  // namespace disparityd::eval
