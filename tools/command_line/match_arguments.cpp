@@ -52,6 +52,11 @@ std::optional<int> MatchArguments::given(std::string_view name) const {
     return found == given_.end() ? std::nullopt : found->second;
 }
 
+bool MatchArguments::any() const {
+    return !preset_.empty() || !cost_.empty() ||
+           std::any_of(given_.begin(), given_.end(), [](const auto& one) { return one.second.has_value(); });
+}
+
 MatchChoice MatchArguments::choice() const {
     MatchChoice chosen{preset_, cost_, {}};
     for (const auto& [name, value] : given_) {

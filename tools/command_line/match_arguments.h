@@ -26,6 +26,8 @@ public:
     int d_min() const { return given("d_min").value_or(0); }
     /// Returns what the command line has for a row of match_fields(), 0 or 1 for a switch.
     std::optional<int> given(std::string_view name) const;
+    /// Whether the command line has any of them.
+    bool any() const;
 
     /// Makes `usual` the preset that options() begin with where the command line has none.
     void set_usual(Preset usual) { usual_ = usual; }

@@ -4,6 +4,53 @@
 #include "tools/command_line/number_argument.h"
 
 namespace disparityd::eval {
+namespace {
+
+void add_benchmark_arguments(CLI::App& program, EvalArguments& arguments) {
+    auto* benchmark = program.add_flag(
+        "--benchmark", arguments.benchmark,
+        "the figures of the benchmarks instead: bad-0.5 to bad-4.0, D1, mean, RMS, A50 to A99, AUSE, of all pixels, "
+        "of those that both cameras see, near edges, of weak texture and, for KITTI 2015, of cars and the rest; each "
+        "scene, the mean over scenes, over pixels, and with Middlebury's weights. --output gets a page, index.html");
+    for (const char* other : {"--paper", "--fair", "--fractions", "--confidence", "--thin", "--scan", "--trust",
+                              "--near-guard-report", "--temporal-report", "--halves"}) {
+        benchmark->excludes(other);
+    }
+    program
+        .add_option("--results", arguments.results,
+                    "disparity maps of any program, in px: PFM (not finite = no disparity) or KITTI's PNG of 16 bits "
+                    "(x 256, 0 = none). A folder, or a pattern with {scene}, or {folder} and {frame}, such as "
+                    "out/{scene}.pfm; a scene's name is its folder's, or folder/frame. May be repeated. Nothing is "
+                    "matched then unless --method or --opencv is given")
+        ->allow_extra_args(false)
+        ->type_name("[NAME=]WHERE")
+        ->needs(benchmark);
+    program
+        .add_option("--confidences", arguments.confidences,
+                    "their confidences, larger is surer: PFM, or grey images of 8 or 16 bits; NAME as of --results")
+        ->allow_extra_args(false)
+        ->type_name("[NAME=]WHERE")
+        ->needs("--results");
+    program
+        .add_option("--region", arguments.regions,
+                    "only this region: all, nonocc, edges, weak-texture, bg, fg, bg-nonocc or fg-nonocc; may be "
+                    "repeated; default: all that are known")
+        ->allow_extra_args(false)
+        ->type_name("NAME")
+        ->needs(benchmark);
+    tools::add_choice(program, "--holes", arguments.holes, {"bad", "left-out", "filled"},
+                      "pixels without a disparity: bad (as Middlebury counts; the default), left-out, or filled before "
+                      "as KITTI fills them; errors in px are always of pixels that have one")
+        ->needs(benchmark);
+    program.add_flag("--incomplete", arguments.incomplete, "scenes whose result is missing or damaged are left out")
+        ->needs(benchmark);
+    program.add_flag("--csv", arguments.csv, "the figures as CSV")
+        ->needs(benchmark)
+        ->excludes("--json")
+        ->excludes("--markdown");
+}
+
+}  // namespace
 
 void add_arguments(CLI::App& program, EvalArguments& arguments) {
     program
@@ -129,8 +176,10 @@ void add_arguments(CLI::App& program, EvalArguments& arguments) {
         "a list of objects, one for each line but the means; with --halves an object: rows (this list), "
         "means, won, halves, noise; with --confidence a list of objects: name, calibration_error, "
         "sparsification_area, sigma_px, sigma_px_of_bins (16 numbers), weight and right (256 numbers each); with "
-        "--thin a list of objects: name, width (px, 0: more than 6), pixels, found");
+        "--thin a list of objects: name, width (px, 0: more than 6), pixels, found; with --benchmark an object: "
+        "holes, rows (a list of objects: row, scene, matcher, region, scenes, pixels and the figures), curves");
     program.add_flag("--markdown", arguments.markdown, "the table in Markdown");
+    add_benchmark_arguments(program, arguments);
     arguments.match.add_to(program, "default: what covers the ground truth, or the scene's calib.txt");
 }
 

@@ -37,6 +37,13 @@ struct EvalArguments {
     bool near_guard = false;
     bool temporal = false;
     bool paper = false;
+    bool benchmark = false;
+    std::vector<std::string> results;      ///< NAME=WHERE, files of other programs
+    std::vector<std::string> confidences;  ///< NAME=WHERE
+    std::vector<std::string> regions;      ///< names; empty = all
+    std::string holes = "bad";
+    bool csv = false;
+    bool incomplete = false;
     bool json = false;
     bool markdown = false;
 };

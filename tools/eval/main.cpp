@@ -21,6 +21,7 @@
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/scan_arguments.h"
+#include "tools/eval/benchmark/evaluate_benchmark.h"
 #include "tools/eval/conditions/condition_report.h"
 #include "tools/eval/confidence/reliability_report.h"
 #include "tools/eval/drive/drive_report.h"
@@ -431,18 +432,22 @@ int evaluate_near_guard(const EvalArguments& arguments) {
 }
 
 int evaluate(EvalArguments arguments) {
-    if (arguments.methods.empty()) {
-        arguments.methods = {arguments.paper ? "all" : "sgm"};
-    }
-    if (arguments.backends.empty()) {
-        arguments.backends = {"auto"};
-    }
     if (!arguments.pictures.empty()) {
         std::error_code error;
         std::filesystem::create_directories(arguments.pictures, error);
         if (error) {
             throw std::runtime_error(arguments.pictures + ": " + error.message());
         }
+    }
+    if (arguments.benchmark) {
+        evaluate_benchmark(std::move(arguments));
+        return tools::exit_done;
+    }
+    if (arguments.methods.empty()) {
+        arguments.methods = {arguments.paper ? "all" : "sgm"};
+    }
+    if (arguments.backends.empty()) {
+        arguments.backends = {"auto"};
     }
     if (arguments.scan || arguments.near_guard || arguments.trust || arguments.temporal) {
         arguments.match.set_usual(Preset::obstacles);
@@ -473,11 +478,14 @@ int main(int argc, char** argv) {
         "false near: of these, the ones that read nearer than they are, by more than 3 px and more than 5 %.\n"
         "thin: share of the pixels on poles and wires whose disparity is at most 1 px off (rendered scenes).\n"
         "mean: over the scenes, each counts the same; a scene where a figure is not known does not count.\n"
-        "ms: matching and post-processing of a rectified pair. Scenes: Middlebury (left.png, right.png, disp_left.png "
-        "or\n"
-        ".pfm), KITTI folders, and frames of scene: with their exact truth.\n"
+        "ms: matching and post-processing of a rectified pair. Scenes: folders as Middlebury, ETH3D, KITTI, Sintel,\n"
+        "SceneFlow and DrivingStereo have them, and frames of scene: with their exact truth.\n"
+        "--benchmark: avg (EPE) and RMS are means of |disparity - truth|; A90: what 90 % of the pixels do not exceed; "
+        "AUSE:\n"
+        "what is lost by removing pixels by their confidence instead of their error. docs/evaluation.md has all.\n"
         "Exit status: 0 done; 1 the system refused; 2 arguments or data must be changed.\n"
-        "Example: disparity-eval --method all --opencv --repeat 5 data/middlebury2003");
+        "Example: disparity-eval --method all --opencv --repeat 5 data/middlebury2003\n"
+        "Example: disparity-eval --benchmark --results OTHER=out/{scene}.pfm -o page MiddEval3/trainingQ");
     eval::EvalArguments arguments;
     eval::add_arguments(program, arguments);
     return tools::run_program(program, argc, argv, [&arguments] { return eval::evaluate(arguments); });
