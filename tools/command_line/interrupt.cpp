@@ -22,13 +22,14 @@ extern "C" void on_signal(int number) {
 void catch_interrupts(SecondSignal second) {
     struct sigaction action {};
     action.sa_handler = on_signal;
-    action.sa_flags = second == SecondSignal::is_kept ? 0 : static_cast<int>(SA_RESETHAND);
-    sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
     struct sigaction hang_up {};
     if (sigaction(SIGHUP, nullptr, &hang_up) == 0 && hang_up.sa_handler != SIG_IGN) {  // not below nohup
         sigaction(SIGHUP, &action, nullptr);
     }
+    // Only this one: schedulers send the others to a process and to all of its group, and mean one.
+    action.sa_flags = second == SecondSignal::is_kept ? 0 : static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, nullptr);
 }
 
 bool interrupted() {
