@@ -72,6 +72,21 @@ TEST_F(ProcessListTest, ShardsTogetherAreTheSingleRun) {
     EXPECT_EQ(files_in(path("alone")).at("000000.png"), files_in(path("whole/drive")).at("000000.png"));
 }
 
+TEST_F(ProcessListTest, AListHasASourceALine) {
+    make_sources();
+    write_text(path("list"), path("a/walk.mkv") + "\n\n" + path("b/walk.mkv"));
+    const Outcome outcome = process({path("drive"), "--list", path("list"), "-o", path("out")});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(folders_in("out"), ElementsAre("a_walk.mkv", "b_walk.mkv", "drive"));
+    write_text(path("list"), "\n");
+    for (const char* const list : {"list", "absent", "a"}) {
+        const Outcome refused = process({"--list", path(list), "-o", path("none")});
+        EXPECT_EQ(refused.exit_code, 2) << list;
+        EXPECT_THAT(refused.err, HasSubstr(path(list))) << list;
+    }
+    EXPECT_THAT(process({"-o", path("none")}).err, HasSubstr("SOURCE: found none, allowed: at least one"));
+}
+
 TEST_F(ProcessListTest, ASourceThatFailsEndsTheRunUnlessItGoesOn) {
     make_sources();
     std::filesystem::resize_file(path("a/walk.mkv"), std::filesystem::file_size(path("a/walk.mkv")) * 3 / 4);
@@ -110,6 +125,7 @@ TEST_F(ProcessListTest, WhatMaySucceedLaterIsExitStatus75) {
         return !folders.empty() && std::filesystem::exists(path("out") + '/' + folders.front() + "/000000.png");
     }));
     program.send(SIGTERM);
+    program.send(SIGTERM);  // as a scheduler does: once to the program, once to its group
     const Outcome ended = program.wait();
     EXPECT_EQ(ended.exit_code, 75) << ended.err;
     EXPECT_THAT(ended.err,

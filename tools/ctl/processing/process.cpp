@@ -95,9 +95,24 @@ int process_list(const ProcessArguments& arguments, const std::vector<Task>& tas
     return report.finish();
 }
 
+/// Returns the sources of the command line and of --list.
+std::vector<std::string> words_of(const ProcessArguments& arguments) {
+    std::vector<std::string> words = arguments.sources;
+    if (!arguments.list.empty()) {
+        const std::vector<std::string> lines = lines_of(arguments.list);
+        words.insert(words.end(), lines.begin(), lines.end());
+    }
+    if (words.empty()) {
+        throw std::invalid_argument("SOURCE: found none" +
+                                    (arguments.list.empty() ? std::string() : " in " + arguments.list) +
+                                    ", allowed: at least one, here or in the file of --list");
+    }
+    return words;
+}
+
 int process(const ProcessArguments& arguments) {
     catch_interrupts();
-    const std::vector<ListedSource> all = list_sources(arguments.sources, arguments.folder);
+    const std::vector<ListedSource> all = list_sources(words_of(arguments), arguments.folder);
     const bool is_list = all.size() > 1;
     if (is_list && std::filesystem::path(arguments.scan).has_parent_path()) {
         throw std::invalid_argument("--scan: found '" + arguments.scan +
@@ -131,11 +146,11 @@ void add_process(CLI::App& program, Action& action) {
     CLI::App& command =
         *program.add_subcommand("process", "Match every frame of a source into a folder of files, offline.");
     const auto arguments = std::make_shared<ProcessArguments>();
-    command
-        .add_option("SOURCE", arguments->sources,
-                    "recordings, folders, patterns with %d, scene:..., or the two images of one pair; see disparityctl "
-                    "sources")
-        ->required();
+    command.add_option(
+        "SOURCE", arguments->sources,
+        "recordings, folders, patterns with %d, scene:..., or the two images of one pair; see disparityctl "
+        "sources");
+    command.add_option("--list", arguments->list, "more sources: a file with one a line")->type_name("FILE");
     command
         .add_option("-o,--output", arguments->folder,
                     "folder to fill; made when missing; several sources get a folder of their own name in it each")

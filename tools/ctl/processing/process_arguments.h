@@ -21,6 +21,7 @@ namespace disparityd::tools {
 /// What the command line asks `process` for.
 struct ProcessArguments {
     std::vector<std::string> sources;  ///< as typed
+    std::string list;                  ///< a file of more of them; empty: none
     std::string source;                ///< the one at hand
     std::string folder;                ///< that it fills
     std::string method = "sgm";

@@ -2,12 +2,15 @@
 #include "tools/ctl/processing/source_list.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <stdexcept>
 
+#include "base/failure_text.h"
 #include "base/file_kind.h"
 #include "capture/images/image_sequence.h"
 #include "tools/ctl/processing/process_output.h"
@@ -73,6 +76,20 @@ void check_once(const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+std::vector<std::string> lines_of(const std::string& file) {
+    std::ifstream text(file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) {
+        if (!line.empty()) {
+            lines.push_back(line);
+        }
+    }
+    if (!text.eof()) {
+        throw std::invalid_argument("--list: " + file + ": cannot be read: " + base::error_text(errno));
+    }
+    return lines;
+}
 
 std::vector<ListedSource> list_sources(const std::vector<std::string>& words, const std::string& folder) {
     if (words.size() == 1) {

@@ -12,6 +12,9 @@ struct ListedSource {
     std::string folder;
 };
 
+/// Returns the lines of a file but for empty ones. Throws std::invalid_argument when it cannot be read.
+std::vector<std::string> lines_of(const std::string& file);
+
 /// Returns the sources that the words name, each with its folder. One source fills `folder` itself; two words that are
 /// the images of two eyes are one. Of several, each fills a folder in it of its own name: the file's without its
 /// ending; where several have that name, with the ending, then with so many folders in front ("b_walk.mkv" of
