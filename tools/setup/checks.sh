@@ -194,7 +194,7 @@ check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tests/package/run tests/package/lifecycle tests/package/read_frames \
         tests/package/guest tests/package/emulated tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} \
         tools/benchmarks tools/demo tools/gpu-check tools/package tools/release tools/test \
-        tools/setup/{arm64-sysroot,debian-13,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
+        tools/cluster/{over-ssh,slurm-array} tools/setup/{arm64-sysroot,debian-13,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
         debian/*.postinst debian/*.prerm debian/*.postrm
 }
 
