@@ -29,17 +29,22 @@ class Page(html.parser.HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.loaded, self.headings, self.scripts, self.open = [], [], [], []
+        self.loaded, self.headings, self.scripts, self.open, self.points = [], [], [], [], []
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):
         self.loaded += [value for name, value in attrs if name in ("src", "href")]
+        self.points += [value for name, value in attrs if name == "points"]
         if tag not in self.VOID:
             self.open.append(tag)
         if tag == "h2":
             self.headings.append("")
         if tag == "script":
             self.scripts.append("")
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        self.open.pop()
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag, tag
@@ -61,13 +66,19 @@ class ErrorPage(unittest.TestCase):
                 errors = numpy.where(random.random(scene.truth.shape) < 0.3 * i, error, 0).astype(numpy.float32)
                 for matcher in ("one", "two"):
                     made_data.write(folder / matcher / f"{name}.pfm", scene.truth + errors + (5 if matcher == "two" else 0))
-            subprocess.run([EVAL, "--benchmark", "--results", folder / "one", "--results", folder / "two", "-o", folder / "page", folder / "data"],
+                made_data.write(folder / "sure" / f"{name}.png", random.integers(0, 256, scene.truth.shape, dtype=numpy.uint8))
+            subprocess.run([EVAL, "--benchmark", "--results", folder / "one", "--confidences", f"one={folder}/sure", "--results", folder / "two", "-o", folder / "page", folder / "data"],
                            check=True, capture_output=True)
             page = Page((folder / "page/index.html").read_text(encoding="utf-8"))
             self.assertEqual(page.open, [])
             self.assertEqual(page.headings, ["a<b> two", "best two", "worst two", "worst one", "a<b> one", "best one"])
             self.assertEqual({pathlib.Path(file) for file in page.loaded} | {pathlib.Path("index.html")},
                              {file.relative_to(folder / "page") for file in (folder / "page").iterdir()})
+            self.assertEqual(len(page.points), 2 * 3)
+            for points in page.points:
+                numbers = [[float(number) for number in point.split(",")] for point in points.split()]
+                self.assertEqual(len(numbers), 100)
+                self.assertTrue(all(52 <= x <= 350 and 12 <= y <= 168 for x, y in numbers), numbers)
             results = json.loads(page.scripts[0])
             self.assertEqual([result["matcher"] for result in results], ["one", "two"] * 3)
             self.assertEqual(set(results[0]["regions"]), {"all", "nonocc", "edges", "weak-texture"})

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/eval/benchmark/sparsification_chart.h"
 #include "tools/eval/means.h"
 #include "tools/eval/pictures/error_picture.h"
 #include "tools/images/colour_map.h"
@@ -36,9 +37,9 @@ figure { margin: 0; } figcaption { color: #5a626c; font-size: .85rem; }
 img { width: 100%; height: auto; display: block; background: #ddd; }
 .figures { overflow-x: auto; margin-top: .5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .8rem; }
-summary { cursor: pointer; }
+summary { cursor: pointer; } .chart { max-width: 30rem; }
 th, td { padding: .15rem .45rem; text-align: right; border-bottom: 1px solid #e6e8eb; white-space: nowrap; }
-th:first-child, td:first-child { text-align: left; }
+th:first-child, td:first-child, .means th:nth-child(-n+3), .means td:nth-child(-n+3) { text-align: left; }
 td.chosen { background: #fff3c4; font-weight: 600; }
 @media (prefers-color-scheme: dark) {
   body { background: #15171a; color: #e8eaed; } header, article { background: #1e2125; border-color: #3a4047; }
@@ -198,8 +199,8 @@ std::string figures_html(const std::vector<BenchmarkCell>& cells) {
 }
 
 std::string means_html(const std::vector<BenchmarkCell>& cells) {
-    std::string html =
-        "<details open><summary>means</summary>\n" + heads_html({"matcher", "region", "of", "scenes", "pixels"});
+    std::string html = "<details open class=\"means\"><summary>means</summary>\n" +
+                       heads_html({"matcher", "region", "of", "scenes", "pixels"});
     for (const BenchmarkRow& row : rows_of(cells)) {
         if (row.kind != RowKind::scene) {
             html += "<tr><td>" + escaped(row.matcher) + "</td><td>" + std::string(name(row.region)) + "</td><td>" +
@@ -213,6 +214,19 @@ std::string means_html(const std::vector<BenchmarkCell>& cells) {
 std::string image_html(const std::string& file, const std::string& caption) {
     return "<figure><a href=\"" + file + "\"><img loading=\"lazy\" src=\"" + file + "\" alt=\"" + caption +
            "\"></a><figcaption>" + caption + "</figcaption></figure>\n";
+}
+
+/// The curves of the first region, which the page is sorted by at first; nothing without confidences.
+std::string chart_html(const std::vector<BenchmarkCell>& cells) {
+    if (cells.empty() || !cells.front().tally.curves) {
+        return {};
+    }
+    return "<details><summary>sparsification</summary><figure class=\"chart\">" +
+           sparsification_chart(*cells.front().tally.curves) + "<figcaption>" +
+           std::string(name(cells.front().region)) +
+           ": mean error, px, of what is left when the least confident pixels are removed (blue), and when those of "
+           "the "
+           "largest error are (grey)</figcaption></figure></details>\n";
 }
 
 /// JSON that may stand in a script element.
@@ -245,7 +259,7 @@ std::string ErrorPage::entry_html(const Entry& entry, std::size_t number) const 
     return "<article id=\"result-" + std::to_string(number) + "\">\n<h2>" + escaped(entry.scene) + " <small>" +
            escaped(entry.matcher) + "</small></h2>\n<div class=\"pictures\">\n" + image_html(entry.left, "left image") +
            image_html(entry.disparity, "disparity") + image_html(entry.errors, "errors") + "</div>\n" +
-           figures_html(entry.cells) + "</article>\n";
+           figures_html(entry.cells) + chart_html(entry.cells) + "</article>\n";
 }
 
 void ErrorPage::write(Holes holes) const {
