@@ -87,6 +87,36 @@ TEST_F(ProcessListTest, AListHasASourceALine) {
     EXPECT_THAT(process({"-o", path("none")}).err, HasSubstr("SOURCE: found none, allowed: at least one"));
 }
 
+TEST_F(ProcessListTest, APlanTellsFramesAndHowLongShardsTake) {
+    make_sources();
+    const std::string endless = "scene:vga?width=64&height=32", absent = path("absent.mkv");
+    std::vector<std::string> words = sources();
+    words.insert(words.end(), {"--plan", "--json"});
+    const Outcome outcome = process(words);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto plan = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(plan["frames"], 6);
+    // The whole was measured, as it is so short: a shard takes its share of the pixels.
+    const double measured = plan["measured"]["seconds"].get<double>();
+    EXPECT_EQ(plan["measured"]["frames"], 6);
+    ASSERT_EQ(plan["shards"].size(), 3U);
+    constexpr double pixels[] = {2 * 64 * 32, 3 * 80 * 40, 1 * 64 * 32};  // in the order of their names
+    constexpr double all = pixels[0] + pixels[1] + pixels[2];
+    EXPECT_NEAR(plan["shards"][0]["longest_seconds"].get<double>(), measured, 1e-6);
+    EXPECT_NEAR(plan["shards"][1]["longest_seconds"].get<double>(), measured * pixels[1] / all, 1e-6);
+    EXPECT_EQ(plan["shards"][2]["shards"], 3);
+    words = {path("drive"), endless, absent, "--plan"};
+    const Outcome partly = process(words);
+    EXPECT_EQ(partly.exit_code, 1);
+    EXPECT_THAT(partly.err, HasSubstr(absent));
+    EXPECT_THAT(partly.out,
+                AllOf(HasSubstr("2 sources, 1 frame\nnot in it, as their length is not known: 1 source\n  " + endless +
+                                "\nmeasured on this machine: 13 frames of 2 sources in "),
+                      HasSubstr("shards  minutes of the longest\n1  ")));
+    EXPECT_EQ(process({path("drive")}).exit_code, 2) << "no folder to fill";
+    EXPECT_THAT(folders_in(""), ElementsAre("a", "b", "drive"));
+}
+
 TEST_F(ProcessListTest, ASourceThatFailsEndsTheRunUnlessItGoesOn) {
     make_sources();
     std::filesystem::resize_file(path("a/walk.mkv"), std::filesystem::file_size(path("a/walk.mkv")) * 3 / 4);

@@ -20,6 +20,7 @@
 #include "tools/command_line/program.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
+#include "tools/ctl/processing/plan.h"
 #include "tools/ctl/processing/process_arguments.h"
 #include "tools/ctl/processing/process_output.h"
 #include "tools/ctl/processing/process_report.h"
@@ -112,6 +113,9 @@ std::vector<std::string> words_of(const ProcessArguments& arguments) {
 
 int process(const ProcessArguments& arguments) {
     catch_interrupts();
+    if (arguments.folder.empty() && !arguments.plan) {
+        throw std::invalid_argument("--output: found nothing, allowed: the folder to fill");
+    }
     const std::vector<ListedSource> all = list_sources(words_of(arguments), arguments.folder);
     const bool is_list = all.size() > 1;
     if (is_list && std::filesystem::path(arguments.scan).has_parent_path()) {
@@ -121,6 +125,10 @@ int process(const ProcessArguments& arguments) {
     }
     const std::vector<ListedSource> mine = shard_of(all, arguments.shard);
     check(arguments);
+    if (arguments.plan) {
+        pipeline::WorkerPool workers(arguments.workers.value_or(0));
+        return plan(arguments, mine, workers);
+    }
     std::vector<Task> tasks;
     for (const ListedSource& source : mine) {
         if (interrupted() && !tasks.empty()) {
@@ -153,9 +161,9 @@ void add_process(CLI::App& program, Action& action) {
     command.add_option("--list", arguments->list, "more sources: a file with one a line")->type_name("FILE");
     command
         .add_option("-o,--output", arguments->folder,
-                    "folder to fill; made when missing; several sources get a folder of their own name in it each")
-        ->type_name("DIR")
-        ->required();
+                    "folder to fill; made when missing; several sources get a folder of their own name in it each; "
+                    "needed but with --plan")
+        ->type_name("DIR");
     command.add_option("--method", arguments->method, method_help() + "; default sgm")->type_name("METHOD");
     command.add_option("--backend", arguments->backend, backend_help())->type_name("NAME");
     command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
@@ -201,11 +209,18 @@ void add_process(CLI::App& program, Action& action) {
         ->excludes(force);
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out, and sources that fail; they are listed, exit status 1");
+    CLI::Option* const shard =
+        command
+            .add_option(
+                "--shard", arguments->shard,
+                "process only every N-th of the sources, in the order of their names, from number I on; I is 0 to "
+                "N - 1")
+            ->type_name("I/N");
     command
-        .add_option("--shard", arguments->shard,
-                    "process only every N-th of the sources, in the order of their names, from number I on; I is 0 to "
-                    "N - 1")
-        ->type_name("I/N");
+        .add_flag("--plan", arguments->plan,
+                  "write nothing: tell how many frames there are, and how long they take in how many shards, by some "
+                  "frames of the first sources")
+        ->excludes(shard);
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
     // The daemon's default: the same bytes as from it.
     arguments->match.add_to(
@@ -224,6 +239,7 @@ void add_process(CLI::App& program, Action& action) {
         "Examples: disparityctl process walk.mkv --method sgm --disparities 128 -o out\n"
         "          disparityctl process left.png right.png -o out\n"
         "          disparityctl process drives/*.mkv -o out --keep-going --resume --shard 0/8\n"
+        "          disparityctl process drives/*.mkv --plan\n"
         "          disparityctl process walk.mkv -o out --scan walk.csv --scan-set camera_height_m=0.4");
     command.callback([arguments, &action] { action = [arguments] { return process(*arguments); }; });
 }

@@ -49,6 +49,7 @@ struct ProcessArguments {
     bool force = false;
     bool resume = false;
     bool keep_going = false;
+    bool plan = false;
     bool json = false;
 };
 
