@@ -10,29 +10,15 @@
 #include "bridges/mavlink/heartbeat.h"
 #include "bridges/mavlink/link.h"
 #include "bridges/mavlink/mavlink_frame.h"
-#include "bridges/mavlink/notes.h"
 #include "bridges/mavlink/obstacle_message.h"
 #include "bridges/mavlink/scan_source.h"
+#include "bridges/program/notes.h"
+#include "bridges/program/rate_limit.h"
 
 namespace disparityd::mavlink {
 
-/// Lets at most so many through in a second, on the average; what comes a little early is let through, so that a source
-/// of just that rate loses none.
-class RateLimit {
-public:
-    using Clock = std::chrono::steady_clock;
-
-    explicit RateLimit(double per_second);
-
-    /// Returns whether one may pass now, and counts it if it may.
-    bool pass(Clock::time_point now);
-
-    Clock::duration period() const { return period_; }
-
-private:
-    Clock::duration period_;
-    Clock::time_point due_{};
-};
+using bridges::Notes;
+using bridges::RateLimit;
 
 /// What the bridge sends, and when it does not.
 struct BridgeSettings {

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "bridges/program/host_and_port.h"
+#include "bridges/program/number_range.h"
 
 namespace disparityd::mavlink {
 namespace {
@@ -18,18 +19,7 @@ namespace {
 constexpr std::array baud_rates{9600U,   19200U,  38400U,   57600U,   115200U,  230400U,  460800U, 500000U,
                                 576000U, 921600U, 1000000U, 1152000U, 1500000U, 2000000U, 3000000U};
 
-/// Refuses what is outside, and what is no number ("nan" is not between others).
-CLI::Validator between(double least, double most) {
-    std::ostringstream allowed;
-    allowed << "allowed: " << least << " .. " << most;
-    return CLI::Validator(
-        [least, most, text = allowed.str()](const std::string& value) {
-            double number = 0;
-            const bool good = CLI::detail::lexical_cast(value, number) && number >= least && number <= most;
-            return good ? std::string() : "found " + value + ", " + text;
-        },
-        "", "");
-}
+using bridges::between;
 
 [[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& form) {
     throw std::invalid_argument(option + ": found \"" + text + "\", expected " + form);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/mavlink/notes.h"
+#include "bridges/program/notes.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace disparityd::mavlink {
+namespace disparityd::bridges {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -60,4 +60,4 @@ TEST_F(NotesTest, TopicsAreApart) {
 }
 
 }  // namespace
-}  // namespace disparityd::mavlink
+}  // namespace disparityd::bridges

@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-namespace disparityd::mavlink {
+namespace disparityd::bridges {
 
 /// Says how things stand, without filling the journal however often it is told.
 class Notes {
@@ -37,4 +37,4 @@ private:
     std::map<std::string, Said> said_;
 };
 
-}  // namespace disparityd::mavlink
+}  // namespace disparityd::bridges

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/mavlink/notes.h"
+#include "bridges/program/notes.h"
 
 #include <cctype>
 
-namespace disparityd::mavlink {
+namespace disparityd::bridges {
 namespace {
 
 std::string without_digits(std::string line) {
@@ -26,4 +26,4 @@ void Notes::say(const std::string& topic, const std::string& line, Repeat repeat
     said_[topic] = {line, now};
 }
 
-}  // namespace disparityd::mavlink
+}  // namespace disparityd::bridges
