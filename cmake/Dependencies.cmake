@@ -117,5 +117,6 @@ endif()
 
 include(PythonMatcher)
 include(Gstreamer)
+include(CycloneDds)
 
 disparityd_end_of_needs()

@@ -18,6 +18,9 @@ import check_docs  # noqa: E402
 # What would hide that a program does not find its libraries by itself.
 HIDING = ("LD_LIBRARY_PATH", "LD_PRELOAD", "DISPARITY_CLIENT_LIBRARY", "PYTHONPATH")
 PROGRAMS = {"disparityd", "disparityctl", "disparity-bench", "disparity-eval", "disparity-mavlink", "disparity-web"}
+# Built where Cyclone DDS is.
+if (Path(BUILD) / "bin/disparity-ros2").exists():
+    PROGRAMS.add("disparity-ros2")
 
 
 def said_by(*command, **more):

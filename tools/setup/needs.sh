@@ -4,7 +4,7 @@
 # installs that. What is there in any form is taken, so nothing asks dpkg for Debian's names.
 source tools/setup/packages.sh
 
-# The tab-separated lines that cmake/Needs.cmake writes: found|missing, build|test|python|gstreamer, what, packages, hint.
+# The tab-separated lines that cmake/Needs.cmake writes: found|missing, build|test|python|gstreamer|ros2, what, packages, hint.
 readonly needs_file=build/needs/needs.tsv
 
 # missing_programs: the packages of the programs that even asking takes.
@@ -38,14 +38,14 @@ report_needs() {
     fi
 }
 
-# missing_needs KIND...: what is missing of build, test, python (the matcher for Python), gstreamer: "what<TAB>packages<TAB>hint".
+# missing_needs KIND...: what is missing of build, test, python (the matcher for Python), gstreamer, ros2: "what<TAB>packages<TAB>hint".
 missing_needs() {
     awk -F '\t' -v kinds=" $* " '$1 == "missing" && index(kinds, " " $2 " ") { print $3 "\t" $4 "\t" $5 }' "$needs_file"
 }
 
 # library_packages: Debian's packages of headers and libraries that the project needs, whether they are here or not.
 library_packages() {
-    cut -f 4 "$needs_file" | sed 's/|.*//; s/>=[^ ]*//g' | tr ' ' '\n' | grep -E '^(lib.*|nlohmann-json3|pybind11)-dev$'
+    cut -f 4 "$needs_file" | sed 's/|.*//; s/>=[^ ]*//g' | tr ' ' '\n' | grep -E '^(lib.*|cyclonedds|nlohmann-json3|pybind11)-dev$'
 }
 
 # offered PACKAGE[>=VERSION]...: whether apt has them all here, new enough.

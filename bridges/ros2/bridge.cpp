@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bridges/ros2/bridge.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <thread>
+#include <utility>
+
+#include "bridges/ros_messages/diagnostic_message.h"
+#include "proto/disparity.pb.h"
+#include "proto/products.h"
+
+namespace disparityd::ros2 {
+namespace {
+
+using bridges::Notes;
+using disparity::Product;
+using disparity::ReadResult;
+using ros::Content;
+using std::chrono::milliseconds;
+
+constexpr milliseconds patience{100};
+
+std::int64_t realtime_ns() {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+        .count();
+}
+
+disparity::Subscription subscription_to(const std::vector<Product>& products) {
+    disparity::Subscription subscription;
+    subscription.products = products;
+    return subscription;
+}
+
+std::vector<Product> products_of(const v1::Status& status) {
+    std::vector<Product> products;
+    for (const int product : status.products()) {
+        products.push_back(static_cast<Product>(product));
+    }
+    return products;
+}
+
+/// Returns what a content may need of a daemon that has told nothing: of shared memory that no socket is beside, frames
+/// have what they have.
+ros::Wanted may_need(Content content) {
+    const std::span<const Product> products = ros::products_for(content);
+    ros::Wanted wanted{.products = {products.begin(), products.end()}};
+    std::sort(wanted.products.begin(), wanted.products.end());
+    if (content == Content::points) {
+        wanted.add(may_need(Content::left_image));
+    }
+    return wanted;
+}
+
+disparity::ClientOptions waiting_for_the_daemon(disparity::ClientOptions options) {
+    options.may_be_absent = true;
+    options.timeout = milliseconds(1000);
+    return options;
+}
+
+}  // namespace
+
+Bridge::Bridge(BridgeSettings settings, DaemonPlace daemon, Node& node, Notes& notes)
+    : settings_(std::move(settings)),
+      daemon_(std::move(daemon)),
+      node_(node),
+      points_limit_(settings_.points_rate),
+      notes_(notes) {
+    for (const Topic& topic : settings_.topics) {
+        outputs_.push_back(
+            {topic.content, &node_.advertise(topic.name, ros::message_name(topic.content), settings_.quality)});
+    }
+    if (settings_.publishes_tf) {
+        static_transforms_ = &node_.advertise("/tf_static", "tf2_msgs/TFMessage",
+                                              {.reliable = true, .transient_local = true, .depth = 1});
+    }
+    node_.announce();
+    disparity::ClientOptions options = daemon_.options;
+    options.client_name += " side";
+    feed_ = std::make_unique<SideFeed>(
+        daemon_.where, options,
+        SideFeed::Takers{.status = [this](const std::string& status) { take_status(status); },
+                         .samples = [this](const disparity::SensorBatch& batch) { take_samples(batch); },
+                         .away = [this](const std::string& why) { take_absence(why); }});
+}
+
+void Bridge::run(const std::atomic<bool>& stop) {
+    while (!stop) {
+        const ros::Wanted now = wanted();
+        feed_->want_samples(now.sensors);
+        if (now.products.empty()) {
+            client_.reset();  // so that the daemon does not match for nobody
+            node_.wait(patience);
+            continue;
+        }
+        try {
+            read_frame(now);
+        } catch (const std::exception& error) {
+            say("frames", std::string("no frames: ") + error.what());
+            client_.reset();
+            std::this_thread::sleep_for(patience);
+        }
+    }
+}
+
+/// Returns what those topics need that somebody subscribes to.
+ros::Wanted Bridge::wanted() {
+    std::optional<ros::Offer> offer;
+    {
+        const std::lock_guard lock(mutex_);
+        offer = offer_;
+    }
+    ros::Wanted all;
+    for (const Output& output : outputs_) {
+        if (output.publisher->readers() == 0) {
+            continue;
+        }
+        const std::optional<ros::Wanted> needs =
+            offer ? ros::needs_of(output.content, *offer) : may_need(output.content);
+        if (needs) {
+            all.add(*needs);
+        } else {
+            note_missing(output, *offer);
+        }
+    }
+    return all;
+}
+
+void Bridge::note_missing(const Output& output, const ros::Offer& offer) {
+    if (offer.products.empty()) {
+        return;  // it has no source yet, which is said elsewhere
+    }
+    const std::span<const Product> products = ros::products_for(output.content);
+    const bool served = std::any_of(products.begin(), products.end(), [&](Product product) {
+        return std::find(offer.products.begin(), offer.products.end(), product) != offer.products.end();
+    });
+    std::string why = "the daemon's source has no sensors";
+    if (served) {
+        why = "the daemon has no calibration of the camera";
+    } else if (!products.empty()) {
+        why = proto::not_served_text(static_cast<v1::Product>(products.back()));
+    }
+    say(output.publisher->topic(), output.publisher->topic() + " is subscribed to, and nothing comes: " + why);
+}
+
+/// Waits for a frame and publishes it.
+void Bridge::read_frame(const ros::Wanted& wanted) {
+    if (!client_) {
+        client_.emplace(daemon_.where, subscription_to(wanted.products), waiting_for_the_daemon(daemon_.options));
+    } else if (subscribed_ != wanted.products) {
+        client_->subscribe(subscription_to(wanted.products));
+    }
+    subscribed_ = wanted.products;
+    switch (client_->read(frame_, patience)) {
+        case ReadResult::frame: publish_frame(); break;
+        case ReadResult::timeout: break;
+        case ReadResult::gone: say("frames", "no frames: " + client_->why_gone()); break;
+    }
+}
+
+void Bridge::publish_frame() {
+    for (const Output& output : outputs_) {
+        if (output.publisher->readers() == 0 || !is_due(output.content)) {
+            continue;
+        }
+        if (std::optional<std::string> message = ros::encode(output.content, frame_, settings_.encoding)) {
+            publish(output, std::move(*message));
+        }
+    }
+}
+
+bool Bridge::is_due(Content content) {
+    return content != Content::points || points_limit_.pass(bridges::RateLimit::Clock::now());
+}
+
+void Bridge::publish(const Output& output, std::string message) {
+    if (!output.publisher->publish(std::move(message))) {
+        say("dds " + output.publisher->topic(),
+            output.publisher->topic() +
+                ": DDS did not take a message in time; fewer or smaller topics, or a faster "
+                "network, help");
+    }
+}
+
+void Bridge::take_status(const std::string& bytes) {
+    v1::Status status;
+    if (!status.ParseFromString(bytes)) {
+        return;
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        offer_ = ros::offer_of(status, products_of(status));
+        notes_.say("daemon", "the daemon answers: " + status.source(), Notes::Repeat::never);
+    }
+    const std::optional<disparity::InertialCalibration> inertial = disparity::inertial_calibration(bytes);
+    const double baseline_m = status.geometry().baseline_mm() / 1000;
+    publish_transforms(static_transforms(settings_.tree, baseline_m, inertial ? inertial->pose : std::nullopt));
+    publish_diagnostics(ros::diagnostic_message(status, settings_.diagnostics, realtime_ns()));
+}
+
+void Bridge::take_absence(const std::string& why) {
+    say("daemon", "no daemon: " + why);
+    publish_diagnostics(ros::stale_diagnostic(why, settings_.diagnostics, realtime_ns()));
+}
+
+void Bridge::publish_diagnostics(const std::string& message) {
+    for (const Output& output : outputs_) {
+        if (output.content == Content::diagnostics && output.publisher->readers() > 0) {
+            publish(output, message);
+        }
+    }
+}
+
+/// Those that come later get the last message, so that one is enough.
+void Bridge::publish_transforms(const std::vector<ros::Transform>& transforms) {
+    if (static_transforms_ != nullptr && transforms != told_transforms_) {
+        told_transforms_ = transforms;
+        static_transforms_->publish(ros::transform_message(realtime_ns(), transforms));
+    }
+}
+
+void Bridge::take_samples(const disparity::SensorBatch& batch) {
+    for (const Output& output : outputs_) {
+        if (output.publisher->readers() == 0) {
+            continue;
+        }
+        for (const disparity::SensorSample& sample : batch.samples) {
+            if (std::optional<std::string> message = ros::encode(output.content, sample, settings_.encoding.names)) {
+                publish(output, std::move(*message));
+            }
+        }
+    }
+}
+
+void Bridge::say(const std::string& topic, const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    notes_.say(topic, line);
+}
+
+}  // namespace disparityd::ros2

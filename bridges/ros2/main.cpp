@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Publishes what the daemon measures to nodes of ROS 2, over DDS.
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <dds/ddsrt/log.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "bridges/program/program.h"
+#include "bridges/ros2/bridge.h"
+#include "bridges/ros2/options.h"
+
+namespace {
+
+using namespace disparityd::ros2;
+using disparityd::bridges::print_line;
+
+constexpr const char* program = "disparity-ros2";
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need lock-free atomics");
+
+extern "C" void on_signal(int /*number*/) {
+    stop.store(true, std::memory_order_relaxed);
+}
+
+/// The first SIGTERM or SIGINT ends the program in order, a second one at once.
+void catch_signals() {
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGTERM, &action, nullptr);
+    sigaction(SIGINT, &action, nullptr);
+}
+
+/// What DDS has to say becomes a line as all others.
+void print_of_dds(void* /*nothing*/, const dds_log_data_t* data) {
+    print_line(program, "note", "DDS: " + std::string(data->message, data->size));
+}
+
+std::string environment(const std::string& name) {
+    const char* const value = std::getenv(name.c_str());
+    return value == nullptr ? std::string() : value;
+}
+
+/// Returns how many bytes of datagrams on their way the system grants at most: SO_RCVBUF or SO_SNDBUF of a socket that
+/// asks for a lot. 0: it does not say.
+std::uint64_t granted_bytes(int option) {
+    const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    int bytes = 1 << 30;
+    socklen_t size = sizeof bytes;
+    ::setsockopt(fd, SOL_SOCKET, option, &bytes, size);
+    const bool told = ::getsockopt(fd, SOL_SOCKET, option, &bytes, &size) == 0;
+    ::close(fd);
+    return told ? static_cast<std::uint64_t>(bytes) / 2 : 0;  // the kernel counts its own needs as much again
+}
+
+void run(const Options& options) {
+    BridgeSettings settings = options.settings();
+    const Domain domain = domain_of(environment);
+    disparityd::bridges::Notes notes([](const std::string& line) { print_line(program, "note", line); });
+    dds_set_log_sink(print_of_dds, nullptr);
+    Node node(options.node(), domain);
+    if (const std::string line = small_buffers_text(granted_bytes(SO_RCVBUF), granted_bytes(SO_SNDBUF));
+        !line.empty()) {
+        print_line(program, "note", line);
+    }
+    Bridge bridge(std::move(settings), options.place_of_daemon(), node, notes);
+    catch_signals();
+    bridge.run(stop);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app(
+        "Publishes images, depth, points, obstacle scans and inertial data of a running disparityd to nodes of ROS 2, "
+        "over DDS; no ROS is needed here. Only what somebody subscribes to is computed. The daemon may come and go. "
+        "ROS_DOMAIN_ID, ROS_LOCALHOST_ONLY, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS and CYCLONEDDS_URI say "
+        "where "
+        "nodes are looked for, as for any node.",
+        program);
+    Options options;
+    options.add_to(app);
+    app.footer(
+        "Examples: disparity-ros2 --camera-name front --parent-frame base_link --height-m 0.3\n"
+        "          disparity-ros2 --names zed --camera-name zed\n"
+        "Exit status: 0 SIGTERM or Ctrl-C ended it; 1 the system refuses; 2 an argument is wrong.");
+    return disparityd::bridges::run_program(app, argc, argv, [&options] { run(options); });
+}

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridges/ros_messages/frame_names.h"
+#include "bridges/ros_messages/transform_message.h"
+#include "clients/cpp/disparity_client.hpp"
+
+namespace disparityd::ros2 {
+
+/// Where the left camera is on the robot, in the words of the daemon's [scan].
+struct Place {
+    double ahead_m = 0;    ///< of the parent frame's origin
+    double left_m = 0;     ///< of it
+    double height_m = 0;   ///< above it
+    double roll_deg = 0;   ///< positive has the right side lower
+    double pitch_deg = 0;  ///< positive looks down
+    double yaw_deg = 0;    ///< positive looks left
+
+    bool operator==(const Place&) const = default;
+};
+
+/// What the tree of frames is made of.
+struct TreeOfFrames {
+    ros::FrameNames names;
+    std::string right = {};       ///< the right optical frame
+    std::string parent = {};      ///< the robot's frame; empty: the camera's is the root
+    Place place = {};             ///< in the parent's frame
+    bool places_the_scan = true;  ///< the scan's frame is a part of the tree: below the camera, in the parent's plane
+};
+
+/// Returns the transforms that do not change: from the parent to the camera and to the scan's frame, from the camera to
+/// both optical frames, from the left one to the inertial sensor. What is not known is left out: `baseline_m` <= 0,
+/// and the sensor's pose.
+std::vector<ros::Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
+                                              const std::optional<disparity::InertialPose>& sensor);
+
+}  // namespace disparityd::ros2
