@@ -72,6 +72,50 @@ TEST_F(ProcessListTest, ShardsTogetherAreTheSingleRun) {
     EXPECT_EQ(files_in(path("alone")).at("000000.png"), files_in(path("whole/drive")).at("000000.png"));
 }
 
+TEST_F(ProcessListTest, RangesOfFramesTogetherAreTheSingleRun) {
+    make_kitti_folder(path("drive"), 6, 64, 32);
+    make_recording(path("walk.mkv"), 6, 64, 32);
+    for (const std::string name : {"drive", "walk.mkv"}) {
+        const auto range = [&](const std::string& folder, std::vector<std::string> more) {
+            more.insert(more.begin(),
+                        {path(name), "-o", path(name + folder), "--pfm", "--no-trust", "--no-adaptive-noise"});
+            const Outcome outcome = process(more);
+            ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+        };
+        range("whole", {});
+        std::map<std::string, std::string> together;
+        auto frames = nlohmann::json::array();
+        const std::vector<std::vector<std::string>> ranges{
+            {"--frames", "2"}, {"--first", "2", "--frames", "3"}, {"--first", "5", "--frames", "9"}};
+        for (std::size_t i = 0; i < ranges.size(); ++i) {
+            const std::string folder = "part" + std::to_string(i);
+            range(folder, ranges[i]);
+            together.merge(files_in(path(name + folder)));
+            const auto manifest = nlohmann::json::parse(read_file(path(name + folder + "/manifest.json")));
+            for (const auto& frame : manifest["frames"]) {
+                frames.push_back(frame);
+            }
+        }
+        auto whole = files_in(path(name + "whole"));
+        EXPECT_EQ(frames, nlohmann::json::parse(whole["manifest.json"])["frames"]) << name;
+        whole.erase("manifest.json");
+        together.erase("manifest.json");
+        whole.erase("geometry.json");  // counts the frames of its run
+        together.erase("geometry.json");
+        EXPECT_EQ(together, whole) << name;
+    }
+    const auto refused = [&](std::vector<std::string> more, const std::string& line) {
+        more.insert(more.begin(), {path("walk.mkv"), "-o", path("refused"), "--first"});
+        const Outcome outcome = process(more);
+        EXPECT_EQ(outcome.exit_code, 2) << line;
+        EXPECT_THAT(outcome.err, HasSubstr(line));
+        EXPECT_FALSE(std::filesystem::exists(path("refused")));
+    };
+    refused({"1"}, "depends on the frames before (trust, adaptive-noise)");
+    refused({"1", "--no-trust", "--no-adaptive-noise", "--temporal"}, "(temporal)");
+    refused({"6", "--no-trust", "--no-adaptive-noise"}, "--first: found 6, allowed: 0 .. 5");
+}
+
 TEST_F(ProcessListTest, AListHasASourceALine) {
     make_sources();
     write_text(path("list"), path("a/walk.mkv") + "\n\n" + path("b/walk.mkv"));

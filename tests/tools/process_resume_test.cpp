@@ -114,7 +114,7 @@ TEST_F(ProcessResumeTest, WhatIsFinishedIsLeftAlone) {
     const Outcome outcome = process("out", {"--resume", "--json", "--workers", "1", "--backend", "reference"});
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("out/walk: was not finished; it begins anew, as what it tells of a frame "
-                                             "depends on the frames before (trust)"),
+                                             "depends on the frames before (trust, adaptive-noise)"),
                                    Not(HasSubstr("out/drive"))));
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["sources_done"], 3);

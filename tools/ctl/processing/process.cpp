@@ -172,9 +172,13 @@ void add_process(CLI::App& program, Action& action) {
         ->type_name("WxH");
     command.add_option("--region", arguments->region, "part of the rectified image to match; default: all of it")
         ->type_name("X,Y,W,H");
+    add_integer(command, "--first", arguments->first, 0, 1'000'000'000,
+                "begin with the frame of this number, counted from 0; only with what depends on no frame before");
     add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
     add_time_offset(command, arguments->time_offset_us);
     add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
+    command.add_flag("--no-trust", arguments->no_trust,
+                     "do not judge how far frames can be trusted, which depends on the frames before");
     command.add_flag("--temporal", arguments->temporal,
                      "make a mean over time of disparities that agree, as [temporal] of the daemon does");
     CLI::Option& self_calibrate =

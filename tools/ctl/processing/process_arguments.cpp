@@ -136,6 +136,10 @@ std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& argument
                 "--self-calibrate: " + arguments.source +
                 " has images of several sizes or calibrations, allowed: those of one camera and size");
         }
+        if (arguments.first) {
+            throw std::invalid_argument("--first: " + arguments.source +
+                                        " has images of several sizes or calibrations, allowed: those of one");
+        }
         if (arguments.temporal) {
             throw std::invalid_argument(
                 "--temporal: " + arguments.source +
@@ -188,7 +192,9 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
             {"calibration", digest(arguments.calibration)},
             {"size", arguments.size},
             {"region", arguments.region},
+            {"first", arguments.first.value_or(0)},
             {"frames", or_null(arguments.frames)},
+            {"trust", !arguments.no_trust},
             {"time_offset_us", arguments.time_offset_us.value_or(0)},
             {"temporal", arguments.temporal},
             {"self_calibrate", arguments.self_calibrate},

@@ -38,9 +38,11 @@ struct ProcessArguments {
     MatchArguments match;
     static constexpr int default_disparities = 64;
     std::optional<int> workers;
+    std::optional<int> first;
     std::optional<int> frames;
     std::optional<int> time_offset_us;
     std::string shard;  ///< I/N; empty: all
+    bool no_trust = false;
     bool temporal = false;
     bool self_calibrate = false;
     bool no_self_calibration = false;

@@ -93,6 +93,9 @@ public:
     /// std::runtime_error when it cannot be written.
     void begin_part(const capture::SourceInfo& source, const calibration::Rectification& rectification);
 
+    /// Counts a frame that is left out in front of the first one. Any thread, before that one is written.
+    void skip(std::string_view input) { names_.next(input); }
+
     /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
     void write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict);
 

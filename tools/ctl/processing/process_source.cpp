@@ -34,10 +34,19 @@
 namespace disparityd::tools {
 namespace {
 
-/// Ends a source after a number of frames. Threads as FrameSource.
+/// Which frames of a part are processed.
+struct FrameRange {
+    std::uint64_t first = 0;
+    std::optional<std::uint64_t> count;  ///< nothing: all behind it
+    /// Gets the name of each good frame before the first one, in the thread that calls next(); may be empty.
+    std::function<void(std::string_view name)> skipped;
+};
+
+/// Some frames of a source. Threads as FrameSource.
 class LimitedSource final : public capture::FrameSource {
 public:
-    LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames);
+    /// Throws std::invalid_argument where the source has no frame of the range, as far as that is known.
+    LimitedSource(std::unique_ptr<capture::FrameSource> source, FrameRange range);
 
     const capture::SourceInfo& info() const override { return info_; }
     Next next(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline) override;
@@ -47,12 +56,26 @@ public:
 private:
     std::unique_ptr<capture::FrameSource> source_;
     capture::SourceInfo info_;
+    FrameRange range_;
     std::uint64_t left_;
 };
 
-LimitedSource::LimitedSource(std::unique_ptr<capture::FrameSource> source, std::uint64_t frames)
-    : source_(std::move(source)), info_(source_->info()), left_(frames) {
-    info_.frame_count = std::min(info_.frame_count.value_or(frames), frames);
+LimitedSource::LimitedSource(std::unique_ptr<capture::FrameSource> source, FrameRange range)
+    : source_(std::move(source)),
+      info_(source_->info()),
+      range_(std::move(range)),
+      left_(range_.count.value_or(UINT64_MAX)) {
+    if (info_.frame_count) {
+        if (range_.first > 0 && range_.first >= *info_.frame_count) {
+            throw std::invalid_argument("--first: found " + std::to_string(range_.first) + ", allowed: 0 .. " +
+                                        std::to_string(*info_.frame_count - 1) + ", as " + info_.name + " has " +
+                                        base::counted(*info_.frame_count, "frame"));
+        }
+        *info_.frame_count -= range_.first;
+    }
+    if (range_.count) {
+        info_.frame_count = std::min(info_.frame_count.value_or(left_), left_);
+    }
 }
 
 capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
@@ -60,16 +83,24 @@ capture::FrameSource::Next LimitedSource::next(capture::RawFrame& frame,
     if (left_ == 0) {
         return Next::end;
     }
-    const Next got = source_->next(frame, deadline);
+    Next got = source_->next(frame, deadline);
+    for (; got == Next::frame && range_.first > 0; --range_.first) {
+        const bool damaged = (frame.flags & capture::frame_flag_corrupt) != 0;  // these are in no run
+        if (range_.skipped && !damaged) {
+            range_.skipped(frame.name);
+        }
+        source_->give_back(frame);
+        got = source_->next(frame, deadline);
+    }
     if (got == Next::frame) {
         --left_;
     }
     return got;
 }
 
-/// Opens a part of the source for at most so many frames.
+/// Opens a part of the source for a range of its frames.
 std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, const capture::RunOfOneGeometry& part,
-                                           std::optional<std::uint64_t> frames, int loans,
+                                           FrameRange frames, int loans,
                                            std::function<void(const std::string&, bool)> report) {
     capture::SourceOptions options;
     options.uri = arguments.source;
@@ -82,8 +113,8 @@ std::unique_ptr<capture::FrameSource> open(const ProcessArguments& arguments, co
     options.calibration_path = arguments.calibration;
     options.time_offset_us = arguments.time_offset_us.value_or(0);
     auto source = open_with_progress(options);
-    if (frames) {
-        return std::make_unique<LimitedSource>(std::move(source), *frames);
+    if (frames.first > 0 || frames.count) {
+        return std::make_unique<LimitedSource>(std::move(source), std::move(frames));
     }
     return source;
 }
@@ -130,6 +161,7 @@ struct RunFiles {
     std::optional<empty_result::EmptyResult> measured;
     std::uint64_t scans_by_mounting = 0;  ///< whose ground is the configured one
     TrustSummary trust;
+    bool judged = true;  ///< by the trust stage
     bool disk_full = false;
 };
 
@@ -137,7 +169,8 @@ struct RunFiles {
 void write(RunFiles& files, const pipeline::FrameSlot& slot) {
     try {
         const std::uint64_t frame = files.folder->frames();
-        const trust::Verdict verdict = trust::verdict_of(slot.stage_memory[files.scans ? 1 : 0]);
+        const trust::Verdict verdict =
+            files.judged ? trust::verdict_of(slot.stage_memory[files.scans ? 1 : 0]) : trust::Verdict{};
         files.folder->write(slot, verdict);
         files.trust.add(verdict);
         files.measured->add(slot.view.left, slot.view.right, slot.view.confidence);
@@ -216,15 +249,37 @@ void tell_distances(ProcessDone& done, const calibration::Rectification& rectifi
     }
 }
 
-/// Says why a source that was begun is not gone on with.
-void tell_new_begin(const Run& run) {
+/// Returns the names of what depends on the frames before; empty: nothing does.
+std::string names_of_dependent(const Run& run) {
     std::string names;
+    const auto add = [&names](std::string_view name) { names.append(names.empty() ? "" : ", ").append(name); };
     for (const AddedStage* stage : run.config.stages) {
         if (stage->depends_on_earlier_frames()) {
-            names += names.empty() ? "" : ", ";
-            names += stage->name();
+            add(stage->name());
         }
     }
+    if (run.options.adaptive_noise) {
+        add("adaptive-noise");
+    }
+    if (run.arguments.self_calibrate) {
+        add("self-calibrate");
+    }
+    return names;
+}
+
+/// Refuses a range that would be another one than that of the whole.
+void check_range(const Run& run) {
+    const std::string names = run.arguments.first.value_or(0) > 0 ? names_of_dependent(run) : std::string();
+    if (!names.empty()) {
+        throw std::invalid_argument("--first: what is made of a frame depends on the frames before (" + names +
+                                    "), so a range would differ from the whole; allowed without these: --no-trust "
+                                    "--no-adaptive-noise, and no --scan, --temporal and --self-calibrate");
+    }
+}
+
+/// Says why a source that was begun is not gone on with.
+void tell_new_begin(const Run& run) {
+    const std::string names = names_of_dependent(run);
     if (run.files.folder->replaces_unfinished() && run.files.folder->frames() == 0) {
         print_note(run.arguments.folder + ": was not finished; it begins anew" +
                    (names.empty() ? "" : ", as what it tells of a frame depends on the frames before (" + names + ")"));
@@ -234,13 +289,15 @@ void tell_new_begin(const Run& run) {
 void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional<std::uint64_t> frames,
                   bool only_part) {
     const ProcessArguments& arguments = run.arguments;
-    const auto source =
-        open(arguments, part, frames, run.config.slots + 2, [&run](const std::string& line, bool trouble) {
-            if (trouble) {
-                run.done.left_out.push_back(line);
-            }
-            print_note((trouble ? "left out: " : "") + line);
-        });
+    const auto source = open(arguments, part,
+                             {static_cast<std::uint64_t>(arguments.first.value_or(0)), frames,
+                              [&run](std::string_view name) { run.files.folder->skip(name); }},
+                             run.config.slots + 2, [&run](const std::string& line, bool trouble) {
+                                 if (trouble) {
+                                     run.done.left_out.push_back(line);
+                                 }
+                                 print_note((trouble ? "left out: " : "") + line);
+                             });
     const capture::SourceInfo& info = source->info();
     run.endless = info.live && !info.frame_count;
     if (run.endless) {
@@ -265,7 +322,10 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
                            notes);
         run.config.stages.push_back(&*scan_stage);
     }
-    run.config.stages.push_back(&trust_stage);
+    run.files.judged = !arguments.no_trust;
+    if (run.files.judged) {
+        run.config.stages.push_back(&trust_stage);
+    }
     // What makes no record is last: records are found by their place in this list.
     if (!mask.empty()) {
         mask_stage.emplace(mask, run.options.range);
@@ -283,6 +343,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
             pipeline::DistanceLimitNames{DistanceLimitArguments::min_option, DistanceLimitArguments::max_option});
         run.config.stages.push_back(&*limit_stage);
     }
+    check_range(run);
     pipeline::Pipeline pipeline(run.config, *source, *matcher, run.workers, *schedule.frames,
                                 [&run](const pipeline::FrameSlot& slot) { write(run.files, slot); });
     base::check_memory_room(large_memory_held(), base::memory_room());
@@ -320,7 +381,8 @@ std::vector<capture::SourceInfo> infos_of(const ProcessArguments& arguments) {
         if (wanted == std::uint64_t{0}) {
             break;
         }
-        all.push_back(open(arguments, part, wanted, 2, [](const std::string&, bool) {})->info());
+        const FrameRange range{static_cast<std::uint64_t>(arguments.first.value_or(0)), wanted, {}};
+        all.push_back(open(arguments, part, range, 2, [](const std::string&, bool) {})->info());
         if (wanted) {
             *wanted -= all.back().frame_count.value_or(*wanted);
         }
