@@ -302,6 +302,27 @@ StereoCalibration read_calibration(const std::string& path, int width, int heigh
     return calibration;
 }
 
+StereoCalibration scaled(const StereoCalibration& calibration, int width, int height) {
+    const double across = static_cast<double>(width) / calibration.width;
+    const double down = static_cast<double>(height) / calibration.height;
+    if (std::abs(across * calibration.height - height) > 1) {  // a size is rounded to whole pixels
+        throw std::invalid_argument(
+            std::to_string(width) + "x" + std::to_string(height) + " has not the ratio of " +
+            std::to_string(calibration.width) + "x" + std::to_string(calibration.height) +
+            ": such a mode shows another part of the sensor, or is stretched; calibrate it by itself");
+    }
+    StereoCalibration result = calibration;
+    result.width = width;
+    result.height = height;
+    for (CameraModel* eye : {&result.left, &result.right}) {
+        eye->fx *= across;
+        eye->fy *= down;
+        eye->cx = (eye->cx + 0.5) * across - 0.5;  // the middle of the first pixel is 0
+        eye->cy = (eye->cy + 0.5) * down - 0.5;
+    }
+    return result;
+}
+
 std::string to_text(const StereoCalibration& calibration) {
     std::string text(text_version);
     text += "\n";

@@ -55,6 +55,11 @@ enum class KittiPair { grey, colour };
 StereoCalibration read_calibration(const std::string& path, int width, int height,
                                    std::optional<KittiPair> pair = std::nullopt);
 
+/// Returns the calibration of the same cameras in another mode, whose images show the same part of the sensor at
+/// another size. Throws std::invalid_argument with one line when width and height have another ratio: such a mode shows
+/// another part, or is stretched.
+StereoCalibration scaled(const StereoCalibration& calibration, int width, int height);
+
 /// Writes the calibration of two raw cameras as OpenCV's YAML (M1 D1 M2 D2 R T, T in mm), which read_calibration() and
 /// OpenCV read back without loss. What is known of the inertial sensor stands there, too: T_cam_imu as a matrix of 4x4,
 /// in mm as T, and the numbers under the names of inertial_numbers. The same calibration gives the same text.

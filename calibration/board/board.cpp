@@ -2,7 +2,6 @@
 #include "calibration/board/board.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -18,11 +17,6 @@
 namespace disparityd::calibration {
 
 namespace {
-
-// A good set of views has these, and corners in every part of the image.
-constexpr std::size_t enough_tilted = 3;
-constexpr double tilted = 1.12;  // opposite sides of the board differ by so much
-constexpr double near = 0.35;    // of the image's width
 
 cv::Mat view_of(Plane<const std::uint8_t> image) {
     return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
@@ -49,13 +43,6 @@ bool find_in(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>&
     return true;
 }
 
-const char* cell_name(int column, int row) {
-    static constexpr const char* names[coverage_side][coverage_side] = {{"upper left", "upper middle", "upper right"},
-                                                                        {"left", "middle", "right"},
-                                                                        {"lower left", "lower middle", "lower right"}};
-    return names[row][column];
-}
-
 std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>& numbers) {
     std::vector<cv::Point3f> points;
     points.reserve(numbers.size());
@@ -66,26 +53,6 @@ std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>
                             0.0F);
     }
     return points;
-}
-
-/// Returns the largest ratio of two opposite sides of the board in the left eye, at least 1.
-double tilt(const BoardView& view, const Board& board) {
-    std::vector<cv::Point2f> flat;
-    for (const cv::Point3f& point : board_points(board, view.numbers)) {
-        flat.emplace_back(point.x, point.y);
-    }
-    const cv::Mat to_image = cv::findHomography(flat, view.left);
-    if (to_image.empty()) {
-        return 1;
-    }
-    const auto right = static_cast<float>((board.columns - 1) * board.square_mm);
-    const auto bottom = static_cast<float>((board.rows - 1) * board.square_mm);
-    std::vector<cv::Point2f> outer;
-    cv::perspectiveTransform(std::vector<cv::Point2f>{{0, 0}, {right, 0}, {0, bottom}, {right, bottom}}, outer,
-                             to_image);
-    const auto [a, b, c, d] = std::array{outer[0], outer[1], outer[2], outer[3]};
-    const auto ratio = [](double first, double second) { return std::max(first, second) / std::min(first, second); };
-    return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
 }
 
 CameraModel camera_of(const cv::Mat& matrix, const cv::Mat& distortion) {
@@ -137,6 +104,27 @@ void measure_rows(const Cameras& cameras, const std::vector<Corners>& lefts, con
     }
 }
 
+/// Returns whether corners lie as on a flat board seen through any lens: with a wrong number of columns or rows the
+/// markers' numbers put them elsewhere.
+bool lie_as_on(const Board& board, const BoardView& view) {
+    constexpr double most_squares = 0.75;  // a fisheye bends the lines of a large board by half of one
+    std::vector<cv::Point2f> flat;
+    for (const int number : view.numbers) {
+        flat.emplace_back(static_cast<float>(number % board.columns), static_cast<float>(number / board.columns));
+    }
+    const cv::Mat to_board = cv::findHomography(view.left, flat);
+    if (to_board.empty()) {
+        return false;
+    }
+    std::vector<cv::Point2f> found;
+    cv::perspectiveTransform(view.left, found, to_board);
+    double squares = 0;
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+        squares += (found[i] - flat[i]).dot(found[i] - flat[i]);
+    }
+    return squares <= most_squares * most_squares * static_cast<double>(flat.size());
+}
+
 /// Finds the corners that both eyes see. Markers give their numbers, so the eyes may see different parts of the board.
 std::optional<BoardView> find_charuco(const cv::Mat& left, const cv::Mat& right, const Board& board) {
     constexpr std::size_t least = 8;
@@ -158,7 +146,7 @@ std::optional<BoardView> find_charuco(const cv::Mat& left, const cv::Mat& right,
             columns.insert(corner.number % board.columns);
         }
     }
-    if (view.numbers.size() < least || rows.size() < 2 || columns.size() < 2) {
+    if (view.numbers.size() < least || rows.size() < 2 || columns.size() < 2 || !lie_as_on(board, view)) {
         return std::nullopt;
     }
     return view;
@@ -196,45 +184,6 @@ double moved(const BoardView& before, const BoardView& after) {
         }
     }
     return common == 0 ? std::numeric_limits<double>::infinity() : sum / common;
-}
-
-Coverage covered_parts(const std::vector<BoardView>& views, int width, int height) {
-    Coverage covered{};
-    for (const BoardView& view : views) {
-        for (const cv::Point2f& corner : view.left) {
-            const int column = std::clamp(static_cast<int>(corner.x) * coverage_side / width, 0, coverage_side - 1);
-            const int row = std::clamp(static_cast<int>(corner.y) * coverage_side / height, 0, coverage_side - 1);
-            covered[static_cast<std::size_t>(row * coverage_side + column)] = true;
-        }
-    }
-    return covered;
-}
-
-std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height) {
-    std::size_t tilted_views = 0;
-    double widest = 0;
-    for (const BoardView& view : views) {
-        const cv::Rect2f box = cv::boundingRect(view.left);
-        widest = std::max(widest, static_cast<double>(box.width) / width);
-        tilted_views += tilt(view, board) > tilted ? 1 : 0;
-    }
-    const Coverage covered = covered_parts(views, width, height);
-    std::vector<std::string> missing;
-    for (int part = 0; part < coverage_side * coverage_side; ++part) {
-        if (!covered[static_cast<std::size_t>(part)]) {
-            missing.push_back("hold the board into the " +
-                              std::string(cell_name(part % coverage_side, part / coverage_side)) +
-                              " part of the image");
-        }
-    }
-    if (widest < near) {
-        missing.emplace_back("hold the board nearer, until it fills two fifths of the width");
-    }
-    if (tilted_views < enough_tilted) {
-        missing.push_back("tilt the board by about 30 degrees: " + std::to_string(tilted_views) + " of " +
-                          std::to_string(enough_tilted) + " views show it tilted");
-    }
-    return missing;
 }
 
 BoardCalibration calibrate(const std::vector<BoardView>& views, const Board& board, int width, int height,

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -43,15 +41,6 @@ std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const 
 /// Returns how far the corners have moved between two views: the mean distance of the common corners in the left eye,
 /// px; infinite when there are none.
 double moved(const BoardView& before, const BoardView& after);
-
-/// Says which of the 3 x 3 parts of the left image hold a corner of a view, row by row.
-constexpr int coverage_side = 3;
-using Coverage = std::array<bool, coverage_side * coverage_side>;
-Coverage covered_parts(const std::vector<BoardView>& views, int width, int height);
-
-/// Returns what a set of views lacks, as lines for the user: parts of the left image without a corner, no near board,
-/// too few tilted ones. Returns nothing when the views suffice.
-std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height);
 
 /// The result of calibrate().
 struct BoardCalibration {

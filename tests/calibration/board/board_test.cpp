@@ -35,15 +35,7 @@ std::optional<BoardView> seen(const test::Pose& pose) {
 }
 
 const std::vector<BoardView>& careful_views() {
-    static const std::vector<BoardView> views = [] {
-        std::vector<BoardView> list;
-        for (const test::Pose& pose : test::careful_poses(board)) {
-            if (const auto view = seen(pose)) {
-                list.push_back(*view);
-            }
-        }
-        return list;
-    }();
+    static const std::vector<BoardView> views = test::careful_views(board, width, height);
     return views;
 }
 
@@ -168,20 +160,6 @@ TEST(BoardCalibration, FindsRationalAndFisheyeLenses) {
 
 TEST(BoardCalibration, RefusesTooLittle) {
     EXPECT_THROW(calibrate({careful_views()[0], careful_views()[1]}, board, width, height), std::invalid_argument);
-}
-
-TEST(MissingViews, TellWhereTheBoardWasNot) {
-    EXPECT_TRUE(missing_views(careful_views(), board, width, height).empty())
-        << missing_views(careful_views(), board, width, height)[0];
-    const auto none = missing_views({}, board, width, height);
-    EXPECT_EQ(none.size(), 9U + 2);
-    const auto view = seen({{0, 0, 0}, {-400, -270, 700}});
-    ASSERT_TRUE(view);
-    const auto some = missing_views({*view}, board, width, height);
-    EXPECT_THAT(some, Contains(HasSubstr("lower right")));
-    EXPECT_THAT(some, testing::Not(Contains(HasSubstr("upper left"))));
-    EXPECT_THAT(some, Contains(HasSubstr("nearer")));
-    EXPECT_THAT(some, Contains(HasSubstr("0 of 3 views")));
 }
 
 TEST(Moved, IsTheMeanWayOfTheCorners) {

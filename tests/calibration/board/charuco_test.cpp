@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/calib3d.hpp>
 
+#include "calibration/board/coverage.h"
 #include "capture/scene/scene_camera.h"
 #include "tests/calibration/board/drawn_board.h"
 

@@ -126,4 +126,17 @@ std::vector<Pose> careful_poses(const Board& board) {
     return poses;
 }
 
+std::vector<BoardView> careful_views(const Board& board, int width, int height) {
+    const BoardPainter painter(capture::scene_calibration(width, height), board);
+    std::vector<BoardView> views;
+    for (const Pose& pose : careful_poses(board)) {
+        const auto picture = painter.draw(pose);
+        if (const auto view = find_board({picture.data(), width, height, 2 * width},
+                                         {picture.data() + width, width, height, 2 * width}, board)) {
+            views.push_back(*view);
+        }
+    }
+    return views;
+}
+
 }  // namespace disparityd::calibration::test

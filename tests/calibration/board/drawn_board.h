@@ -40,4 +40,7 @@ private:
 /// A set of poses that a careful person would show: every part of the image, tilted, near and far.
 std::vector<Pose> careful_poses(const Board& board);
 
+/// What the rendered scene's cameras, of width x height, see of them: the views that find_board() finds.
+std::vector<BoardView> careful_views(const Board& board, int width, int height);
+
 }  // namespace disparityd::calibration::test

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iostream>
+#include <regex>
 #include <stdexcept>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/board/board.h"
+#include "calibration/board/coverage.h"
+#include "calibration/board/other_board.h"
+#include "calibration/board/verdict.h"
 #include "calibration/formats/calibration_formats.h"
 #include "capture/images/image_sequence.h"
 #include "kernels/raw_image.h"
@@ -67,6 +71,8 @@ struct CalibrateArguments {
     std::string model = "brown";
     std::optional<int> views;
     std::optional<int> every;
+    std::vector<std::string> also;
+    bool all_views = false;
     bool force = false;
     bool json = false;
 };
@@ -112,7 +118,11 @@ private:
 class Collector {
 public:
     Collector(const CalibrateArguments& arguments, const capture::SourceInfo& info)
-        : arguments_(arguments), board_(board_of(arguments.board)), info_(info), files_(arguments.source) {}
+        : arguments_(arguments),
+          board_(board_of(arguments.board)),
+          info_(info),
+          files_(arguments.source),
+          other_board_(board_) {}
 
     bool enough() const { return views_.size() >= static_cast<std::size_t>(wanted()); }
 
@@ -122,9 +132,12 @@ public:
         }
         const LumaPair eyes(frame.image);
         const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
+        look_for_other_board(eyes);
         if (!view) {
-            say(frame,
-                board_.markers ? "both eyes see too little of the board" : "the board is not seen whole by both eyes");
+            const std::string other = other_board();
+            say(frame, !other.empty()   ? other
+                       : board_.markers ? "both eyes see too little of the board"
+                                        : "the board is not seen whole by both eyes");
             return;
         }
         if (!views_.empty() && calibration::moved(views_.back(), *view) < least_way * info_.eye_width) {
@@ -135,9 +148,14 @@ public:
         pictures_.push_back(shrink(eyes.left(), eyes.right()));
         pictures_.back().frame = files_.of(frame);
         const auto missing = missing_views();
-        say(frame, "view " + std::to_string(views_.size()) + " of " + std::to_string(wanted()) +
+        const calibration::Coverage seen = calibration::coverage_of(views_, info_.eye_width, info_.height);
+        say(frame, "view " + std::to_string(views_.size()) + " of " + std::to_string(wanted()) + ", covered left " +
+                       fixed(100 * seen.left.ratio, 0) + " %, right " + fixed(100 * seen.right.ratio, 0) + " %" +
                        (missing.empty() ? "" : "; " + missing.front()));
     }
+
+    /// Returns one line on another board that the frames have shown; empty: none is known.
+    std::string other_board() const { return other_board_.finding(); }
 
     std::vector<std::string> missing_views() const {
         return calibration::missing_views(views_, board_, info_.eye_width, info_.height);
@@ -148,6 +166,16 @@ public:
 
 private:
     int wanted() const { return arguments_.views.value_or(default_views); }
+
+    /// A board with more corners than told may be found in part, so that the first frames are looked at in any case.
+    void look_for_other_board(const LumaPair& eyes) {
+        constexpr int looks = 3;
+        constexpr int looks_without_view = 6;
+        if (looks_ < (views_.empty() ? looks_without_view : looks)) {
+            other_board_.look_at(eyes.left());
+            ++looks_;
+        }
+    }
 
     /// Prints a line of guidance, unless it is the same as the line before.
     void say(const capture::RawFrame& frame, const std::string& text) {
@@ -161,6 +189,8 @@ private:
     const calibration::Board board_;
     const capture::SourceInfo& info_;
     const FileNames files_;
+    calibration::OtherBoard other_board_;
+    int looks_ = 0;  ///< for another board
     std::uint64_t frame_number_ = 0;
     std::string said_;
     std::vector<calibration::BoardView> views_;
@@ -184,51 +214,115 @@ void collect(capture::FrameSource& source, Collector& collector) {
     }
 }
 
-void report(const CalibrateArguments& arguments, const calibration::BoardCalibration& found,
-            const Collector& collector) {
-    const std::vector<std::string> missing = collector.missing_views();
-    const calibration::Coverage covered =
-        calibration::covered_parts(collector.views(), found.calibration.width, found.calibration.height);
-    if (arguments.json) {
-        Json views = Json::array();
-        for (std::size_t i = 0; i < found.views.size(); ++i) {
-            const auto& view = found.views[i];
-            views.push_back({{"frame", collector.pictures()[i].frame},
-                             {"left_rms_px", view.left_rms},
-                             {"right_rms_px", view.right_rms},
-                             {"rows_px", view.rows}});
-        }
-        std::cout << to_text(Json{{"file", arguments.output},
-                                  {"rms_px", found.rms},
-                                  {"views", views},
-                                  {"parts_seen", std::count(covered.begin(), covered.end(), true)},
-                                  {"parts", covered.size()},
-                                  {"missing", missing},
-                                  {"calibration", to_json(found.calibration)}},
-                             2)
-                  << '\n';
-        return;
+Json coverage_json(const calibration::EyeCoverage& coverage) {
+    return {{"covered_ratio", coverage.ratio},
+            {"parts_seen", std::count(coverage.parts.begin(), coverage.parts.end(), true)},
+            {"parts", coverage.parts.size()}};
+}
+
+Json view_json(const std::string& frame, const calibration::BoardCalibration::View& view) {
+    return {{"frame", frame}, {"left_rms_px", view.left_rms}, {"right_rms_px", view.right_rms}, {"rows_px", view.rows}};
+}
+
+void report_json(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
+                 const Collector& collector, const std::vector<std::string>& missing,
+                 const calibration::Coverage& coverage) {
+    Json views = Json::array();
+    for (std::size_t i = 0; i < checked.used.size(); ++i) {
+        views.push_back(view_json(collector.pictures()[checked.used[i]].frame, checked.found.views[i]));
     }
-    Table table({"view", "frame", "left px", "right px", "rows px"});
-    for (std::size_t i = 0; i < found.views.size(); ++i) {
-        const auto& view = found.views[i];
-        table.add({std::to_string(i + 1), collector.pictures()[i].frame, fixed(view.left_rms, 3),
-                   fixed(view.right_rms, 3), fixed(view.rows, 3)});
+    Json left_out = Json::array();
+    for (const auto& [view, errors] : checked.left_out) {
+        left_out.push_back(view_json(collector.pictures()[view].frame, errors));
+    }
+    std::cout << to_text(Json{{"file", arguments.output},
+                              {"verdict", to_string(checked.judgement.verdict)},
+                              {"reasons", checked.judgement.reasons},
+                              {"rms_px", checked.found.rms},
+                              {"views", views},
+                              {"left_out", left_out},
+                              {"left", coverage_json(coverage.left)},
+                              {"right", coverage_json(coverage.right)},
+                              {"missing", missing},
+                              {"calibration", to_json(checked.found.calibration)}},
+                         2)
+              << '\n';
+}
+
+void report_text(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
+                 const Collector& collector, const std::vector<std::string>& missing,
+                 const calibration::Coverage& coverage) {
+    Table table({"view", "frame", "left px", "right px", "rows px", ""});
+    const auto add = [&](std::size_t view, const calibration::BoardCalibration::View& errors, const char* note) {
+        table.add({std::to_string(view + 1), collector.pictures()[view].frame, fixed(errors.left_rms, 3),
+                   fixed(errors.right_rms, 3), fixed(errors.rows, 3), note});
+    };
+    for (std::size_t i = 0; i < checked.used.size(); ++i) {
+        add(checked.used[i], checked.found.views[i], "");
+    }
+    for (const auto& [view, errors] : checked.left_out) {
+        add(view, errors, "left out");
     }
     table.print(std::cout);
-    std::cout << arguments.output << ": RMS " << fixed(found.rms, 3) << " px over " << found.views.size()
-              << " views, baseline " << fixed(-found.calibration.translation[0], 2) << " mm\n"
-              << coverage_verdict(covered) << '\n';
+    const double baseline = -checked.found.calibration.translation[0];
+    std::cout << arguments.output << ": RMS " << fixed(checked.found.rms, 3) << " px over " << checked.views.size()
+              << " views, baseline " << fixed(baseline, 2) << " mm\n"
+              << coverage_line(coverage) << "\nverdict: " << to_string(checked.judgement.verdict) << '\n';
+    for (const std::string& reason : checked.judgement.reasons) {
+        std::cout << "- " << reason << '\n';
+    }
+    if (!checked.left_out.empty()) {
+        print_note(base::counted(checked.left_out.size(), "view") +
+                   " left out, as the corners do not fit those of the others: blurred, misread, a bent board, or one "
+                   "that moved between the eyes' exposures; --all-views uses all");
+    }
     for (const std::string& line : missing) {
         print_note("it would be better to " + line);
     }
-    const double baseline = -found.calibration.translation[0];
     constexpr double shortest = 20, longest = 2000;
     if (baseline < shortest || baseline > longest) {
         print_note("a baseline of " + fixed(baseline, 2) +
                    " mm is unusual: measure it; if it is wrong, --square was not the side of a square in mm, and all "
                    "distances are wrong by the same factor");
     }
+}
+
+void report(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
+            const Collector& collector) {
+    const calibration::StereoCalibration& cameras = checked.found.calibration;
+    const std::vector<std::string> missing =
+        calibration::missing_views(checked.views, collector.board(), cameras.width, cameras.height);
+    const calibration::Coverage coverage = calibration::coverage_of(checked.views, cameras.width, cameras.height);
+    (arguments.json ? report_json : report_text)(arguments, checked, collector, missing, coverage);
+}
+
+/// Another mode of the camera, and the file of its calibration: that of 640x360 for my.yml is my-640x360.yml.
+struct OtherMode {
+    std::string file;
+    int width = 0;
+    int height = 0;
+};
+
+/// Throws std::invalid_argument for a --also that is no size.
+std::vector<OtherMode> other_modes(const CalibrateArguments& arguments) {
+    std::vector<OtherMode> modes;
+    for (const std::string& size : arguments.also) {
+        static const std::regex two_numbers("([1-9][0-9]{0,3})x([1-9][0-9]{0,3})");
+        std::smatch numbers;
+        if (!std::regex_match(size, numbers, two_numbers)) {
+            throw std::invalid_argument("--also: found '" + base::printable(size) +
+                                        "', allowed: the size of one eye in another mode, as 640x360");
+        }
+        const std::filesystem::path output(arguments.output);
+        const std::string name = output.stem().string() + "-" + size + output.extension().string();
+        modes.push_back({(output.parent_path() / name).string(), std::stoi(numbers[1]), std::stoi(numbers[2])});
+    }
+    return modes;
+}
+
+void write_calibration(const std::string& file, const calibration::StereoCalibration& calibration) {
+    const std::string text = to_opencv_yaml(calibration);
+    images::write_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 /// Refuses a calibration that the daemon would refuse, before a file is written.
@@ -254,6 +348,10 @@ int run_calibration(const CalibrateArguments& arguments) {
         check_output(arguments.report, arguments.force);
     }
     board_of(arguments.board);
+    const std::vector<OtherMode> modes = other_modes(arguments);
+    for (const OtherMode& mode : modes) {
+        check_output(mode.file, arguments.force);
+    }
     const calibration::BoardLens lens = lens_of(arguments);
     capture::SourceOptions options;
     options.uri = arguments.source;
@@ -262,6 +360,12 @@ int run_calibration(const CalibrateArguments& arguments) {
     options.pace = capture::Pace::fastest;
     const auto source = open_with_progress(options);
     const capture::SourceInfo& info = source->info();
+    calibration::StereoCalibration only_size;
+    only_size.width = info.eye_width;
+    only_size.height = info.height;
+    for (const OtherMode& mode : modes) {
+        scaled(only_size, mode.width, mode.height);  // refused before the board is shown
+    }
     Collector collector(arguments, info);
     collect(*source, collector);
     constexpr std::size_t least_views = 3;
@@ -270,16 +374,29 @@ int run_calibration(const CalibrateArguments& arguments) {
                    ", at least 3 are needed; nothing was written");
         return exit_interrupted;
     }
-    const calibration::BoardCalibration found =
-        calibration::calibrate(collector.views(), collector.board(), info.eye_width, info.height, lens);
-    check_result(arguments, found.calibration);
-    const std::string text = to_opencv_yaml(found.calibration);
-    images::write_file(arguments.output, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
-    if (!arguments.report.empty()) {
-        images::write_picture(arguments.report, report_picture(collector.pictures(), collector.views(), found,
-                                                               collector.missing_views()));
+    if (const std::string other = collector.other_board(); !other.empty()) {
+        if (collector.views().empty()) {
+            throw std::invalid_argument(arguments.source + ": " + other);
+        }
+        print_note(other);
     }
-    report(arguments, found, collector);
+    const calibration::CheckedCalibration checked = calibration::calibrate_and_judge(
+        collector.views(), collector.board(), info.eye_width, info.height, lens, arguments.all_views);
+    check_result(arguments, checked.found.calibration);
+    write_calibration(arguments.output, checked.found.calibration);
+    for (const OtherMode& mode : modes) {
+        write_calibration(mode.file, scaled(checked.found.calibration, mode.width, mode.height));
+    }
+    if (!arguments.report.empty()) {
+        images::write_picture(arguments.report,
+                              report_picture(collector.pictures(), collector.views(), checked, collector.board()));
+    }
+    report(arguments, checked, collector);
+    for (const OtherMode& mode : modes) {
+        print_note(mode.file +
+                   ": holds where that mode shows the same field of view; disparityctl rows shows whether "
+                   "it does");
+    }
     return exit_done;
 }
 
@@ -310,12 +427,21 @@ void add_calibrate(CLI::App& program, Action& action) {
     add_integer(command, "--views", arguments->views, 3, 1000,
                 "stop after this many; default " + std::to_string(default_views));
     add_integer(command, "--every", arguments->every, 1, 1000, "look at every Nth frame; default 1");
+    command
+        .add_option(
+            "--also", arguments->also,
+            "size of one eye in another mode of the camera with the same field of view: write that calibration,\n"
+            "scaled, to OUTPUT-WxH; may be given several times")
+        ->type_name("WxH");
+    command.add_flag("--all-views", arguments->all_views,
+                     "use also views whose corners do not fit those of the others");
     command.add_flag("--force", arguments->force, "replace the files");
     command.add_flag("--json", arguments->json, "the result as one JSON object");
     command.footer(
         "While it runs, standard error says what the board should do next. Ctrl-C: calibrate with the views so far.\n"
         "A board of 10 x 7 squares has 9 x 6 inner corners. Both eyes must see a whole chessboard, or a part of\n"
-        "a ChArUco board. An RMS below 0.5 px is good; a view with far more than the others is blurred or misread.\n"
+        "a ChArUco board. Views with far more error than the others are left out. The verdict is good, usable or "
+        "repeat.\n"
         "Example: disparityctl calibrate 'left%02d.jpg,right%02d.jpg' --square 25 -o my.yml --report my.png");
     command.callback([arguments, &action] { action = [arguments] { return run_calibration(*arguments); }; });
 }

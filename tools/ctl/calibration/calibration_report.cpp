@@ -38,7 +38,7 @@ std::string fitted_line(const std::string& text, int width) {
 }
 
 cv::Mat view_panel(const ViewPicture& picture, const calibration::BoardView& view,
-                   const calibration::BoardCalibration::View& errors, std::size_t number) {
+                   const calibration::BoardCalibration::View& errors, const std::string& label) {
     cv::Mat panel(picture.image.rows + 2 * line_height, picture.image.cols, CV_8UC3, cv::Scalar::all(40));
     cv::Mat shown = panel(cv::Rect(0, 0, picture.image.cols, picture.image.rows));
     cv::cvtColor(picture.image, shown, cv::COLOR_GRAY2BGR);
@@ -47,8 +47,7 @@ cv::Mat view_panel(const ViewPicture& picture, const calibration::BoardView& vie
         cv::circle(shown, scaled(view.left[i], picture.scale, 0), 2, colour, cv::FILLED);
         cv::circle(shown, scaled(view.right[i], picture.scale, eye_width), 2, colour, cv::FILLED);
     }
-    const std::string label = "view " + std::to_string(number + 1) + ": ";
-    write_line(panel, fitted_line(label + picture.frame, panel.cols - 12), panel.rows - line_height - 6);
+    write_line(panel, fitted_line(label + ": " + picture.frame, panel.cols - 12), panel.rows - line_height - 6);
     write_line(panel,
                "left " + fixed(errors.left_rms, 2) + " px, right " + fixed(errors.right_rms, 2) + " px, rows " +
                    fixed(errors.rows, 2) + " px",
@@ -56,51 +55,57 @@ cv::Mat view_panel(const ViewPicture& picture, const calibration::BoardView& vie
     return panel;
 }
 
-/// Draws all corners of the left image in one picture; parts of the image without one are red.
-void draw_coverage(cv::Mat& eye, const std::vector<calibration::BoardView>& views,
-                   const calibration::StereoCalibration& cameras) {
-    const double scale = static_cast<double>(eye.cols) / cameras.width;
-    const calibration::Coverage covered = calibration::covered_parts(views, cameras.width, cameras.height);
+/// Draws all corners of an eye in one picture; parts of the image without one are red.
+void draw_coverage(cv::Mat picture, const calibration::EyeCoverage& coverage,
+                   const std::vector<calibration::BoardView>& views,
+                   std::vector<cv::Point2f> calibration::BoardView::*corners, int captured_width) {
+    const double scale = static_cast<double>(picture.cols) / captured_width;
     constexpr int side = calibration::coverage_side;
     for (int part = 0; part < side * side; ++part) {
-        const cv::Point from(part % side * eye.cols / side, part / side * eye.rows / side);
-        const cv::Point to((part % side + 1) * eye.cols / side, (part / side + 1) * eye.rows / side);
-        const bool seen = covered[static_cast<std::size_t>(part)];
-        cv::rectangle(eye, cv::Rect(from, to), seen ? cv::Scalar::all(70) : cv::Scalar(40, 40, 170), cv::FILLED);
-        cv::rectangle(eye, cv::Rect(from, to), cv::Scalar::all(120));
+        const cv::Point from(part % side * picture.cols / side, part / side * picture.rows / side);
+        const cv::Point to((part % side + 1) * picture.cols / side, (part / side + 1) * picture.rows / side);
+        const bool seen = coverage.parts[static_cast<std::size_t>(part)];
+        cv::rectangle(picture, cv::Rect(from, to), seen ? cv::Scalar::all(70) : cv::Scalar(40, 40, 170), cv::FILLED);
+        cv::rectangle(picture, cv::Rect(from, to), cv::Scalar::all(120));
     }
     for (const calibration::BoardView& view : views) {
-        for (const cv::Point2f& corner : view.left) {
-            cv::circle(eye, scaled(corner, scale, 0), 1, {0, 220, 220}, cv::FILLED);
+        for (const cv::Point2f& corner : view.*corners) {
+            cv::circle(picture, scaled(corner, scale, 0), 1, {0, 220, 220}, cv::FILLED);
         }
     }
 }
 
-std::vector<std::string> summary_lines(const calibration::BoardCalibration& found,
-                                       const std::vector<calibration::BoardView>& views,
-                                       const std::vector<std::string>& missing) {
-    const calibration::StereoCalibration& cameras = found.calibration;
+std::vector<std::string> summary_lines(const calibration::CheckedCalibration& checked,
+                                       const calibration::Coverage& coverage, const std::vector<std::string>& missing) {
+    const calibration::StereoCalibration& cameras = checked.found.calibration;
     std::vector<std::string> lines{
-        base::counted(views.size(), "view") + ", RMS " + fixed(found.rms, 3) + " px, baseline " +
-            fixed(-cameras.translation[0], 2) + " mm",
-        "focal length: left " + fixed(cameras.left.fx, 1) + " px, right " + fixed(cameras.right.fx, 1) + " px",
-        "beside: all corners in the left image; a red part of the image has none", "",
-        coverage_verdict(calibration::covered_parts(views, cameras.width, cameras.height))};
-    for (const std::string& line : missing) {
+        std::string("verdict: ") + to_string(checked.judgement.verdict),
+        base::counted(checked.views.size(), "view") + ", RMS " + fixed(checked.found.rms, 3) + " px, baseline " +
+            fixed(-cameras.translation[0], 2) + " mm, focal length: left " + fixed(cameras.left.fx, 1) + " px, right " +
+            fixed(cameras.right.fx, 1) + " px",
+        coverage_line(coverage), "above: all corners in the left and the right image; a red part has none"};
+    for (const std::string& line : checked.judgement.reasons) {
         lines.push_back("- " + line);
+    }
+    for (const std::string& line : missing) {
+        lines.push_back("- to be better: " + line);
     }
     return lines;
 }
 
-cv::Mat summary_panel(const std::vector<calibration::BoardView>& views, const calibration::BoardCalibration& found,
-                      const std::vector<std::string>& missing, int width) {
-    const std::vector<std::string> lines = summary_lines(found, views, missing);
-    const int eye_height = eye_width * found.calibration.height / found.calibration.width;
-    const int height = std::max(eye_height, (static_cast<int>(lines.size()) + 1) * line_height);
-    cv::Mat panel(height, width, CV_8UC3, cv::Scalar::all(20));
-    cv::Mat eye = panel(cv::Rect(0, 0, eye_width, eye_height));
-    draw_coverage(eye, views, found.calibration);
-    cv::Mat text = panel(cv::Rect(eye_width, 0, width - eye_width, height));
+cv::Mat summary_panel(const calibration::CheckedCalibration& checked, const calibration::Board& board, int width) {
+    const calibration::StereoCalibration& cameras = checked.found.calibration;
+    const calibration::Coverage coverage = calibration::coverage_of(checked.views, cameras.width, cameras.height);
+    const std::vector<std::string> lines = summary_lines(
+        checked, coverage, calibration::missing_views(checked.views, board, cameras.width, cameras.height));
+    const int eye_height = eye_width * cameras.height / cameras.width;
+    const int text_height = (static_cast<int>(lines.size()) + 1) * line_height;
+    cv::Mat panel(eye_height + text_height, width, CV_8UC3, cv::Scalar::all(20));
+    draw_coverage(panel(cv::Rect(0, 0, eye_width, eye_height)), coverage.left, checked.views,
+                  &calibration::BoardView::left, cameras.width);
+    draw_coverage(panel(cv::Rect(eye_width + 4, 0, eye_width, eye_height)), coverage.right, checked.views,
+                  &calibration::BoardView::right, cameras.width);
+    cv::Mat text = panel.rowRange(eye_height, panel.rows);
     int y = line_height;
     for (const std::string& line : lines) {
         write_line(text, line, y);
@@ -111,13 +116,9 @@ cv::Mat summary_panel(const std::vector<calibration::BoardView>& views, const ca
 
 }  // namespace
 
-std::string coverage_verdict(const calibration::Coverage& covered) {
-    const auto seen = std::count(covered.begin(), covered.end(), true);
-    const std::string text = "coverage: corners in " + std::to_string(seen) + " of " + std::to_string(covered.size()) +
-                             " parts of the image: ";
-    return text + (seen == static_cast<std::ptrdiff_t>(covered.size())
-                       ? "good, each has one; many near the edges of the image make distortion surer"
-                       : "distortion is not measured in the other parts; show the board there");
+std::string coverage_line(const calibration::Coverage& coverage) {
+    return "coverage: the boards covered " + fixed(100 * coverage.left.ratio, 0) + " % of the left eye's image, " +
+           fixed(100 * coverage.right.ratio, 0) + " % of the right eye's";
 }
 
 ViewPicture shrink(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right) {
@@ -137,12 +138,17 @@ ViewPicture shrink(Plane<const std::uint8_t> left, Plane<const std::uint8_t> rig
 }
 
 cv::Mat report_picture(const std::vector<ViewPicture>& pictures, const std::vector<calibration::BoardView>& views,
-                       const calibration::BoardCalibration& found, const std::vector<std::string>& missing) {
+                       const calibration::CheckedCalibration& checked, const calibration::Board& board) {
     const int width = per_row * 2 * eye_width;
-    const cv::Mat summary = summary_panel(views, found, missing, width);
+    const cv::Mat summary = summary_panel(checked, board, width);
     std::vector<cv::Mat> panels;
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        panels.push_back(view_panel(pictures[i], views[i], found.views[i], i));
+    for (std::size_t i = 0; i < checked.used.size(); ++i) {
+        const std::size_t view = checked.used[i];
+        panels.push_back(
+            view_panel(pictures[view], views[view], checked.found.views[i], "view " + std::to_string(view + 1)));
+    }
+    for (const auto& [view, errors] : checked.left_out) {
+        panels.push_back(view_panel(pictures[view], views[view], errors, "LEFT OUT: view " + std::to_string(view + 1)));
     }
     const int row_height = panels.front().rows;
     const int rows = (static_cast<int>(panels.size()) + per_row - 1) / per_row;

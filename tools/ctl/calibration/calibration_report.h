@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 
 #include "calibration/board/board.h"
+#include "calibration/board/coverage.h"
+#include "calibration/board/verdict.h"
 
 namespace disparityd::tools {
 
@@ -19,12 +21,13 @@ struct ViewPicture {
 
 ViewPicture shrink(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right);
 
-/// Returns one line on the coverage of the image: "corners in 7 of 9 parts of the image: ...".
-std::string coverage_verdict(const calibration::Coverage& covered);
+/// Returns one line on what the boards have covered: "the boards covered 74 % of the left eye's image, 71 % of ...".
+std::string coverage_line(const calibration::Coverage& coverage);
 
-/// Draws one picture: on top the corners seen in the left image, the result and what is missing
-/// (calibration::missing_views()); below every view with its corners, its files and its errors.
+/// Draws one picture: on top the corners seen in both eyes' images, the result, the verdict and its reasons; below
+/// every view with its corners, its files and its errors, those that were left out at the end. `pictures` and `views`:
+/// all that were taken.
 cv::Mat report_picture(const std::vector<ViewPicture>& pictures, const std::vector<calibration::BoardView>& views,
-                       const calibration::BoardCalibration& found, const std::vector<std::string>& missing);
+                       const calibration::CheckedCalibration& checked, const calibration::Board& board);
 
 }  // namespace disparityd::tools
