@@ -276,6 +276,41 @@ TEST_F(ProcessResumeTest, VerifyNamesWhatIsMissingChangedOrExtra) {
     EXPECT_THAT(differ.out, HasSubstr("third/walk: parameters.match.p1 = 20, there 15\n"));
 }
 
+TEST_F(ProcessResumeTest, TheContentOfTheInputCountsWhereItIsAskedFor) {
+    if (std::system("sha256sum --version >/dev/null 2>&1") != 0) {
+        GTEST_SKIP() << "sha256sum is not installed";
+    }
+    const std::string walk = path("walk.mkv"), copy = path("copy.mkv");
+    const auto hashed = [&](const std::string& source, const std::string& folder, const std::string& how) {
+        return run(DISPARITYCTL, {"process", source, "-o", path(folder), "--disparities", "16", how, "--hash-inputs"});
+    };
+    ASSERT_EQ(hashed(walk, "one", "--resume").exit_code, 0);
+    ASSERT_EQ(std::system(("sha256sum < " + walk + " | cut -c 1-64 | sha256sum > " + path("digest")).c_str()), 0);
+    EXPECT_EQ(manifest("one")["input_sha256"], read_file(path("digest")).substr(0, 64));
+    EXPECT_EQ(manifest("one")["parts"][0]["maps_sha256"], nullptr) << "there are none";
+    std::filesystem::copy_file(walk, copy);
+    ASSERT_EQ(hashed(copy, "two", "--resume").exit_code, 0);
+    EXPECT_EQ(verify("one", "two").exit_code, 0);
+
+    // Of the same size and time.
+    std::string bytes = read_file(walk);
+    bytes.at(bytes.rfind("Lavf")) = 'M';  // the name of who wrote it, which nobody reads
+    const auto time = std::filesystem::last_write_time(walk);
+    write_text(walk, bytes);
+    std::filesystem::last_write_time(walk, time);
+    EXPECT_EQ(run(DISPARITYCTL, {"process", walk, "-o", path("one"), "--disparities", "16", "--resume"}).exit_code, 0);
+    const Outcome changed = hashed(walk, "one", "--resume");
+    EXPECT_EQ(changed.exit_code, 2);
+    EXPECT_THAT(changed.err, HasSubstr("one: was made with input_sha256 = "));
+    ASSERT_EQ(hashed(walk, "one", "--force").exit_code, 0);
+    EXPECT_THAT(verify("one", "two").out, HasSubstr("one: input_sha256 = "));
+
+    const std::string scene = "scene:vga?width=96&height=64&frames=1";
+    ASSERT_EQ(hashed(scene, "scene", "--resume").exit_code, 0);
+    EXPECT_EQ(manifest("scene")["input_sha256"], nullptr) << "it is no file";
+    EXPECT_EQ(manifest("scene")["parts"][0]["maps_sha256"].get<std::string>().size(), 64U);
+}
+
 TEST_F(ProcessResumeTest, TheManifestTellsThePixelsAsOtherDecodersSeeThem) {
     if (std::system("python3 --version >/dev/null 2>&1 && sha256sum --version >/dev/null 2>&1") != 0) {
         GTEST_SKIP() << "python3 and sha256sum are not installed";

@@ -62,15 +62,30 @@ std::string sha256(std::string_view text) {
     return digest.hex();
 }
 
-std::string sha256_of_file(const std::string& path) {
+std::string sha256_of_file(const std::string& path, const std::function<bool()>& stop) {
     std::ifstream file(path, std::ios::binary);
     Sha256 digest;
     std::array<char, 65536> bytes{};
     while (file.read(bytes.data(), bytes.size()) || file.gcount() > 0) {
+        if (stop && stop()) {
+            return {};
+        }
         digest.add(bytes.data(), static_cast<std::size_t>(file.gcount()));
     }
     if (!file.eof()) {
         throw std::invalid_argument(path + ": cannot be read: " + base::error_text(errno));
+    }
+    return digest.hex();
+}
+
+std::string sha256(const calibration::Rectification& maps) {
+    if (maps.left.xy.empty()) {
+        return {};
+    }
+    Sha256 digest;
+    for (const calibration::Rectification::Maps* eye : {&maps.left, &maps.right}) {
+        digest.add(eye->xy.data(), eye->xy.size() * sizeof(std::int16_t));
+        digest.add(eye->fraction.data(), eye->fraction.size() * sizeof(std::uint16_t));
     }
     return digest.hex();
 }

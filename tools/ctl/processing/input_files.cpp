@@ -90,4 +90,19 @@ Json facts_of_input(const std::string& uri) {
     return facts;
 }
 
+Json content_of_input(const std::string& uri, const std::function<bool()>& stop) {
+    if (!is_kept(uri)) {
+        return {};
+    }
+    std::string lines;
+    for (const std::string& path : listing_of(uri).paths) {
+        const std::string digest = sha256_of_file(path, stop);
+        if (digest.empty()) {
+            return {};
+        }
+        lines += digest + '\n';
+    }
+    return sha256(lines);
+}
+
 }  // namespace disparityd::tools

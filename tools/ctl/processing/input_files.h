@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "tools/ctl/describe.h"
@@ -11,5 +12,10 @@ namespace disparityd::tools {
 /// many bytes they have together; "listing", the SHA-256 of their names, sizes and times of change. The last three are
 /// null where it is no file. The content is not read. Throws std::invalid_argument where images do not pair.
 Json facts_of_input(const std::string& uri);
+
+/// Returns the SHA-256 of what its files hold: of a line for each, in the order of their names, with the SHA-256 of its
+/// bytes and a line feed; null where it is no file. It does not depend on where they lie. Reads all of it; `stop` is
+/// asked meanwhile, and what it ends is null. Throws std::invalid_argument when a file cannot be read.
+Json content_of_input(const std::string& uri, const std::function<bool()>& stop);
 
 }  // namespace disparityd::tools

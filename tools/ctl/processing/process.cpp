@@ -211,6 +211,8 @@ void add_process(CLI::App& program, Action& action) {
         .add_flag("--resume", arguments->resume,
                   "leave alone what an earlier run has finished with the same options, do the rest")
         ->excludes(force);
+    command.add_flag("--hash-inputs", arguments->hash_inputs,
+                     "also the SHA-256 of all bytes of the input in the manifest, which --resume compares then");
     command.add_flag("--keep-going", arguments->keep_going,
                      "leave damaged images out, and sources that fail; they are listed, exit status 1");
     CLI::Option* const shard =

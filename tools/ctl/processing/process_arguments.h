@@ -51,6 +51,7 @@ struct ProcessArguments {
     bool force = false;
     bool resume = false;
     bool keep_going = false;
+    bool hash_inputs = false;
     bool plan = false;
     bool json = false;
 };

@@ -324,6 +324,7 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
     rectified["invalid"] = invalid_disparity(options_.range);
     const auto distances = calibration::DepthRange::of(rectification.f, rectification.baseline_mm,
                                                        rectification.disparity_offset, options_);
+    maps_.push_back(sha256(rectification));
     parts_.push_back({{"from_frame", frames_},
                       {"source", to_json(source)},
                       {"rectified", rectified},
@@ -439,7 +440,7 @@ void ProcessOutput::close() {
     }
 }
 
-void ProcessOutput::finish(const Json& losses, const std::string& scan) {
+void ProcessOutput::finish(const Json& losses, const std::string& scan, const Json& input) {
     if (const std::string path = folder_ + '/' + corrections_name; fs::exists(path)) {
         files_[corrections_name] = sha256_of_file(path);
     }
@@ -449,7 +450,12 @@ void ProcessOutput::finish(const Json& losses, const std::string& scan) {
     }
     Json all = losses;
     all["lost"] = lost_;
-    manifest_->finish({{"parts", parts_}, {"losses", all}, {"files", files_}, {"scan_sha256", scan_digest}});
+    Json parts = parts_;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        parts[i]["maps_sha256"] = maps_[i].empty() ? Json() : Json(maps_[i]);
+    }
+    manifest_->finish(
+        {{"parts", parts}, {"losses", all}, {"files", files_}, {"scan_sha256", scan_digest}, {"input_sha256", input}});
 }
 
 }  // namespace disparityd::tools

@@ -104,8 +104,8 @@ public:
     void close();
 
     /// Writes the manifest: all frames of the source are there. `scan` is the file of the obstacle scans, which is told
-    /// where it lies in the folder; empty: none. Throws as write().
-    void finish(const Json& losses, const std::string& scan);
+    /// where it lies in the folder; empty: none. `input` is what content_of_input() says, or null. Throws as write().
+    void finish(const Json& losses, const std::string& scan, const Json& input);
 
     /// Whether it removed an earlier run that was not finished.
     bool replaces_unfinished() const { return replaces_unfinished_; }
@@ -124,7 +124,8 @@ private:
     FrameNames names_;
     OutputFormats formats_;
     MatchOptions options_;
-    Json parts_ = Json::array();  ///< source, rectified, distances of each
+    Json parts_ = Json::array();     ///< source, rectified, distances of each
+    std::vector<std::string> maps_;  ///< SHA-256 of each
     Json match_;
     Json scan_;               ///< null: no scan
     Json files_;              ///< of the manifest

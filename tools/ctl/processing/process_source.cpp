@@ -2,7 +2,9 @@
 #include "tools/ctl/processing/process_source.h"
 
 #include <algorithm>
+#include <atomic>
 #include <functional>
+#include <future>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -26,6 +28,7 @@
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
 #include "tools/command_line/table.h"
+#include "tools/ctl/processing/input_files.h"
 #include "tools/ctl/processing/process_output.h"
 #include "tools/ctl/scan/scan_csv.h"
 #include "tools/ctl/source_arguments.h"
@@ -153,6 +156,30 @@ Schedule schedule_of(const ProcessArguments& arguments, const capture::SourceInf
                                                       : pipeline::CorrectedRectification::Follow::recorded;
     return {std::make_unique<pipeline::CorrectedRectification>(info, geometry, follow), nullptr};
 }
+
+/// Reads the input a second time, in a thread of its own, for the SHA-256 of all its bytes.
+class InputDigest {
+public:
+    explicit InputDigest(const std::string& uri)
+        : digest_(std::async(std::launch::async, [this, uri] {
+              return content_of_input(uri, [this] { return given_up_.load(std::memory_order_relaxed); });
+          })) {}
+    ~InputDigest() { given_up_.store(true, std::memory_order_relaxed); }
+    InputDigest(const InputDigest&) = delete;
+    InputDigest& operator=(const InputDigest&) = delete;
+
+    /// Waits for it. Throws as content_of_input(). Null after a signal.
+    Json get() {
+        while (digest_.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
+            given_up_.store(given_up_ || interrupted(), std::memory_order_relaxed);
+        }
+        return digest_.get();
+    }
+
+private:
+    std::atomic<bool> given_up_{false};
+    std::future<Json> digest_;  // last: its end waits for the thread, which asks the other
+};
 
 /// What a run fills.
 struct RunFiles {
@@ -403,6 +430,10 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
                    std::to_string(parts.size()) + " parts");
     }
 
+    std::optional<InputDigest> input;
+    if (arguments.hash_inputs) {
+        input.emplace(arguments.source);
+    }
     Run run{arguments, config, scan, options, workers, shown, {}, {}, false, {}};
     run.done.source = arguments.source;
     run.done.folder = arguments.folder;
@@ -420,7 +451,9 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
         return run.done;  // Ctrl-C came before the first part
     }
     run.files.folder->close();
-    const bool finished = run.done.error.empty() && !interrupted() && run.done.frames > 0;
+    bool finished = run.done.error.empty() && !interrupted() && run.done.frames > 0;
+    const Json input_digest = finished && input ? input->get() : Json();
+    finished = finished && !interrupted();
     // A part of the scans must not look whole. What has no end is whole when a signal ends it.
     if (run.files.scans && (finished || (run.endless && run.done.error.empty()))) {
         run.files.scans->finish();
@@ -429,7 +462,8 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
                    GrowingFile::part_of(arguments.scan) + " has the scans until then");
     }
     if (finished) {
-        run.files.folder->finish({{"damaged", run.done.damaged}, {"left_out", run.done.left_out}}, arguments.scan);
+        run.files.folder->finish({{"damaged", run.done.damaged}, {"left_out", run.done.left_out}}, arguments.scan,
+                                 input_digest);
     }
     note_lack_of_level(run.files, run.scan);
     run.done.trust = run.files.trust;

@@ -6,9 +6,11 @@
 
 #include "base/file_kind.h"
 #include "base/version.h"
+#include "tools/command_line/interrupt.h"
 #include "tools/command_line/program.h"
 #include "tools/ctl/processing/begun_run.h"
 #include "tools/ctl/processing/digest.h"
+#include "tools/ctl/processing/input_files.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/ctl/processing/process_source.h"
 #include "tools/ctl/source_arguments.h"
@@ -65,6 +67,12 @@ std::optional<ProcessDone> finished_before(const ProcessArguments& arguments) {
     if (base::is_file(arguments.scan) && manifest.value("scan_sha256", Json()) != sha256_of_file(arguments.scan)) {
         throw std::invalid_argument(arguments.scan + ": is not the file that was written with " + folder +
                                     "; move it away to have it made again, or replace all with --force");
+    }
+    if (const Json before = manifest.value("input_sha256", Json()); arguments.hash_inputs && !before.is_null()) {
+        const Json now = content_of_input(arguments.source, interrupted);
+        if (!interrupted()) {
+            check_made_with(folder, {{"input_sha256", before}}, {{"input_sha256", now}});
+        }
     }
     ProcessDone done;
     done.source = arguments.source;

@@ -187,6 +187,7 @@ void verify_source(const std::string& folder, Findings& found) {
 /// A manifest without what depends on where the source lies.
 struct Comparable {
     Json facts;
+    Json input;  ///< SHA-256 of all bytes; null: not told
     std::vector<Json> frames;
     std::string made_by;
 };
@@ -198,11 +199,14 @@ Comparable comparable(const std::string& folder) {
         manifest.frames.push_back(std::move(frame));
     });
     manifest.made_by = all["made_by"].get<std::string>();
+    manifest.input = all.value("input_sha256", Json());
     all["parameters"].erase("input");
     all["parameters"].erase("scan_file");
     Json rectified = Json::array();
     for (const Json& part : all["parts"]) {
-        rectified.push_back({{"from_frame", part.at("from_frame")}, {"rectified", part.at("rectified")}});
+        rectified.push_back({{"from_frame", part.at("from_frame")},
+                             {"rectified", part.at("rectified")},
+                             {"maps_sha256", part.value("maps_sha256", Json())}});
     }
     Json files = all["files"];
     files.erase(geometry_name);  // names the source's place; what it says otherwise is compared above
@@ -224,6 +228,9 @@ void compare(const std::string& name, const std::string& folder, const std::stri
         if (const std::string facts = difference(here, there, "there"); !facts.empty()) {
             found.tell(name, facts);
         }
+    }
+    if (!one.input.is_null() && !two.input.is_null() && one.input != two.input) {
+        found.tell(name, difference({{"input_sha256", one.input}}, {{"input_sha256", two.input}}, "there"));
     }
     for (std::size_t i = 0; i < std::min(one.frames.size(), two.frames.size()); ++i) {
         if (const std::string frame = difference(one.frames[i], two.frames[i], "there"); !frame.empty()) {
