@@ -116,6 +116,9 @@ TEST_F(Layouts, KittiTellsWhatIsACarAndWhatIsIncomplete) {
     ASSERT_EQ(found.incomplete.size(), 21U) << "24 frames, and none of the second frame, which never has truth";
     EXPECT_THAT(found.incomplete[0], HasSubstr("101_10.png: has no ground truth"));
     EXPECT_EQ(found.incomplete[20], "and 4 pairs more like these");
+    write_pair("testing/image_2/1_10.png", "testing/image_3/1_10.png");
+    EXPECT_THAT(look_for_scenes(folder_.file("testing")).incomplete,
+                ElementsAre(HasSubstr("testing: has image_2/image_3 and no ground truth")));
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ FloatMap read_sintel(const std::string& path) {
     result.values.reserve(image.total());
     for (int y = 0; y < image.rows; ++y) {
         for (int x = 0; x < image.cols; ++x) {
-            const auto bgr = image.at<cv::Vec3b>(y, x);
+            const auto& bgr = image.at<cv::Vec3b>(y, x);
             result.values.push_back(static_cast<float>(bgr[2] * 4 + bgr[1] / 64.0 + bgr[0] / 16384.0));
         }
     }

@@ -65,6 +65,11 @@ FoundScenes scenes_of_kitti(const std::string& folder) {
         return {};
     }
     const Truths truths(folder);
+    if (truths.all.empty() && truths.visible.empty()) {
+        return {{},
+                {shown(folder) + ": has " + images.name +
+                 " and no ground truth, disp_occ_0, disp_noc_0, disp_occ or disp_noc"}};
+    }
     std::set<std::string> without_image = truths.names();
     FoundScenes found;
     for (const std::string& name : capture::image_names(images.left)) {
@@ -77,7 +82,7 @@ FoundScenes scenes_of_kitti(const std::string& folder) {
         const std::string visible = Truths::file(truths.visible, png);
         scene.truth = all.empty() ? visible : all;
         if (scene.truth.empty()) {
-            if (!is_second_frame(png) || (truths.all.empty() && truths.visible.empty())) {
+            if (!is_second_frame(png)) {
                 found.incomplete.push_back(shown(scene.left) + ": has no ground truth in disp_occ_0, disp_noc_0, " +
                                            "disp_occ or disp_noc");
             }

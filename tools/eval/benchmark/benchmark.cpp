@@ -178,6 +178,7 @@ private:
         }
         const images::FloatMap& judged = filled ? *filled : map.disparity;
         std::vector<BenchmarkCell> cells;
+        cells.reserve(regions.size());
         for (const RegionMask& mask : regions) {
             cells.push_back(
                 {scene.name, matcher, mask.region, tally(map, judged, scene.truth, mask.pixels, request_.holes)});

@@ -44,10 +44,11 @@ public:
         : width_(width),
           height_(height),
           sums_(static_cast<std::size_t>(width + 1) * static_cast<std::size_t>(height + 1)) {
+        auto value = values.begin();
         for (int y = 0; y < height; ++y) {
-            for (int x = 0; x < width; ++x) {
-                sums_[at(x + 1, y + 1)] = static_cast<std::int64_t>(values[static_cast<std::size_t>(y * width + x)]) +
-                                          sums_[at(x, y + 1)] + sums_[at(x + 1, y)] - sums_[at(x, y)];
+            for (int x = 0; x < width; ++x, ++value) {
+                sums_[at(x + 1, y + 1)] =
+                    std::int64_t{*value} + sums_[at(x, y + 1)] + sums_[at(x + 1, y)] - sums_[at(x, y)];
             }
         }
     }
