@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "base/failure_text.h"
 
-#include <cerrno>
 #include <new>
 #include <stdexcept>
-#include <system_error>
 
 #include <opencv2/core.hpp>
 
@@ -16,16 +14,6 @@ constexpr const char* no_memory =
     "disparities, or raise the limit (ulimit -v, MemoryMax= of a service)";
 
 }  // namespace
-
-std::string error_text(int code) {
-    switch (code) {
-        case EMFILE:
-            return "this program has too many files open: raise its limit (ulimit -n, or LimitNOFILE= of a service)";
-        case ENFILE: return "all programs together have too many files open: raise the limit (sysctl fs.file-max)";
-        case ENOMEM: return "there is not enough memory";
-        default: return std::generic_category().message(code);
-    }
-}
 
 std::string failure_text(const std::exception& error) {
     const auto* of_opencv = dynamic_cast<const cv::Exception*>(&error);

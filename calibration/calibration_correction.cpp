@@ -3,7 +3,9 @@
 
 #include <algorithm>
 
-#include <opencv2/calib3d.hpp>
+#include <opencv2/core/matx.hpp>
+
+#include "calibration/rotation.h"
 
 namespace disparityd::calibration {
 
@@ -20,10 +22,8 @@ StereoCalibration corrected(const StereoCalibration& calibration, const Calibrat
         return calibration;
     }
     constexpr double billionth = 1e-9;
-    cv::Matx33d turn;
-    cv::Rodrigues(
-        cv::Vec3d(correction.pitch_nrad * billionth, correction.yaw_nrad * billionth, correction.roll_nrad * billionth),
-        turn);
+    const cv::Matx33d turn = rotation_about(
+        {correction.pitch_nrad * billionth, correction.yaw_nrad * billionth, correction.roll_nrad * billionth});
     const cv::Matx33d rotation = turn * cv::Matx33d(calibration.rotation.data());
     StereoCalibration result = calibration;
     std::copy(rotation.val, rotation.val + 9, result.rotation.begin());

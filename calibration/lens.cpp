@@ -55,6 +55,19 @@ std::array<double, 9> tilt_of(double tau_x, double tau_y) {
     return tilt;
 }
 
+/// Returns the inverse but for a factor, which places in the plane do not have.
+std::array<double, 9> adjugate_of(const std::array<double, 9>& m) {
+    return {m[4] * m[8] - m[5] * m[7], m[2] * m[7] - m[1] * m[8], m[1] * m[5] - m[2] * m[4],
+            m[5] * m[6] - m[3] * m[8], m[0] * m[8] - m[2] * m[6], m[2] * m[3] - m[0] * m[5],
+            m[3] * m[7] - m[4] * m[6], m[1] * m[6] - m[0] * m[7], m[0] * m[4] - m[1] * m[3]};
+}
+
+/// Returns the place that the matrix takes (x, y, 1) to.
+ImagePoint taken_by(const std::array<double, 9>& matrix, double x, double y) {
+    const auto row = [&](std::size_t i) { return matrix[i] * x + matrix[i + 1] * y + matrix[i + 2]; };
+    return {row(0) / row(6), row(3) / row(6)};
+}
+
 }  // namespace
 
 Lens::Lens(const CameraModel& camera) : camera_(camera) {
@@ -62,6 +75,7 @@ Lens::Lens(const CameraModel& camera) : camera_(camera) {
     tilted_ = camera.lens == LensModel::pinhole && (k[12] != 0 || k[13] != 0);
     if (tilted_) {
         tilt_ = tilt_of(k[12], k[13]);
+        untilt_ = adjugate_of(tilt_);
     }
 }
 
@@ -74,20 +88,42 @@ ImagePoint Lens::pixel_of(double x, double y, double z) const {
     return {camera_.fx * place.x + camera_.cx, camera_.fy * place.y + camera_.cy};
 }
 
-ImagePoint Lens::pinhole(double x, double y) const {
+ImagePoint Lens::ray_of(ImagePoint pixel) const {
+    constexpr int steps = 5;
+    const ImagePoint plain{(pixel.x - camera_.cx) / camera_.fx, (pixel.y - camera_.cy) / camera_.fy};
+    const ImagePoint seen = tilted_ ? taken_by(untilt_, plain.x, plain.y) : plain;
+    ImagePoint ray = seen;
+    for (int step = 0; step < steps; ++step) {
+        const double scale = radial(ray.x, ray.y);
+        if (scale < 0) {
+            return plain;  // beyond what the lens can show
+        }
+        const ImagePoint shift = shifted({0, 0}, ray.x, ray.y);
+        ray = {(seen.x - shift.x) / scale, (seen.y - shift.y) / scale};
+    }
+    return ray;
+}
+
+double Lens::radial(double x, double y) const {
+    const auto& k = camera_.distortion;
+    const double r2 = x * x + y * y;
+    return (1 + ((k[4] * r2 + k[1]) * r2 + k[0]) * r2) / (1 + ((k[7] * r2 + k[6]) * r2 + k[5]) * r2);
+}
+
+ImagePoint Lens::shifted(ImagePoint place, double x, double y) const {
     const auto& [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y] = camera_.distortion;
     const double x2 = x * x;
     const double y2 = y * y;
     const double r2 = x2 + y2;
     const double xy = 2 * x * y;
-    const double radial = (1 + ((k3 * r2 + k2) * r2 + k1) * r2) / (1 + ((k6 * r2 + k5) * r2 + k4) * r2);
-    const double dx = x * radial + p1 * xy + p2 * (r2 + 2 * x2) + s1 * r2 + s2 * r2 * r2;
-    const double dy = y * radial + p1 * (r2 + 2 * y2) + p2 * xy + s3 * r2 + s4 * r2 * r2;
-    if (!tilted_) {
-        return {dx, dy};
-    }
-    const auto row = [&](std::size_t i) { return tilt_[i] * dx + tilt_[i + 1] * dy + tilt_[i + 2]; };
-    return {row(0) / row(6), row(3) / row(6)};
+    return {place.x + p1 * xy + p2 * (r2 + 2 * x2) + s1 * r2 + s2 * r2 * r2,
+            place.y + p1 * (r2 + 2 * y2) + p2 * xy + s3 * r2 + s4 * r2 * r2};
+}
+
+ImagePoint Lens::pinhole(double x, double y) const {
+    const double scale = radial(x, y);
+    const ImagePoint place = shifted({x * scale, y * scale}, x, y);
+    return tilted_ ? taken_by(tilt_, place.x, place.y) : place;
 }
 
 ImagePoint Lens::fisheye(double x, double y) const {

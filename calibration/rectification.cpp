@@ -8,12 +8,11 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/calib3d.hpp>
-
 #include "base/message_text.h"
 #include "calibration/calibration.h"
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/lens.h"
+#include "calibration/rectified_camera.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -28,60 +27,6 @@ std::string short_text(double number) {
     return text;
 }
 
-/// The rectified camera, and what turns the raw ones to it.
-struct View {
-    std::array<double, 9> turn[2];  ///< row-major, OpenCV's R1 and R2
-    double f = 0;
-    double cx = 0;
-    double cy = 0;
-    double baseline_mm = 0;
-};
-
-cv::Matx33d matrix_of(const CameraModel& camera) {
-    return {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
-}
-
-/// Sets the rectified camera of fisheye lenses, whose whole field fits into no flat image: in the middle it is as large
-/// as in the eyes, and the optical axes lie, in the mean of both eyes, where they lie in the raw images.
-void see_as_fisheye(View& view, const StereoCalibration& calibration, cv::Size size) {
-    const double scale_x = static_cast<double>(size.width) / calibration.width;
-    const double scale_y = static_cast<double>(size.height) / calibration.height;
-    view.f = scale_y * std::min({calibration.left.fx, calibration.left.fy, calibration.right.fx, calibration.right.fy});
-    view.cx = 0;
-    view.cy = 0;
-    for (const int eye : {0, 1}) {
-        const CameraModel& camera = eye == 0 ? calibration.left : calibration.right;
-        const auto& turn = view.turn[eye];
-        view.cx += 0.5 * ((camera.cx + 0.5) * scale_x - 0.5 - view.f * turn[2] / turn[8]);
-        view.cy += 0.5 * ((camera.cy + 0.5) * scale_y - 0.5 - view.f * turn[5] / turn[8]);
-    }
-}
-
-/// `size` is that of the rectified image.
-View view_of(const StereoCalibration& calibration, cv::Size size) {
-    const bool fisheye = calibration.left.lens == LensModel::fisheye || calibration.right.lens == LensModel::fisheye;
-    const auto distortion = [&](const CameraModel& camera) {
-        return cv::Mat(fisheye ? std::array<double, 14>{} : camera.distortion, true);
-    };
-    View view;
-    cv::Mat turn[2], projection[2], to_depth;
-    cv::stereoRectify(matrix_of(calibration.left), distortion(calibration.left), matrix_of(calibration.right),
-                      distortion(calibration.right), {calibration.width, calibration.height},
-                      cv::Matx33d(calibration.rotation.data()), cv::Vec3d(calibration.translation.data()), turn[0],
-                      turn[1], projection[0], projection[1], to_depth, cv::CALIB_ZERO_DISPARITY, 0, size);
-    for (const int eye : {0, 1}) {
-        std::copy_n(turn[eye].ptr<double>(), 9, view.turn[eye].begin());
-    }
-    view.f = projection[0].at<double>(0, 0);
-    view.cx = projection[0].at<double>(0, 2);
-    view.cy = projection[0].at<double>(1, 2);
-    view.baseline_mm = -projection[1].at<double>(0, 3) / view.f;
-    if (fisheye) {
-        see_as_fisheye(view, calibration, size);
-    }
-    return view;
-}
-
 /// Returns the place in the raw image of a place in the rectified one.
 ImagePoint raw_pixel(const Lens& lens, const std::array<double, 9>& turn, double x, double y) {
     return lens.pixel_of(turn[0] * x + turn[3] * y + turn[6], turn[1] * x + turn[4] * y + turn[7],
@@ -90,7 +35,7 @@ ImagePoint raw_pixel(const Lens& lens, const std::array<double, 9>& turn, double
 
 /// Returns where the grid's points lie in the raw image; not numbers behind the camera.
 std::vector<ImagePoint> grid_in_raw_image(const StereoCalibration& calibration, const CameraModel& camera,
-                                          const View& view, const std::array<double, 9>& turn) {
+                                          const RectifiedCamera& view, const std::array<double, 9>& turn) {
     const Lens lens(camera);
     std::vector<ImagePoint> points;
     for (int y = 0; y <= steps; ++y) {
@@ -125,7 +70,7 @@ double area_of(const std::vector<ImagePoint>& points) {
 /// four times theirs, it shows at least a quarter of each eye's image, and the lenses do not fold what it shows.
 /// Numbers may each be possible and together be those of no camera. Throws std::invalid_argument with one line.
 void check_rectified_view(const StereoCalibration& calibration) {
-    const View view = view_of(calibration, {calibration.width, calibration.height});
+    const RectifiedCamera view = rectified_camera(calibration, calibration.width, calibration.height);
     const std::string advice =
         ": these numbers are not those of a stereo camera with images of this size; compare the size that the "
         "calibration was made for, "
@@ -219,9 +164,9 @@ void use_projection(Rectification& result, double f, double cx, double cy, const
     result.cy = cy - geometry.region.y;
 }
 
-// Rectifies two raw eyes to OpenCV's camera: both principal points alike (CALIB_ZERO_DISPARITY), only valid pixels.
+// Rectifies two raw eyes to one camera.
 void rectify_raw(Rectification& result, const StereoCalibration& calibration, const RectifiedGeometry& geometry) {
-    const View view = view_of(calibration, {geometry.width, geometry.height});
+    const RectifiedCamera view = rectified_camera(calibration, geometry.width, geometry.height);
     if (!std::isfinite(view.f) || view.f <= 0 || !std::isfinite(view.baseline_mm) || view.baseline_mm <= 0) {
         throw std::invalid_argument("calibration " + calibration.origin +
                                     ": cannot be rectified: the cameras do not look side by side the same way");

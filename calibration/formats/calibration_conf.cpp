@@ -4,13 +4,14 @@
 #include <map>
 #include <string>
 
-#include <opencv2/calib3d.hpp>
+#include <opencv2/core/matx.hpp>
 
 #include "base/message_text.h"
 #include "base/number_text.h"
 #include "base/words.h"
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/lens_model.h"
+#include "calibration/rotation.h"
 #include "calibration/zed_modes.h"
 
 namespace disparityd::calibration {
@@ -260,9 +261,7 @@ StereoCalibration read_factory_conf(const std::string& path, const std::string& 
         return file.number("stereo", general ? key : key + "_" + suffix);
     };
     calibration.translation = {-file.number("stereo", "baseline"), offset("ty"), offset("tz")};
-    const cv::Vec3d angles(angle("rx"), angle("cv"), angle("rz"));
-    cv::Matx33d rotation;
-    cv::Rodrigues(angles, rotation);
+    const cv::Matx33d rotation = rotation_about({angle("rx"), angle("cv"), angle("rz")});
     std::copy(rotation.val, rotation.val + 9, calibration.rotation.begin());
     return calibration;
 }

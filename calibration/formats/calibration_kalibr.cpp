@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <opencv2/core.hpp>
+#include <opencv2/core/matx.hpp>
 
 #include "base/message_text.h"
 #include "base/number_text.h"
@@ -112,17 +112,19 @@ private:
 
 /// Compares the pose of the right camera with those of both cameras to the IMU, where the file has them.
 void check_imu_poses(const std::string& path, const ChainCamera& left, const ChainCamera& right,
-                     const cv::Matx44d& pose) {
-    if (!left.has("T_cam_imu") || !right.has("T_cam_imu")) {
+                     const StereoCalibration& cameras) {
+    const auto to_left = left.inertial_pose();
+    const auto to_right = right.inertial_pose();
+    if (!to_left || !to_right) {
         return;
     }
-    const cv::Matx44d by_imu = right.pose("T_cam_imu") * left.pose("T_cam_imu").inv();
-    const double degrees = degrees_between(by_imu.get_minor<3, 3>(0, 0), pose.get_minor<3, 3>(0, 0));
-    const cv::Vec3d stated(pose(0, 3), pose(1, 3), pose(2, 3));
-    const double distance = cv::norm(cv::Vec3d(by_imu(0, 3), by_imu(1, 3), by_imu(2, 3)) - stated);
+    const Pose by_imu = chained(inverse(*to_left), *to_right);
+    const double degrees = degrees_between(cv::Matx33d(by_imu.rotation.data()), cv::Matx33d(cameras.rotation.data()));
+    const cv::Vec3d stated(cameras.translation.data());
+    const double distance = cv::norm(cv::Vec3d(by_imu.translation.data()) - stated);
     if (!(degrees <= largest_turn_degrees) || !(distance <= largest_baseline_share * cv::norm(stated))) {
         refuse_calibration(path, "cam1 T_cn_cnm1: found a pose that differs by " + degrees_text(degrees) + " and " +
-                                     base::number_text(std::round(1e6 * distance) / 1e3) +
+                                     base::number_text(std::round(1e3 * distance) / 1e3) +
                                      " mm from the one that T_cam_imu of cam0 and cam1 give, expected at most " +
                                      degrees_text(largest_turn_degrees) +
                                      " and 1 % of the baseline: they contradict each other; take the wrong ones out");
@@ -172,11 +174,11 @@ FileCalibration read_kalibr_camchain(const CalibrationText& file, int width, int
         refuse_calibration(file.path, "cam1 has no T_cn_cnm1, the pose that takes points of cam0 to cam1");
     }
     const cv::Matx44d pose = right.pose("T_cn_cnm1");
-    check_imu_poses(file.path, left, right, pose);
     for (std::size_t row = 0; row < 3; ++row) {
         std::copy(pose.val + 4 * row, pose.val + 4 * row + 3, result.calibration.rotation.begin() + 3 * row);
         result.calibration.translation[row] = metre_mm * pose.val[4 * row + 3];
     }
+    check_imu_poses(file.path, left, right, result.calibration);
     result.calibration.inertial = inertial_of(result.calibration, left, right);
     return result;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include <opencv2/calib3d.hpp>
+#include <opencv2/core/matx.hpp>
 
 #include "base/message_text.h"
 #include "base/number_text.h"
@@ -14,6 +14,7 @@
 #include "calibration/formats/lens_model.h"
 #include "calibration/formats/opencv_keys.h"
 #include "calibration/formats/opencv_storage.h"
+#include "calibration/rotation.h"
 
 namespace disparityd::calibration {
 
@@ -256,8 +257,7 @@ void read_pose(const CalibrationFile& file, StereoCalibration& calibration) {
     const auto [rotation_name, rotation] = file.matrix(rotation_keys, "R");
     const auto [translation_name, translation] = file.matrix(translation_keys, "T");
     if (rotation.numbers.size() == 3) {
-        cv::Matx33d turn;
-        cv::Rodrigues(cv::Vec3d(rotation.numbers.data()), turn);
+        const cv::Matx33d turn = rotation_about(cv::Vec3d(rotation.numbers.data()));
         std::copy(turn.val, turn.val + 9, calibration.rotation.begin());
     } else if (rotation.rows == 3 && rotation.columns == 3) {
         std::copy(rotation.numbers.begin(), rotation.numbers.end(), calibration.rotation.begin());

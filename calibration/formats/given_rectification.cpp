@@ -6,13 +6,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include <opencv2/calib3d.hpp>
+#include <opencv2/core/matx.hpp>
 
 #include "calibration/formats/calibration_formats.h"
 #include "calibration/formats/calibration_name.h"
 #include "calibration/formats/lens_model.h"
 #include "calibration/formats/pose_agreement.h"
 #include "calibration/formats/rectified_eyes.h"
+#include "calibration/rotation.h"
 
 namespace disparityd::calibration {
 
@@ -83,9 +84,7 @@ std::vector<const GivenResult*> entries_of(const std::vector<GivenResult>& given
 /// Reads R1 or R2: a matrix, or a rotation vector as R may be.
 cv::Matx33d turn_of(const GivenResult& entry) {
     if (entry.numbers.size() == 3) {
-        cv::Matx33d turn;
-        cv::Rodrigues(cv::Vec3d(entry.numbers.data()), turn);
-        return turn;
+        return rotation_about(cv::Vec3d(entry.numbers.data()));
     }
     check_shape(entry, 3, 3);
     const cv::Matx33d turn(entry.numbers.data());

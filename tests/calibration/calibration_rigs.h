@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/calibration.h"
+#include "calibration/rotation.h"
 
 namespace disparityd::calibration::test {
 
@@ -30,6 +32,20 @@ struct Rig {
         return matrix;
     }
 };
+
+inline StereoCalibration calibration_of(const Rig& rig) {
+    StereoCalibration calibration;
+    calibration.width = rig.width;
+    calibration.height = rig.height;
+    calibration.left = {rig.left[0], rig.left[1], rig.left[2], rig.left[3], {}};
+    calibration.right = {rig.right[0], rig.right[1], rig.right[2], rig.right[3], {}};
+    std::copy(rig.left_distortion.begin(), rig.left_distortion.end(), calibration.left.distortion.begin());
+    std::copy(rig.right_distortion.begin(), rig.right_distortion.end(), calibration.right.distortion.begin());
+    const cv::Matx33d rotation = rotation_about(rig.turn);
+    std::copy(rotation.val, rotation.val + 9, calibration.rotation.begin());
+    std::copy(rig.translation.val, rig.translation.val + 3, calibration.translation.begin());
+    return calibration;
+}
 
 /// Three cameras: one like a webcam, one wide and turned, one of a car.
 inline std::vector<Rig> rigs() {

@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "calibration/rectification.h"
+#include "calibration/rectified_camera.h"
 #include "calibration/zed_modes.h"
 #include "kernels/reference/steps.h"
 #include "tests/capture/images/image_fixture.h"
@@ -41,23 +42,20 @@ cv::Matx33d matrix_of(const CameraModel& camera) {
     return {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
 }
 
-/// OpenCV's own way from a calibration to rectified eyes, and ours: not a byte apart.
+/// OpenCV's own way from a rectified camera to rectified eyes, and ours: not a byte apart. The camera is compared in
+/// rectified_camera_test.cpp.
 void expect_remap(const StereoCalibration& calibration) {
     const cv::Size size(calibration.width, calibration.height);
     const cv::Mat raw = noise(size.width, size.height);
     const Rectification ours = make_rectification(calibration, size.width, size.height, {});
     const Rectifier rectifier = ours.rectifier();
-    cv::Mat turn[2], projection[2], to_depth;
-    const cv::Matx33d left = matrix_of(calibration.left);
-    const cv::Matx33d right = matrix_of(calibration.right);
-    cv::stereoRectify(left, calibration.left.distortion, right, calibration.right.distortion, size,
-                      cv::Matx33d(calibration.rotation.data()), cv::Vec3d(calibration.translation.data()), turn[0],
-                      turn[1], projection[0], projection[1], to_depth, cv::CALIB_ZERO_DISPARITY, 0);
+    const RectifiedCamera rectified = rectified_camera(calibration, size.width, size.height);
+    const cv::Matx33d projection(rectified.f, 0, rectified.cx, 0, rectified.f, rectified.cy, 0, 0, 1);
     for (const int eye : {0, 1}) {
         cv::Mat xy, fraction, expected;
         const CameraModel& camera = eye == 0 ? calibration.left : calibration.right;
-        cv::initUndistortRectifyMap(matrix_of(camera), camera.distortion, turn[eye], projection[eye], size, CV_16SC2,
-                                    xy, fraction);
+        cv::initUndistortRectifyMap(matrix_of(camera), camera.distortion, cv::Matx33d(rectified.turn[eye].data()),
+                                    projection, size, CV_16SC2, xy, fraction);
         cv::remap(raw(cv::Rect(eye * size.width, 0, size.width, size.height)).clone(), expected, xy, fraction,
                   cv::INTER_LINEAR, cv::BORDER_CONSTANT);
         cv::Mat found(size, CV_8U);
