@@ -192,9 +192,9 @@ check_format() {
 
 check_scripts() {
     check "shell scripts (shellcheck)" shellcheck -x tests/fuzz/run tests/package/run tests/package/lifecycle tests/package/read_frames \
-        tests/package/guest tests/package/emulated tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} \
-        tools/benchmarks tools/demo tools/gpu-check tools/package tools/release tools/test \
-        tools/cluster/{over-ssh,slurm-array} tools/setup/{arm64-sysroot,debian-13,highway,in-bare-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
+        tests/package/guest tests/package/emulated tests/package/wheels tests/setup/{cuda-without-driver,like-jetpack,simulated-jetpack} \
+        tools/benchmarks tools/demo tools/gpu-check tools/package tools/release tools/test tools/wheel \
+        tools/cluster/{over-ssh,slurm-array} tools/setup/{arm64-sysroot,debian-13,highway,in-bare-root,wheel-root} tools/setup/*.sh .ci/run .ci/weekly debian/tests/read-frames \
         debian/*.postinst debian/*.prerm debian/*.postrm
 }
 

@@ -6,12 +6,9 @@ import os
 import typing
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _matcher
-from .images import Image, ImageLike, as_image, as_pair, size_text, whole_number
-
-Matrix = npt.NDArray[np.float64]
+from .images import Image, ImageLike, Matrix, as_image, as_pair, size_text, whole_number
 
 
 class Calibration:

@@ -6,11 +6,16 @@ import operator
 import typing
 
 import numpy as np
-import numpy.typing as npt
 
-# What users may give: anything that numpy makes an array of.
-ImageLike = npt.ArrayLike
-Image = npt.NDArray[np.uint8]
+# ImageLike is what users may give: anything that numpy makes an array of.
+if typing.TYPE_CHECKING:
+    import numpy.typing as npt
+
+    ImageLike = npt.ArrayLike
+    Image = npt.NDArray[np.uint8]
+    Matrix = npt.NDArray[np.float64]
+else:  # the numpy of Debian 11 has no types
+    ImageLike = Image = Matrix = np.ndarray
 
 _LARGEST_SIDE = 8192
 

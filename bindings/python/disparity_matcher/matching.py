@@ -12,11 +12,13 @@ import typing
 import weakref
 
 import numpy as np
-import numpy.typing as npt
 
 from . import _matcher
 from .calibration import Rectifier, grey_pair
 from .images import Image, ImageLike, as_pair, whole_number
+
+if typing.TYPE_CHECKING:
+    import numpy.typing as npt
 
 _FIELDS = {name: (is_switch, allowed) for name, is_switch, allowed, _ in _matcher.fields()}
 _OPTIONS_TEXT = "\n".join(f"        {name} ({allowed}): {text}" for name, _, allowed, text in _matcher.fields())

@@ -6,10 +6,12 @@ import typing
 import warnings
 
 import numpy as np
-import numpy.typing as npt
 
 from .images import ImageLike, whole_number
 from .matching import Matcher
+
+if typing.TYPE_CHECKING:
+    import numpy.typing as npt
 
 # OpenCV's limits of 16 bits.
 _MOST = 32767

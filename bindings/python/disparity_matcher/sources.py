@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import logging
 import os
 import types
 import typing
 
 import numpy as np
-import numpy.typing as npt
 
 from .calibration import Calibration, _from_text
 from .images import Image
 
 if typing.TYPE_CHECKING:
+    import numpy.typing as npt
+
     from . import _sources
 
 _log = logging.getLogger("disparity")
@@ -175,8 +177,12 @@ def open(source: str | os.PathLike[str], *, calibration: str | os.PathLike[str] 
     be read are left out and counted as dropped, else they end the source with an error.
 
     What people should know, such as how 16 bits become 8, goes to the log "disparity". ValueError with one line where
-    the name, a file or its calibration is not allowed, RuntimeError where the system refuses.
+    the name, a file or its calibration is not allowed, RuntimeError where the system refuses, and in a wheel, which
+    has neither decoders nor cameras.
     """
+    if importlib.util.find_spec("._sources", __package__) is None:
+        raise RuntimeError(f"source {os.fspath(source)}: a wheel of disparity_matcher reads no sources: give match() arrays of OpenCV, PyAV "
+                           "or imageio, or install Debian's package python3-disparity-matcher")
     from . import _sources  # here, as decoders take long to load
 
     native = _sources.Source(os.fsencode(source), os.fsencode(calibration), not real_time, loop, skip_damaged)
