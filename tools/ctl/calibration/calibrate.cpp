@@ -13,17 +13,14 @@
 #include "base/words.h"
 #include "calibration/board/board.h"
 #include "calibration/board/coverage.h"
-#include "calibration/board/other_board.h"
 #include "calibration/board/verdict.h"
 #include "calibration/formats/calibration_formats.h"
-#include "capture/images/image_sequence.h"
-#include "kernels/raw_image.h"
-#include "kernels/reference/steps.h"
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/calibration/board_arguments.h"
 #include "tools/ctl/calibration/calibration_report.h"
+#include "tools/ctl/calibration/view_collector.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/output_file.h"
@@ -33,35 +30,7 @@
 namespace disparityd::tools {
 namespace {
 
-/// Owns the luma of both eyes of a raw frame, not rectified.
-class LumaPair {
-public:
-    explicit LumaPair(const RawImage& raw);
-
-    Plane<const std::uint8_t> left() const { return {left_.data(), width_, height_, width_}; }
-    Plane<const std::uint8_t> right() const { return {right_.data(), width_, height_, width_}; }
-
-private:
-    int width_;
-    int height_;
-    std::vector<std::uint8_t> left_;
-    std::vector<std::uint8_t> right_;
-};
-
-LumaPair::LumaPair(const RawImage& raw)
-    : width_(raw.eye_width),
-      height_(raw.height),
-      left_(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)),
-      right_(left_.size()) {
-    const Rectifier as_it_is;
-    reference::rectify(raw, Eye::left, as_it_is, {left_.data(), width_, height_, width_}, {0, height_});
-    reference::rectify(raw, Eye::right, as_it_is, {right_.data(), width_, height_, width_}, {0, height_});
-}
-
 constexpr int default_views = 20;
-
-// The board must move by this part of the image's width to be another view.
-constexpr double least_way = 0.02;
 
 struct CalibrateArguments {
     std::string source;
@@ -89,115 +58,7 @@ calibration::BoardLens lens_of(const CalibrateArguments& arguments) {
                                 "', allowed: brown, rational or fisheye");
 }
 
-/// Names a frame: by its files where the source consists of images, else by its number.
-class FileNames {
-public:
-    explicit FileNames(const std::string& source) {
-        if (capture::is_image_sequence(source)) {
-            images_ = capture::find_images(capture::parse_image_uri(source).path).frames;
-        }
-    }
-
-    std::string of(const capture::RawFrame& frame) const {
-        if (frame.sequence >= images_.size()) {
-            return "frame " + std::to_string(frame.sequence);
-        }
-        const auto& files = images_[frame.sequence];
-        const std::string left = file_name(files.left);
-        const std::string right = file_name(files.right);
-        return right.empty() || right == left ? left : left + ", " + right;
-    }
-
-private:
-    static std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
-
-    std::vector<capture::ImageSequence::Frame> images_;
-};
-
-/// Collects views of a source and guides the person who holds the board.
-class Collector {
-public:
-    Collector(const CalibrateArguments& arguments, const capture::SourceInfo& info)
-        : arguments_(arguments),
-          board_(board_of(arguments.board)),
-          info_(info),
-          files_(arguments.source),
-          other_board_(board_) {}
-
-    bool enough() const { return views_.size() >= static_cast<std::size_t>(wanted()); }
-
-    void look_at(const capture::RawFrame& frame) {
-        if (frame_number_++ % static_cast<std::uint64_t>(arguments_.every.value_or(1)) != 0) {
-            return;
-        }
-        const LumaPair eyes(frame.image);
-        const auto view = calibration::find_board(eyes.left(), eyes.right(), board_);
-        look_for_other_board(eyes);
-        if (!view) {
-            const std::string other = other_board();
-            say(frame, !other.empty()   ? other
-                       : board_.markers ? "both eyes see too little of the board"
-                                        : "the board is not seen whole by both eyes");
-            return;
-        }
-        if (!views_.empty() && calibration::moved(views_.back(), *view) < least_way * info_.eye_width) {
-            say(frame, "the board has not moved");
-            return;
-        }
-        views_.push_back(*view);
-        pictures_.push_back(shrink(eyes.left(), eyes.right()));
-        pictures_.back().frame = files_.of(frame);
-        const auto missing = missing_views();
-        const calibration::Coverage seen = calibration::coverage_of(views_, info_.eye_width, info_.height);
-        say(frame, "view " + std::to_string(views_.size()) + " of " + std::to_string(wanted()) + ", covered left " +
-                       fixed(100 * seen.left.ratio, 0) + " %, right " + fixed(100 * seen.right.ratio, 0) + " %" +
-                       (missing.empty() ? "" : "; " + missing.front()));
-    }
-
-    /// Returns one line on another board that the frames have shown; empty: none is known.
-    std::string other_board() const { return other_board_.finding(); }
-
-    std::vector<std::string> missing_views() const {
-        return calibration::missing_views(views_, board_, info_.eye_width, info_.height);
-    }
-    const std::vector<calibration::BoardView>& views() const { return views_; }
-    const std::vector<ViewPicture>& pictures() const { return pictures_; }
-    const calibration::Board& board() const { return board_; }
-
-private:
-    int wanted() const { return arguments_.views.value_or(default_views); }
-
-    /// A board with more corners than told may be found in part, so that the first frames are looked at in any case.
-    void look_for_other_board(const LumaPair& eyes) {
-        constexpr int looks = 3;
-        constexpr int looks_without_view = 6;
-        if (looks_ < (views_.empty() ? looks_without_view : looks)) {
-            other_board_.look_at(eyes.left());
-            ++looks_;
-        }
-    }
-
-    /// Prints a line of guidance, unless it is the same as the line before.
-    void say(const capture::RawFrame& frame, const std::string& text) {
-        if (text != said_) {
-            std::cerr << files_.of(frame) << ": " << text << '\n';
-            said_ = text;
-        }
-    }
-
-    const CalibrateArguments& arguments_;
-    const calibration::Board board_;
-    const capture::SourceInfo& info_;
-    const FileNames files_;
-    calibration::OtherBoard other_board_;
-    int looks_ = 0;  ///< for another board
-    std::uint64_t frame_number_ = 0;
-    std::string said_;
-    std::vector<calibration::BoardView> views_;
-    std::vector<ViewPicture> pictures_;
-};
-
-void collect(capture::FrameSource& source, Collector& collector) {
+void collect(capture::FrameSource& source, ViewCollector& collector) {
     catch_interrupts();
     while (!collector.enough()) {
         const auto frame = next_frame(source);
@@ -225,7 +86,7 @@ Json view_json(const std::string& frame, const calibration::BoardCalibration::Vi
 }
 
 void report_json(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-                 const Collector& collector, const std::vector<std::string>& missing,
+                 const ViewCollector& collector, const std::vector<std::string>& missing,
                  const calibration::Coverage& coverage) {
     Json views = Json::array();
     for (std::size_t i = 0; i < checked.used.size(); ++i) {
@@ -250,7 +111,7 @@ void report_json(const CalibrateArguments& arguments, const calibration::Checked
 }
 
 void report_text(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-                 const Collector& collector, const std::vector<std::string>& missing,
+                 const ViewCollector& collector, const std::vector<std::string>& missing,
                  const calibration::Coverage& coverage) {
     Table table({"view", "frame", "left px", "right px", "rows px", ""});
     const auto add = [&](std::size_t view, const calibration::BoardCalibration::View& errors, const char* note) {
@@ -288,7 +149,7 @@ void report_text(const CalibrateArguments& arguments, const calibration::Checked
 }
 
 void report(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-            const Collector& collector) {
+            const ViewCollector& collector) {
     const calibration::StereoCalibration& cameras = checked.found.calibration;
     const std::vector<std::string> missing =
         calibration::missing_views(checked.views, collector.board(), cameras.width, cameras.height);
@@ -366,7 +227,8 @@ int run_calibration(const CalibrateArguments& arguments) {
     for (const OtherMode& mode : modes) {
         scaled(only_size, mode.width, mode.height);  // refused before the board is shown
     }
-    Collector collector(arguments, info);
+    ViewCollector collector(arguments.source, board_of(arguments.board), info, arguments.views.value_or(default_views),
+                            arguments.every.value_or(1));
     collect(*source, collector);
     constexpr std::size_t least_views = 3;
     if (interrupted() && collector.views().size() < least_views) {
