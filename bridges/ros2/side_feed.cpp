@@ -33,7 +33,7 @@ disparity::ClientOptions patient(disparity::ClientOptions options) {
 
 SideFeed::SideFeed(std::string where, disparity::ClientOptions options, Takers takers)
     : where_(std::move(where)), options_(patient(std::move(options))), takers_(std::move(takers)) {
-    disparity::Client(where_, subscription_to(false), options_);  // refuses what is no daemon's name
+    const disparity::Client refuses_other_names(where_, subscription_to(false), options_);
     thread_ = base::start_thread([this] { run(); });
 }
 

@@ -90,8 +90,9 @@ Point place_of(const Frame& frame, const Depths& depths, std::size_t pixel) {
         constexpr float nowhere = std::numeric_limits<float>::quiet_NaN();
         return {nowhere, nowhere, nowhere, 0};
     }
+    const std::size_t whole_rows = pixel / depths.width;
     const auto column = static_cast<double>(pixel % depths.width);
-    const auto row = static_cast<double>(pixel / depths.width);
+    const auto row = static_cast<double>(whole_rows);
     return {static_cast<float>((column + frame.region_x - frame.cx) * z / frame.f),
             static_cast<float>((row + frame.region_y - frame.cy) * z / frame.f), z, 0};
 }

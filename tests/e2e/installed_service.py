@@ -48,7 +48,10 @@ class InstalledService(unittest.TestCase):
                               instances[0].read_text(encoding="utf-8"))
                 self.assertEqual(len(list(root.rglob("disparityd.slice"))), 1)
                 self.assertIn("\nSlice=disparityd.slice\n", instances[0].read_text(encoding="utf-8"))
-                for bridge in ("mavlink", "web"):
+                bridges = ["mavlink", "web"]
+                if list(root.rglob("disparity-ros2.service")):  # built where Cyclone DDS is
+                    bridges.append("ros2")
+                for bridge in bridges:
                     units = list(root.rglob(f"disparity-{bridge}.service"))
                     self.assertEqual(len(units), 1)
                     unit = units[0].read_text(encoding="utf-8")

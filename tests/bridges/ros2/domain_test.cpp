@@ -85,8 +85,9 @@ TEST(Ros2Domain, WhatRosDoesNotKnowIsRefused) {
 TEST(Ros2Domain, SmallBuffersAreToldWithTheCommand) {
     EXPECT_EQ(small_buffers_text(0, 0), "") << "unknown";
     EXPECT_EQ(small_buffers_text(4 << 20, 4 << 20), "");
-    EXPECT_THAT(small_buffers_text(212992, 212992),
-                HasSubstr("sysctl -w net.core.rmem_max=4194304 net.core.wmem_max=4194304"));
+    EXPECT_THAT(
+        small_buffers_text(212992, 212992),
+        HasSubstr("sysctl -w net.core.rmem_max=4194304 net.core.rmem_default=4194304 net.core.wmem_max=4194304"));
     EXPECT_THAT(small_buffers_text(212992, 4 << 20), Not(HasSubstr("wmem_max")));
 }
 

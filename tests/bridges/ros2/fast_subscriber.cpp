@@ -57,14 +57,16 @@ rtps::Locator_t loopback(std::uint32_t port) {
     return locator;
 }
 
-dds::DomainParticipantQos participant_qos(std::uint32_t domain) {
+dds::DomainParticipantQos participant_qos(std::uint32_t domain, bool own_buffers) {
     dds::DomainParticipantQos qos;
     auto transport = std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>();
     transport->interfaceWhiteList.emplace_back("127.0.0.1");
-    transport->receiveBufferSize = 4 << 20;
+    if (own_buffers) {
+        transport->receiveBufferSize = 4 << 20;
+        qos.transport().listen_socket_buffer_size = 4 << 20;
+    }
     qos.transport().use_builtin_transports = false;
     qos.transport().user_transports.push_back(transport);
-    qos.transport().listen_socket_buffer_size = 4 << 20;
     // Where participants 0 to 9 of the domain listen: there need not be multicast.
     for (std::uint32_t index = 0; index < 10; ++index) {
         qos.wire_protocol().builtin.initialPeersList.push_back(loopback(7400 + 250 * domain + 10 + 2 * index));
@@ -110,9 +112,9 @@ public:
         }
     };
 
-    explicit Impl(std::uint32_t domain) {
+    Impl(std::uint32_t domain, bool own_buffers) {
         participant_ = dds::DomainParticipantFactory::get_instance()->create_participant(
-            domain, participant_qos(domain), this, dds::StatusMask::none());
+            domain, participant_qos(domain, own_buffers), this, dds::StatusMask::none());
         if (participant_ == nullptr) {
             throw std::runtime_error("Fast DDS makes no participant");
         }
@@ -184,7 +186,8 @@ public:
     std::vector<std::string> participants_;
 };
 
-FastSubscriber::FastSubscriber(std::uint32_t domain) : impl_(std::make_unique<Impl>(domain)) {}
+FastSubscriber::FastSubscriber(std::uint32_t domain, bool own_buffers)
+    : impl_(std::make_unique<Impl>(domain, own_buffers)) {}
 
 FastSubscriber::~FastSubscriber() = default;
 

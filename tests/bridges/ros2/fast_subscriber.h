@@ -31,7 +31,8 @@ struct FastQuality {
 /// A participant on the loopback interface alone. Messages are kept until they are taken.
 class FastSubscriber {
 public:
-    explicit FastSubscriber(std::uint32_t domain);
+    /// `own_buffers`: it asks the system to keep 4 MiB of datagrams, as who wants images should.
+    explicit FastSubscriber(std::uint32_t domain, bool own_buffers = true);
     ~FastSubscriber();
     FastSubscriber(const FastSubscriber&) = delete;
     FastSubscriber& operator=(const FastSubscriber&) = delete;
