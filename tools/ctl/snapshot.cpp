@@ -140,7 +140,7 @@ std::map<Product, std::string> files_of(const SnapshotArguments& arguments) {
     return files;
 }
 
-disparity::Frame next_frame(const SnapshotArguments& arguments, const std::map<Product, std::string>& files) {
+disparity::Frame next_of_daemon(const SnapshotArguments& arguments, const std::map<Product, std::string>& files) {
     std::vector<Product> products{Product::disparity, Product::left};
     for (const auto& [product, path] : files) {
         if (std::find(products.begin(), products.end(), product) == products.end()) {
@@ -225,7 +225,7 @@ void write_overview(const SnapshotArguments& arguments, const disparity::Frame& 
 int snapshot(const SnapshotArguments& arguments) {
     const std::map<Product, std::string> files = files_of(arguments);
     check_names(arguments.picture, files);
-    const disparity::Frame frame = next_frame(arguments, files);
+    const disparity::Frame frame = next_of_daemon(arguments, files);
     if (!arguments.picture.empty()) {
         write_overview(arguments, frame);
         std::cout << arguments.picture << '\n';

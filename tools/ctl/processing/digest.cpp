@@ -91,9 +91,11 @@ std::string sha256(const calibration::Rectification& maps) {
 }
 
 std::string sha256(const cv::Mat& picture) {
-    cv::Mat pixels = picture;
+    cv::Mat pixels;  // of its own: a picture that is handed over as the place for the result is changed
     if (picture.type() == CV_8UC3) {
         cv::cvtColor(picture, pixels, cv::COLOR_BGR2RGB);
+    } else {
+        pixels = picture;
     }
     Sha256 digest = begin(pixels.cols, pixels.rows, pixels.channels(), pixels.elemSize1() * 8);
     for (int y = 0; y < pixels.rows; ++y) {

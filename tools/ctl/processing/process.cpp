@@ -189,6 +189,15 @@ void add_process(CLI::App& program, Action& action) {
                   "do not apply the corrections that a recording holds")
         ->excludes(&self_calibrate);
     command.add_flag("--pfm", arguments->pfm, "also write PFM (instead of PNG for ranges that a PNG cannot hold)");
+    command.add_flag("--depth", arguments->more.depth, "also write depth in mm, as a 16-bit PNG");
+    command.add_flag("--depth-error", arguments->more.depth_error,
+                     "also write one sigma of the depth in mm, as a 16-bit PNG");
+    command.add_flag("--confidence", arguments->more.confidence, "also write the confidence, as an 8-bit PNG");
+    command.add_flag("--rectified", arguments->more.rectified,
+                     "also write the rectified pair, and calib.txt with its K and baseline as Middlebury has it");
+    command.add_option("--points", arguments->more.points, "also write points in metres with colours: ply or pcd")
+        ->type_name("FORMAT")
+        ->check(CLI::IsMember({"ply", "pcd"}));
     CLI::Option* const colour =
         command.add_flag("--colour", arguments->colour, "also write pictures: left image, coloured disparity, scale");
     add_colour_range(command, arguments->colours)->needs(colour);

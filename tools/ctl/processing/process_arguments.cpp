@@ -150,7 +150,7 @@ std::vector<capture::RunOfOneGeometry> parts_of(const ProcessArguments& argument
 }
 
 OutputFormats formats_of(const ProcessArguments& arguments, DisparityRange range) {
-    OutputFormats formats{true, arguments.pfm, arguments.colour, colour_range(arguments.colours)};
+    OutputFormats formats{true, arguments.pfm, arguments.colour, colour_range(arguments.colours), arguments.more};
     if (!images::fits_png(range)) {
         formats.png = false;
         formats.pfm = true;
@@ -204,6 +204,11 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
             {"min_distance_m", limits.min_m},
             {"max_distance_m", limits.max_m},
             {"pfm", arguments.pfm},
+            {"depth", arguments.more.depth},
+            {"depth_error", arguments.more.depth_error ? Json(subpixel_error_px(arguments)) : Json()},
+            {"confidence", arguments.more.confidence},
+            {"rectified", arguments.more.rectified},
+            {"points", arguments.more.points},
             {"colour", arguments.colour ? Json(arguments.colours) : Json()},
             {"scan", scan ? to_json(*scan) : Json()},
             {"scan_file", scan_file}};
@@ -211,14 +216,22 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
 
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification) {
     const pipeline::DistanceLimits limits = arguments.distances.limits();
-    if ((arguments.scan.empty() && !limits.any()) || (rectification.f > 0 && rectification.baseline_mm > 0)) {
+    if ((arguments.scan.empty() && !limits.any() && !arguments.more.metric()) ||
+        (rectification.f > 0 && rectification.baseline_mm > 0)) {
         return;
     }
-    const std::string option = !arguments.scan.empty() ? "--scan"
-                               : limits.min_m > 0      ? DistanceLimitArguments::min_option
-                                                       : DistanceLimitArguments::max_option;
+    const std::string option = !arguments.scan.empty()          ? "--scan"
+                               : arguments.more.depth           ? "--depth"
+                               : arguments.more.depth_error     ? "--depth-error"
+                               : !arguments.more.points.empty() ? "--points"
+                               : limits.min_m > 0               ? DistanceLimitArguments::min_option
+                                                                : DistanceLimitArguments::max_option;
     throw std::invalid_argument(option + ": " + arguments.source +
                                 " has no calibration, so no distance is known; give one with --calibration");
+}
+
+double subpixel_error_px(const ProcessArguments& arguments) {
+    return arguments.scan_options.options(true).subpixel_error_px;
 }
 
 ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification) {

@@ -14,6 +14,7 @@
 #include "tools/command_line/scan_arguments.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/distance_limit_arguments.h"
+#include "tools/ctl/processing/more_outputs.h"
 #include "tools/ctl/processing/process_output.h"
 
 namespace disparityd::tools {
@@ -46,6 +47,7 @@ struct ProcessArguments {
     bool temporal = false;
     bool self_calibrate = false;
     bool no_self_calibration = false;
+    MoreOutputs more;
     bool pfm = false;
     bool colour = false;
     bool force = false;
@@ -89,6 +91,9 @@ Json parameters_of(const ProcessArguments& arguments, const MatchOptions& match,
 
 /// Refuses frames without a calibration where every sector would be unknown, or no limit of distance had an effect.
 void check_metres(const ProcessArguments& arguments, const calibration::Rectification& rectification);
+
+/// Returns one sigma of a disparity in px, from which the depth error follows.
+double subpixel_error_px(const ProcessArguments& arguments);
 
 ImageMask mask_of(const ProcessArguments& arguments, const calibration::Rectification& rectification);
 

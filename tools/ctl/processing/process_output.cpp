@@ -76,20 +76,28 @@ std::set<std::string> names_of_earlier_run(const fs::path& folder) {
     return names;
 }
 
+/// Whether it is calib.txt or, of the part from frame 12 on, calib-12.txt.
+bool is_calibration(std::string_view name) {
+    constexpr std::string_view begin = "calib", end = ".txt";
+    if (!name.starts_with(begin) || !name.ends_with(end)) {
+        return false;
+    }
+    name = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    return name.empty() ||
+           (name.size() > 1 && name[0] == '-' && name.find_first_not_of("0123456789", 1) == std::string_view::npos);
+}
+
 /// Whether the earlier run made such a file: one of `names` with an ending, or a list.
 bool is_ours(const std::string& name, const std::set<std::string>& names) {
     if (name == corrections_name) {
         return true;
     }
-    for (const std::string_view ending : {"_colour.png", ".png", ".pfm"}) {
-        if (!std::string_view(name).ends_with(ending)) {
-            continue;
-        }
-        if (names.contains(name.substr(0, name.size() - ending.size()))) {
-            return true;
-        }
-    }
-    return false;
+    const auto ends = [&](std::string_view ending) {
+        return std::string_view(name).ends_with(ending) && names.contains(name.substr(0, name.size() - ending.size()));
+    };
+    return std::any_of(std::begin(output_suffixes), std::end(output_suffixes),
+                       [&](std::string_view suffix) { return ends(std::string(suffix) + ".png"); }) ||
+           ends(".png") || ends(".pfm") || ends(".ply") || ends(".pcd") || is_calibration(name);
 }
 
 /// Whether it is what a killed process was writing: ".NAME.part" or ".NAME.PROCESS".
@@ -99,7 +107,8 @@ bool is_left_over(const std::string& name) {
         return false;
     }
     const auto is_written = [](std::string_view file) {
-        return file.ends_with(".png") || file.ends_with(".pfm") || file == geometry_name;
+        return file.ends_with(".png") || file.ends_with(".pfm") || file.ends_with(".ply") || file.ends_with(".pcd") ||
+               file == geometry_name || is_calibration(file);
     };
     const std::size_t dot = text.rfind('.');
     const bool number = std::all_of(text.begin() + static_cast<std::ptrdiff_t>(dot) + 1, text.end(),
@@ -209,6 +218,7 @@ Json files_of(const OutputFormats& formats) {
     if (formats.colour) {
         files.push_back({{"name", "OUTPUT_colour.png"}, {"content", "left image, coloured disparity, scale"}});
     }
+    describe_more(formats.more, files);
     files.push_back(
         {{"name", times_name},
          {"content",
@@ -227,11 +237,17 @@ std::string FrameNames::next(std::string_view input) {
     }
     const std::string stem = file_name(input, true);
     std::string name = stem;
-    for (int i = 2; taken_.contains(name) || taken_.contains(name + "_colour"); ++i) {
+    const auto is_taken = [this, &name] {
+        return taken_.contains(name) ||
+               std::any_of(std::begin(output_suffixes), std::end(output_suffixes), [&](std::string_view suffix) {
+                   return taken_.contains(name + std::string(suffix)) ||
+                          (name.ends_with(suffix) && taken_.contains(name.substr(0, name.size() - suffix.size())));
+               });
+    };
+    for (int i = 2; is_taken(); ++i) {
         name = stem + '-' + std::to_string(i);
     }
     taken_.insert(name);
-    taken_.insert(name + "_colour");
     return name;
 }
 
@@ -344,6 +360,14 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
     }
     geometry["files"] = files_of(formats_);
     files_[geometry_name] = sha256_of_geometry(geometry);
+    if (formats_.more.rectified && rectification.f > 0) {
+        const std::string name =
+            parts_.size() == 1 ? "calib.txt" : std::string("calib-").append(std::to_string(frames_)).append(".txt");
+        const std::string calibration = middlebury_calibration(rectification, options_.range);
+        images::write_file(folder_ + '/' + name,
+                           {reinterpret_cast<const std::uint8_t*>(calibration.data()), calibration.size()});
+        files_[name] = sha256(calibration);
+    }
     const std::string text = to_text(geometry, 2) + '\n';
     images::write_file(folder_ + '/' + geometry_name,
                        {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
@@ -375,6 +399,7 @@ Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::str
         images::write_png(path + "_colour.png", picture);
         digests[name + "_colour.png"] = sha256(picture);
     }
+    write_more(formats_.more, slot, options_.range, path, name, digests);
     return digests;
 }
 

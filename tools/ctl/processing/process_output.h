@@ -16,6 +16,7 @@
 #include "tools/ctl/describe.h"
 #include "tools/ctl/growing_file.h"
 #include "tools/ctl/processing/manifest.h"
+#include "tools/ctl/processing/more_outputs.h"
 #include "tools/images/picture.h"
 #include "trust/judge.h"
 
@@ -29,7 +30,8 @@ std::string file_name(std::string_view input, bool without_ending);
 class FrameNames {
 public:
     /// Returns the name for the next frame. `input` is the name of its file, without a folder; empty = it has none. A
-    /// name whose files (NAME.png, NAME_colour.png) would be those of an earlier frame gets "-2", "-3" ... at its end.
+    /// name whose files (NAME.png, NAME_colour.png ...) would be those of an earlier frame gets "-2", "-3" ... at its
+    /// end.
     std::string next(std::string_view input);
 
 private:
@@ -46,6 +48,7 @@ struct OutputFormats {
     bool pfm = false;
     bool colour = false;
     images::ColourRange colours = images::ColourRange::searched;
+    MoreOutputs more = {};
 };
 
 /// What a run may replace in the folder that it fills.

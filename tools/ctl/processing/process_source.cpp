@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <future>
 #include <memory>
@@ -330,7 +331,14 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     if (run.endless) {
         print_note(arguments.source + " has no end: Ctrl-C stops, or use --frames");
     }
-    run.config.left_colour = arguments.colour && info.format != PixelFormat::grey8;
+    const bool colours = info.format != PixelFormat::grey8;
+    const MoreOutputs& more = arguments.more;
+    run.config.left_colour = colours && (arguments.colour || more.rectified || !more.points.empty());
+    run.config.right_colour = colours && more.rectified;
+    run.config.depth = more.depth;
+    if (more.depth_error) {
+        run.config.depth_error = static_cast<int>(std::lround(subpixel_error_px(arguments) * 256));
+    }
     const Schedule schedule = schedule_of(arguments, info, run.options.range);
     const calibration::Rectification& rectification = schedule.frames->factory();
     check_metres(arguments, rectification);
@@ -421,7 +429,6 @@ ProcessDone process_source(const ProcessArguments& arguments, pipeline::WorkerPo
     const MatchOptions options = match_options(arguments);
     pipeline::PipelineConfig config;
     config.policy = pipeline::Policy::replay;
-    config.depth = false;
     const auto scan = scan_of(arguments, options);
     const auto parts = parts_of(arguments);
     if (parts.size() > 1) {
