@@ -49,6 +49,9 @@ SideFeed::~SideFeed() {
 void SideFeed::want_samples(bool wanted) {
     {
         const std::lock_guard lock(mutex_);
+        if (samples_ == wanted) {
+            return;
+        }
         samples_ = wanted;
     }
     changed_.notify_all();

@@ -11,6 +11,7 @@
 #include "tests/bridges/ros2/fast_subscriber.h"
 #include "tests/bridges/ros2/loopback.h"
 #include "tests/daemon/daemon_fixture.h"
+#include "tests/proto/fake_daemon.h"
 
 namespace disparityd::test {
 namespace {
@@ -57,11 +58,12 @@ protected:
     /// Each process of the tests has domains of its own.
     static std::uint32_t domain() { return 101 + static_cast<std::uint32_t>(getpid()) % 60; }
 
-    std::unique_ptr<DaemonProcess> start_bridge(const std::vector<std::string>& more = {},
-                                                std::uint32_t id = domain()) {
+    std::unique_ptr<DaemonProcess> start_bridge(const std::vector<std::string>& more = {}, std::uint32_t id = domain(),
+                                                const std::string& socket = "") {
         std::signal(SIGINT, SIG_DFL);  // a shell's background job inherits that it is ignored
-        std::vector<std::string> arguments{"--name", shared_memory_name(), "--points-most",
-                                           "100000", "--points-rate",      "1000"};
+        std::vector<std::string> arguments{"--points-most", "100000", "--points-rate", "1000"};
+        arguments.push_back(socket.empty() ? "--name" : "--socket");
+        arguments.push_back(socket.empty() ? shared_memory_name() : socket);
         arguments.insert(arguments.end(), more.begin(), more.end());
         return std::make_unique<DaemonProcess>(
             folder_, arguments,
@@ -294,6 +296,43 @@ TEST_F(Ros2Test, ASubscriberThatStopsHoldsNobody) {
     EXPECT_TRUE(gets(subscriber, depth_.topic, 60)) << bridge->log();
     EXPECT_THAT(bridge->log(), testing::Not(HasSubstr("in time"))) << "no write waited";
     sleeper->send_signal(SIGKILL);
+}
+
+/// A daemon that the test plays has a camera with sensors, and sends a sample to who asks for it.
+TEST_F(Ros2Test, SamplesOfTheSensorsComeAsImu) {
+    v1::Envelope status;
+    status.mutable_status()->set_state("running");
+    status.mutable_status()->mutable_geometry()->set_width(160);
+    status.mutable_status()->mutable_sensors()->set_state("streaming");
+    v1::Envelope samples;
+    v1::SensorSample& sample = *samples.mutable_sensors()->add_samples();
+    sample.set_realtime_ns(1'700'000'000'000'000'007);
+    sample.mutable_inertial()->mutable_acceleration()->set_z(9.75F);
+    FakeDaemon daemon([&](ServerEnd& client) {
+        client.greet();
+        v1::Envelope asked;
+        while (client.receive(asked)) {
+            if (asked.has_status_request()) {
+                client.send(status);
+            } else if (asked.has_subscribe() && asked.subscribe().sensors()) {
+                client.send(samples);
+            }
+        }
+    });
+    const auto bridge = start_bridge({}, domain(), daemon.unix_address());
+    FastSubscriber subscriber(domain());
+    subscriber.subscribe("rt/stereo/imu/data_raw", "sensor_msgs::msg::dds_::Imu_");
+    std::vector<FastMessage> messages;
+    ASSERT_TRUE(subscriber.wait([&] {
+        messages = subscriber.take("rt/stereo/imu/data_raw");
+        return !messages.empty();
+    })) << bridge->log();
+    disparity::SensorSample wanted;
+    wanted.realtime_ns = 1'700'000'000'000'000'007;
+    wanted.inertial = disparity::Inertial{{}, {0, 0, 9.75F}, 0};
+    EXPECT_EQ(messages.front().bytes, ros::encode(Content::imu, wanted, {.imu = "stereo_imu_link"}).value());
+    bridge->send_signal(SIGTERM);
+    EXPECT_EQ(bridge->wait_for_exit(), 0) << bridge->log();
 }
 
 TEST_F(Ros2Test, WhatIsMissingIsSaid) {
