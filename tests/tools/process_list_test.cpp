@@ -116,6 +116,19 @@ TEST_F(ProcessListTest, RangesOfFramesTogetherAreTheSingleRun) {
     refused({"6", "--no-trust", "--no-adaptive-noise"}, "--first: found 6, allowed: 0 .. 5");
 }
 
+TEST_F(ProcessListTest, ATerminalShowsHowLongTheRestTakes) {
+    const std::string terminal = "/usr/bin/script", in = "'scene:vga?frames=40&seed=";
+    if (!std::filesystem::exists(terminal)) {
+        GTEST_SKIP() << terminal << " is not installed";
+    }
+    const Outcome outcome =
+        run(terminal, {"-qec", DISPARITYCTL " process " + in + "1' " + in + "2' -o " + path("out"), "/dev/null"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
+    EXPECT_THAT(outcome.out,
+                testing::ContainsRegex("source 2/2, frames \\[[#.]+\\] [0-9]+/40  [0-9.]+ frames/s, [0-9.]+ "
+                                       "(s|min) left"));
+}
+
 TEST_F(ProcessListTest, AListHasASourceALine) {
     make_sources();
     write_text(path("list"), path("a/walk.mkv") + "\n\n" + path("b/walk.mkv"));

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <memory>
@@ -18,6 +20,7 @@
 #include "tools/command_line/interrupt.h"
 #include "tools/command_line/number_argument.h"
 #include "tools/command_line/program.h"
+#include "tools/command_line/table.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
 #include "tools/ctl/processing/plan.h"
@@ -78,17 +81,56 @@ int process_one(const ProcessArguments& arguments, const Task& task, pipeline::W
     return report_process(attempt(arguments, workers, {}), arguments.json);
 }
 
+/// Returns "40 s", "12 min" or "3.5 h".
+std::string rounded_time(double seconds) {
+    constexpr double minute = 60, hour = 3600;
+    if (seconds < 1.5 * minute) {
+        return fixed(seconds, 0) + " s";
+    }
+    return seconds < 1.5 * hour ? fixed(seconds / minute, 0) + " min" : fixed(seconds / hour, 1) + " h";
+}
+
+/// Tells how long the rest of a list takes, if its sources take as long as those before.
+class TimeLeft {
+public:
+    explicit TimeLeft(const std::vector<Task>& tasks)
+        : left_(static_cast<double>(
+              std::count_if(tasks.begin(), tasks.end(), [](const Task& task) { return !task.before; }))) {}
+
+    /// Returns ", 12 min left" where that share of the source at hand is done; empty while nothing is known.
+    std::string text(double share) const {
+        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
+        const double done = done_ + share;
+        return done > 0 ? ", " + rounded_time(passed.count() * (left_ - share) / done) + " left" : std::string();
+    }
+
+    void finished_one() {
+        ++done_;
+        --left_;
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    double done_ = 0;
+    double left_;
+};
+
 /// `sources` counts those, too, for which a signal left no task.
 int process_list(const ProcessArguments& arguments, const std::vector<Task>& tasks, std::size_t sources,
                  pipeline::WorkerPool& workers) {
     ListReport report(arguments.folder, sources, arguments.json);
+    TimeLeft left(tasks);
     for (std::size_t i = 0; i < tasks.size() && !interrupted(); ++i) {
         const Shown shown{"source " + std::to_string(i + 1) + '/' + std::to_string(sources) + ", frames",
                           report.failed() == 0 ? std::string()
-                                               : std::string(", ").append(std::to_string(report.failed())) + " failed"};
+                                               : std::string(", ").append(std::to_string(report.failed())) + " failed",
+                          [&left](double share) { return left.text(share); }};
         const Task& task = tasks[i];
         const int status =
             report.add(task.before ? *task.before : attempt(for_source(arguments, task.source, true), workers, shown));
+        if (!task.before) {
+            left.finished_one();
+        }
         if (status == exit_again || (status != exit_done && !arguments.keep_going)) {
             break;
         }

@@ -18,6 +18,7 @@
 
 #include "base/failure_text.h"
 #include "base/file_lock.h"
+#include "base/write_failure.h"
 #include "proto/doubt.h"
 #include "tools/command_line/table.h"
 #include "tools/ctl/csv.h"
@@ -276,6 +277,12 @@ FolderLock::FolderLock(const std::string& folder, Missing missing) {
     }
 }
 
+void FolderLock::sync(const std::string& folder) const {
+    if (descriptor_ >= 0 && ::syncfs(descriptor_) != 0) {
+        base::refuse_to_write(folder, errno);
+    }
+}
+
 FolderLock::~FolderLock() {
     if (descriptor_ >= 0) {
         ::close(descriptor_);
@@ -473,6 +480,7 @@ void ProcessOutput::finish(const Json& losses, const std::string& scan, const Js
     if (!scan_digest.is_null() && lies_in(scan, folder_)) {
         files_[fs::path(scan).filename().string()] = scan_digest;
     }
+    lock_.sync(folder_);  // once: each picture by itself would take as long as matching
     Json all = losses;
     all["lost"] = lost_;
     Json parts = parts_;

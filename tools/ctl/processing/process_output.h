@@ -65,6 +65,10 @@ public:
     /// Throws std::runtime_error when another process fills it, or when it cannot be made.
     FolderLock(const std::string& folder, Missing missing);
     ~FolderLock();
+    /// Waits until the disk has all that was written on its file system, so that what is written afterwards is not
+    /// there without it after a power cut. Throws base::DiskFull or std::runtime_error when the system refuses.
+    void sync(const std::string& folder) const;
+
     FolderLock(const FolderLock&) = delete;
     FolderLock& operator=(const FolderLock&) = delete;
 

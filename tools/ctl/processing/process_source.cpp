@@ -133,7 +133,9 @@ void run_to_end(pipeline::Pipeline& pipeline, const std::optional<std::uint64_t>
     pipeline.start();
     while (!pipeline.wait_until_ended(std::chrono::milliseconds(50)) && !interrupted()) {
         const pipeline::PipelineStatus now = pipeline.status();
-        bar.show(now.published, fixed(now.rate, 1) + " frames/s" + shown.more);
+        const double share = total && *total > 0 ? static_cast<double>(now.published) / static_cast<double>(*total) : 0;
+        bar.show(now.published,
+                 fixed(now.rate, 1) + " frames/s" + shown.more + (shown.left ? shown.left(share) : std::string()));
     }
     pipeline.stop();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ namespace disparityd::tools {
 struct Shown {
     std::string what = "frames";
     std::string more;
+    /// Returns what is told of the time that is left, where that share of this source is done; may be empty.
+    std::function<std::string(double share)> left = {};
 };
 
 /// Returns what the source of each part says of itself, without reading frames. Throws as process_source().
