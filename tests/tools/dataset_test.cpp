@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/datasets/dataset.h"
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
@@ -62,7 +63,11 @@ TEST(Dataset, EightBitTruthWithTheScaleOfTheScenesNameAndAMask) {
 
 TEST(Dataset, ScalesOfTheKnownScenes) {
     const TemporaryFolder folder;
-    for (const char* name : {"tsukuba", "sawtooth", "Teddy", "Aloe", "HalfSize/Art", "something"}) {
+    constexpr std::array names{"tsukuba",        "sawtooth",        "Teddy",           "Aloe",
+                               "HalfSize/Art",   "fuller/Art",      "something",       "halftone/FullSize/Aloe",
+                               "full-size/Aloe", "Cones-1",         "cones-1/cropped", "HalfSize/ThirdSize/Aloe",
+                               "Art/HalfSize",   "map-of-town/mine"};
+    for (const char* name : names) {
         write_pair(folder, std::string(name) + "/left.png", std::string(name) + "/right.png");
         write_image(folder.file(std::string(name) + "/disp_left.pgm"), numbered_image(3, 2, CV_8UC1, 1));
     }
@@ -72,11 +77,19 @@ TEST(Dataset, ScalesOfTheKnownScenes) {
     EXPECT_EQ(scale("Teddy"), 4);
     EXPECT_EQ(scale("Aloe"), 3);
     EXPECT_EQ(scale("HalfSize/Art"), 2);
+    EXPECT_EQ(scale("fuller/Art"), 3);
+    EXPECT_EQ(scale("halftone/FullSize/Aloe"), 1);
+    EXPECT_EQ(scale("HalfSize/ThirdSize/Aloe"), 3);
+    EXPECT_EQ(scale("Art/HalfSize"), 2);
+    EXPECT_EQ(scale("full-size/Aloe"), 0) << "it may be the size";
+    EXPECT_EQ(scale("Cones-1"), 4);
+    EXPECT_EQ(scale("map-of-town/mine"), 0);
+    EXPECT_EQ(scale("cones-1/cropped"), 0);
     EXPECT_EQ(scale("something"), 0);
     const DatasetScene unknown_scene = find_scenes(folder.file("something")).at(0);
     EXPECT_THAT(refusal([&] { read_ground_truth(unknown_scene); }), HasSubstr("give the scale"));
     EXPECT_NO_THROW(read_ground_truth(unknown_scene, 2));
-    EXPECT_EQ(find_scenes(folder.file("")).size(), 6U);
+    EXPECT_EQ(find_scenes(folder.file("")).size(), names.size());
 }
 
 TEST(Dataset, PfmFromTheBottomUpInBothByteOrdersWithBothLineEnds) {

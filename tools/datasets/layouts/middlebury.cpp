@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include <iterator>
 #include <string_view>
+#include <utility>
 
 #include "base/words.h"
 #include "capture/images/image_sequence.h"
@@ -44,28 +45,58 @@ constexpr std::array<Names, 5> generations{
 
 constexpr std::array mask_names{"mask_nonocc.png", "mask0nocc.png", "nonocc.png", "mask_nonocc_derived.png"};
 
-bool is_in(const fs::path& path, std::string_view word) {
-    return std::any_of(path.begin(), path.end(), [word](const fs::path& part) {
-        return base::lower_case(part.string()).find(word) != std::string::npos;
-    });
+/// Whether a folder's name may tell of a size: full-size, 2006FullSize, full_backup, but not fullstack.
+bool may_tell_of(const std::string& name, const std::string& size) {
+    constexpr std::string_view letters = "abcdefghijklmnopqrstuvwxyz";
+    for (auto at = name.find(size); at != std::string::npos; at = name.find(size, at + 1)) {
+        const std::string_view rest = std::string_view(name).substr(at + size.size());
+        const bool starts = at == 0 || letters.find(name[at - 1]) == std::string_view::npos;
+        const bool ends = rest.empty() || letters.find(rest[0]) == std::string_view::npos;
+        if ((starts && ends) || rest.starts_with("size")) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// The scale of a scene of 2005 or 2006, by the folder next to it that tells of a size. A folder that only may tell of
+/// one leaves it unknown, 0: a wrong scale gives figures that look right.
+double scale_of_folders(const fs::path& path) {
+    for (auto part = path.end(); part != path.begin();) {
+        --part;
+        const std::string name = base::lower_case(part->string());
+        if (name == "thirdsize") {
+            return 3;
+        }
+        for (const auto& [size, scale] : {std::pair("full", 1.0), std::pair("half", 2.0)}) {
+            if (name == size + std::string("size")) {
+                return scale;
+            }
+            if (may_tell_of(name, size)) {
+                return 0;
+            }
+        }
+    }
+    return 3;
 }
 
 /// The scale that the scene's size gives where its smallest has `smallest`, which is also how much smaller it is.
 double scale_of_size(const fs::path& path, const std::string& name, std::string_view scene, double smallest) {
-    const std::string_view size = std::string_view(name).substr(scene.size());  // of 2003: "conesH", "conesF"
-    if ((smallest == 3 && is_in(path, "full")) || (smallest == 4 && size == "f")) {
-        return 1;
+    if (smallest == 3) {
+        return scale_of_folders(path);
     }
-    return (smallest == 3 && is_in(path, "half")) || (smallest == 4 && size == "h") ? 2 : smallest;
+    const std::string_view size = std::string_view(name).substr(scene.size());  // of 2003: "conesH", "conesF"
+    return smallest == 4 && size == "f" ? 1 : smallest == 4 && size == "h" ? 2 : smallest;
 }
 
-/// Whether a folder's name, in lower case, is that of a scene: cones, cones-1, and the sizes of 2003, conesQ.
-bool is_name_of(const std::string& name, std::string_view scene, double scale) {
+/// Whether a folder's name, in lower case, is that of a scene: cones, the sizes of 2003, conesQ, and of the scene's
+/// `own` folder cones-1. A folder above it, such as map-of-town, may be called so for another reason.
+bool is_name_of(const std::string& name, std::string_view scene, double scale, bool own) {
     if (!name.starts_with(scene)) {
         return false;
     }
     const std::string_view rest = std::string_view(name).substr(scene.size());
-    return rest.empty() || rest[0] == '-' || (scale == 4 && (rest == "q" || rest == "h" || rest == "f"));
+    return rest.empty() || (own && rest[0] == '-') || (scale == 4 && (rest == "q" || rest == "h" || rest == "f"));
 }
 
 /// The scale of 8-bit ground truth, by what Middlebury's authors say of each set.
@@ -82,12 +113,12 @@ double scale_of(const std::string& folder) {
          {"cloth3", 3},   {"cloth4", 3},     {"flowerpots", 3}, {"lampshade1", 3}, {"lampshade2", 3}, {"midd1", 3},
          {"midd2", 3},    {"monopoly", 3},   {"plastic", 3},    {"rocks1", 3},     {"rocks2", 3},     {"wood1", 3},
          {"wood2", 3},    {"drumsticks", 3}, {"dwarves", 3},    {"computer", 3}}};
-    const fs::path path = fs::absolute(folder).lexically_normal();
+    const fs::path path = fs::absolute(folder / fs::path()).lexically_normal().parent_path();
     for (auto part = path.end(); part != path.begin();) {
         --part;
         const std::string name = base::lower_case(part->string());
         for (const Named& scene : scenes) {
-            if (is_name_of(name, scene.name, scene.scale)) {
+            if (is_name_of(name, scene.name, scene.scale, std::next(part) == path.end())) {
                 return scale_of_size(path, name, scene.name, scene.scale);
             }
         }
