@@ -78,6 +78,33 @@ TEST_F(Layouts, SceneFlowHasDisparitiesOfEitherSignOfBothEyes) {
     EXPECT_THAT(truth().classes, ElementsAre(seen, hidden, seen));
 }
 
+TEST_F(Layouts, LinksToFoldersAreToldAndNotFollowed) {
+    write_pair("set/final_left/alley_1/frame_0001.png", "set/final_right/alley_1/frame_0001.png");
+    write<cv::Vec3b>("set/disparities/alley_1/frame_0001.png", {{0, 0, 0}, {64, 32, 2}, {0, 0, 255}});
+    for (const char* link : {"again", "set/final_left/a", "set/final_left/b", "set/final_left/alley_1/nowhere"}) {
+        std::filesystem::create_symlink(std::string(link).ends_with("nowhere") ? "absent" : ".", file(link));
+    }
+    EXPECT_THAT(names(), ElementsAre("alley_1/frame_0001"));
+    const std::string why = ": is a link to a folder, and is not followed";
+    EXPECT_THAT(look_for_scenes(folder_.path()).incomplete,
+                ElementsAre(HasSubstr("/again" + why), HasSubstr("/a" + why), HasSubstr("/b" + why)));
+}
+
+TEST_F(Layouts, AFolderThatCannotBeListedIsTold) {
+    // Its path is too long for the system, which also stops the administrator.
+    const std::string name(250, 'n');
+    write_pair("lab_1/im0.png", "lab_1/im1.png");
+    write_pfm("lab_1/disp0GT.pfm", {1, 1, 2});
+    std::filesystem::create_directory(folder_.file(name));
+    std::string root = folder_.path();
+    while (root.size() < 3900) {
+        root += "/.";
+    }
+    const FoundScenes found = look_for_scenes(root);
+    EXPECT_EQ(found.scenes.size(), 1U);
+    EXPECT_THAT(found.incomplete, ElementsAre(HasSubstr(": cannot be listed: ")));
+}
+
 TEST_F(Layouts, DrivingStereoHasTwoSizes) {
     write_pair("foggy/left-image-half-size/a.jpg", "foggy/right-image-half-size/a.jpg");
     write<std::uint16_t>("foggy/disparity-map-half-size/a.png", {256, 0, 384});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/datasets/dataset.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 
@@ -29,6 +28,12 @@ FoundScenes found_in(const std::string& folder) {
 }
 
 void collect(const std::string& folder, int depth, FoundScenes& found) {
+    std::vector<std::string> told;
+    const auto below = folders_in(folder, told);
+    if (!below) {
+        append(found, {{}, std::move(told)});
+        return;
+    }
     FoundScenes here = found_in(folder);
     const bool has_scenes = !here.scenes.empty();
     append(found, std::move(here));
@@ -36,16 +41,12 @@ void collect(const std::string& folder, int depth, FoundScenes& found) {
         return;
     }
     constexpr int deepest = 6;
-    std::vector<std::string> below;
-    std::error_code error;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        if (depth < deepest && entry->is_directory(error) && !entry->is_symlink(error)) {
-            below.push_back(entry->path().string());
-        }
+    if (depth == deepest) {
+        return;
     }
-    std::sort(below.begin(), below.end());
-    for (const std::string& path : below) {
-        collect(path, depth + 1, found);
+    append(found, {{}, std::move(told)});
+    for (const fs::path& path : *below) {
+        collect(path.string(), depth + 1, found);
     }
 }
 

@@ -22,10 +22,10 @@ struct DatasetScene {
     std::string truth;          ///< disparity of the left image: PFM, or 8 or 16 bit PNG or PGM
     std::string visible_truth;  ///< KITTI's disp_noc: the same without occluded pixels; empty = there is none
     std::string mask;           ///< 255 = both cameras see it, 128 = occluded, 0 = no truth; empty = there is none
-    /// Stored value per pixel of disparity: 1 for PFM, 256 for KITTI, otherwise known by a name in the path
-    /// (tsukuba 16; other scenes of Middlebury 2001 8; cones, teddy 4, half size 2, full size 1; 2005, 2006 in third
-    /// size 3, in half size 2, in full size 1; DrivingStereo 256, full size 128).
-    /// 0 = not known: read_ground_truth() must be told.
+    /// Stored value per pixel of disparity: 1 for PFM, 256 for KITTI, otherwise known by the name of a folder in the
+    /// path (tsukuba 16; other scenes of Middlebury 2001 8; cones, teddy 4, conesH 2, conesF 1; 2005, 2006 3 in third
+    /// size, which is also that of a path that says nothing, 2 in a folder HalfSize, 1 in FullSize; DrivingStereo 256,
+    /// full size 128). 0 = not known: read_ground_truth() must be told.
     double scale = 0;
     TruthCoding coding = TruthCoding::scaled;
     std::vector<std::string> unseen;  ///< pictures, not 0 = the right camera does not see the pixel
@@ -53,11 +53,12 @@ struct GroundTruth {
 struct FoundScenes {
     std::vector<DatasetScene> scenes;
     /// One line for people for each pair that cannot be judged: without ground truth, without one of its images, or
-    /// ground truth without images. At most 20 of one folder and a line that counts the others.
+    /// ground truth without images; and for each folder that is not searched, as it is a link or cannot be read. At
+    /// most 20 of a kind of one folder and a line that counts the others.
     std::vector<std::string> incomplete;
 };
 
-/// The scenes with ground truth in a folder and in the folders below, in the order of their names:
+/// The scenes with ground truth in a folder and in the folders up to six below, in the order of their names:
 /// - Middlebury 2001 to 2021 and ETH3D: left/right, im0/im1, im2/im6, view1/view5 or scene1.row3.col3/col4 with
 ///   disp_left, disp0, disp0GT, disp2, disp1 or truedisp.row3.col3; ETH3D's truth may lie in the folder's neighbour
 ///   whose name ends in _gt, as ETH3D packs it;

@@ -102,7 +102,7 @@ FoundScenes scenes_of_kitti(const std::string& folder) {
         found.incomplete.push_back(shown(fs::path(folder) / name) + ": has ground truth and no image in " +
                                    images.name);
     }
-    shorten(found.incomplete);
+    shorten(found.incomplete, "pair");
     return found;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/failure_text.h"
 #include "base/file_kind.h"
 #include "base/message_text.h"
 #include "base/words.h"
@@ -15,20 +16,22 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// The image files of a tree, and a line for each folder that is not searched.
+struct Images {
+    std::vector<fs::path> relative;
+    std::vector<std::string> told;
+};
+
 /// Collects the image files below `folder` by their paths from `root`, folder by folder.
-void collect_images(const fs::path& root, const fs::path& folder, std::vector<fs::path>& found) {
-    std::vector<fs::path> below;
-    std::error_code error;
-    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-        if (entry->is_directory(error)) {
-            below.push_back(entry->path());
-        }
+void collect_images(const fs::path& root, const fs::path& folder, Images& found) {
+    const auto below = folders_in(folder, found.told);
+    if (!below) {
+        return;
     }
     for (const std::string& name : capture::image_names(folder.string())) {
-        found.push_back((folder / name).lexically_relative(root));
+        found.relative.push_back((folder / name).lexically_relative(root));
     }
-    std::sort(below.begin(), below.end());
-    for (const fs::path& path : below) {
+    for (const fs::path& path : *below) {
         collect_images(root, path, found);
     }
 }
@@ -43,11 +46,39 @@ std::string shown(const fs::path& path) {
     return base::printable(path.string(), 300);
 }
 
+std::optional<std::vector<fs::path>> folders_in(const fs::path& folder, std::vector<std::string>& told) {
+    std::vector<fs::path> below;
+    std::vector<std::string> links;
+    std::error_code error;
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        std::error_code no_folder;  // a link that leads nowhere is none
+        if (!entry->is_directory(no_folder)) {
+            continue;
+        }
+        if (entry->is_symlink(no_folder)) {
+            links.push_back(
+                shown(entry->path()) +
+                ": is a link to a folder, and is not followed; give that folder by its own path, or put it here");
+        } else {
+            below.push_back(entry->path());
+        }
+    }
+    std::sort(below.begin(), below.end());
+    std::sort(links.begin(), links.end());
+    shorten(links, "link");
+    std::move(links.begin(), links.end(), std::back_inserter(told));
+    if (error) {
+        told.push_back(shown(folder) + ": cannot be listed: " + base::error_text(error.value()));
+        return std::nullopt;
+    }
+    return below;
+}
+
 FoundScenes scenes_of_tree(const TreeOfPairs& tree) {
     FoundScenes found;
-    std::vector<fs::path> images;
+    Images images;
     collect_images(tree.left, tree.left, images);
-    for (const fs::path& relative : images) {
+    for (const fs::path& relative : images.relative) {
         if (!tree.counts(relative)) {
             continue;
         }
@@ -65,16 +96,17 @@ FoundScenes scenes_of_tree(const TreeOfPairs& tree) {
             found.scenes.push_back(std::move(scene));
         }
     }
-    shorten(found.incomplete);
+    shorten(found.incomplete, "pair");
+    append(found, {{}, std::move(images.told)});
     return found;
 }
 
-void shorten(std::vector<std::string>& incomplete) {
+void shorten(std::vector<std::string>& lines, std::string_view noun) {
     constexpr std::size_t most = 20;
-    if (incomplete.size() > most) {
-        const std::size_t others = incomplete.size() - most;
-        incomplete.resize(most);
-        incomplete.push_back("and " + base::counted(others, "pair") + " more like these");
+    if (lines.size() > most) {
+        const std::size_t others = lines.size() - most;
+        lines.resize(most);
+        lines.push_back("and " + base::counted(others, noun) + " more like these");
     }
 }
 

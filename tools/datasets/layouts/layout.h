@@ -4,7 +4,9 @@
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tools/datasets/dataset.h"
@@ -37,6 +39,11 @@ std::string folder_name(const std::string& folder);
 /// The path as the start of a line for people.
 std::string shown(const std::filesystem::path& path);
 
+/// The folders in a folder, by name. Links to folders are not followed, as they may lead back to where one came from:
+/// each gets a line in `told`. Nothing, and a line, where the folder cannot be read.
+std::optional<std::vector<std::filesystem::path>> folders_in(const std::filesystem::path& folder,
+                                                             std::vector<std::string>& told);
+
 /// Pairs whose left images lie in a tree of folders, and whose other files lie at the same place of trees of their own.
 struct TreeOfPairs {
     using Path = std::filesystem::path;
@@ -51,8 +58,8 @@ struct TreeOfPairs {
 /// The scenes of a tree in the order of their files' names.
 FoundScenes scenes_of_tree(const TreeOfPairs& tree);
 
-/// Shortens the lines of one folder to what FoundScenes says.
-void shorten(std::vector<std::string>& incomplete);
+/// Shortens the lines of one folder, each of one `noun`, to what FoundScenes says.
+void shorten(std::vector<std::string>& lines, std::string_view noun);
 
 /// Appends what another layout or folder has.
 void append(FoundScenes& found, FoundScenes more);
