@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/eval/eval_choices.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -9,6 +10,22 @@
 #include "tools/eval/rendered_scene.h"
 
 namespace disparityd::eval {
+
+namespace {
+
+/// Each once, in the order in which they were first named: a mean counts a row once more for each time it is there.
+template <typename Choice>
+std::vector<Choice> once(const std::vector<Choice>& named) {
+    std::vector<Choice> chosen;
+    for (const Choice& one : named) {
+        if (std::find(chosen.begin(), chosen.end(), one) == chosen.end()) {
+            chosen.push_back(one);
+        }
+    }
+    return chosen;
+}
+
+}  // namespace
 
 std::vector<Method> methods_of(const EvalArguments& arguments) {
     std::vector<Method> methods;
@@ -19,7 +36,7 @@ std::vector<Method> methods_of(const EvalArguments& arguments) {
             methods.push_back(tools::parse_method(text));
         }
     }
-    return methods;
+    return once(methods);
 }
 
 std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
@@ -35,7 +52,7 @@ std::vector<const Backend*> backends_of(const EvalArguments& arguments) {
             chosen.push_back(&backend(text));
         }
     }
-    return chosen;
+    return once(chosen);
 }
 
 namespace {

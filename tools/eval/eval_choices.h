@@ -11,7 +11,7 @@
 namespace disparityd::eval {
 
 /// What the arguments of the command line name. Each throws std::invalid_argument with one line for a name or a folder
-/// that is none.
+/// that is none. A method or backend that is named twice is there once.
 std::vector<Method> methods_of(const EvalArguments& arguments);
 std::vector<const Backend*> backends_of(const EvalArguments& arguments);
 std::vector<SceneToJudge> scenes_of(const EvalArguments& arguments);

@@ -42,11 +42,15 @@ struct SceneToJudge {
     std::string name;
     int disparities = 0;  ///< number of candidates; 0 = as the scene needs
     std::function<Scene()> read;
+    std::vector<std::string> truths{};  ///< files of ground truth, some of them empty; none where it is rendered
 };
 
 /// Returns a scene of which there are files; `scale` as read_scene() takes it.
 inline SceneToJudge scene_of_files(const datasets::DatasetScene& files, int disparities, double scale) {
-    return {files.name, disparities, [files, scale] { return read_scene(files, scale); }};
+    return {files.name,
+            disparities,
+            [files, scale] { return read_scene(files, scale); },
+            {files.truth, files.visible_truth, files.right_truth}};
 }
 
 }  // namespace disparityd::eval

@@ -63,6 +63,29 @@ class Refusals(unittest.TestCase):
         lines = self.told()
         self.assertRegex(lines[0], r"note: Piano: results has .*/Piano\.pfm and .*/Piano/disp0MINE\.pfm; say which by a pattern, such as")
 
+    def test_the_truth_is_no_result(self):
+        # Results lie beside the truth where Middlebury's SDK puts them.
+        self.assertRegex(self.told("--benchmark", "--results", self.data, self.data)[0], "note: Piano: data has no file in ")
+        for name in ("Piano", "Pipes"):
+            shutil.copy(self.results / f"{name}.pfm", self.data / name / "disp0MINE.pfm")
+        self.assertEqual(self.told("--benchmark", "--results", self.data, self.data, status=0), [])
+        truth = ", which is the ground truth; say by a pattern which file is the result$"
+        pattern = f"x={self.data}/{{scene}}/disp0GT.pfm"
+        self.assertRegex(self.told("--benchmark", "--results", pattern, self.data)[0], "Piano: x has .*/data/Piano/disp0GT.pfm" + truth)
+        for name in ("Piano", "Pipes"):  # as the sets of 2014 and 2021 name it
+            (self.data / name / "disp0MINE.pfm").unlink()
+            (self.data / name / "disp0GT.pfm").rename(self.data / name / "disp0.pfm")
+        self.assertRegex(self.told("--benchmark", "--results", self.data, self.data)[0], "Piano: data has .*/data/Piano/disp0.pfm" + truth)
+        made_data.kitti(self.folder / "kitti", numpy.random.default_rng(8), "000000_10")
+        results = self.folder / "kitti/training/disp_noc_0"
+        self.assertRegex(self.told("--benchmark", "--results", results, self.folder / "kitti")[0], "has .*disp_noc_0/000000_10.png" + truth)
+
+    def test_a_matcher_that_is_named_twice_runs_once(self):
+        twice = ["--method", "all", "--method", "sgm", "--backend", "cpu", "--backend", "cpu"]
+        out = subprocess.run([EVAL, "--benchmark", *twice, "--region", "all", "--csv", self.data], capture_output=True, text=True, check=True).stdout
+        matchers = [line.split(",")[2] for line in out.splitlines() if line.startswith("scene,Piano,")]
+        self.assertEqual(sorted(matchers), ["census cpu", "sad cpu", "sgm cpu"])
+
     def test_confidences(self):
         self.assertRegex(self.told("--benchmark", "--results", self.results, "--confidences", f"y={self.results}", self.data)[0],
                          "--confidences: no --results have the name 'y'")

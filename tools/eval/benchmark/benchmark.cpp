@@ -2,11 +2,13 @@
 #include "tools/eval/benchmark/benchmark.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 #include <ostream>
 #include <set>
 #include <stdexcept>
 
+#include "base/message_text.h"
 #include "base/words.h"
 #include "tools/command_line/program.h"
 #include "tools/command_line/progress.h"
@@ -50,6 +52,17 @@ const ResultFiles* confidence_of(const BenchmarkRequest& request, const std::str
     const auto found = std::find_if(request.confidences.begin(), request.confidences.end(),
                                     [&](const ResultFiles& one) { return one.matcher == matcher; });
     return found == request.confidences.end() ? nullptr : &*found;
+}
+
+/// Refuses a file that is the ground truth itself, which would be perfect: submissions lie beside it by custom.
+std::string checked_result(const std::string& path, const ResultFiles& result, const SceneToJudge& scene) {
+    for (const std::string& truth : scene.truths) {
+        if (std::error_code no_file; std::filesystem::equivalent(path, truth, no_file)) {
+            throw std::invalid_argument(scene.name + ": " + result.matcher + " has " + base::printable(path, 300) +
+                                        ", which is the ground truth; say by a pattern which file is the result");
+        }
+    }
+    return path;
 }
 
 void check_names(const BenchmarkRequest& request) {
@@ -107,7 +120,8 @@ private:
             std::vector<FilesOfScene>& of_scene = all.emplace_back();
             for (const ResultFiles& result : request_.results) {
                 try {
-                    FilesOfScene files{result.matcher, find_result(result, scene.name), ""};
+                    FilesOfScene files{result.matcher, checked_result(find_result(result, scene.name), result, scene),
+                                       ""};
                     if (const ResultFiles* confidence = confidence_of(request_, result.matcher)) {
                         files.confidence = find_result(*confidence, scene.name);
                     }

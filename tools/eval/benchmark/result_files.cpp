@@ -50,7 +50,7 @@ void add_named(const fs::path& folder, std::vector<fs::path>& stems) {
     std::error_code error;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
         const fs::path& path = entry->path();
-        if (path.filename().string().starts_with("disp0") && path.extension() == ".pfm") {
+        if (path.filename().string().starts_with("disp0") && path.extension() == ".pfm" && path.stem() != "disp0GT") {
             found.push_back(path.parent_path() / path.stem());
         }
     }

@@ -22,7 +22,8 @@ ResultFiles parse_result_files(const std::string& option, const std::string& tex
 
 /// The file of a scene. In a folder it is one of these, with .pfm or, where there is no such file, .png:
 /// SCENE, FRAME, SCENE with "_" for each slash; disp_0/FRAME (KITTI 2015's submissions); SCENE/disp0,
-/// SCENE/disp0 with any name behind it (Middlebury's submissions), and both for FRAME.
+/// SCENE/disp0 with any name behind it but GT, which is the ground truth (Middlebury's submissions), and both for
+/// FRAME.
 /// Throws std::invalid_argument with one line where there is none, and where several could be meant.
 std::string find_result(const ResultFiles& files, const std::string& scene);
 
