@@ -101,7 +101,7 @@ std::vector<std::string> missing_poses(const std::vector<BoardView>& views, cons
     }
     std::vector<std::string> missing;
     if (widest < near) {
-        missing.emplace_back("hold the board nearer, until it fills two fifths of the width");
+        missing.emplace_back("hold the board nearer, until it fills more than a third of the width");
     }
     if (tilted_views < enough_tilted) {
         missing.push_back("tilt the board by about 30 degrees: " + std::to_string(tilted_views) + " of " +

@@ -39,6 +39,8 @@ TEST_F(ProcessTest, FolderOfPairsBecomesDisparity) {
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["frames"], 3);
     EXPECT_EQ(summary["complete"], true);
+    EXPECT_EQ(summary["sources_done"], 1) << "as of a list";
+    EXPECT_EQ(summary["sources_left"], 0);
 
     const auto files = files_in(path("out"));
     EXPECT_EQ(files.size(), 5U) << "three pictures, geometry.json and manifest.json";

@@ -28,9 +28,9 @@ struct DatasetScene {
     /// full size 128). 0 = not known: read_ground_truth() must be told.
     double scale = 0;
     TruthCoding coding = TruthCoding::scaled;
-    std::vector<std::string> unseen;  ///< pictures, not 0 = the right camera does not see the pixel
-    std::string right_truth;          ///< disparity of the right image, coded as `truth`; empty = there is none
-    std::string objects;              ///< KITTI 2015's obj_map: 0 = background, more = a car; empty = there is none
+    std::vector<std::string> unseen{};  ///< pictures, not 0 = the right camera does not see the pixel
+    std::string right_truth{};          ///< disparity of the right image, coded as `truth`; empty = there is none
+    std::string objects{};              ///< KITTI 2015's obj_map: 0 = background, more = a car; empty = there is none
 };
 
 /// What is known of a pixel of the left image.

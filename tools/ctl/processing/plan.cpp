@@ -89,6 +89,7 @@ void measure(ProcessArguments arguments, pipeline::WorkerPool& workers, Measured
     arguments.folder = folder.path();
     arguments.scan = arguments.scan.empty() ? "" : folder.path() + "/scan.csv";
     arguments.frames = std::min(arguments.frames.value_or(measured_frames), measured_frames);
+    arguments.hash_inputs = false;  // it reads whole recordings
     const ProcessDone done = process_source(arguments, workers, {"measured", {}});
     if (!done.error.empty()) {
         throw std::runtime_error(done.error);
@@ -179,8 +180,7 @@ int plan(const ProcessArguments& arguments, const std::vector<ListedSource>& sou
     Progress bar("sources", sources.size());
     for (const ListedSource& source : shard_of(sources, "0/1")) {
         if (interrupted()) {
-            print_note("stopped by " + interrupted_by() + "; nothing was planned");
-            return exit_interrupted;
+            break;
         }
         bar.show(plan.sources.size() + plan.failed.size());
         one.source = source.uri;
@@ -200,6 +200,10 @@ int plan(const ProcessArguments& arguments, const std::vector<ListedSource>& sou
         if (!frames) {
             plan.unknown.push_back(source.uri);
         }
+    }
+    if (interrupted()) {  // what was measured may be cut short
+        print_note("stopped by " + interrupted_by() + "; nothing was planned");
+        return exit_interrupted;
     }
     if (plan.measured.megapixels > 0) {
         plan.divisions = divisions(plan.sources, plan.measured.seconds / plan.measured.megapixels);

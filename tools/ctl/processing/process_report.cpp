@@ -130,8 +130,19 @@ int tell_trouble(const ProcessDone& done) {
 
 int report_process(const ProcessDone& done, bool json) {
     if (done.refusal.empty() && json) {
-        std::cout << to_text(summary_json(done), 2) << '\n';
-    } else if (done.refusal.empty()) {
+        // With the sums of a list: who reads it need not know whether there was more than one source.
+        const int status = tell_trouble(done);
+        const bool whole = status == exit_done;
+        const bool failed = !whole && status != exit_again && status != exit_interrupted;
+        Json summary = summary_json(done);
+        summary["sources_done"] = whole ? 1 : 0;
+        summary["sources_done_before"] = done.before ? 1 : 0;
+        summary["sources_failed"] = failed ? 1 : 0;
+        summary["sources_left"] = whole || failed ? 0 : 1;
+        std::cout << to_text(summary, 2) << '\n';
+        return status;
+    }
+    if (done.refusal.empty()) {
         print_summary(done);
     }
     return tell_trouble(done);
