@@ -6,7 +6,6 @@
 
 #include "bridges/ros_messages/camera_info_message.h"
 #include "bridges/ros_messages/image_messages.h"
-#include "bridges/ros_messages/laser_scan_message.h"
 #include "bridges/ros_messages/message_header.h"
 #include "bridges/ros_messages/sensor_messages.h"
 #include "bridges/ros_messages/transform_message.h"
@@ -23,10 +22,10 @@ std::string optical_transform(const Frame& frame, const FrameNames& names) {
     return transform_message(frame.realtime_ns, transforms);
 }
 
-std::optional<std::string> scan_message(const Frame& frame, const FrameNames& names) {
+std::optional<std::string> scan_message(const Frame& frame, const Encoding& encoding) {
     try {
         const std::optional<disparity::Scan> scan = frame.scan();
-        return scan ? laser_scan(*scan, frame.realtime_ns, names) : std::nullopt;
+        return scan ? laser_scan(*scan, frame.realtime_ns, encoding.names, encoding.hidden) : std::nullopt;
     } catch (const std::runtime_error&) {  // a scan of another version, from a newer daemon
         return std::nullopt;
     }
@@ -57,7 +56,7 @@ std::optional<std::string> encode(Content content, const Frame& frame, const Enc
         case Content::depth_error: return depth_error_image(frame, names);
         case Content::confidence: return confidence_image(frame, names);
         case Content::points: return point_cloud(frame, encoding.cloud, names);
-        case Content::scan: return scan_message(frame, names);
+        case Content::scan: return scan_message(frame, encoding);
         case Content::transforms: return optical_transform(frame, names);
         case Content::clock: return clock_message(frame);
         default: return std::nullopt;

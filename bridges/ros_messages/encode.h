@@ -7,6 +7,7 @@
 
 #include "bridges/ros_messages/contents.h"
 #include "bridges/ros_messages/frame_names.h"
+#include "bridges/ros_messages/laser_scan_message.h"
 #include "bridges/ros_messages/point_cloud_message.h"
 #include "clients/cpp/disparity_client.hpp"
 
@@ -19,6 +20,7 @@ struct Encoding {
     CloudSettings cloud = {};
     int jpeg_quality = 85;  ///< 1 .. 100
     FrameNames names = {};
+    HiddenSpace hidden = HiddenSpace::ignored;  ///< of scans
 };
 
 /// Returns the message about a frame, or nothing when the frame does not carry what it needs, and for contents that do

@@ -46,23 +46,31 @@ struct Ray {
     float intensity = 0;
 };
 
-Ray ray_of(const Scan& scan, double from_deg, double to_deg) {
+/// Returns where the ray ends in an occupied sector.
+double end_of(const ScanSector& sector, HiddenSpace hidden, double min_m) {
+    const bool as_near_as_may_be = hidden == HiddenSpace::obstacle || sector.is_near();
+    return std::max(as_near_as_may_be ? std::min(sector.free_m, sector.distance_m) : sector.distance_m, min_m);
+}
+
+Ray ray_of(const Scan& scan, HiddenSpace hidden, double from_deg, double to_deg) {
     const double least = std::min(edge_deg, (to_deg - from_deg) / 4);
     double free_deg = 0;
-    const ScanSector* nearest = nullptr;
+    std::optional<Ray> nearest;
     for (const ScanSector& sector : scan.sectors) {
         const double overlap = std::min(to_deg, sector.to_deg) - std::max(from_deg, sector.from_deg);
         if (overlap <= least) {
             continue;
         }
         if (sector.state == SectorState::occupied) {
-            nearest = nearest == nullptr || sector.distance_m < nearest->distance_m ? &sector : nearest;
+            const Ray ray{static_cast<float>(end_of(sector, hidden, scan.min_m)),
+                          static_cast<float>(sector.confidence)};
+            nearest = !nearest || ray.range < nearest->range ? ray : nearest;
         } else if (sector.state == SectorState::free && sector.free_m >= scan.max_m - millimetre / 2) {
             free_deg += overlap;
         }
     }
-    if (nearest != nullptr) {
-        return {static_cast<float>(nearest->distance_m), static_cast<float>(nearest->confidence)};
+    if (nearest) {
+        return *nearest;
     }
     return free_deg >= to_deg - from_deg - 2 * least ? Ray{std::numeric_limits<float>::infinity(), 0} : Ray{};
 }
@@ -73,7 +81,8 @@ float radians(double degrees) {
 
 }  // namespace
 
-std::optional<std::string> laser_scan(const Scan& scan, std::int64_t realtime_ns, const FrameNames& names) {
+std::optional<std::string> laser_scan(const Scan& scan, std::int64_t realtime_ns, const FrameNames& names,
+                                      HiddenSpace hidden) {
     if (scan.sectors.empty()) {
         return std::nullopt;
     }
@@ -82,7 +91,7 @@ std::optional<std::string> laser_scan(const Scan& scan, std::int64_t realtime_ns
     std::vector<float> intensities;
     for (int i = 0; i < grid.rays; ++i) {
         const double from = grid.from_deg + i * grid.step_deg;
-        const Ray ray = ray_of(scan, from, from + grid.step_deg);
+        const Ray ray = ray_of(scan, hidden, from, from + grid.step_deg);
         ranges.push_back(ray.range);
         intensities.push_back(ray.intensity);
     }

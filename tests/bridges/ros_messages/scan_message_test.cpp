@@ -41,12 +41,12 @@ Rays rays_in(const std::optional<std::string>& message) {
     return rays;
 }
 
-Rays rays_of(std::vector<ScanSector> sectors) {
+Rays rays_of(std::vector<ScanSector> sectors, HiddenSpace hidden = HiddenSpace::ignored) {
     Scan scan;
     scan.min_m = 0.5;
     scan.max_m = 10;
     scan.sectors = std::move(sectors);
-    return rays_in(laser_scan(scan, test::stamp_ns));
+    return rays_in(laser_scan(scan, test::stamp_ns, {}, hidden));
 }
 
 ScanSector occupied(double from, double to, double distance_m) {
@@ -55,7 +55,17 @@ ScanSector occupied(double from, double to, double distance_m) {
             .state = SectorState::occupied,
             .distance_m = distance_m,
             .free_m = distance_m,
+            .pixels = 40,
             .confidence = 99};
+}
+
+/// Nothing is known but that an obstacle is at most so far, and free up to `free_m`.
+ScanSector near(double from, double to, double distance_m, double free_m) {
+    ScanSector sector = occupied(from, to, distance_m);
+    sector.free_m = free_m;
+    sector.pixels = 0;
+    sector.confidence = 0;
+    return sector;
 }
 
 ScanSector free_up_to(double from, double to, double free_m) {
@@ -104,6 +114,30 @@ TEST(RosScan, ARayThatIsPartlyFreeIsUnknown) {
     ASSERT_EQ(rays.ranges.size(), 2U);
     EXPECT_EQ(rays.ranges[0], INFINITY);
     EXPECT_TRUE(std::isnan(rays.ranges[1]));
+}
+
+TEST(RosScan, ARayEndsBeforeWhatIsTooNearToMeasure) {
+    for (const HiddenSpace hidden : {HiddenSpace::ignored, HiddenSpace::obstacle}) {
+        const Rays rays = rays_of({near(0, 10, 2, 0), near(10, 20, 2, 1.5), occupied(20, 30, 0.25)}, hidden);
+        EXPECT_EQ(rays.ranges, (std::vector<float>{0.5F, 1.5F, 0.5F})) << "none is less than range_min";
+        EXPECT_EQ(rays.intensities, (std::vector<float>{0, 0, 99}));
+    }
+}
+
+TEST(RosScan, HiddenSpaceMayCountAsAnObstacle) {
+    std::vector<ScanSector> sectors{occupied(0, 10, 4), occupied(10, 20, 4), occupied(20, 30, 4)};
+    sectors[1].free_m = 3;
+    sectors[2].free_m = 0;
+    EXPECT_EQ(rays_of(sectors, HiddenSpace::ignored).ranges, (std::vector<float>{4, 4, 4}));
+    EXPECT_EQ(rays_of(sectors, HiddenSpace::obstacle).ranges, (std::vector<float>{4, 3, 0.5F}));
+}
+
+TEST(RosScan, TheNearestEndOfARayWins) {
+    // Widths of 9, 1, 1, 9 degrees: rays are 5 degrees wide, and the second and the third meet two sectors.
+    std::vector<ScanSector> sectors{occupied(-10, -1, 4), occupied(-1, 0, 3), near(0, 1, 8, 1), occupied(1, 10, 4)};
+    EXPECT_EQ(rays_of(sectors).ranges, (std::vector<float>{4, 3, 1, 4}));
+    sectors[0].free_m = 2;
+    EXPECT_EQ(rays_of(sectors, HiddenSpace::obstacle).ranges, (std::vector<float>{2, 2, 1, 4}));
 }
 
 TEST(RosScan, EdgesInHundredthsGiveOneRayForEachSector) {
