@@ -7,12 +7,12 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <dds/ddsrt/log.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include "bridges/program/program.h"
 #include "bridges/ros2/bridge.h"
+#include "bridges/ros2/dds_log.h"
 #include "bridges/ros2/options.h"
 
 namespace {
@@ -38,11 +38,6 @@ void catch_signals() {
     sigaction(SIGINT, &action, nullptr);
 }
 
-/// What DDS has to say becomes a line as all others.
-void print_of_dds(void* /*nothing*/, const dds_log_data_t* data) {
-    print_line(program, "note", "DDS: " + std::string(data->message, data->size));
-}
-
 std::string environment(const std::string& name) {
     const char* const value = std::getenv(name.c_str());
     return value == nullptr ? std::string() : value;
@@ -63,9 +58,11 @@ std::uint64_t granted_bytes(int option) {
 void run(const Options& options) {
     BridgeSettings settings = options.settings();
     const Domain domain = domain_of(environment);
-    disparityd::bridges::Notes notes([](const std::string& line) { print_line(program, "note", line); });
-    dds_set_log_sink(print_of_dds, nullptr);
+    const auto print = [](const std::string& line) { print_line(program, "note", line); };
+    disparityd::bridges::Notes notes(print);
+    DdsLog log(print);
     Node node(options.node(), domain);
+    log.calm();
     if (const std::string line = small_buffers_text(granted_bytes(SO_RCVBUF), granted_bytes(SO_SNDBUF));
         !line.empty()) {
         print_line(program, "note", line);

@@ -129,8 +129,12 @@ std::string Node::graph_message() const {
     return cdr.take();
 }
 
-void Node::wait(milliseconds most) const {
-    dds_waitset_wait(waitset_, nullptr, 0, DDS_MSECS(most.count()));
+bool Node::wait(milliseconds most) const {
+    const bool changed = dds_waitset_wait(waitset_, nullptr, 0, DDS_MSECS(most.count())) > 0;
+    for (const auto& publisher : publishers_) {
+        publisher->readers();  // what nobody has looked at wakes the next call at once
+    }
+    return changed;
 }
 
 }  // namespace disparityd::ros2

@@ -63,8 +63,9 @@ public:
     /// Tells other nodes the name and the topics: once all are advertised. Throws as the constructor.
     void announce();
 
-    /// Waits until a subscriber comes or goes, or the time is over.
-    void wait(std::chrono::milliseconds most) const;
+    /// Waits until a subscriber of any topic comes or goes, or the time is over. Returns whether one did since the last
+    /// call; those that Publisher::readers() has counted meanwhile do not count.
+    bool wait(std::chrono::milliseconds most) const;
 
 private:
     std::string graph_message() const;
