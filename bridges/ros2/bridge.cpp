@@ -61,6 +61,15 @@ disparity::ClientOptions waiting_for_the_daemon(disparity::ClientOptions options
 
 }  // namespace
 
+Quality quality_for(Content content, Quality asked) {
+    constexpr std::int32_t most_large = 10;
+    const std::string_view message = ros::message_name(content);
+    if (message.ends_with("Image") || message == "sensor_msgs/PointCloud2") {
+        asked.depth = std::min(asked.depth, most_large);
+    }
+    return asked;
+}
+
 Bridge::Bridge(BridgeSettings settings, DaemonPlace daemon, Node& node, Notes& notes)
     : settings_(std::move(settings)),
       daemon_(std::move(daemon)),
@@ -68,8 +77,8 @@ Bridge::Bridge(BridgeSettings settings, DaemonPlace daemon, Node& node, Notes& n
       points_limit_(settings_.points_rate),
       notes_(notes) {
     for (const Topic& topic : settings_.topics) {
-        outputs_.push_back(
-            {topic.content, &node_.advertise(topic.name, ros::message_name(topic.content), settings_.quality)});
+        outputs_.push_back({topic.content, &node_.advertise(topic.name, ros::message_name(topic.content),
+                                                            quality_for(topic.content, settings_.quality))});
     }
     if (settings_.publishes_tf) {
         static_transforms_ = &node_.advertise("/tf_static", "tf2_msgs/TFMessage",
@@ -91,6 +100,7 @@ void Bridge::run(const std::atomic<bool>& stop) {
         feed_->want_samples(now.sensors);
         if (now.products.empty()) {
             client_.reset();  // so that the daemon does not match for nobody
+            note_frames(false);
             node_.wait(patience);
             continue;
         }
@@ -99,6 +109,7 @@ void Bridge::run(const std::atomic<bool>& stop) {
         } catch (const std::exception& error) {
             say("frames", std::string("no frames: ") + error.what());
             client_.reset();
+            note_frames(false);
             std::this_thread::sleep_for(patience);
         }
     }
@@ -153,9 +164,15 @@ void Bridge::read_frame(const ros::Wanted& wanted) {
     }
     subscribed_ = wanted.products;
     switch (client_->read(frame_, patience)) {
-        case ReadResult::frame: publish_frame(); break;
+        case ReadResult::frame:
+            note_frames(true);
+            publish_frame();
+            break;
         case ReadResult::timeout: break;
-        case ReadResult::gone: say("frames", "no frames: " + client_->why_gone()); break;
+        case ReadResult::gone:
+            note_frames(false);
+            say("frames", "no frames: " + client_->why_gone());
+            break;
     }
 }
 
@@ -166,7 +183,16 @@ void Bridge::publish_frame() {
         }
         if (std::optional<std::string> message = ros::encode(output.content, frame_, settings_.encoding)) {
             publish(output, std::move(*message));
+            if (output.content == Content::scan && settings_.publishes_tf) {
+                remind_of_yaw(output);
+            }
         }
+    }
+}
+
+void Bridge::remind_of_yaw(const Output& scan) {
+    if (const std::string text = yaw_of_scans_text(settings_.tree); !text.empty()) {
+        say("yaw", scan.publisher->topic() + ": " + text, Notes::Repeat::never);
     }
 }
 
@@ -200,8 +226,23 @@ void Bridge::take_status(const std::string& bytes) {
 }
 
 void Bridge::take_absence(const std::string& why) {
-    say("daemon", "no daemon: " + why);
-    publish_diagnostics(ros::stale_diagnostic(why, settings_.diagnostics, realtime_ns()));
+    bool frames_come = false;
+    {
+        const std::lock_guard lock(mutex_);
+        frames_come = frames_come_;
+    }
+    if (frames_come) {
+        say("daemon", "the daemon tells no status: " + why);
+        publish_diagnostics(ros::no_status_diagnostic(why, settings_.diagnostics, realtime_ns()));
+    } else {
+        say("daemon", "no daemon: " + why);
+        publish_diagnostics(ros::stale_diagnostic(why, settings_.diagnostics, realtime_ns()));
+    }
+}
+
+void Bridge::note_frames(bool come) {
+    const std::lock_guard lock(mutex_);
+    frames_come_ = come;
 }
 
 void Bridge::publish_diagnostics(const std::string& message) {
@@ -233,9 +274,9 @@ void Bridge::take_samples(const disparity::SensorBatch& batch) {
     }
 }
 
-void Bridge::say(const std::string& topic, const std::string& line) {
+void Bridge::say(const std::string& topic, const std::string& line, Notes::Repeat repeat) {
     const std::lock_guard lock(mutex_);
-    notes_.say(topic, line);
+    notes_.say(topic, line, repeat);
 }
 
 }  // namespace disparityd::ros2

@@ -20,6 +20,10 @@
 
 namespace disparityd::ros2 {
 
+/// Returns how messages about a content are kept where `asked` is asked for: of images and clouds, which may have
+/// megabytes each, 10 at most.
+Quality quality_for(ros::Content content, Quality asked);
+
 /// What the bridge publishes, and how.
 struct BridgeSettings {
     std::vector<Topic> topics;
@@ -58,13 +62,16 @@ private:
     void read_frame(const ros::Wanted& wanted);
     void publish_frame();
     void publish(const Output& output, std::string message);
+    void remind_of_yaw(const Output& scan);
     bool is_due(ros::Content content);
     void take_status(const std::string& bytes);
     void take_samples(const disparity::SensorBatch& batch);
     void take_absence(const std::string& why);
+    void note_frames(bool come);
     void publish_diagnostics(const std::string& message);
     void publish_transforms(const std::vector<ros::Transform>& transforms);
-    void say(const std::string& topic, const std::string& line);
+    void say(const std::string& topic, const std::string& line,
+             bridges::Notes::Repeat repeat = bridges::Notes::Repeat::every_minute);
 
     BridgeSettings settings_;
     DaemonPlace daemon_;
@@ -80,6 +87,7 @@ private:
     std::mutex mutex_;  ///< guards what follows
     bridges::Notes& notes_;
     std::optional<ros::Offer> offer_;  ///< nothing: no daemon has told its status
+    bool frames_come_ = false;         ///< of a daemon that may tell no status
 
     std::unique_ptr<SideFeed> feed_;  ///< the last, as its thread uses the others
 };

@@ -24,10 +24,23 @@ void check_name(const std::string& option, const std::string& name) {
     }
 }
 
-/// Frames have names of their own kind, with / for those who want it.
 void check_frame(const std::string& option, const std::string& name) {
-    if (!is_ros_namespace(name) || name == "/") {
-        refuse(option, name, "a frame's name, such as base_link");
+    if (!is_frame_name(name)) {
+        refuse(option, name, "letters, digits, _, -, . and /, with no / at its ends, such as base_link");
+    }
+}
+
+/// A frame below itself would be no tree.
+void check_parent(const TreeOfFrames& tree) {
+    check_frame("--parent-frame", tree.parent);
+    const ros::FrameNames& own = tree.names;
+    for (const std::string& name : {own.left, own.camera, own.imu, tree.right}) {
+        if (tree.parent == name) {
+            refuse("--parent-frame", name, "a frame of the robot; this one is the camera's own");
+        }
+    }
+    if (tree.places_the_scan && tree.parent == own.scan) {
+        refuse("--parent-frame", own.scan, "another frame, or the same as --scan-frame; this one is the scan's own");
     }
 }
 
@@ -89,7 +102,9 @@ void add_quality(CLI::App& app, Options& options) {
         ->check(CLI::IsMember({"volatile", "transient-local"}))
         ->capture_default_str()
         ->group(group);
-    app.add_option("--depth", options.depth, "So many messages of a topic are kept for subscribers that are slow")
+    app.add_option("--depth", options.depth,
+                   "So many messages of a topic are kept for subscribers that are slow; of images and clouds 10 at "
+                   "most, since each may have megabytes")
         ->type_name("NUMBER")
         ->check(between(1, 1000))
         ->capture_default_str()
@@ -108,7 +123,8 @@ void add_tree(CLI::App& app, Options& options) {
         ->group(group);
     app.add_option("--scan-frame", options.scan_frame,
                    "Frame of obstacle scans, where [scan] of the daemon has its origin; default: NAME_footprint, below "
-                   "the camera")
+                   "the camera at the height 0 of the parent frame, whose axes it has: [scan] yaw_deg of the daemon "
+                   "is --yaw-deg then")
         ->type_name("FRAME")
         ->group(group);
     app.add_flag("--no-tf", options.no_tf, "Do not publish /tf_static: a robot's description has the frames")
@@ -122,10 +138,11 @@ void add_tree(CLI::App& app, Options& options) {
     };
     add("--ahead-m", options.place.ahead_m, 1000, "Of the left camera, ahead of the parent frame's origin");
     add("--left-m", options.place.left_m, 1000, "To the left of it");
-    add("--height-m", options.place.height_m, 1000, "Above it");
+    add("--height-m", options.place.height_m, 1000,
+        "Above it; the scan's default frame takes the origin's height for the ground");
     add("--roll-deg", options.place.roll_deg, 180, "Positive has the right side lower");
     add("--pitch-deg", options.place.pitch_deg, 180, "Positive looks down");
-    add("--yaw-deg", options.place.yaw_deg, 180, "Positive looks left");
+    add("--yaw-deg", options.place.yaw_deg, 180, "Positive looks left; the same as [scan] yaw_deg of the daemon");
 }
 
 void add_contents(CLI::App& app, Options& options) {
@@ -155,6 +172,13 @@ void add_contents(CLI::App& app, Options& options) {
     app.add_option("--points-box", options.box,
                    "Only points of this box, seen from the camera: ahead from, to, left from, to, up from, to, in m")
         ->type_name("NUMBERS")
+        ->group(group);
+    app.add_option("--scan-hidden", options.scan_hidden,
+                   "What space counts as that is hidden before an obstacle of a scan: obstacle, so that maps are "
+                   "cleared only where it is known to be free, or ignored: rays end at what was measured")
+        ->type_name("WORD")
+        ->check(CLI::IsMember({"obstacle", "ignored"}))
+        ->capture_default_str()
         ->group(group);
     app.add_option("--jpeg-quality", options.jpeg_quality, "Of compressed images")
         ->type_name("NUMBER")
@@ -190,14 +214,13 @@ BridgeSettings Options::settings() const {
     settings.encoding = {
         .cloud = {.most_points = most_points, .packed = points == "packed", .voxel_m = voxel_m, .box = box_of(box)},
         .jpeg_quality = jpeg_quality,
-        .names = frame_names(naming, camera_name)};
+        .names = frame_names(naming, camera_name),
+        .hidden = scan_hidden == "obstacle" ? ros::HiddenSpace::obstacle : ros::HiddenSpace::ignored};
     if (!scan_frame.empty()) {
         check_frame("--scan-frame", scan_frame);
         settings.encoding.names.scan = scan_frame;
     }
-    if (!parent_frame.empty()) {
-        check_frame("--parent-frame", parent_frame);
-    } else if (place != Place()) {
+    if (parent_frame.empty() && place != Place()) {
         throw std::invalid_argument("found where the camera is and no --parent-frame, expected both or none");
     }
     settings.tree = {.names = settings.encoding.names,
@@ -205,6 +228,9 @@ BridgeSettings Options::settings() const {
                      .parent = parent_frame,
                      .place = place,
                      .places_the_scan = scan_frame.empty()};
+    if (!parent_frame.empty()) {
+        check_parent(settings.tree);
+    }
     settings.publishes_tf = !no_tf;
     settings.points_rate = points_rate;
     settings.diagnostics = "disparityd: " + camera_name;

@@ -33,7 +33,8 @@ struct Options {
     unsigned most_points = 20000;
     double points_rate = 10;
     double voxel_m = 0;
-    std::string box;  ///< six numbers with commas between, or empty
+    std::string box;                       ///< six numbers with commas between, or empty
+    std::string scan_hidden = "obstacle";  ///< or "ignored"
     int jpeg_quality = 85;
 
     /// Adds the options to the program; they are set when it parses.

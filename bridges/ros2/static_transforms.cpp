@@ -3,6 +3,15 @@
 
 namespace disparityd::ros2 {
 
+std::string yaw_of_scans_text(const TreeOfFrames& tree) {
+    if (tree.parent.empty() || !tree.places_the_scan || tree.place.yaw_deg == 0) {
+        return {};
+    }
+    return tree.names.scan + " has the axes of " + tree.parent +
+           ": scans are turned aside unless yaw_deg of the daemon's [scan] is that of --yaw-deg; where it is not, name "
+           "their frame by --scan-frame";
+}
+
 std::vector<ros::Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
                                               const std::optional<disparity::InertialPose>& sensor) {
     std::vector<ros::Transform> transforms;

@@ -32,6 +32,10 @@ struct TreeOfFrames {
     bool places_the_scan = true;  ///< the scan's frame is a part of the tree: below the camera, in the parent's plane
 };
 
+/// Returns one line when the frame of scans is right only where the daemon's [scan] has the same yaw, which it does not
+/// tell; else empty.
+std::string yaw_of_scans_text(const TreeOfFrames& tree);
+
 /// Returns the transforms that do not change: from the parent to the camera and to the scan's frame, from the camera to
 /// both optical frames, from the left one to the inertial sensor. What is not known is left out: `baseline_m` <= 0,
 /// and the sensor's pose.

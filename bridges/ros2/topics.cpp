@@ -35,7 +35,7 @@ constexpr std::array names{
     Names{Content::points, "points2", "point_cloud/cloud_registered"},
     Names{Content::scan, "scan", "scan"},
     Names{Content::imu, "imu/data_raw", "imu/data_raw"},
-    Names{Content::imu, "imu/data", "imu/data"},
+    Names{Content::imu, "", "imu/data"},  // elsewhere it is one with an orientation (REP-145)
     Names{Content::magnetic_field, "imu/mag", "imu/mag"},
     Names{Content::imu_temperature, "temperature/imu", "temperature/imu"},
     Names{Content::camera_temperature, "temperature/camera", "temperature/camera"},
@@ -49,11 +49,14 @@ bool is_letter(char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
+bool is_letter_or_digit(char c) {
+    return is_letter(c) || (c >= '0' && c <= '9');
+}
+
 }  // namespace
 
 bool is_ros_name(std::string_view name) {
-    return !name.empty() && is_letter(name.front()) &&
-           std::all_of(name.begin(), name.end(), [](char c) { return is_letter(c) || (c >= '0' && c <= '9'); }) &&
+    return !name.empty() && is_letter(name.front()) && std::all_of(name.begin(), name.end(), is_letter_or_digit) &&
            name.find("__") == std::string_view::npos;
 }
 
@@ -69,6 +72,12 @@ bool is_ros_namespace(std::string_view name) {
         name.remove_prefix(std::min(end + 1, name.size()));
     }
     return true;
+}
+
+bool is_frame_name(std::string_view name) {
+    return !name.empty() && name.front() != '/' && name.back() != '/' &&
+           std::all_of(name.begin(), name.end(),
+                       [](char c) { return is_letter_or_digit(c) || c == '-' || c == '.' || c == '/'; });
 }
 
 std::string default_namespace(Naming naming, const std::string& camera_name) {

@@ -30,6 +30,9 @@ bool is_ros_name(std::string_view name);
 /// Returns whether it is "" or "/", or such names with / between and maybe before them.
 bool is_ros_namespace(std::string_view name);
 
+/// Whether frames of reference may have the name: letters, digits, _, -, . and /, which tf2 refuses at the beginning.
+bool is_frame_name(std::string_view name);
+
 /// Returns the namespace that topics have by default: "/NAME", as the ZED's wrapper "/NAME/zed_node".
 std::string default_namespace(Naming naming, const std::string& camera_name);
 

@@ -80,4 +80,8 @@ std::string stale_diagnostic(const std::string& why, const std::string& name, st
     return message({Level::stale, why}, name, "", {}, realtime_ns);
 }
 
+std::string no_status_diagnostic(const std::string& why, const std::string& name, std::int64_t realtime_ns) {
+    return message({Level::warn, "frames come, and the daemon tells no status: " + why}, name, "", {}, realtime_ns);
+}
+
 }  // namespace disparityd::ros

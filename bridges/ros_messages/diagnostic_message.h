@@ -15,4 +15,7 @@ std::string diagnostic_message(const v1::Status& status, const std::string& name
 /// Returns the same of a daemon that is away: STALE, and `why` as its line.
 std::string stale_diagnostic(const std::string& why, const std::string& name, std::int64_t realtime_ns);
 
+/// Returns the same of a daemon whose frames come while it tells no status, as over shared memory alone: WARN.
+std::string no_status_diagnostic(const std::string& why, const std::string& name, std::int64_t realtime_ns);
+
 }  // namespace disparityd::ros

@@ -8,6 +8,7 @@
 #include "bridges/ros_messages/encode.h"
 #include "bridges/ros_messages/message_definitions.h"
 #include "formats/cdr_reader.h"
+#include "tests/bridges/ros2/claimed_domain.h"
 #include "tests/bridges/ros2/fast_subscriber.h"
 #include "tests/bridges/ros2/loopback.h"
 #include "tests/daemon/daemon_fixture.h"
@@ -55,11 +56,15 @@ protected:
         return config_text("scene:vga@20?width=320&height=176&loop=8", 160, 88, more);
     }
 
-    /// Each process of the tests has domains of its own.
-    static std::uint32_t domain() { return 101 + static_cast<std::uint32_t>(getpid()) % 60; }
+    std::uint32_t domain() const { return domains_.id(); }
 
-    std::unique_ptr<DaemonProcess> start_bridge(const std::vector<std::string>& more = {}, std::uint32_t id = domain(),
+    std::unique_ptr<DaemonProcess> start_bridge(const std::vector<std::string>& more = {},
                                                 const std::string& socket = "") {
+        return start_bridge_in(domain(), more, socket);
+    }
+
+    std::unique_ptr<DaemonProcess> start_bridge_in(std::uint32_t id, const std::vector<std::string>& more = {},
+                                                   const std::string& socket = "") {
         std::signal(SIGINT, SIG_DFL);  // a shell's background job inherits that it is ignored
         std::vector<std::string> arguments{"--points-most", "100000", "--points-rate", "1000"};
         arguments.push_back(socket.empty() ? "--name" : "--socket");
@@ -79,6 +84,7 @@ protected:
         });
     }
 
+    const ClaimedDomain domains_;
     const Subject image_{Content::left_grey_image, "rt/stereo/left/image_rect"};
     const Subject info_{Content::right_info, "rt/stereo/right/camera_info"};
     const Subject depth_{Content::depth, "rt/stereo/depth/image_rect"};
@@ -95,6 +101,7 @@ public:
                            .camera = "stereo_link",
                            .scan = "stereo_footprint",
                            .imu = "stereo_imu_link"};
+        encoding_.hidden = ros::HiddenSpace::obstacle;
     }
 
     void read() {
@@ -161,6 +168,7 @@ TEST_F(Ros2Test, SharedMemoryWithoutASocketIsEnough) {
         subscriber.subscribe(subject.topic, subject.type());
         EXPECT_TRUE(gets(subscriber, subject.topic)) << bridge->log();
     }
+    EXPECT_TRUE(bridge->wait_for_log("the daemon tells no status: ")) << bridge->log();
 }
 
 TEST_F(Ros2Test, EverySideMayStartFirstAndAnew) {
@@ -191,9 +199,9 @@ TEST_F(Ros2Test, EverySideMayStartFirstAndAnew) {
 TEST_F(Ros2Test, DomainsAreApart) {
     const auto daemon = start_ready(slow_scene());
     const auto here = start_bridge({"--camera-name", "here"});
-    const auto there = start_bridge({"--camera-name", "there"}, domain() + 60);
+    const auto there = start_bridge_in(domains_.other(), {"--camera-name", "there"});
     FastSubscriber subscriber(domain());
-    FastSubscriber other(domain() + 60);
+    FastSubscriber other(domains_.other());
     for (FastSubscriber* one : {&subscriber, &other}) {
         one->subscribe("rt/here/scan", scan_.type());
         one->subscribe("rt/there/scan", scan_.type());
@@ -319,7 +327,7 @@ TEST_F(Ros2Test, SamplesOfTheSensorsComeAsImu) {
             }
         }
     });
-    const auto bridge = start_bridge({}, domain(), daemon.unix_address());
+    const auto bridge = start_bridge({}, daemon.unix_address());
     FastSubscriber subscriber(domain());
     subscriber.subscribe("rt/stereo/imu/data_raw", "sensor_msgs::msg::dds_::Imu_");
     std::vector<FastMessage> messages;
@@ -347,7 +355,7 @@ TEST_F(Ros2Test, WhatIsMissingIsSaid) {
 }
 
 TEST_F(Ros2Test, AWrongVariableIsOneLine) {
-    const auto bridge = start_bridge({}, 233);
+    const auto bridge = start_bridge_in(233);
     EXPECT_EQ(bridge->wait_for_exit(), 2);
     EXPECT_THAT(bridge->log(), HasSubstr("disparity-ros2: error: ROS_DOMAIN_ID: found \"233\", allowed: 0 .. 232; see "
                                          "disparity-ros2 --help"));

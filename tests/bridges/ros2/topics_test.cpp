@@ -28,9 +28,12 @@ TEST(Ros2Topics, TwoTablesNameThem) {
          {"/stereo/left/image_rect", "/stereo/right/camera_info", "/stereo/disparity", "/stereo/points2"}) {
         EXPECT_THAT(pipeline, Contains(name));
     }
+    EXPECT_THAT(pipeline, Contains("/stereo/imu/data_raw"));
+    EXPECT_THAT(pipeline, testing::Not(Contains("/stereo/imu/data"))) << "it has no orientation";
     const std::set<std::string> zed = names(Naming::zed, default_namespace(Naming::zed, "zed"));
     for (const char* name : {"/zed/zed_node/left/color/rect/image", "/zed/zed_node/left/color/rect/camera_info",
-                             "/zed/zed_node/depth/depth_registered", "/zed/zed_node/point_cloud/cloud_registered"}) {
+                             "/zed/zed_node/depth/depth_registered", "/zed/zed_node/point_cloud/cloud_registered",
+                             "/zed/zed_node/imu/data"}) {
         EXPECT_THAT(zed, Contains(name));
     }
 }
@@ -62,6 +65,12 @@ TEST(Ros2Topics, NamesAreThoseThatRosAllows) {
     for (const char* bad : {"//", "/a/", "/a//b", "~/a", "/a-b", "/1"}) {
         EXPECT_FALSE(is_ros_namespace(bad)) << bad;
     }
+    for (const char* good : {"base_link", "base-link", "robot/base.1", "2"}) {
+        EXPECT_TRUE(is_frame_name(good)) << good;
+    }
+    for (const char* bad : {"", "/base_link", "base_link/", "base link", "<x>", "/"}) {
+        EXPECT_FALSE(is_frame_name(bad)) << bad;
+    }
 }
 
 TEST(Ros2StaticTransforms, ACameraAloneIsTheRoot) {
@@ -82,6 +91,17 @@ TEST(Ros2StaticTransforms, AParentHasTheCameraAndTheGroundBelowIt) {
     EXPECT_EQ(transforms[1], (ros::Transform{"base_link", "s_footprint", {0.1, 0.2, 0}}));
     tree.places_the_scan = false;
     EXPECT_EQ(static_transforms(tree, 0, std::nullopt).size(), 2U);
+}
+
+TEST(Ros2StaticTransforms, AYawThatTheDaemonMustHaveTooIsSaid) {
+    TreeOfFrames tree{
+        .names = frame_names(Naming::image_pipeline, "s"), .parent = "base_link", .place = {.yaw_deg = 90}};
+    EXPECT_THAT(yaw_of_scans_text(tree), testing::HasSubstr("s_footprint has the axes of base_link"));
+    tree.places_the_scan = false;
+    EXPECT_EQ(yaw_of_scans_text(tree), "");
+    tree.places_the_scan = true;
+    tree.place.yaw_deg = 0;
+    EXPECT_EQ(yaw_of_scans_text(tree), "");
 }
 
 TEST(Ros2StaticTransforms, TheSensorIsWhereTheCalibrationSays) {

@@ -73,5 +73,11 @@ TEST(RosDiagnostic, ADaemonThatIsAwayIsStale) {
     EXPECT_TRUE(entry.values.empty());
 }
 
+TEST(RosDiagnostic, FramesWithoutAStatusAreAWarning) {
+    const Entry entry = entry_in(no_status_diagnostic("no socket", "disparityd: front", 3'000'000'000));
+    EXPECT_EQ(entry.level, 1);
+    EXPECT_EQ(entry.line, "frames come, and the daemon tells no status: no socket");
+}
+
 }  // namespace
 }  // namespace disparityd::ros
