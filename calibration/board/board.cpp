@@ -13,15 +13,11 @@
 
 #include "base/words.h"
 #include "calibration/board/charuco.h"
+#include "calibration/grey_view.h"
 
 namespace disparityd::calibration {
 
 namespace {
-
-cv::Mat view_of(Plane<const std::uint8_t> image) {
-    return {image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
-            static_cast<std::size_t>(image.stride)};
-}
 
 bool find_in(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>& corners) {
     const cv::Size size(board.columns, board.rows);
@@ -46,10 +42,8 @@ bool find_in(const cv::Mat& image, const Board& board, std::vector<cv::Point2f>&
 std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>& numbers) {
     std::vector<cv::Point3f> points;
     points.reserve(numbers.size());
-    for (const int number : numbers) {
-        const int column = number % board.columns;
-        const int row = number / board.columns;
-        points.emplace_back(static_cast<float>(column * board.square_mm), static_cast<float>(row * board.square_mm),
+    for (const cv::Point2f& place : places_on(board, numbers)) {
+        points.emplace_back(static_cast<float>(place.x * board.square_mm), static_cast<float>(place.y * board.square_mm),
                             0.0F);
     }
     return points;
@@ -108,10 +102,7 @@ void measure_rows(const Cameras& cameras, const std::vector<Corners>& lefts, con
 /// markers' numbers put them elsewhere.
 bool lie_as_on(const Board& board, const BoardView& view) {
     constexpr double most_squares = 0.75;  // a fisheye bends the lines of a large board by half of one
-    std::vector<cv::Point2f> flat;
-    for (const int number : view.numbers) {
-        flat.emplace_back(static_cast<float>(number % board.columns), static_cast<float>(number / board.columns));
-    }
+    const std::vector<cv::Point2f> flat = places_on(board, view.numbers);
     const cv::Mat to_board = cv::findHomography(view.left, flat);
     if (to_board.empty()) {
         return false;
@@ -154,13 +145,22 @@ std::optional<BoardView> find_charuco(const cv::Mat& left, const cv::Mat& right,
 
 }  // namespace
 
+std::vector<cv::Point2f> places_on(const Board& board, const std::vector<int>& numbers) {
+    std::vector<cv::Point2f> places;
+    places.reserve(numbers.size());
+    for (const int number : numbers) {
+        places.emplace_back(static_cast<float>(number % board.columns), static_cast<float>(number / board.columns));
+    }
+    return places;
+}
+
 std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,
                                     const Board& board) {
     if (board.markers) {
-        return find_charuco(view_of(left), view_of(right), board);
+        return find_charuco(grey_view(left), grey_view(right), board);
     }
     BoardView view;
-    if (!find_in(view_of(left), board, view.left) || !find_in(view_of(right), board, view.right)) {
+    if (!find_in(grey_view(left), board, view.left) || !find_in(grey_view(right), board, view.right)) {
         return std::nullopt;
     }
     // Both eyes see the same side up, but a board that looks the same upside down may have been read either way.

@@ -33,6 +33,9 @@ struct BoardView {
     std::vector<int> numbers;  ///< which of the board's corners, row by row, ascending
 };
 
+/// Returns where corners lie on a board, in squares from the first one, by their numbers.
+std::vector<cv::Point2f> places_on(const Board& board, const std::vector<int>& numbers);
+
 /// Finds a board in both eyes, with subpixel corners. Both eyes must see a whole chessboard; of a board with markers,
 /// eight common corners in two rows and columns suffice. Returns nothing when an eye sees less.
 std::optional<BoardView> find_board(Plane<const std::uint8_t> left, Plane<const std::uint8_t> right,

@@ -49,11 +49,7 @@ EyeCoverage coverage_of_eye(const std::vector<BoardView>& views, std::vector<cv:
 
 /// Returns the largest ratio of two opposite sides of the board in the left eye, at least 1.
 double tilt(const BoardView& view, const Board& board) {
-    std::vector<cv::Point2f> flat;
-    for (const int number : view.numbers) {
-        flat.emplace_back(static_cast<float>(number % board.columns), static_cast<float>(number / board.columns));
-    }
-    const cv::Mat to_image = cv::findHomography(flat, view.left);
+    const cv::Mat to_image = cv::findHomography(places_on(board, view.numbers), view.left);
     if (to_image.empty()) {
         return 1;
     }

@@ -7,6 +7,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "calibration/board/markers.h"
+#include "calibration/grey_view.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -71,8 +72,7 @@ cv::Size shown_chessboard(const cv::Mat& image) {
 }  // namespace
 
 void OtherBoard::look_at(Plane<const std::uint8_t> eye) {
-    const cv::Mat image(eye.height, eye.width, CV_8U, const_cast<std::uint8_t*>(eye.data),
-                        static_cast<std::size_t>(eye.stride));
+    const cv::Mat image = grey_view(eye);
     if (const ShownMarkers markers = shown_markers(image); markers.family != nullptr) {
         if (const std::string said = said_by(markers, expected_); !said.empty()) {
             ++seen_[said];

@@ -14,6 +14,7 @@
 
 #include "base/number_text.h"
 #include "calibration/calibration.h"
+#include "calibration/grey_view.h"
 #include "calibration/online/corner_matches.h"
 #include "calibration/online/epipolar_fit.h"
 #include "kernels/image.h"
@@ -31,8 +32,7 @@ constexpr int reduced_width = 340;
 constexpr int rows_searched = 16;  // of the reduced image
 
 cv::Mat shrunk(Plane<const std::uint8_t> image, int reduction) {
-    const cv::Mat whole(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat whole = calibration::grey_view(image);
     cv::Mat small;
     cv::resize(whole, small, {image.width / reduction, image.height / reduction}, 0, 0, cv::INTER_AREA);
     return small;
@@ -89,8 +89,7 @@ constexpr int least_change = 18;
 /// The share of an image, 0 .. 1, that has something to match: where brightness changes by more than noise, a ramp or
 /// vignetting do. Measured on the image at a quarter of its size, where noise is small.
 double texture_share(Plane<const std::uint8_t> image) {
-    const cv::Mat whole(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat whole = calibration::grey_view(image);
     const cv::Size size(std::max(image.width / shrink, 3), std::max(image.height / shrink, 3));
     cv::Mat reduced, change;
     cv::resize(whole, reduced, size, 0, 0, cv::INTER_AREA);
@@ -193,8 +192,7 @@ std::optional<LikelyCause> test_range(const Suspect& suspect, const std::vector<
 /// Matches the left image with the right one as it would be after it was turned or mirrored back.
 std::optional<LikelyCause> test_turned(const Suspect& suspect, std::size_t matches) {
     constexpr std::size_t clear_ratio = 3;
-    const cv::Mat right(suspect.right.height, suspect.right.width, CV_8UC1,
-                        const_cast<std::uint8_t*>(suspect.right.data), static_cast<std::size_t>(suspect.right.stride));
+    const cv::Mat right = calibration::grey_view(suspect.right);
     for (const auto& [code, what] : {std::pair(-1, "upside down"), {1, "mirrored left to right"}}) {
         cv::Mat back;
         cv::flip(right, back, code);
