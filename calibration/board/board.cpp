@@ -43,8 +43,8 @@ std::vector<cv::Point3f> board_points(const Board& board, const std::vector<int>
     std::vector<cv::Point3f> points;
     points.reserve(numbers.size());
     for (const cv::Point2f& place : places_on(board, numbers)) {
-        points.emplace_back(static_cast<float>(place.x * board.square_mm), static_cast<float>(place.y * board.square_mm),
-                            0.0F);
+        points.emplace_back(static_cast<float>(place.x * board.square_mm),
+                            static_cast<float>(place.y * board.square_mm), 0.0F);
     }
     return points;
 }

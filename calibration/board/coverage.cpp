@@ -63,8 +63,15 @@ double tilt(const BoardView& view, const Board& board) {
     return std::max(ratio(cv::norm(a - b), cv::norm(c - d)), ratio(cv::norm(a - c), cv::norm(b - d)));
 }
 
-/// Appends the parts without a corner: those of both eyes first, as one view may mend both.
-void name_missing_parts(const Coverage& coverage, std::vector<std::string>& missing) {
+}  // namespace
+
+Coverage coverage_of(const std::vector<BoardView>& views, int width, int height) {
+    return {coverage_of_eye(views, &BoardView::left, width, height),
+            coverage_of_eye(views, &BoardView::right, width, height)};
+}
+
+std::vector<std::string> missing_parts(const Coverage& coverage) {
+    std::vector<std::string> missing;
     const auto hold_into = [&](std::size_t part, const char* image) {
         missing.push_back(std::string("hold the board into the ") + part_name(part) + " part of the " + image);
     };
@@ -78,13 +85,7 @@ void name_missing_parts(const Coverage& coverage, std::vector<std::string>& miss
             hold_into(part, coverage.left.parts[part] ? "right eye's image" : "left eye's image");
         }
     }
-}
-
-}  // namespace
-
-Coverage coverage_of(const std::vector<BoardView>& views, int width, int height) {
-    return {coverage_of_eye(views, &BoardView::left, width, height),
-            coverage_of_eye(views, &BoardView::right, width, height)};
+    return missing;
 }
 
 std::vector<std::string> missing_poses(const std::vector<BoardView>& views, const Board& board, int width) {
@@ -107,8 +108,7 @@ std::vector<std::string> missing_poses(const std::vector<BoardView>& views, cons
 }
 
 std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height) {
-    std::vector<std::string> missing;
-    name_missing_parts(coverage_of(views, width, height), missing);
+    std::vector<std::string> missing = missing_parts(coverage_of(views, width, height));
     const std::vector<std::string> poses = missing_poses(views, board, width);
     missing.insert(missing.end(), poses.begin(), poses.end());
     return missing;

@@ -29,12 +29,15 @@ struct Coverage {
 /// Measures the coverage of images of width x height px.
 Coverage coverage_of(const std::vector<BoardView>& views, int width, int height);
 
+/// Returns the parts of an eye's image without a corner, as lines for the user: those of both eyes first, as one view
+/// may mend both.
+std::vector<std::string> missing_parts(const Coverage& coverage);
+
 /// Returns what a set of views lacks but for the coverage, as lines for the user: a near board, enough tilted ones.
 /// `width`: of the images, px.
 std::vector<std::string> missing_poses(const std::vector<BoardView>& views, const Board& board, int width);
 
-/// Returns all that a set of views lacks: parts of an eye's image without a corner, and missing_poses(). Nothing when
-/// the views suffice.
+/// Returns all that a set of views lacks: missing_parts(), then missing_poses(). Nothing when the views suffice.
 std::vector<std::string> missing_views(const std::vector<BoardView>& views, const Board& board, int width, int height);
 
 }  // namespace disparityd::calibration

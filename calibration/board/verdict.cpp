@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "base/words.h"
-#include "calibration/board/coverage.h"
+#include "calibration/online/epipolar_fit.h"
 
 namespace disparityd::calibration {
 namespace {
@@ -38,9 +39,7 @@ double median_error(const BoardCalibration& found) {
     for (const BoardCalibration::View& view : found.views) {
         errors.push_back(error_of(view));
     }
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    return *middle;
+    return median(errors);
 }
 
 double mean_row_error(const BoardCalibration& found) {
@@ -123,10 +122,15 @@ Judgement judge(const BoardCalibration& found, const std::vector<BoardView>& vie
     const Coverage coverage = coverage_of(views, cameras.width, cameras.height);
     judge.look_at_eye("left", coverage.left);
     judge.look_at_eye("right", coverage.right);
-    for (const std::string& line : missing_poses(views, board, cameras.width)) {
+    std::vector<std::string> missing = missing_parts(coverage);
+    for (std::string& line : missing_poses(views, board, cameras.width)) {
         judge.look_at(false, true, line);
+        missing.push_back(std::move(line));
     }
-    return std::move(judge).result();
+    Judgement result = std::move(judge).result();
+    result.coverage = coverage;
+    result.missing = std::move(missing);
+    return result;
 }
 
 CheckedCalibration calibrate_and_judge(const std::vector<BoardView>& views, const Board& board, int width, int height,

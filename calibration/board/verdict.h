@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calibration/board/board.h"
+#include "calibration/board/coverage.h"
 
 namespace disparityd::calibration {
 
@@ -26,6 +27,8 @@ const char* to_string(Verdict verdict);
 struct Judgement {
     Verdict verdict = Verdict::good;
     std::vector<std::string> reasons;  ///< one line each: found, and what a good calibration has; none when it is good
+    Coverage coverage;
+    std::vector<std::string> missing;  ///< missing_views()
 };
 
 /// Judges a calibration by its errors, the number of its views and what they have shown. `views` are those that `found`
@@ -45,8 +48,9 @@ struct CheckedCalibration {
     Judgement judgement;
 };
 
-/// Calibrates, leaves bad_views() out, calibrates again, and judges the result. `all_views`: none is left out. Throws
-/// as calibrate().
+/// Calibrates, leaves the worst of bad_views() out, calibrates again, until none is bad or a quarter is left out, and
+/// judges the result: a view that is far off bends the cameras, and then good ones have errors, too. `all_views`: none
+/// is left out. Throws as calibrate().
 CheckedCalibration calibrate_and_judge(const std::vector<BoardView>& views, const Board& board, int width, int height,
                                        BoardLens lens, bool all_views);
 

@@ -12,7 +12,6 @@
 #include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/board/board.h"
-#include "calibration/board/coverage.h"
 #include "calibration/board/verdict.h"
 #include "calibration/formats/calibration_formats.h"
 #include "tools/command_line/interrupt.h"
@@ -86,8 +85,7 @@ Json view_json(const std::string& frame, const calibration::BoardCalibration::Vi
 }
 
 void report_json(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-                 const ViewCollector& collector, const std::vector<std::string>& missing,
-                 const calibration::Coverage& coverage) {
+                 const ViewCollector& collector) {
     Json views = Json::array();
     for (std::size_t i = 0; i < checked.used.size(); ++i) {
         views.push_back(view_json(collector.pictures()[checked.used[i]].frame, checked.found.views[i]));
@@ -102,17 +100,16 @@ void report_json(const CalibrateArguments& arguments, const calibration::Checked
                               {"rms_px", checked.found.rms},
                               {"views", views},
                               {"left_out", left_out},
-                              {"left", coverage_json(coverage.left)},
-                              {"right", coverage_json(coverage.right)},
-                              {"missing", missing},
+                              {"left", coverage_json(checked.judgement.coverage.left)},
+                              {"right", coverage_json(checked.judgement.coverage.right)},
+                              {"missing", checked.judgement.missing},
                               {"calibration", to_json(checked.found.calibration)}},
                          2)
               << '\n';
 }
 
 void report_text(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-                 const ViewCollector& collector, const std::vector<std::string>& missing,
-                 const calibration::Coverage& coverage) {
+                 const ViewCollector& collector) {
     Table table({"view", "frame", "left px", "right px", "rows px", ""});
     const auto add = [&](std::size_t view, const calibration::BoardCalibration::View& errors, const char* note) {
         table.add({std::to_string(view + 1), collector.pictures()[view].frame, fixed(errors.left_rms, 3),
@@ -128,7 +125,8 @@ void report_text(const CalibrateArguments& arguments, const calibration::Checked
     const double baseline = -checked.found.calibration.translation[0];
     std::cout << arguments.output << ": RMS " << fixed(checked.found.rms, 3) << " px over " << checked.views.size()
               << " views, baseline " << fixed(baseline, 2) << " mm\n"
-              << coverage_line(coverage) << "\nverdict: " << to_string(checked.judgement.verdict) << '\n';
+              << coverage_line(checked.judgement.coverage) << "\nverdict: " << to_string(checked.judgement.verdict)
+              << '\n';
     for (const std::string& reason : checked.judgement.reasons) {
         std::cout << "- " << reason << '\n';
     }
@@ -137,7 +135,7 @@ void report_text(const CalibrateArguments& arguments, const calibration::Checked
                    " left out, as the corners do not fit those of the others: blurred, misread, a bent board, or one "
                    "that moved between the eyes' exposures; --all-views uses all");
     }
-    for (const std::string& line : missing) {
+    for (const std::string& line : checked.judgement.missing) {
         print_note("it would be better to " + line);
     }
     constexpr double shortest = 20, longest = 2000;
@@ -146,15 +144,6 @@ void report_text(const CalibrateArguments& arguments, const calibration::Checked
                    " mm is unusual: measure it; if it is wrong, --square was not the side of a square in mm, and all "
                    "distances are wrong by the same factor");
     }
-}
-
-void report(const CalibrateArguments& arguments, const calibration::CheckedCalibration& checked,
-            const ViewCollector& collector) {
-    const calibration::StereoCalibration& cameras = checked.found.calibration;
-    const std::vector<std::string> missing =
-        calibration::missing_views(checked.views, collector.board(), cameras.width, cameras.height);
-    const calibration::Coverage coverage = calibration::coverage_of(checked.views, cameras.width, cameras.height);
-    (arguments.json ? report_json : report_text)(arguments, checked, collector, missing, coverage);
 }
 
 /// Another mode of the camera, and the file of its calibration: that of 640x360 for my.yml is my-640x360.yml.
@@ -208,7 +197,7 @@ int run_calibration(const CalibrateArguments& arguments) {
         images::check_picture_name(arguments.report);
         check_output(arguments.report, arguments.force);
     }
-    board_of(arguments.board);
+    const calibration::Board board = board_of(arguments.board);
     const std::vector<OtherMode> modes = other_modes(arguments);
     for (const OtherMode& mode : modes) {
         check_output(mode.file, arguments.force);
@@ -227,7 +216,7 @@ int run_calibration(const CalibrateArguments& arguments) {
     for (const OtherMode& mode : modes) {
         scaled(only_size, mode.width, mode.height);  // refused before the board is shown
     }
-    ViewCollector collector(arguments.source, board_of(arguments.board), info, arguments.views.value_or(default_views),
+    ViewCollector collector(arguments.source, board, info, arguments.views.value_or(default_views),
                             arguments.every.value_or(1));
     collect(*source, collector);
     constexpr std::size_t least_views = 3;
@@ -243,17 +232,16 @@ int run_calibration(const CalibrateArguments& arguments) {
         print_note(other);
     }
     const calibration::CheckedCalibration checked = calibration::calibrate_and_judge(
-        collector.views(), collector.board(), info.eye_width, info.height, lens, arguments.all_views);
+        collector.views(), board, info.eye_width, info.height, lens, arguments.all_views);
     check_result(arguments, checked.found.calibration);
     write_calibration(arguments.output, checked.found.calibration);
     for (const OtherMode& mode : modes) {
         write_calibration(mode.file, scaled(checked.found.calibration, mode.width, mode.height));
     }
     if (!arguments.report.empty()) {
-        images::write_picture(arguments.report,
-                              report_picture(collector.pictures(), collector.views(), checked, collector.board()));
+        images::write_picture(arguments.report, report_picture(collector.pictures(), collector.views(), checked));
     }
-    report(arguments, checked, collector);
+    (arguments.json ? report_json : report_text)(arguments, checked, collector);
     for (const OtherMode& mode : modes) {
         print_note(mode.file +
                    ": holds where that mode shows the same field of view; disparityctl rows shows whether "

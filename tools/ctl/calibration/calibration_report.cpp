@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "base/words.h"
+#include "calibration/grey_view.h"
 #include "tools/command_line/table.h"
 
 namespace disparityd::tools {
@@ -75,29 +76,28 @@ void draw_coverage(cv::Mat picture, const calibration::EyeCoverage& coverage,
     }
 }
 
-std::vector<std::string> summary_lines(const calibration::CheckedCalibration& checked,
-                                       const calibration::Coverage& coverage, const std::vector<std::string>& missing) {
+std::vector<std::string> summary_lines(const calibration::CheckedCalibration& checked) {
     const calibration::StereoCalibration& cameras = checked.found.calibration;
-    std::vector<std::string> lines{
-        std::string("verdict: ") + to_string(checked.judgement.verdict),
-        base::counted(checked.views.size(), "view") + ", RMS " + fixed(checked.found.rms, 3) + " px, baseline " +
-            fixed(-cameras.translation[0], 2) + " mm, focal length: left " + fixed(cameras.left.fx, 1) + " px, right " +
-            fixed(cameras.right.fx, 1) + " px",
-        coverage_line(coverage), "above: all corners in the left and the right image; a red part has none"};
+    std::vector<std::string> lines{std::string("verdict: ") + to_string(checked.judgement.verdict),
+                                   base::counted(checked.views.size(), "view") + ", RMS " +
+                                       fixed(checked.found.rms, 3) + " px, baseline " +
+                                       fixed(-cameras.translation[0], 2) + " mm, focal length: left " +
+                                       fixed(cameras.left.fx, 1) + " px, right " + fixed(cameras.right.fx, 1) + " px",
+                                   coverage_line(checked.judgement.coverage),
+                                   "above: all corners in the left and the right image; a red part has none"};
     for (const std::string& line : checked.judgement.reasons) {
         lines.push_back("- " + line);
     }
-    for (const std::string& line : missing) {
+    for (const std::string& line : checked.judgement.missing) {
         lines.push_back("- to be better: " + line);
     }
     return lines;
 }
 
-cv::Mat summary_panel(const calibration::CheckedCalibration& checked, const calibration::Board& board, int width) {
+cv::Mat summary_panel(const calibration::CheckedCalibration& checked, int width) {
     const calibration::StereoCalibration& cameras = checked.found.calibration;
-    const calibration::Coverage coverage = calibration::coverage_of(checked.views, cameras.width, cameras.height);
-    const std::vector<std::string> lines = summary_lines(
-        checked, coverage, calibration::missing_views(checked.views, board, cameras.width, cameras.height));
+    const calibration::Coverage& coverage = checked.judgement.coverage;
+    const std::vector<std::string> lines = summary_lines(checked);
     const int eye_height = eye_width * cameras.height / cameras.width;
     const int text_height = (static_cast<int>(lines.size()) + 1) * line_height;
     cv::Mat panel(eye_height + text_height, width, CV_8UC3, cv::Scalar::all(20));
@@ -128,19 +128,17 @@ ViewPicture shrink(Plane<const std::uint8_t> left, Plane<const std::uint8_t> rig
     picture.image.create(height, 2 * eye_width, CV_8U);
     int shift = 0;
     for (const auto& eye : {left, right}) {
-        const cv::Mat whole(eye.height, eye.width, CV_8U, const_cast<std::uint8_t*>(eye.data),
-                            static_cast<std::size_t>(eye.stride));
-        cv::resize(whole, picture.image(cv::Rect(shift, 0, eye_width, height)), {eye_width, height}, 0, 0,
-                   cv::INTER_AREA);
+        cv::resize(calibration::grey_view(eye), picture.image(cv::Rect(shift, 0, eye_width, height)),
+                   {eye_width, height}, 0, 0, cv::INTER_AREA);
         shift += eye_width;
     }
     return picture;
 }
 
 cv::Mat report_picture(const std::vector<ViewPicture>& pictures, const std::vector<calibration::BoardView>& views,
-                       const calibration::CheckedCalibration& checked, const calibration::Board& board) {
+                       const calibration::CheckedCalibration& checked) {
     const int width = per_row * 2 * eye_width;
-    const cv::Mat summary = summary_panel(checked, board, width);
+    const cv::Mat summary = summary_panel(checked, width);
     std::vector<cv::Mat> panels;
     for (std::size_t i = 0; i < checked.used.size(); ++i) {
         const std::size_t view = checked.used[i];

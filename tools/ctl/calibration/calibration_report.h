@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 
 #include "calibration/board/board.h"
-#include "calibration/board/coverage.h"
 #include "calibration/board/verdict.h"
 
 namespace disparityd::tools {
@@ -28,6 +27,6 @@ std::string coverage_line(const calibration::Coverage& coverage);
 /// every view with its corners, its files and its errors, those that were left out at the end. `pictures` and `views`:
 /// all that were taken.
 cv::Mat report_picture(const std::vector<ViewPicture>& pictures, const std::vector<calibration::BoardView>& views,
-                       const calibration::CheckedCalibration& checked, const calibration::Board& board);
+                       const calibration::CheckedCalibration& checked);
 
 }  // namespace disparityd::tools

@@ -30,7 +30,6 @@ public:
 
     const std::vector<calibration::BoardView>& views() const { return views_; }
     const std::vector<ViewPicture>& pictures() const { return pictures_; }
-    const calibration::Board& board() const { return board_; }
 
 private:
     void look_for_other_board(Plane<const std::uint8_t> eye);
