@@ -103,8 +103,8 @@ public:
     /// Makes a waiting next() return at once.
     virtual void interrupt() noexcept = 0;
 
-    /// Returns how the source stands at the moment (capture/source_condition.h). Any thread. Sources other than live
-    /// cameras always deliver.
+    /// Returns how the source stands at the moment (capture/source_condition.h). Any thread. Sources of this room
+    /// other than live cameras always deliver.
     virtual SourceCondition condition() const;
 
     /// Sets controls of a live camera in this order and says how all of them stand then

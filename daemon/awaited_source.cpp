@@ -27,7 +27,7 @@ AwaitedSource::AwaitedSource(std::unique_ptr<capture::FrameSource> source, std::
 }
 
 capture::FrameSource::Next AwaitedSource::next(capture::RawFrame& frame, steady_clock::time_point deadline) {
-    while (!has_begun() && !somebody_waits_()) {
+    while (!has_begun_.load(std::memory_order_relaxed) && !somebody_waits_()) {
         const auto now = steady_clock::now();
         if (now >= deadline) {
             return Next::timeout;
@@ -51,7 +51,12 @@ void AwaitedSource::interrupt() noexcept {
 }
 
 capture::SourceCondition AwaitedSource::condition() const {
-    return source_->condition();
+    capture::SourceCondition condition = source_->condition();
+    if (!has_begun_.load(std::memory_order_relaxed)) {
+        condition.delivering = false;
+        condition.detail = "the first frame waits for whoever wants frames ([source] start)";
+    }
+    return condition;
 }
 
 }  // namespace disparityd::daemon

@@ -12,15 +12,13 @@
 
 namespace disparityd::daemon {
 
-/// A source that begins with its first client: [source] start = "on-client". What it gives and says is the inner one's.
+/// A source that begins with its first client: [source] start = "on-client". What it gives and says is the inner one's;
+/// until then condition() says that it waits.
 class AwaitedSource : public capture::FrameSource {
 public:
     /// `somebody_waits` is asked in the thread that calls next(), every 20 ms until it says true. Throws
     /// std::invalid_argument for a live source, whose frames do not wait.
     AwaitedSource(std::unique_ptr<capture::FrameSource> source, std::function<bool()> somebody_waits);
-
-    /// Whether somebody came. Any thread.
-    bool has_begun() const { return has_begun_.load(std::memory_order_relaxed); }
 
     const capture::SourceInfo& info() const override { return source_->info(); }
     Next next(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline) override;

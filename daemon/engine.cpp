@@ -126,7 +126,6 @@ pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const 
 Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<void(int, int)> progress)
     : config_(config),
       source_(open_configured_source(config, carry_over, std::move(progress), [this] { return wanted_(); })),
-      awaited_(dynamic_cast<const AwaitedSource*>(source_.get())),
       rectifications_(make_schedule(config, source_->info())),
       corrected_(dynamic_cast<pipeline::CorrectedRectification*>(rectifications_.get())),
       calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
@@ -314,9 +313,6 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     if (const auto source = source_->condition(); !source.delivering) {
         return {State::waiting, source.detail, false};
-    }
-    if (awaited_ != nullptr && !awaited_->has_begun()) {
-        return {State::waiting, "the first frame waits for whoever wants frames ([source] start)", false};
     }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
@@ -562,7 +558,8 @@ std::string Engine::distances() const {
     if (const auto range = depth_range_of(layout_.geometry, config_.match.options)) {
         return range->text();
     }
-    return source_->condition().delivering ? calibration::unknown_depth_range : "";
+    const bool may_come = source().live && !source_->condition().delivering;  // with the camera
+    return may_come ? "" : calibration::unknown_depth_range;
 }
 
 std::string Engine::stuck_stage(std::chrono::milliseconds limit) const {

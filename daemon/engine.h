@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "capture/frame_source.h"
-#include "daemon/awaited_source.h"
 #include "daemon/config/config.h"
 #include "daemon/configured_source.h"
 #include "daemon/level_watch.h"
@@ -144,7 +143,6 @@ private:
 
     Config config_;
     std::unique_ptr<capture::FrameSource> source_;
-    const AwaitedSource* awaited_ = nullptr;  ///< source_ where [source] start waits for a client
     std::unique_ptr<pipeline::RectificationSchedule> rectifications_;
     pipeline::CorrectedRectification* corrected_ = nullptr;       ///< the same, where it is one
     const pipeline::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one
