@@ -38,8 +38,12 @@ void collect_images(const fs::path& root, const fs::path& folder, Images& found)
 
 }  // namespace
 
+fs::path whole_path(const fs::path& folder) {
+    return fs::absolute(folder / fs::path()).lexically_normal().parent_path();
+}
+
 std::string folder_name(const std::string& folder) {
-    return fs::absolute(folder / fs::path()).lexically_normal().parent_path().filename().string();
+    return whole_path(folder).filename().string();
 }
 
 std::string shown(const fs::path& path) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -21,19 +20,10 @@ FoundScenes scenes_of_sintel(const std::string& folder);
 FoundScenes scenes_of_scene_flow(const std::string& folder);
 FoundScenes scenes_of_driving_stereo(const std::string& folder);
 
-/// The first file of these names in a folder; empty where there is none.
-template <typename Names>
-std::string first_file(const std::string& folder, const Names& names) {
-    for (const char* name : names) {
-        const std::filesystem::path path = std::filesystem::path(folder) / name;
-        if (std::error_code ignored; std::filesystem::is_regular_file(path, ignored)) {
-            return path.string();
-        }
-    }
-    return {};
-}
+/// The whole path of a folder that is given in any way, such as "." or with a slash at its end.
+std::filesystem::path whole_path(const std::filesystem::path& folder);
 
-/// The name of a folder that is given in any way, such as "." or with a slash at its end.
+/// The last part of whole_path().
 std::string folder_name(const std::string& folder);
 
 /// The path as the start of a line for people.

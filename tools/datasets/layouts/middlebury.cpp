@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <iterator>
 #include <string_view>
 #include <utility>
 
+#include "base/file_kind.h"
 #include "base/words.h"
 #include "capture/images/image_sequence.h"
 #include "tools/datasets/layouts/layout.h"
@@ -44,6 +46,16 @@ constexpr std::array<Names, 5> generations{
       {"truedisp.row3.col4.pgm", "truedisp.row3.col4.png", "truedisp.row3.col4.pfm", "truedisp.row3.col4.tif"}}}};
 
 constexpr std::array mask_names{"mask_nonocc.png", "mask0nocc.png", "nonocc.png", "mask_nonocc_derived.png"};
+
+/// The first file of these names in a folder; empty where there is none.
+std::string first_file(const std::string& folder, const std::array<const char*, 4>& names) {
+    for (const char* name : names) {
+        if (const fs::path path = fs::path(folder) / name; base::is_file(path)) {
+            return path.string();
+        }
+    }
+    return {};
+}
 
 /// Whether a folder's name may tell of a size: full-size, 2006FullSize, full_backup, but not fullstack.
 bool may_tell_of(const std::string& name, const std::string& size) {
@@ -113,7 +125,7 @@ double scale_of(const std::string& folder) {
          {"cloth3", 3},   {"cloth4", 3},     {"flowerpots", 3}, {"lampshade1", 3}, {"lampshade2", 3}, {"midd1", 3},
          {"midd2", 3},    {"monopoly", 3},   {"plastic", 3},    {"rocks1", 3},     {"rocks2", 3},     {"wood1", 3},
          {"wood2", 3},    {"drumsticks", 3}, {"dwarves", 3},    {"computer", 3}}};
-    const fs::path path = fs::absolute(folder / fs::path()).lexically_normal().parent_path();
+    const fs::path path = whole_path(folder);
     for (auto part = path.end(); part != path.begin();) {
         --part;
         const std::string name = base::lower_case(part->string());
@@ -129,11 +141,10 @@ double scale_of(const std::string& folder) {
 /// ETH3D packs truth apart: two_view_training_gt/SCENE for two_view_training/SCENE. Empty where there is no such
 /// folder.
 std::string neighbour_with_truth(const std::string& folder) {
-    const fs::path path = fs::absolute(folder / fs::path()).lexically_normal().parent_path();
+    const fs::path path = whole_path(folder);
     const fs::path neighbour =
         path.parent_path().parent_path() / (path.parent_path().filename().string() + "_gt") / path.filename();
-    std::error_code ignored;
-    return fs::is_directory(neighbour, ignored) ? neighbour.string() : std::string();
+    return base::is_folder(neighbour) ? neighbour.string() : std::string();
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 
 #include "base/file_kind.h"
 #include "tools/datasets/layouts/layout.h"
@@ -38,9 +39,7 @@ FoundScenes scenes_of_scene_flow(const std::string& folder) {
     if (frames.empty()) {
         return {};
     }
-    const fs::path root = frames == fs::path(folder)
-                              ? fs::absolute(frames / fs::path()).lexically_normal().parent_path().parent_path()
-                              : fs::path(folder);
+    const fs::path root = frames == fs::path(folder) ? whole_path(frames).parent_path() : fs::path(folder);
     if (!base::is_folder(root / "disparity")) {
         return {{}, {shown(frames) + ": has no ground truth " + shown(root / "disparity")}};
     }

@@ -17,11 +17,6 @@ fs::path left_images(const std::string& folder, const std::string& pass) {
     return folder_name(folder) == name ? fs::path(folder) : fs::path();
 }
 
-/// The folder around; also of "clean_left", whose path does not tell.
-fs::path parent(const fs::path& folder) {
-    return fs::absolute(folder / fs::path()).lexically_normal().parent_path().parent_path();
-}
-
 }  // namespace
 
 FoundScenes scenes_of_sintel(const std::string& folder) {
@@ -30,7 +25,7 @@ FoundScenes scenes_of_sintel(const std::string& folder) {
         if (left.empty()) {
             continue;
         }
-        const fs::path root = left == fs::path(folder) ? parent(left) : fs::path(folder);
+        const fs::path root = left == fs::path(folder) ? whole_path(left).parent_path() : fs::path(folder);
         if (!base::is_folder(root / "disparities")) {
             return {{}, {shown(left) + ": has no ground truth " + shown(root / "disparities")}};
         }
