@@ -28,13 +28,18 @@ cv::Mat read_grey(const std::string& path) {
     return image;
 }
 
+/// A value of a grey image of 8 or 16 bits.
+int stored_value(const cv::Mat& image, int x, int y) {
+    return image.depth() == CV_8U ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);
+}
+
 FloatMap read_scaled(const std::string& path, double scale) {
     const cv::Mat image = read_grey(path);
     FloatMap result{image.cols, image.rows, {}};
     result.values.reserve(image.total());
     for (int y = 0; y < image.rows; ++y) {
         for (int x = 0; x < image.cols; ++x) {
-            const int stored = image.depth() == CV_8U ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);
+            const int stored = stored_value(image, x, y);
             result.values.push_back(stored == 0 ? unknown : static_cast<float>(stored / scale));
         }
     }
@@ -48,20 +53,29 @@ void check_size(const std::string& first, capture::ImageSize first_size, const s
     }
 }
 
+/// Marks the pixels with truth that are hidden from the right camera: `hidden` says so of the pixel of an index.
+template <typename Hidden>
+void mark_occluded(GroundTruth& truth, const Hidden& hidden) {
+    for (std::size_t i = 0; i < truth.classes.size(); ++i) {
+        if (truth.classes[i] != TruthClass::none && hidden(i)) {
+            truth.classes[i] = TruthClass::occluded;
+        }
+    }
+    truth.knows_occlusion = true;
+}
+
+/// The place of the pixel of an index.
+cv::Point place_of(std::size_t index, const GroundTruth& truth) {
+    return {static_cast<int>(index) % truth.width, static_cast<int>(index) / truth.width};
+}
+
 void apply_mask(GroundTruth& truth, const DatasetScene& scene) {
     cv::Mat mask = capture::read_image(scene.mask);
     if (mask.channels() == 3) {
         cv::extractChannel(mask, mask, 0);  // the official ones are grey, but some are stored as colour
     }
     check_size(scene.truth, {truth.width, truth.height}, scene.mask, {mask.cols, mask.rows});
-    for (std::size_t i = 0; i < truth.classes.size(); ++i) {
-        const int x = static_cast<int>(i) % truth.width;
-        const int y = static_cast<int>(i) / truth.width;
-        if (truth.classes[i] != TruthClass::none && mask.at<std::uint8_t>(y, x) != 255) {
-            truth.classes[i] = TruthClass::occluded;
-        }
-    }
-    truth.knows_occlusion = true;
+    mark_occluded(truth, [&](std::size_t i) { return mask.at<std::uint8_t>(place_of(i, truth)) != 255; });
 }
 
 /// Reads a picture that says something of each pixel by 0 or more.
@@ -78,8 +92,7 @@ std::vector<std::uint8_t> read_flags(const std::string& path, const GroundTruth&
     flags.reserve(image.total());
     for (int y = 0; y < image.rows; ++y) {
         for (int x = 0; x < image.cols; ++x) {
-            const int value = image.depth() == CV_8U ? image.at<std::uint8_t>(y, x) : image.at<std::uint16_t>(y, x);
-            flags.push_back(value != 0 ? 1 : 0);
+            flags.push_back(stored_value(image, x, y) != 0 ? 1 : 0);
         }
     }
     return flags;
@@ -88,13 +101,8 @@ std::vector<std::uint8_t> read_flags(const std::string& path, const GroundTruth&
 void apply_unseen(GroundTruth& truth, const DatasetScene& scene) {
     for (const std::string& path : scene.unseen) {
         const std::vector<std::uint8_t> unseen = read_flags(path, truth, scene);
-        for (std::size_t i = 0; i < unseen.size(); ++i) {
-            if (truth.classes[i] != TruthClass::none && unseen[i] != 0) {
-                truth.classes[i] = TruthClass::occluded;
-            }
-        }
+        mark_occluded(truth, [&](std::size_t i) { return unseen[i] != 0; });
     }
-    truth.knows_occlusion = true;
 }
 
 /// Three bytes for each pixel, as Sintel packs them.
@@ -131,38 +139,26 @@ FloatMap read_coded(const std::string& path, TruthCoding coding, double scale) {
 }
 
 /// Whether the right image shows the point of a pixel, by the truth of both images.
-bool sees_it_too(const FloatMap& right, int x, int y, float disparity) {
+bool sees_it_too(const FloatMap& right, cv::Point place, float disparity) {
     constexpr float nearer = 1;
-    const auto at = static_cast<long>(std::lround(static_cast<double>(x) - static_cast<double>(disparity)));
+    const auto at = static_cast<long>(std::lround(static_cast<double>(place.x) - static_cast<double>(disparity)));
     if (at < 0 || at >= right.width) {
         return false;
     }
-    const float other = right.at(static_cast<int>(at), y);
+    const float other = right.at(static_cast<int>(at), place.y);
     return std::isfinite(other) && other - disparity <= nearer;
 }
 
 void apply_right_truth(GroundTruth& truth, const DatasetScene& scene, double scale) {
     const FloatMap right = read_coded(scene.right_truth, scene.coding, scale);
     check_size(scene.truth, {truth.width, truth.height}, scene.right_truth, {right.width, right.height});
-    for (std::size_t i = 0; i < truth.classes.size(); ++i) {
-        const int x = static_cast<int>(i) % truth.width;
-        const int y = static_cast<int>(i) / truth.width;
-        if (truth.classes[i] != TruthClass::none && !sees_it_too(right, x, y, truth.disparity[i])) {
-            truth.classes[i] = TruthClass::occluded;
-        }
-    }
-    truth.knows_occlusion = true;
+    mark_occluded(truth, [&](std::size_t i) { return !sees_it_too(right, place_of(i, truth), truth.disparity[i]); });
 }
 
 void apply_visible_truth(GroundTruth& truth, const DatasetScene& scene, double scale) {
     const FloatMap visible = read_scaled(scene.visible_truth, scale);
     check_size(scene.truth, {truth.width, truth.height}, scene.visible_truth, {visible.width, visible.height});
-    for (std::size_t i = 0; i < truth.classes.size(); ++i) {
-        if (truth.classes[i] != TruthClass::none && !std::isfinite(visible.values[i])) {
-            truth.classes[i] = TruthClass::occluded;
-        }
-    }
-    truth.knows_occlusion = true;
+    mark_occluded(truth, [&](std::size_t i) { return !std::isfinite(visible.values[i]); });
 }
 
 }  // namespace
