@@ -36,7 +36,6 @@
 #include "tools/eval/opencv_matcher.h"
 #include "tools/eval/paper.h"
 #include "tools/eval/pictures/error_picture.h"
-#include "tools/eval/rendered_scene.h"
 #include "tools/eval/report.h"
 #include "tools/eval/scan/data_report.h"
 #include "tools/eval/scan/scan_report.h"
