@@ -9,11 +9,6 @@
 namespace disparityd::eval {
 namespace {
 
-/// Returns whether KITTI's D1 counts a pixel. The factor of 20 keeps 5 % exact, which 0.05 is not in binary.
-bool is_d1_outlier(float error, float truth) {
-    return error > 3.0F && error * 20.0F > std::abs(truth);
-}
-
 /// Counts over one set of pixels.
 struct Tally {
     std::size_t judged = 0;
@@ -33,11 +28,7 @@ struct Tally {
         d1 += is_d1_outlier(error, truth) ? 1U : 0U;
         near += has_disparity && disparity > truth && is_d1_outlier(error, truth) ? 1U : 0U;
     }
-    double percent(std::size_t count) const { return percent_of(judged, count); }
-    static double percent_of(std::size_t all, std::size_t count) {
-        return all == 0 ? std::numeric_limits<double>::quiet_NaN()
-                        : 100.0 * static_cast<double>(count) / static_cast<double>(all);
-    }
+    double percent(std::size_t count) const { return percent_of(count, judged); }
 };
 
 }  // namespace
@@ -66,15 +57,10 @@ Accuracy measure(const images::FloatMap& disparity, const images::FloatMap& trut
             on_thin.add(disparity.values[i], truth.values[i]);
         }
     }
-    return {visible.percent(visible.bad1),
-            all.percent(all.bad1),
-            visible.percent(visible.bad2),
-            all.percent(all.bad2),
-            all.percent(all.valid),
-            visible.percent(visible.d1),
-            all.percent(all.d1),
-            Tally::percent_of(all.valid, all.near),
-            on_thin.percent(on_thin.judged - on_thin.bad1)};
+    return {
+        visible.percent(visible.bad1), all.percent(all.bad1),           visible.percent(visible.bad2),
+        all.percent(all.bad2),         all.percent(all.valid),          visible.percent(visible.d1),
+        all.percent(all.d1),           percent_of(all.near, all.valid), on_thin.percent(on_thin.judged - on_thin.bad1)};
 }
 
 }  // namespace disparityd::eval

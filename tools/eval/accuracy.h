@@ -1,12 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "tools/images/disparity_map.h"
 
 namespace disparityd::eval {
+
+/// Returns whether KITTI's D1 counts a pixel with this error and true disparity in px: more than 3 px and more than 5 %
+/// off. The factor of 20 keeps 5 % exact, which 0.05 is not in binary.
+template <typename Number>
+bool is_d1_outlier(Number error, Number truth) {
+    return error > 3 && error * 20 > std::abs(truth);
+}
+
+/// Returns NaN where there is nothing to be a part of.
+inline double percent_of(std::size_t part, std::size_t all) {
+    return all == 0 ? std::numeric_limits<double>::quiet_NaN()
+                    : 100.0 * static_cast<double>(part) / static_cast<double>(all);
+}
 
 /// Percent of judged pixels. A pixel is judged where the truth is known; it is bad when it is rejected or when
 /// |disparity - truth| is more than the limit. NaN where no pixel is judged.

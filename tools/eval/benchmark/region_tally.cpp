@@ -4,23 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/eval/accuracy.h"
+
 namespace disparityd::eval {
 namespace {
-
-/// KITTI's D1. The factor of 20 keeps 5 % exact, which 0.05 is not in binary.
-bool is_outlier(double error, double truth) {
-    return error > 3 && error * 20 > std::abs(truth);
-}
 
 /// The smallest error that so many percent of all do not exceed; `errors` are sorted, at least one.
 double quantile(const std::vector<double>& errors, int percent) {
     const std::size_t needed = (errors.size() * static_cast<std::size_t>(percent) + 99) / 100;
     return errors[std::max<std::size_t>(needed, 1) - 1];
-}
-
-double share_of(std::size_t count, std::size_t all) {
-    return all == 0 ? std::numeric_limits<double>::quiet_NaN()
-                    : 100 * static_cast<double>(count) / static_cast<double>(all);
 }
 
 }  // namespace
@@ -60,7 +52,7 @@ RegionTally tally(const JudgedMap& map, const images::FloatMap& filled, const im
         for (std::size_t k = 0; k < RegionTally::limits.size(); ++k) {
             result.bad[k] += error > RegionTally::limits[k] ? 1U : 0U;
         }
-        result.d1 += is_outlier(error, true_value) ? 1U : 0U;
+        result.d1 += is_d1_outlier(error, true_value) ? 1U : 0U;
         result.sum += error;
         result.sum_of_squares += error * error;
         if (!map.confidence.empty()) {
@@ -95,11 +87,11 @@ std::vector<Figure> benchmark_figures() {
 
 std::vector<double> values_of(const RegionTally& tally) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> values{share_of(tally.measured, tally.pixels)};
+    std::vector<double> values{percent_of(tally.measured, tally.pixels)};
     for (const std::size_t bad : tally.bad) {
-        values.push_back(share_of(bad, tally.judged));
+        values.push_back(percent_of(bad, tally.judged));
     }
-    values.push_back(share_of(tally.d1, tally.judged));
+    values.push_back(percent_of(tally.d1, tally.judged));
     const auto count = static_cast<double>(tally.with_error);
     values.push_back(tally.with_error == 0 ? nan : tally.sum / count);
     values.push_back(tally.with_error == 0 ? nan : std::sqrt(tally.sum_of_squares / count));
