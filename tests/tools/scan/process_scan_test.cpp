@@ -12,7 +12,7 @@
 #include "capture/recording/recording_writer.h"
 #include "tests/tools/made_input.h"
 #include "tests/tools/run_program.h"
-#include "tools/ctl/csv.h"
+#include "tools/command_line/csv.h"
 #include "tools/ctl/scan/scan_csv.h"
 
 namespace disparityd::test {

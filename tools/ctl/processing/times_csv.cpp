@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tools/ctl/processing/times_csv.h"
 
-#include "tools/ctl/csv.h"
+#include "tools/command_line/csv.h"
 
 namespace disparityd::tools {
 namespace {

@@ -8,23 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "base/number_text.h"
+#include "tools/command_line/csv.h"
 #include "tools/command_line/table.h"
 #include "tools/eval/means.h"
 #include "tools/eval/report.h"
 
 namespace disparityd::eval {
 namespace {
-
-std::string csv_cell(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        return text;
-    }
-    std::string quoted = "\"";
-    for (const char letter : text) {
-        quoted += letter == '"' ? "\"\"" : std::string(1, letter);
-    }
-    return quoted + '"';
-}
 
 void print_csv(const std::vector<BenchmarkRow>& rows, std::ostream& to) {
     constexpr int decimals = 4;
@@ -34,8 +24,8 @@ void print_csv(const std::vector<BenchmarkRow>& rows, std::ostream& to) {
     }
     to << '\n';
     for (const BenchmarkRow& row : rows) {
-        to << name(row.kind) << ',' << csv_cell(row.scene) << ',' << csv_cell(row.matcher) << ',' << name(row.region)
-           << ',' << row.scenes << ',' << row.pixels;
+        to << name(row.kind) << ',' << tools::csv_quoted(row.scene) << ',' << tools::csv_quoted(row.matcher) << ','
+           << name(row.region) << ',' << row.scenes << ',' << row.pixels;
         for (const double value : row.values) {
             to << ',' << (std::isnan(value) ? "" : base::fixed(value, decimals));
         }

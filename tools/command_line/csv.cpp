@@ -1,23 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "tools/ctl/csv.h"
+#include "tools/command_line/csv.h"
 
 #include "base/message_text.h"
 
 namespace disparityd::tools {
 
-std::string csv_field(std::string_view text) {
-    const std::string line = base::printable(text, text.size());
-    if (line.find_first_of(",\"") == std::string::npos) {
-        return line;
+std::string csv_quoted(std::string_view text) {
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+        return std::string(text);
     }
     std::string field = "\"";
-    for (const char c : line) {
+    for (const char c : text) {
         field += c;
         if (c == '"') {
             field += c;
         }
     }
     return field + '"';
+}
+
+std::string csv_field(std::string_view text) {
+    return csv_quoted(base::printable(text, text.size()));
 }
 
 std::vector<std::string> csv_fields(std::string_view line) {

@@ -7,8 +7,11 @@
 
 namespace disparityd::tools {
 
-/// Returns a text as a field of CSV (RFC 4180): in quotation marks where it has a comma or a quotation mark. Control
-/// characters become "?", so that a record stays one line.
+/// Returns a text as a field of CSV (RFC 4180): in quotation marks where it has a comma, a quotation mark or a line
+/// end.
+std::string csv_quoted(std::string_view text);
+
+/// The same with "?" for control characters, so that a record stays one line.
 std::string csv_field(std::string_view text);
 
 /// Returns the fields of one line, without their quotation marks.
