@@ -46,16 +46,20 @@ cv::Mat colour_view(Plane<const std::uint8_t> plane) {
             static_cast<std::size_t>(plane.stride)};
 }
 
-cv::Mat colour_disparity(const DisparityMap& map, const ColourScale& scale) {
-    cv::Mat result(map.d16.height, map.d16.width, CV_8UC3);
-    for (int y = 0; y < map.d16.height; ++y) {
+cv::Mat colour_disparity(const FloatMap& map, const ColourScale& scale) {
+    cv::Mat result(map.height, map.width, CV_8UC3);
+    for (int y = 0; y < map.height; ++y) {
         auto* row = result.ptr<cv::Vec3b>(y);
-        for (int x = 0; x < map.d16.width; ++x) {
-            const std::int16_t d16 = map.d16.at(x, y);
-            row[x] = d16 == map.invalid() ? rejected_colour : colour_of(d16 / 16.0, scale);
+        for (int x = 0; x < map.width; ++x) {
+            const float value = map.at(x, y);
+            row[x] = std::isfinite(value) ? colour_of(static_cast<double>(value), scale) : rejected_colour;
         }
     }
     return result;
+}
+
+cv::Mat colour_disparity(const DisparityMap& map, const ColourScale& scale) {
+    return colour_disparity(to_float(map), scale);
 }
 
 cv::Mat picture(const cv::Mat& left, const DisparityMap& map, const ColourScale& scale, const Metric& metric) {

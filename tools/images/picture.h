@@ -27,6 +27,7 @@ cv::Mat grey_view(Plane<const std::uint8_t> plane);
 cv::Mat colour_view(Plane<const std::uint8_t> plane);
 
 /// BGR, rejected pixels in rejected_colour.
+cv::Mat colour_disparity(const FloatMap& map, const ColourScale& scale);
 cv::Mat colour_disparity(const DisparityMap& map, const ColourScale& scale);
 
 /// What people look at: the left image (grey or BGR) beside the coloured disparity beside its scale. An empty `left`

@@ -2,6 +2,7 @@
 #include "tools/eval/benchmark/error_page.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
@@ -12,8 +13,8 @@
 #include "tools/eval/benchmark/sparsification_chart.h"
 #include "tools/eval/means.h"
 #include "tools/eval/pictures/error_picture.h"
-#include "tools/images/colour_map.h"
 #include "tools/images/image_file.h"
+#include "tools/images/picture.h"
 
 namespace disparityd::eval {
 namespace {
@@ -121,18 +122,6 @@ images::ColourScale scale_of_truth(const images::FloatMap& truth) {
         }
     }
     return scale;
-}
-
-cv::Mat coloured(const images::FloatMap& map, const images::ColourScale& scale) {
-    cv::Mat picture(map.height, map.width, CV_8UC3);
-    for (int y = 0; y < map.height; ++y) {
-        for (int x = 0; x < map.width; ++x) {
-            const float value = map.at(x, y);
-            picture.at<cv::Vec3b>(y, x) =
-                std::isfinite(value) ? images::colour_of(static_cast<double>(value), scale) : images::rejected_colour;
-        }
-    }
-    return picture;
 }
 
 std::string legend_html() {
@@ -250,7 +239,8 @@ void ErrorPage::add(const Scene& scene, const images::FloatMap& disparity, const
     if (is_new_scene) {
         images::write_png(folder_ + '/' + entry.left, scene.left);
     }
-    images::write_png(folder_ + '/' + entry.disparity, coloured(disparity, scale_of_truth(scene.truth)));
+    images::write_png(folder_ + '/' + entry.disparity,
+                      images::colour_disparity(disparity, scale_of_truth(scene.truth)));
     images::write_png(folder_ + '/' + entry.errors, error_image(scene, disparity));
     entries_.push_back(std::move(entry));
 }
