@@ -2,7 +2,6 @@
 //
 // Sends the daemon's obstacle scans to an autopilot, as MAVLink 2.
 #include <atomic>
-#include <csignal>
 #include <optional>
 #include <string>
 
@@ -11,28 +10,13 @@
 #include "bridges/mavlink/bridge.h"
 #include "bridges/mavlink/options.h"
 #include "bridges/program/program.h"
+#include "bridges/program/stop_signals.h"
 
 namespace {
 
 using namespace disparityd::mavlink;
 
 constexpr const char* program = "disparity-mavlink";
-
-std::atomic<bool> stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need lock-free atomics");
-
-extern "C" void on_signal(int /*number*/) {
-    stop.store(true, std::memory_order_relaxed);
-}
-
-/// The first SIGTERM or SIGINT ends the program in order, a second one at once.
-void catch_signals() {
-    struct sigaction action {};
-    action.sa_handler = on_signal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGTERM, &action, nullptr);
-    sigaction(SIGINT, &action, nullptr);
-}
 
 void run(const Options& options) {
     const BridgeSettings settings = options.settings();
@@ -44,7 +28,7 @@ void run(const Options& options) {
         attitude.emplace(settings.system_id, *giver);
     }
     Notes notes([](const std::string& line) { disparityd::bridges::print_line(program, "note", line); });
-    catch_signals();
+    const std::atomic<bool>& stop = disparityd::bridges::catch_stop_signals();
     Bridge(settings, *source, *link, notes, attitude ? &*attitude : nullptr).run(stop);
 }
 

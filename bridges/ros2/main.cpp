@@ -2,7 +2,6 @@
 //
 // Publishes what the daemon measures to nodes of ROS 2, over DDS.
 #include <atomic>
-#include <csignal>
 #include <cstdlib>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include <unistd.h>
 
 #include "bridges/program/program.h"
+#include "bridges/program/stop_signals.h"
 #include "bridges/ros2/bridge.h"
 #include "bridges/ros2/dds_log.h"
 #include "bridges/ros2/options.h"
@@ -21,22 +21,6 @@ using namespace disparityd::ros2;
 using disparityd::bridges::print_line;
 
 constexpr const char* program = "disparity-ros2";
-
-std::atomic<bool> stop{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers need lock-free atomics");
-
-extern "C" void on_signal(int /*number*/) {
-    stop.store(true, std::memory_order_relaxed);
-}
-
-/// The first SIGTERM or SIGINT ends the program in order, a second one at once.
-void catch_signals() {
-    struct sigaction action {};
-    action.sa_handler = on_signal;
-    action.sa_flags = static_cast<int>(SA_RESETHAND);
-    sigaction(SIGTERM, &action, nullptr);
-    sigaction(SIGINT, &action, nullptr);
-}
 
 std::string environment(const std::string& name) {
     const char* const value = std::getenv(name.c_str());
@@ -68,7 +52,7 @@ void run(const Options& options) {
         print_line(program, "note", line);
     }
     Bridge bridge(std::move(settings), options.place_of_daemon(), node, notes);
-    catch_signals();
+    const std::atomic<bool>& stop = disparityd::bridges::catch_stop_signals();
     bridge.run(stop);
 }
 
