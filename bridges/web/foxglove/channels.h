@@ -20,7 +20,6 @@ using Channel = ros::Content;
 struct ChannelFacts {
     Channel channel;
     std::string_view topic;
-    std::string_view message;  ///< "package/Name" of ROS 2; empty: JSON
 };
 
 /// Returns all channels in the order in which they are advertised.

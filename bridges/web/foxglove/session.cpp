@@ -26,15 +26,16 @@ std::uint32_t id_of(Channel channel) {
 
 Json json_of(const ChannelFacts& facts) {
     Json json{{"id", id_of(facts.channel)}, {"topic", facts.topic}};
-    if (facts.message.empty()) {
+    const std::string_view message = ros::message_name(facts.channel);
+    if (message.empty()) {
         json.update({{"encoding", "json"},
                      {"schemaName", "disparityd.Status"},
                      {"schema", status_schema()},
                      {"schemaEncoding", "jsonschema"}});
     } else {
         json.update({{"encoding", "cdr"},
-                     {"schemaName", ros::schema_name(facts.message)},
-                     {"schema", ros::ros2msg(facts.message)},
+                     {"schemaName", ros::schema_name(message)},
+                     {"schema", ros::ros2msg(message)},
                      {"schemaEncoding", "ros2msg"}});
     }
     return json;

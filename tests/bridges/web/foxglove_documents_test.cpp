@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "bridges/ros_messages/encode.h"
 #include "bridges/web/foxglove/channels.h"
 
 namespace disparityd::foxglove {
@@ -46,8 +47,9 @@ TEST(FoxgloveDocuments, ThePageListsEachChannelWithItsMessage) {
         const std::size_t place = page.find("`" + std::string(facts.topic) + "`");
         ASSERT_NE(place, std::string::npos) << facts.topic;
         const std::string line = page.substr(place, page.find('\n', place) - place);
-        const std::string name(facts.message.substr(facts.message.find('/') + 1));
-        EXPECT_NE(line.find(facts.message.empty() ? "JSON" : name), std::string::npos) << facts.topic;
+        const std::string_view message = ros::message_name(facts.channel);
+        const std::string name(message.substr(message.find('/') + 1));
+        EXPECT_NE(line.find(message.empty() ? "JSON" : name), std::string::npos) << facts.topic;
     }
 }
 

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "bridges/ros_messages/encode.h"
 #include "bridges/ros_messages/message_definitions.h"
 #include "bridges/web/foxglove/channels.h"
 #include "bridges/web/foxglove/status_schema.h"
@@ -31,8 +32,8 @@ TEST(FoxgloveSchema, AMessageIsDefinedOnce) {
 
 TEST(FoxgloveSchema, EachChannelHasOne) {
     for (const ChannelFacts& facts : all_channels()) {
-        if (!facts.message.empty()) {
-            EXPECT_FALSE(ros2msg(facts.message).empty()) << facts.topic;
+        if (const std::string_view message = ros::message_name(facts.channel); !message.empty()) {
+            EXPECT_FALSE(ros2msg(message).empty()) << facts.topic;
         }
     }
     EXPECT_THROW(ros2msg("sensor_msgs/NavSatFix"), std::out_of_range);
