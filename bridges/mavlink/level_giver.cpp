@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "bridges/program/waiting_client.h"
+
 namespace disparityd::mavlink {
 namespace {
 
@@ -18,9 +20,7 @@ constexpr std::size_t most = 64;
 }  // namespace
 
 LevelGiver::LevelGiver(const std::string& where, disparity::ClientOptions options) {
-    options.may_be_absent = true;
-    options.timeout = milliseconds(1000);
-    client_.emplace(where, disparity::Subscription(), options);
+    client_.emplace(where, disparity::Subscription(), bridges::waiting_for_the_daemon(std::move(options)));
 }
 
 void LevelGiver::add(const disparity::Level& level, Clock::time_point arrived) {

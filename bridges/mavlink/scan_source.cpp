@@ -7,6 +7,8 @@
 #include <thread>
 #include <utility>
 
+#include "bridges/program/waiting_client.h"
+
 namespace disparityd::mavlink {
 namespace {
 
@@ -21,12 +23,10 @@ constexpr const char* refused_hint = "; where it serves no scan, set [scan] enab
 }  // namespace
 
 ScanSource::ScanSource(const std::string& where, disparity::ClientOptions options, double max_rate) {
-    options.may_be_absent = true;
-    options.timeout = milliseconds(1000);
     disparity::Subscription wanted;
     wanted.products = {Product::scan};
     wanted.max_rate = max_rate;
-    client_.emplace(where, wanted, options);
+    client_.emplace(where, wanted, bridges::waiting_for_the_daemon(std::move(options)));
 }
 
 ReadResult ScanSource::read(disparity::Frame& frame, milliseconds timeout) {

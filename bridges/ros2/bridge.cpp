@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "bridges/program/waiting_client.h"
 #include "bridges/ros_messages/diagnostic_message.h"
 #include "proto/disparity.pb.h"
 #include "proto/products.h"
@@ -51,12 +52,6 @@ ros::Wanted may_need(Content content) {
         wanted.add(may_need(Content::left_image));
     }
     return wanted;
-}
-
-disparity::ClientOptions waiting_for_the_daemon(disparity::ClientOptions options) {
-    options.may_be_absent = true;
-    options.timeout = milliseconds(1000);
-    return options;
 }
 
 }  // namespace
@@ -158,7 +153,8 @@ void Bridge::note_missing(const Output& output, const ros::Offer& offer) {
 /// Waits for a frame and publishes it.
 void Bridge::read_frame(const ros::Wanted& wanted) {
     if (!client_) {
-        client_.emplace(daemon_.where, subscription_to(wanted.products), waiting_for_the_daemon(daemon_.options));
+        client_.emplace(daemon_.where, subscription_to(wanted.products),
+                        bridges::waiting_for_the_daemon(daemon_.options));
     } else if (subscribed_ != wanted.products) {
         client_->subscribe(subscription_to(wanted.products));
     }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "base/start_thread.h"
+#include "bridges/program/waiting_client.h"
 
 namespace disparityd::ros2 {
 namespace {
@@ -23,16 +24,12 @@ disparity::Subscription subscription_to(bool samples) {
     return subscription;
 }
 
-disparity::ClientOptions patient(disparity::ClientOptions options) {
-    options.may_be_absent = true;
-    options.timeout = milliseconds(1000);
-    return options;
-}
-
 }  // namespace
 
 SideFeed::SideFeed(std::string where, disparity::ClientOptions options, Takers takers)
-    : where_(std::move(where)), options_(patient(std::move(options))), takers_(std::move(takers)) {
+    : where_(std::move(where)),
+      options_(bridges::waiting_for_the_daemon(std::move(options))),
+      takers_(std::move(takers)) {
     const disparity::Client refuses_other_names(where_, subscription_to(false), options_);
     thread_ = base::start_thread([this] { run(); });
 }
