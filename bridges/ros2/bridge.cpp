@@ -34,14 +34,6 @@ disparity::Subscription subscription_to(const std::vector<Product>& products) {
     return subscription;
 }
 
-std::vector<Product> products_of(const v1::Status& status) {
-    std::vector<Product> products;
-    for (const int product : status.products()) {
-        products.push_back(static_cast<Product>(product));
-    }
-    return products;
-}
-
 /// Returns what a content may need of a daemon that has told nothing: of shared memory that no socket is beside, frames
 /// have what they have.
 ros::Wanted may_need(Content content) {
@@ -212,7 +204,7 @@ void Bridge::take_status(const std::string& bytes) {
     }
     {
         const std::lock_guard lock(mutex_);
-        offer_ = ros::offer_of(status, products_of(status));
+        offer_ = ros::offer_of(status);
         notes_.say("daemon", "the daemon answers: " + status.source(), Notes::Repeat::never);
     }
     const std::optional<disparity::InertialCalibration> inertial = disparity::inertial_calibration(bytes);

@@ -47,7 +47,11 @@ std::optional<Wanted> points_needs(const Offer& offer) {
 
 }  // namespace
 
-Offer offer_of(const v1::Status& status, std::vector<Product> products) {
+Offer offer_of(const v1::Status& status) {
+    std::vector<Product> products;
+    for (const int product : status.products()) {
+        products.push_back(static_cast<Product>(product));
+    }
     const v1::Geometry& geometry = status.geometry();
     const bool prepared = geometry.width() > 0;  // else the daemon does not know its source yet
     return {.products = std::move(products),

@@ -52,10 +52,9 @@ struct Offer {
     bool operator==(const Offer&) const = default;
 };
 
-/// Returns what a daemon with this status offers. `products`: those of its Welcome. Samples of sensors may come from a
-/// camera that has some, and from recordings; the status of neither a live camera without sensors nor a rendered
-/// source leaves hope for them.
-Offer offer_of(const v1::Status& status, std::vector<disparity::Product> products);
+/// Returns what a daemon with this status offers. Samples of sensors may come from a camera that has some, and from
+/// recordings; the status of neither a live camera without sensors nor a rendered source leaves hope for them.
+Offer offer_of(const v1::Status& status);
 
 /// What messages need from the daemon.
 struct Wanted {

@@ -27,7 +27,7 @@ const std::string& session_id() {
 }
 
 foxglove::Offer offer_of(const DaemonState& state) {
-    return state.status ? foxglove::offer_of(*state.status, state.products) : foxglove::Offer{state.products};
+    return state.status ? foxglove::offer_of(*state.status) : foxglove::Offer{};
 }
 
 }  // namespace

@@ -92,23 +92,23 @@ TEST(FoxgloveChannels, WantedProductsAreThereOnce) {
 
 TEST(FoxgloveChannels, TheStatusTellsTheCalibration) {
     v1::Status status = test::daemon_status();
-    EXPECT_TRUE(offer_of(status, {}).calibrated);
+    EXPECT_TRUE(offer_of(status).calibrated);
     status.mutable_geometry()->set_baseline_mm(0);
-    EXPECT_FALSE(offer_of(status, {}).calibrated);
+    EXPECT_FALSE(offer_of(status).calibrated);
 }
 
 TEST(FoxgloveChannels, SensorsAreThoseOfACameraOrOfARecording) {
     v1::Status status;
-    EXPECT_FALSE(offer_of(status, {}).sensors) << "the source is being prepared";
+    EXPECT_FALSE(offer_of(status).sensors) << "the source is being prepared";
     status.mutable_geometry()->set_width(640);
-    EXPECT_TRUE(offer_of(status, {}).sensors) << "a recording may have samples";
+    EXPECT_TRUE(offer_of(status).sensors) << "a recording may have samples";
     status.set_synthetic(true);
-    EXPECT_FALSE(offer_of(status, {}).sensors) << "a rendered source has none";
+    EXPECT_FALSE(offer_of(status).sensors) << "a rendered source has none";
     status.set_synthetic(false);
     status.mutable_camera();
-    EXPECT_FALSE(offer_of(status, {}).sensors) << "a live camera without sensors";
+    EXPECT_FALSE(offer_of(status).sensors) << "a live camera without sensors";
     status.mutable_sensors();
-    EXPECT_TRUE(offer_of(status, {}).sensors);
+    EXPECT_TRUE(offer_of(status).sensors);
 }
 
 }  // namespace
