@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/ros2/domain.h"
 
-#include <algorithm>
 #include <charconv>
 #include <map>
 #include <stdexcept>
 
 #include <unistd.h>
+
+#include "base/words.h"
 
 namespace disparityd::ros2 {
 namespace {
@@ -51,17 +52,13 @@ bool is_localhost_only(const std::string& text) {
 std::vector<std::string> peers_of(const std::string& text) {
     constexpr const char* name_characters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.:-_[]%";
     std::vector<std::string> peers;
-    std::size_t from = 0;
-    while (from <= text.size()) {
-        const std::size_t end = std::min(text.find(';', from), text.size());
-        const std::string peer = text.substr(from, end - from);
-        if (peer.find_first_not_of(name_characters) != std::string::npos) {  // it becomes a part of XML
-            refuse_variable("ROS_STATIC_PEERS", peer, "names and addresses with ; between them");
+    for (const std::string_view peer : base::split(text, ';')) {
+        if (peer.find_first_not_of(name_characters) != std::string_view::npos) {  // it becomes a part of XML
+            refuse_variable("ROS_STATIC_PEERS", std::string(peer), "names and addresses with ; between them");
         }
         if (!peer.empty()) {
-            peers.push_back(peer);
+            peers.emplace_back(peer);
         }
-        from = end + 1;
     }
     return peers;
 }

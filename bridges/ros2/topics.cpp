@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "base/words.h"
+
 namespace disparityd::ros2 {
 namespace {
 
@@ -64,14 +66,8 @@ bool is_ros_namespace(std::string_view name) {
     if (!name.empty() && name.front() == '/') {
         name.remove_prefix(1);
     }
-    while (!name.empty()) {
-        const std::size_t end = std::min(name.find('/'), name.size());
-        if (!is_ros_name(name.substr(0, end)) || end + 1 == name.size()) {
-            return false;
-        }
-        name.remove_prefix(std::min(end + 1, name.size()));
-    }
-    return true;
+    const std::vector<std::string_view> parts = base::split(name, '/');
+    return name.empty() || std::all_of(parts.begin(), parts.end(), is_ros_name);
 }
 
 bool is_frame_name(std::string_view name) {
