@@ -38,8 +38,8 @@ disparity::Subscription subscription_to(const std::vector<Product>& products) {
 /// have what they have.
 ros::Wanted may_need(Content content) {
     const std::span<const Product> products = ros::products_for(content);
-    ros::Wanted wanted{.products = {products.begin(), products.end()}};
-    std::sort(wanted.products.begin(), wanted.products.end());
+    ros::Wanted wanted;
+    wanted.add({.products = {products.begin(), products.end()}});
     if (content == Content::points) {
         wanted.add(may_need(Content::left_image));
     }
@@ -130,9 +130,8 @@ void Bridge::note_missing(const Output& output, const ros::Offer& offer) {
         return;  // it has no source yet, which is said elsewhere
     }
     const std::span<const Product> products = ros::products_for(output.content);
-    const bool served = std::any_of(products.begin(), products.end(), [&](Product product) {
-        return std::find(offer.products.begin(), offer.products.end(), product) != offer.products.end();
-    });
+    const bool served = std::find_first_of(products.begin(), products.end(), offer.products.begin(),
+                                           offer.products.end()) != products.end();
     std::string why = "the daemon's source has no sensors";
     if (served) {
         why = "the daemon has no calibration of the camera";
