@@ -191,6 +191,10 @@ Naming naming_of(const Options& options) {
     return options.names == "zed" ? Naming::zed : Naming::image_pipeline;
 }
 
+std::string namespace_of(const Options& options) {
+    return options.name_space.empty() ? default_namespace(naming_of(options), options.camera_name) : options.name_space;
+}
+
 }  // namespace
 
 void Options::add_to(CLI::App& app) {
@@ -208,8 +212,7 @@ BridgeSettings Options::settings() const {
     }
     const Naming naming = naming_of(*this);
     BridgeSettings settings;
-    settings.topics =
-        all_topics(naming, name_space.empty() ? default_namespace(naming, camera_name) : name_space, clock);
+    settings.topics = all_topics(naming, namespace_of(*this), clock);
     settings.quality = {reliability == "reliable", durability == "transient-local", depth};
     settings.encoding = {
         .cloud = {.most_points = most_points, .packed = points == "packed", .voxel_m = voxel_m, .box = box_of(box)},
@@ -239,7 +242,7 @@ BridgeSettings Options::settings() const {
 
 NodeName Options::node() const {
     check_name("--node-name", node_name);
-    std::string space = name_space.empty() ? default_namespace(naming_of(*this), camera_name) : name_space;
+    std::string space = namespace_of(*this);
     if (space.front() != '/') {
         space.insert(0, "/");
     }
