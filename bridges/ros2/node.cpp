@@ -97,7 +97,6 @@ Node::Node(const NodeName& name, const Domain& domain) : name_(name) {
 }
 
 Node::~Node() {
-    publishers_.clear();
     dds_delete(domain_);  // with all that is in it
 }
 

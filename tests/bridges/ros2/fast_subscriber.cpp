@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tests/bridges/ros2/fast_subscriber.h"
 
+#include <condition_variable>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 

@@ -2,6 +2,7 @@
 //
 // The program beside a real daemon, and subscribers of another DDS: Fast DDS on the loopback interface.
 #include <csignal>
+#include <map>
 
 #include <gmock/gmock.h>
 
