@@ -19,6 +19,8 @@
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 #include <fastrtps/utils/IPLocator.h>
 
+#include "formats/cdr_reader.h"
+
 namespace disparityd::test {
 namespace {
 
@@ -83,6 +85,12 @@ dds::DomainParticipantQos participant_qos(std::uint32_t domain, bool own_buffers
 }
 
 }  // namespace
+
+std::int64_t stamp_of(const FastMessage& message) {
+    formats::CdrReader cdr({reinterpret_cast<const std::uint8_t*>(message.bytes.data()), message.bytes.size()});
+    const auto seconds = cdr.get<std::int32_t>();
+    return seconds * std::int64_t{1'000'000'000} + cdr.get<std::uint32_t>();
+}
 
 class FastSubscriber::Impl : public dds::DomainParticipantListener {
 public:

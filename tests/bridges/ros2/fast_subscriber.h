@@ -18,6 +18,10 @@ struct FastMessage {
     std::int64_t arrived_ns = 0;  ///< when the callback got it, CLOCK_REALTIME
 };
 
+/// Returns the stamp that an image, a camera's information, a cloud and a scan begin with, in ns. Throws
+/// std::runtime_error for a message that is too short for one.
+std::int64_t stamp_of(const FastMessage& message);
+
 /// What a subscriber asks for.
 struct FastQuality {
     bool reliable = true;

@@ -8,7 +8,6 @@
 // counts as lost frames, whoever lost them.
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -18,14 +17,6 @@ namespace {
 
 using disparityd::test::FastMessage;
 using disparityd::test::FastSubscriber;
-
-std::int64_t stamp_of(const FastMessage& message) {
-    std::int32_t seconds = 0;
-    std::uint32_t nanoseconds = 0;
-    std::memcpy(&seconds, message.bytes.data() + 4, sizeof seconds);
-    std::memcpy(&nanoseconds, message.bytes.data() + 8, sizeof nanoseconds);
-    return seconds * std::int64_t{1'000'000'000} + nanoseconds;
-}
 
 struct Heard {
     std::string topic;

@@ -30,13 +30,6 @@ struct Subject {
     std::string type() const { return ros::dds_type_name(ros::message_name(content)); }
 };
 
-/// Returns the stamp that an image, a camera's information, a cloud and a scan begin with, in ns.
-std::int64_t stamp_of(const std::string& message) {
-    formats::CdrReader cdr({reinterpret_cast<const std::uint8_t*>(message.data()), message.size()});
-    const auto seconds = cdr.get<std::int32_t>();
-    return seconds * std::int64_t{1'000'000'000} + cdr.get<std::uint32_t>();
-}
-
 class Ros2Test : public DaemonTest {
 protected:
     void SetUp() override {
@@ -114,7 +107,7 @@ public:
 
     /// Returns whether the frame is known, and compares the message with it.
     bool check(Content content, const FastMessage& message) const {
-        const auto frame = frames_.find(stamp_of(message.bytes));
+        const auto frame = frames_.find(stamp_of(message));
         if (frame == frames_.end()) {
             return false;
         }
