@@ -138,8 +138,7 @@ private:
         if (!arguments_.json.empty() && arguments_.json != "-") {
             std::ostringstream list;
             print_json(all_, list);
-            const std::string bytes = list.str();
-            images::write_file(arguments_.json, {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+            images::write_file(arguments_.json, list.str());
         }
     }
 

@@ -106,6 +106,10 @@ void write_file(const std::string& path, std::span<const std::uint8_t> bytes) {
     }
 }
 
+void write_file(const std::string& path, std::string_view text) {
+    write_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
 void write_png(const std::string& path, const cv::Mat& picture) {
     write_encoded(path, picture, ".png", {});
 }

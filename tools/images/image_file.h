@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include <opencv2/core.hpp>
 
@@ -14,6 +15,9 @@ namespace disparityd::images {
 /// sees the old or the new one, and two writers leave the file of one of them. Pipes and devices are written to. Throws
 /// base::DiskFull or std::runtime_error with one line (file, reason) when the system refuses.
 void write_file(const std::string& path, std::span<const std::uint8_t> bytes);
+
+/// The same for text, or bytes that were appended to a string.
+void write_file(const std::string& path, std::string_view text);
 
 /// Writes an 8-bit or 16-bit picture as PNG. Errors as write_file.
 void write_png(const std::string& path, const cv::Mat& picture);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
 #include <iostream>
 #include <regex>
@@ -171,8 +170,7 @@ std::vector<OtherMode> other_modes(const CalibrateArguments& arguments) {
 }
 
 void write_calibration(const std::string& file, const calibration::StereoCalibration& calibration) {
-    const std::string text = to_opencv_yaml(calibration);
-    images::write_file(file, {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    images::write_file(file, to_opencv_yaml(calibration));
 }
 
 /// Refuses a calibration that the daemon would refuse, before a file is written.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <cstdint>
 #include <iostream>
 #include <memory>
 
@@ -53,7 +52,7 @@ int print_board(PrintArguments arguments) {
         {"Print at 100 % (actual size, no fit to page), then measure the bar and a square. Glue the sheet to "
          "something flat and stiff.",
          command});
-    images::write_file(arguments.output, {reinterpret_cast<const std::uint8_t*>(page.data()), page.size()});
+    images::write_file(arguments.output, page);
     std::cout << arguments.output << ": print it at 100 %, measure a square, then\n  " << command << '\n';
     return exit_done;
 }

@@ -41,8 +41,7 @@ void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, Dis
         const images::PointCamera camera{{used.f, used.baseline_mm, used.disparity_offset}, used.cx, used.cy};
         const std::string bytes =
             images::point_file(outputs.points, {view.disparity, range}, camera, eye(view.left, view.left_colour));
-        images::write_file(path + '.' + outputs.points,
-                           {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+        images::write_file(path + '.' + outputs.points, bytes);
         digests[name + '.' + outputs.points] = sha256(bytes);
     }
 }

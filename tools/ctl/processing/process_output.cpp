@@ -371,13 +371,10 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
         const std::string name =
             parts_.size() == 1 ? "calib.txt" : std::string("calib-").append(std::to_string(frames_)).append(".txt");
         const std::string calibration = middlebury_calibration(rectification, options_.range);
-        images::write_file(folder_ + '/' + name,
-                           {reinterpret_cast<const std::uint8_t*>(calibration.data()), calibration.size()});
+        images::write_file(folder_ + '/' + name, calibration);
         files_[name] = sha256(calibration);
     }
-    const std::string text = to_text(geometry, 2) + '\n';
-    images::write_file(folder_ + '/' + geometry_name,
-                       {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+    images::write_file(folder_ + '/' + geometry_name, to_text(geometry, 2) + '\n');
 }
 
 Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::string& name) {

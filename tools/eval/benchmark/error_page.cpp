@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
-#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -303,8 +302,7 @@ void ErrorPage::write(Holes holes) const {
         html += entry_html(entries_[i], i + 1);
     }
     html += page_end;
-    images::write_file(folder_ + "/index.html",
-                       std::span(reinterpret_cast<const std::uint8_t*>(html.data()), html.size()));
+    images::write_file(folder_ + "/index.html", html);
 }
 
 }  // namespace disparityd::eval
