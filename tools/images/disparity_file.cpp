@@ -15,6 +15,7 @@
 
 #include "base/failure_text.h"
 #include "tools/images/image_file.h"
+#include "tools/images/picture.h"
 
 namespace disparityd::images {
 namespace {
@@ -78,11 +79,7 @@ void write_disparity_pfm(const std::string& path, const FloatMap& values) {
 }
 
 void write_depth_png(const std::string& path, Plane<const std::uint16_t> depth) {
-    cv::Mat picture(depth.height, depth.width, CV_16UC1);
-    for (int y = 0; y < depth.height; ++y) {
-        std::copy_n(depth.row(y), depth.width, picture.ptr<std::uint16_t>(y));
-    }
-    write_png(path, picture);
+    write_png(path, depth_view(depth));
 }
 
 FloatMap read_disparity_png(const std::string& path) {

@@ -46,6 +46,11 @@ cv::Mat colour_view(Plane<const std::uint8_t> plane) {
             static_cast<std::size_t>(plane.stride)};
 }
 
+cv::Mat depth_view(Plane<const std::uint16_t> plane) {
+    return {plane.height, plane.width, CV_16UC1, const_cast<std::uint16_t*>(plane.data),
+            static_cast<std::size_t>(plane.stride) * sizeof(std::uint16_t)};
+}
+
 cv::Mat colour_disparity(const FloatMap& map, const ColourScale& scale) {
     cv::Mat result(map.height, map.width, CV_8UC3);
     for (int y = 0; y < map.height; ++y) {

@@ -25,6 +25,7 @@ ColourScale colour_scale(const DisparityMap& map, ColourRange colours);
 /// Views of planes as OpenCV sees them; no copy. `colour` planes are BGR, width = 3 x pixels.
 cv::Mat grey_view(Plane<const std::uint8_t> plane);
 cv::Mat colour_view(Plane<const std::uint8_t> plane);
+cv::Mat depth_view(Plane<const std::uint16_t> plane);
 
 /// BGR, rejected pixels in rejected_colour.
 cv::Mat colour_disparity(const FloatMap& map, const ColourScale& scale);

@@ -9,14 +9,6 @@
 #include "tools/images/point_file.h"
 
 namespace disparityd::tools {
-namespace {
-
-cv::Mat depth_view(Plane<const std::uint16_t> mm) {
-    return {mm.height, mm.width, CV_16UC1, const_cast<std::uint16_t*>(mm.data),
-            static_cast<std::size_t>(mm.stride) * sizeof(std::uint16_t)};
-}
-
-}  // namespace
 
 void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, DisparityRange range,
                 const std::string& path, const std::string& name, Json& digests) {
@@ -31,8 +23,8 @@ void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, Dis
     const auto eye = [](const auto& grey, const auto& colour) {
         return colour ? images::colour_view(colour) : images::grey_view(grey);
     };
-    write(outputs.depth, "_depth.png", [&] { return depth_view(view.depth); });
-    write(outputs.depth_error, "_depth_error.png", [&] { return depth_view(view.depth_error); });
+    write(outputs.depth, "_depth.png", [&] { return images::depth_view(view.depth); });
+    write(outputs.depth_error, "_depth_error.png", [&] { return images::depth_view(view.depth_error); });
     write(outputs.confidence, "_confidence.png", [&] { return images::grey_view(view.confidence); });
     write(outputs.rectified, "_left.png", [&] { return eye(view.left, view.left_colour); });
     write(outputs.rectified, "_right.png", [&] { return eye(view.right, view.right_colour); });
