@@ -6,14 +6,9 @@
 
 namespace disparityd::calibration {
 
-namespace {
-
-/// Returns the matrix whose product with a vector is `by` x vector.
 cv::Matx33d cross_product_matrix(const cv::Vec3d& by) {
     return {0, -by[2], by[1], by[2], 0, -by[0], -by[1], by[0], 0};
 }
-
-}  // namespace
 
 cv::Matx33d rotation_about(const cv::Vec3d& vector) {
     const double angle = std::sqrt(vector.dot(vector));

@@ -6,6 +6,9 @@
 /// Rotations in double precision. Of OpenCV only the small matrices of its headers, so that no library of it is needed.
 namespace disparityd::calibration {
 
+/// Returns the matrix whose product with a vector is `by` x vector.
+cv::Matx33d cross_product_matrix(const cv::Vec3d& by);
+
 /// Returns the rotation about `vector` by its length in radians, right-handed (OpenCV's Rodrigues).
 cv::Matx33d rotation_about(const cv::Vec3d& vector);
 

@@ -204,8 +204,7 @@ void check_to_depth(const std::vector<GivenResult>& given, const Expected& expec
 
 /// The essential and the fundamental matrix say the same as R, T and both cameras, but for a factor.
 void check_epipolar(const std::vector<GivenResult>& given, const Expected& expected) {
-    const auto& t = expected.translation;
-    const cv::Matx33d essential = cv::Matx33d(0, -t[2], t[1], t[2], 0, -t[0], -t[1], t[0], 0) * expected.turn;
+    const cv::Matx33d essential = cross_product_matrix(expected.translation) * expected.turn;
     for (const What what : {What::essential, What::fundamental}) {
         for (const GivenResult* entry : entries_of(given, what)) {
             check_shape(*entry, 3, 3);

@@ -10,6 +10,8 @@
 
 #include <opencv2/core/matx.hpp>
 
+#include "calibration/rotation.h"
+
 namespace disparityd::calibration {
 
 namespace {
@@ -26,7 +28,7 @@ cv::Matx33d rotation_by(double x, double y, double z) {
     const double square = x * x + y * y + z * z;
     const double sine = 1 - square / 6 * (1 - square / 20);        // sin a / a
     const double versine = 0.5 - square / 24 * (1 - square / 30);  // (1 - cos a) / a^2
-    const cv::Matx33d cross(0, -z, y, z, 0, -x, -y, x, 0);
+    const cv::Matx33d cross = cross_product_matrix({x, y, z});
     return cv::Matx33d::eye() + sine * cross + versine * (cross * cross);
 }
 
