@@ -59,6 +59,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* corrections_name = "corrections.csv";
 
+/// Of the files of a frame.
+constexpr std::string_view frame_endings[] = {".png", ".pfm", ".ply", ".pcd"};
+
 /// Returns the names that an earlier run gave its frames, from its times.csv.
 std::set<std::string> names_of_earlier_run(const fs::path& folder) {
     std::set<std::string> names;
@@ -98,7 +101,7 @@ bool is_ours(const std::string& name, const std::set<std::string>& names) {
     };
     return std::any_of(std::begin(output_suffixes), std::end(output_suffixes),
                        [&](std::string_view suffix) { return ends(std::string(suffix) + ".png"); }) ||
-           ends(".png") || ends(".pfm") || ends(".ply") || ends(".pcd") || is_calibration(name);
+           std::any_of(std::begin(frame_endings), std::end(frame_endings), ends) || is_calibration(name);
 }
 
 /// Whether it is what a killed process was writing: ".NAME.part" or ".NAME.PROCESS".
@@ -108,7 +111,8 @@ bool is_left_over(const std::string& name) {
         return false;
     }
     const auto is_written = [](std::string_view file) {
-        return file.ends_with(".png") || file.ends_with(".pfm") || file.ends_with(".ply") || file.ends_with(".pcd") ||
+        return std::any_of(std::begin(frame_endings), std::end(frame_endings),
+                           [&](std::string_view ending) { return file.ends_with(ending); }) ||
                file == geometry_name || is_calibration(file);
     };
     const std::size_t dot = text.rfind('.');
