@@ -165,19 +165,15 @@ class InputDigest {
 public:
     explicit InputDigest(const std::string& uri)
         : digest_(std::async(std::launch::async, [this, uri] {
-              return content_of_input(uri, [this] { return given_up_.load(std::memory_order_relaxed); });
+              return content_of_input(uri,
+                                      [this] { return interrupted() || given_up_.load(std::memory_order_relaxed); });
           })) {}
     ~InputDigest() { given_up_.store(true, std::memory_order_relaxed); }
     InputDigest(const InputDigest&) = delete;
     InputDigest& operator=(const InputDigest&) = delete;
 
     /// Waits for it. Throws as content_of_input(). Null after a signal.
-    Json get() {
-        while (digest_.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready) {
-            given_up_.store(given_up_ || interrupted(), std::memory_order_relaxed);
-        }
-        return digest_.get();
-    }
+    Json get() { return digest_.get(); }
 
 private:
     std::atomic<bool> given_up_{false};
