@@ -10,9 +10,9 @@
 
 namespace disparityd::tools {
 
-void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, DisparityRange range,
-                const std::string& path, const std::string& name, Json& digests) {
-    const FrameView& view = slot.view;
+void write_more(const MoreOutputs& outputs, const FrameCopy& frame, DisparityRange range, const std::string& path,
+                const std::string& name, Json& digests) {
+    const FrameView& view = frame.view();
     const auto write = [&](bool wanted, const char* ending, const auto& picture) {
         if (wanted) {
             const cv::Mat pixels = picture();
@@ -29,7 +29,7 @@ void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, Dis
     write(outputs.rectified, "_left.png", [&] { return eye(view.left, view.left_colour); });
     write(outputs.rectified, "_right.png", [&] { return eye(view.right, view.right_colour); });
     if (!outputs.points.empty()) {
-        const calibration::Rectification& used = *slot.rectification;
+        const calibration::Rectification& used = frame.rectification();
         const images::PointCamera camera{{used.f, used.baseline_mm, used.disparity_offset}, used.cx, used.cy};
         const std::string bytes =
             images::point_file(outputs.points, {view.disparity, range}, camera, eye(view.left, view.left_colour));

@@ -6,8 +6,8 @@
 
 #include "calibration/rectification.h"
 #include "kernels/options.h"
-#include "pipeline/frame_slot.h"
 #include "tools/ctl/describe.h"
+#include "tools/ctl/processing/frame_copy.h"
 
 namespace disparityd::tools {
 
@@ -28,8 +28,8 @@ constexpr std::string_view output_suffixes[] = {"_colour", "_depth", "_depth_err
 
 /// Writes them as PATH_depth.png and so on, and adds the SHA-256 of each to `digests`, by the names that begin with
 /// `name`. Throws std::runtime_error when one cannot be written.
-void write_more(const MoreOutputs& outputs, const pipeline::FrameSlot& slot, DisparityRange range,
-                const std::string& path, const std::string& name, Json& digests);
+void write_more(const MoreOutputs& outputs, const FrameCopy& frame, DisparityRange range, const std::string& path,
+                const std::string& name, Json& digests);
 
 /// Adds what geometry.json says of them to its files.
 void describe_more(const MoreOutputs& outputs, Json& files);

@@ -302,8 +302,8 @@ void ProcessOutput::check(const std::string& folder, Replacing replacing) {
     check_content(folder, content_of(folder), replacing);
 }
 
-ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputFormats formats,
-                             const capture::SourceInfo& source, const MatchOptions& options,
+ProcessOutput::ProcessOutput(pipeline::WorkerPool& workers, std::string folder, Replacing replacing,
+                             OutputFormats formats, const capture::SourceInfo& source, const MatchOptions& options,
                              const std::optional<ScanOptions>& scan, const std::string& backend,
                              const calibration::Rectification& rectification, const std::vector<std::string>& steps,
                              const Json& parameters, const std::string& scan_file)
@@ -312,7 +312,14 @@ ProcessOutput::ProcessOutput(std::string folder, Replacing replacing, OutputForm
       synthetic_(source.synthetic),
       lock_(folder_, FolderLock::Missing::make),
       formats_(formats),
-      options_(options) {
+      options_(options),
+      writers_(
+          workers, [this](const FrameCopy& frame, const std::string& name) { return write_planes(frame, name); },
+          [this](Json frame, Json digests) {
+              frame["sha256"] = std::move(digests);
+              manifest_->add(frame);
+              ++written_;
+          }) {
     const Content found = content_of(folder_);  // again: another run may have filled it meanwhile
     check_content(folder_, found, replacing);
     if (replacing == Replacing::unfinished) {
@@ -381,9 +388,34 @@ void ProcessOutput::begin_part(const capture::SourceInfo& source, const calibrat
     images::write_file(folder_ + '/' + geometry_name, to_text(geometry, 2) + '\n');
 }
 
-Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::string& name) {
+FrameView ProcessOutput::needed_planes(const FrameView& frame) const {
+    const MoreOutputs& more = formats_.more;
+    FrameView needed;
+    needed.disparity = frame.disparity;
+    if (more.depth) {
+        needed.depth = frame.depth;
+    }
+    if (more.depth_error) {
+        needed.depth_error = frame.depth_error;
+    }
+    if (more.confidence) {
+        needed.confidence = frame.confidence;
+    }
+    // Of an eye in colour nobody reads the grey image.
+    if (formats_.colour || more.rectified || !more.points.empty()) {
+        (frame.left_colour ? needed.left_colour : needed.left) = frame.left_colour ? frame.left_colour : frame.left;
+    }
+    if (more.rectified) {
+        (frame.right_colour ? needed.right_colour : needed.right) =
+            frame.right_colour ? frame.right_colour : frame.right;
+    }
+    return needed;
+}
+
+Json ProcessOutput::write_planes(const FrameCopy& frame, const std::string& name) const {
     const std::string path = folder_ + '/' + name;
-    const images::DisparityMap map{slot.view.disparity, options_.range};
+    const FrameView& view = frame.view();
+    const images::DisparityMap map{view.disparity, options_.range};
     Json digests;
     if (formats_.png) {
         const cv::Mat picture = images::disparity_picture(map);
@@ -396,10 +428,9 @@ Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::str
         digests[name + ".pfm"] = sha256(values);
     }
     if (formats_.colour) {
-        const calibration::Rectification& used = *slot.rectification;
+        const calibration::Rectification& used = frame.rectification();
         const images::Metric metric{used.f, used.baseline_mm, used.disparity_offset};
-        const cv::Mat left =
-            slot.view.left_colour ? images::colour_view(slot.view.left_colour) : images::grey_view(slot.view.left);
+        const cv::Mat left = view.left_colour ? images::colour_view(view.left_colour) : images::grey_view(view.left);
         cv::Mat picture = images::picture(left, map, images::colour_scale(map, formats_.colours), metric);
         if (synthetic_) {
             images::mark_synthetic(picture);
@@ -407,7 +438,7 @@ Json ProcessOutput::write_planes(const pipeline::FrameSlot& slot, const std::str
         images::write_png(path + "_colour.png", picture);
         digests[name + "_colour.png"] = sha256(picture);
     }
-    write_more(formats_.more, slot, options_.range, path, name, digests);
+    write_more(formats_.more, frame, options_.range, path, name, digests);
     return digests;
 }
 
@@ -424,11 +455,10 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict&
     // First: what is not listed is not removed when the run is killed and begins anew.
     listed_only_ = true;
     write_times(slot, frame);
-    frame["sha256"] = write_planes(slot, name);
-    manifest_->add(frame);
+    writers_.add(needed_planes(slot.view), slot.rectification, name, std::move(frame));
+    listed_only_ = false;
     lost_ += slot.dropped_before;
     note_correction(slot);
-    listed_only_ = false;
     ++frames_;
 }
 
@@ -459,13 +489,14 @@ void ProcessOutput::write_times(const pipeline::FrameSlot& slot, const Json& fra
         line += fixed(static_cast<double>(time.count()) / 1e3, 1) + ',';
     }
     times_->write(line + fixed(static_cast<double>(total.count()) / 1e3, 1) + '\n');
-    times_->flush();  // a killed run leaves at most the last frame of this file without pictures
+    times_->flush();  // no file of a frame is there that this one does not name, also of a killed run
 }
 
 void ProcessOutput::close() {
+    settle();
     for (std::optional<GrowingFile>* const file : {&times_, &corrections_}) {
         if (*file) {
-            if (!listed_only_) {
+            if (!listed_only_ && !writers_.any_left()) {
                 (*file)->finish();
             }
             file->reset();

@@ -13,8 +13,10 @@
 #include "kernels/options.h"
 #include "obstacles/scan_options.h"
 #include "pipeline/frame_slot.h"
+#include "pipeline/worker_pool.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/growing_file.h"
+#include "tools/ctl/processing/frame_writers.h"
 #include "tools/ctl/processing/manifest.h"
 #include "tools/ctl/processing/more_outputs.h"
 #include "tools/images/picture.h"
@@ -78,8 +80,8 @@ private:
 
 /// The folder that `process` fills: NAME.png, NAME.pfm and NAME_colour.png per frame (FrameNames), times.csv with a
 /// line per frame, geometry.json, corrections.csv where self-calibration changed something, and manifest.json when all
-/// is done. Each appears by its name when it is whole. One thread uses it at a time. Everything but times.csv depends
-/// on input and options alone.
+/// is done. Each appears by its name when it is whole. One thread uses it at a time; the files of several frames are
+/// written at once, in threads of its own. Everything but times.csv depends on input and options alone.
 class ProcessOutput {
 public:
     /// Throws std::invalid_argument when the folder holds anything but what may be replaced, or a finished run that is
@@ -87,9 +89,11 @@ public:
     static void check(const std::string& folder, Replacing replacing);
 
     /// Makes the folder; files of an earlier run in it are removed. Throws as check() does, also for a run that another
-    /// process has finished meanwhile, and std::runtime_error when the system refuses.
-    ProcessOutput(std::string folder, Replacing replacing, OutputFormats formats, const capture::SourceInfo& source,
-                  const MatchOptions& options, const std::optional<ScanOptions>& scan, const std::string& backend,
+    /// process has finished meanwhile, and std::runtime_error when the system refuses. `workers` outlives it, and says
+    /// how many frames are written at once.
+    ProcessOutput(pipeline::WorkerPool& workers, std::string folder, Replacing replacing, OutputFormats formats,
+                  const capture::SourceInfo& source, const MatchOptions& options,
+                  const std::optional<ScanOptions>& scan, const std::string& backend,
                   const calibration::Rectification& rectification, const std::vector<std::string>& steps,
                   const Json& parameters, const std::string& scan_file);
     ~ProcessOutput();  ///< as close(), but for what the system refuses
@@ -103,11 +107,15 @@ public:
     /// Counts a frame that is left out in front of the first one. Any thread, before that one is written.
     void skip(std::string_view input) { names_.next(input); }
 
-    /// Writes the files of one frame. Throws std::runtime_error when one cannot be written.
+    /// Writes the files of one frame, or has begun to when it returns. Throws base::DiskFull or std::runtime_error when
+    /// one of this frame or of an earlier one cannot be written; none is written afterwards.
     void write(const pipeline::FrameSlot& slot, const trust::Verdict& verdict);
 
-    /// Gives times.csv and corrections.csv their names, unless the files of the last frame could not be written. Throws
-    /// as write().
+    /// Waits until all files of the frames are written. Throws as write().
+    void settle() { writers_.settle(); }
+
+    /// Gives times.csv and corrections.csv their names, unless files of a frame could not be written. Throws as
+    /// write().
     void close();
 
     /// Writes the manifest: all frames of the source are there. `scan` is the file of the obstacle scans, which is told
@@ -117,11 +125,16 @@ public:
     /// Whether it removed an earlier run that was not finished.
     bool replaces_unfinished() const { return replaces_unfinished_; }
 
+    /// How many frames it was given.
     std::uint64_t frames() const { return frames_; }
+
+    /// Of how many all files are written. All that it was given, after settle() without a failure.
+    std::uint64_t written() const { return written_; }
 
 private:
     void write_times(const pipeline::FrameSlot& slot, const Json& frame);
-    Json write_planes(const pipeline::FrameSlot& slot, const std::string& name);
+    FrameView needed_planes(const FrameView& frame) const;
+    Json write_planes(const FrameCopy& frame, const std::string& name) const;
     void note_correction(const pipeline::FrameSlot& slot);
 
     std::string folder_;
@@ -138,12 +151,14 @@ private:
     Json files_;              ///< of the manifest
     std::uint64_t lost_ = 0;  ///< by source and pipeline
     bool replaces_unfinished_ = false;
-    bool listed_only_ = false;  ///< the last line of times.csv is of a frame whose files are not written
+    bool listed_only_ = false;  ///< the last line of times.csv is of a frame that nobody writes
     std::optional<GrowingFile> times_;
     std::optional<GrowingFile> corrections_;  // opened with the first of them
     std::optional<ManifestWriter> manifest_;
     calibration::CalibrationCorrection correction_;
     std::uint64_t frames_ = 0;
+    std::uint64_t written_ = 0;
+    FrameWriters writers_;  // last: its threads use the others
 };
 
 }  // namespace disparityd::tools

@@ -191,9 +191,22 @@ struct RunFiles {
     bool disk_full = false;
 };
 
-/// Writes a frame's files. A lack of memory gets a message of its own.
-void write(RunFiles& files, const pipeline::FrameSlot& slot) {
+/// Does what writes files. A lack of memory gets a message of its own.
+template <typename Step>
+void write_to(RunFiles& files, Step step) {
     try {
+        step();
+    } catch (const base::DiskFull&) {
+        files.disk_full = true;
+        throw;
+    } catch (const std::exception& error) {
+        throw std::runtime_error(base::failure_text(error));
+    }
+}
+
+/// Writes a frame's files.
+void write(RunFiles& files, const pipeline::FrameSlot& slot) {
+    write_to(files, [&] {
         const std::uint64_t frame = files.folder->frames();
         const trust::Verdict verdict =
             files.judged ? trust::verdict_of(slot.stage_memory[files.scans ? 1 : 0]) : trust::Verdict{};
@@ -205,11 +218,16 @@ void write(RunFiles& files, const pipeline::FrameSlot& slot) {
             files.scans->write({frame, slot.raw.sequence, slot.raw.monotonic_ns}, scan);
             files.scans_by_mounting += scan.head.ground == GroundSource::configured ? 1U : 0U;
         }
-    } catch (const base::DiskFull&) {
-        files.disk_full = true;
-        throw;
+    });
+}
+
+/// Waits until the files of all frames are written. Returns what went wrong; empty: nothing.
+std::string settle(RunFiles& files) {
+    try {
+        write_to(files, [&files] { files.folder->settle(); });
+        return {};
     } catch (const std::exception& error) {
-        throw std::runtime_error(base::failure_text(error));
+        return error.what();
     }
 }
 
@@ -250,8 +268,8 @@ void begin_files(Run& run, const capture::SourceInfo& info, const Matcher& match
     }
     const ProcessArguments& arguments = run.arguments;
     const std::string substitute(matcher.substitute());
-    run.files.folder.emplace(arguments.folder, replacing(arguments), formats_of(arguments, run.options.range), info,
-                             run.options, run.scan,
+    run.files.folder.emplace(run.workers, arguments.folder, replacing(arguments),
+                             formats_of(arguments, run.options.range), info, run.options, run.scan,
                              substitute.empty() ? std::string(backend(arguments.backend).name) : substitute,
                              rectification, steps, parameters_of(arguments, run.options, run.scan), arguments.scan);
     run.files.measured.emplace(run.options.range);
@@ -384,6 +402,7 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     tell_new_begin(run);
     const auto start = std::chrono::steady_clock::now();
     run_to_end(pipeline, info.frame_count, run.shown);
+    const std::string unwritten = settle(run.files);
     run.done.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (const std::string trouble = matcher->trouble(); !trouble.empty()) {
         print_note(trouble);
@@ -393,9 +412,9 @@ void process_part(Run& run, const capture::RunOfOneGeometry& part, std::optional
     }
     const pipeline::PipelineStatus status = pipeline.status();
     run.done.damaged += status.damaged;
-    run.done.error = status.error;
+    run.done.error = status.error.empty() ? unwritten : status.error;
     run.done.again = run.files.disk_full;
-    run.done.frames = run.files.folder->frames();
+    run.done.frames = run.files.folder->written();
     if (schedule.calibrating != nullptr) {
         run.done.estimates = schedule.calibrating->estimates();
     }
