@@ -2,7 +2,9 @@
 //
 // Not a test: what other_mcap.cjs compares with another implementation of the format.
 //   mcap_messages read FILE...     each message, as a line of JSON
-//   mcap_messages write FOLDER     files of every combination of features, with their names on standard output
+//   mcap_messages write FOLDER     files of every combination of features, with their names on standard output, and
+//                                  those that the product writes
+#include <array>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -10,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/mcap_file.h"
 #include "formats/mcap_reader.h"
 #include "formats/ros_message.h"
 #include "tests/formats/mcap_writer.h"
@@ -128,12 +131,42 @@ void write(const std::string& folder) {
     }
 }
 
+constexpr unsigned all_features = 0b10'1111'1111;  // no padding
+
+/// The same contents by the product's writer, which knows neither attachments nor metadata.
+void write_by_product(const std::string& folder) {
+    for (const std::string contents : {"NoData", "OneMessage", "TenMessages", "OneSchemalessMessage"}) {
+        const std::string path = folder + "/product-" + contents + ".mcap";
+        formats::McapLayout layout;
+        layout.profile.clear();
+        layout.chunk_bytes = 100;
+        formats::McapFile file(path, formats::McapFile::Existing::refused, layout);
+        if (contents != "NoData") {
+            const bool without = contents == "OneSchemalessMessage";
+            const std::uint16_t schema = without ? 0 : file.add_schema("Example", "c", "\x04\x05\x06");
+            const std::uint16_t channel = file.add_channel(schema, "example", "a");
+            for (unsigned i = 0; i < (contents == "TenMessages" ? 10U : 1U); ++i) {
+                const std::array<std::uint8_t, 3> data{1, 2, static_cast<std::uint8_t>(i)};
+                file.write({channel, 10 + i, 2 + i, 2 + i, data});
+            }
+        }
+        file.finish();
+        std::cout << Json{{"path", path}, {"contents", contents}, {"choice", all_features}, {"product", true}}.dump()
+                  << "\n";
+    }
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
     const std::string_view what = count > 1 ? arguments[1] : "";
     for (int i = 2; i < count; ++i) {
-        what == "read" ? read(arguments[i]) : write(arguments[i]);
+        if (what == "read") {
+            read(arguments[i]);
+        } else {
+            write(arguments[i]);
+            write_by_product(arguments[i]);
+        }
     }
     return 0;
 }

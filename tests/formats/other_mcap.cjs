@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Compares the reader of MCAP and of ROS 2 messages, and the writer that the tests use, with npm's @mcap/core and
-// @foxglove/rosmsg2-serialization: each reads what the other wrote, message for message, in every combination of features.
+// Compares the reader of MCAP and of ROS 2 messages, the product's writer and the one that the tests use, with npm's @mcap/core
+// and @foxglove/rosmsg2-serialization: each reads what the other wrote, message for message, in every combination of features, and
+// of what the product wrote all that is whole before a cut.
 //   node other_mcap.cjs PROGRAM
 // PROGRAM is mcap_messages. Exit status: 0 all is right, 1 something differs, 77 a package is missing.
 'use strict'
@@ -116,10 +117,25 @@ function isSame (file, contents, records) {
     wanted(contents).map(message => ({ ...message, publish: message.time })), file)
 }
 
+// What is whole in front of a cut, for a reader that goes on while bytes come: messages in order, and of a file cut later not fewer.
+function cutIsRead (file, contents, bytes) {
+  let before = 0
+  for (let size = 8; size <= bytes.length; size += 41) {
+    const reader = new McapStreamReader({ validateCrcs: true, decompressHandlers })
+    reader.append(bytes.subarray(0, size))
+    const messages = []
+    for (let record; (record = reader.nextRecord());) if (record.type === 'Message') messages.push(hex(record.data))
+    assert.deepStrictEqual(messages, wanted(contents).slice(0, messages.length).map(({ data }) => data), `${file} ${size}`)
+    assert.ok(messages.length >= before, `${file} ${size}`)
+    before = messages.length
+  }
+  assert.strictEqual(before, wanted(contents).length, file)
+}
+
 async function oursIsRead () {
   const lines = execFileSync(program, ['write', folder], { maxBuffer: 1 << 28 }).toString().trim().split('\n')
   for (const line of lines) {
-    const { path: file, contents, choice } = JSON.parse(line)
+    const { path: file, contents, choice, product } = JSON.parse(line)
     const bytes = fs.readFileSync(file)
     const reader = new McapStreamReader({ validateCrcs: true, decompressHandlers })
     reader.append(bytes)
@@ -127,6 +143,7 @@ async function oursIsRead () {
     for (let record; (record = reader.nextRecord());) records.push(record)
     assert.ok(reader.done(), file)
     isSame(file, contents, records)
+    if (product) cutIsRead(file, contents, bytes)
     for (const schema of records.filter(record => record.type === 'Schema')) {
       assert.deepStrictEqual([schema.id, schema.name, schema.encoding, text(schema.data)],
         [1, 'Example', 'c', '\x04\x05\x06'])
