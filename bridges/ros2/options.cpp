@@ -185,6 +185,13 @@ void add_contents(CLI::App& app, Options& options) {
         ->check(between(1, 100))
         ->capture_default_str()
         ->group(group);
+    app.add_option("--compressed-depth", options.compressed_depth,
+                   "Of compressedDepth, without loss: png, which all nodes read, or rvl, which takes less time and is "
+                   "read by nodes since Jazzy")
+        ->type_name("WORD")
+        ->check(CLI::IsMember({"png", "rvl"}))
+        ->capture_default_str()
+        ->group(group);
 }
 
 Naming naming_of(const Options& options) {
@@ -217,6 +224,7 @@ BridgeSettings Options::settings() const {
     settings.encoding = {
         .cloud = {.most_points = most_points, .packed = points == "packed", .voxel_m = voxel_m, .box = box_of(box)},
         .jpeg_quality = jpeg_quality,
+        .depth_codec = compressed_depth == "rvl" ? ros::DepthCodec::rvl : ros::DepthCodec::png,
         .names = frame_names(naming, camera_name),
         .hidden = scan_hidden == "obstacle" ? ros::HiddenSpace::obstacle : ros::HiddenSpace::ignored};
     if (!scan_frame.empty()) {

@@ -36,6 +36,7 @@ struct Options {
     std::string box;                       ///< six numbers with commas between, or empty
     std::string scan_hidden = "obstacle";  ///< or "ignored"
     int jpeg_quality = 85;
+    std::string compressed_depth = "png";  ///< or "rvl"
 
     /// Adds the options to the program; they are set when it parses.
     void add_to(CLI::App& app);

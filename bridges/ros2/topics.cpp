@@ -31,6 +31,9 @@ constexpr std::array names{
     Names{Content::left_jpeg, "left/image_rect_color/compressed", "left/color/rect/image/compressed"},
     Names{Content::depth, "depth/image_rect", "depth/depth_registered"},
     Names{Content::depth_mm, "depth/image_rect_raw", "depth/depth_registered_mm"},
+    Names{Content::compressed_depth, "depth/image_rect_raw/compressedDepth",
+          "depth/depth_registered_mm/compressedDepth"},
+    Names{Content::compressed_depth, "", "depth/depth_registered/compressedDepth"},  // where others look for it
     Names{Content::depth_error, "depth/error", "depth/error"},
     Names{Content::disparity, "disparity", "disparity/map"},
     Names{Content::confidence, "confidence", "confidence/confidence_image"},

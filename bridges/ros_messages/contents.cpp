@@ -79,7 +79,8 @@ std::span<const Product> products_for(Content content) {
         case Content::right_grey_image: return right_grey;
         case Content::disparity: return disparities;
         case Content::depth: return depths_or_disparities;
-        case Content::depth_mm: return depths;
+        case Content::depth_mm:
+        case Content::compressed_depth: return depths;
         case Content::depth_error: return depth_errors;
         case Content::confidence: return confidences;
         case Content::points: return disparities_or_depths;

@@ -39,7 +39,8 @@ enum class Content : std::uint32_t {
     left_grey_image = 23,
     right_grey_image = 24,
     diagnostics = 25,
-    clock = 26
+    clock = 26,
+    compressed_depth = 27
 };
 
 /// What the daemon has for its clients.

@@ -53,6 +53,7 @@ std::optional<std::string> encode(Content content, const Frame& frame, const Enc
         case Content::disparity: return disparity_image(frame, names);
         case Content::depth: return depth_image(frame, names);
         case Content::depth_mm: return depth_mm_image(frame, names);
+        case Content::compressed_depth: return compressed_depth(frame, encoding.depth_codec, names);
         case Content::depth_error: return depth_error_image(frame, names);
         case Content::confidence: return confidence_image(frame, names);
         case Content::points: return point_cloud(frame, encoding.cloud, names);
@@ -87,7 +88,8 @@ std::string_view message_name(Content content) {
         case Content::depth_mm:
         case Content::depth_error:
         case Content::confidence: return "sensor_msgs/Image";
-        case Content::left_jpeg: return "sensor_msgs/CompressedImage";
+        case Content::left_jpeg:
+        case Content::compressed_depth: return "sensor_msgs/CompressedImage";
         case Content::left_info:
         case Content::right_info: return "sensor_msgs/CameraInfo";
         case Content::disparity: return "stereo_msgs/DisparityImage";

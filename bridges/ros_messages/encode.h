@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "bridges/ros_messages/compressed_depth_message.h"
 #include "bridges/ros_messages/contents.h"
 #include "bridges/ros_messages/frame_names.h"
 #include "bridges/ros_messages/laser_scan_message.h"
@@ -18,6 +19,7 @@ namespace disparityd::ros {
 struct Encoding {
     CloudSettings cloud = {};
     int jpeg_quality = 85;  ///< 1 .. 100
+    DepthCodec depth_codec = DepthCodec::png;
     FrameNames names = {};
     HiddenSpace hidden = HiddenSpace::ignored;  ///< of scans
 };

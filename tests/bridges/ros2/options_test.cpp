@@ -39,6 +39,7 @@ TEST(Ros2Options, WithoutOptionsMessagesAreReliableAndCloudsAreLight) {
     EXPECT_EQ(settings.encoding.cloud.most_points, 20000U);
     EXPECT_EQ(settings.encoding.names.left, "stereo_left_optical_frame");
     EXPECT_EQ(settings.encoding.hidden, ros::HiddenSpace::obstacle);
+    EXPECT_EQ(settings.encoding.depth_codec, ros::DepthCodec::png);
     EXPECT_TRUE(settings.publishes_tf);
     EXPECT_EQ(parsed("").node().name_space, "/stereo");
 }
@@ -47,7 +48,7 @@ TEST(Ros2Options, EachReachesItsPlace) {
     const Options options = parsed(
         "--camera-name front --names zed --reliability best-effort --durability transient-local --depth 2 --no-tf "
         "--parent-frame base_link --height-m 0.5 --scan-frame base_footprint --points packed --points-box "
-        "0.2,5,-2,2.5,-0.3,1.5 --points-voxel-m 0.05 --scan-hidden ignored");
+        "0.2,5,-2,2.5,-0.3,1.5 --points-voxel-m 0.05 --scan-hidden ignored --compressed-depth rvl");
     const BridgeSettings settings = options.settings();
     EXPECT_FALSE(settings.quality.reliable);
     EXPECT_TRUE(settings.quality.transient_local);
@@ -59,6 +60,7 @@ TEST(Ros2Options, EachReachesItsPlace) {
     EXPECT_EQ(settings.encoding.names.scan, "base_footprint");
     EXPECT_EQ(settings.encoding.names.left, "front_left_camera_frame_optical");
     EXPECT_EQ(settings.encoding.hidden, ros::HiddenSpace::ignored);
+    EXPECT_EQ(settings.encoding.depth_codec, ros::DepthCodec::rvl);
     EXPECT_TRUE(settings.encoding.cloud.packed);
     EXPECT_EQ(settings.encoding.cloud.box->left_to, 2.5);
     EXPECT_EQ(settings.encoding.cloud.voxel_m, 0.05);
@@ -77,6 +79,7 @@ TEST(Ros2Options, WhatIsWrongIsOneLine) {
     EXPECT_THAT(refusal("--points-box 2,1,3,4,5,6"), HasSubstr("from less to more"));
     EXPECT_THAT(refusal("--depth 0"), HasSubstr("allowed: 1 .. 1000"));
     EXPECT_THAT(refusal("--reliability sometimes"), HasSubstr("best-effort"));
+    EXPECT_THAT(refusal("--compressed-depth jpeg"), HasSubstr("rvl"));
     EXPECT_EQ(refusal("--namespace /"), "");
 }
 

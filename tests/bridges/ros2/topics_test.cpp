@@ -24,8 +24,8 @@ std::set<std::string> names(Naming naming, const std::string& name_space, bool c
 
 TEST(Ros2Topics, TwoTablesNameThem) {
     const std::set<std::string> pipeline = names(Naming::image_pipeline, "/stereo");
-    for (const char* name :
-         {"/stereo/left/image_rect", "/stereo/right/camera_info", "/stereo/disparity", "/stereo/points2"}) {
+    for (const char* name : {"/stereo/left/image_rect", "/stereo/right/camera_info", "/stereo/disparity",
+                             "/stereo/points2", "/stereo/depth/image_rect_raw/compressedDepth"}) {
         EXPECT_THAT(pipeline, Contains(name));
     }
     EXPECT_THAT(pipeline, Contains("/stereo/imu/data_raw"));
@@ -33,7 +33,7 @@ TEST(Ros2Topics, TwoTablesNameThem) {
     const std::set<std::string> zed = names(Naming::zed, default_namespace(Naming::zed, "zed"));
     for (const char* name : {"/zed/zed_node/left/color/rect/image", "/zed/zed_node/left/color/rect/camera_info",
                              "/zed/zed_node/depth/depth_registered", "/zed/zed_node/point_cloud/cloud_registered",
-                             "/zed/zed_node/imu/data"}) {
+                             "/zed/zed_node/depth/depth_registered/compressedDepth", "/zed/zed_node/imu/data"}) {
         EXPECT_THAT(zed, Contains(name));
     }
 }

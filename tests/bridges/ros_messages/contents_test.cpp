@@ -10,7 +10,7 @@ namespace {
 
 using disparity::Product;
 
-constexpr std::uint32_t last = 26;
+constexpr std::uint32_t last = 27;
 
 TEST(RosContents, EachContentHasADefinitionAHashAndAName) {
     for (std::uint32_t number = 1; number <= last; ++number) {

@@ -11,6 +11,8 @@ const { execFileSync } = require('node:child_process')
 const { createHash } = require('node:crypto')
 const need = require('../../need_package.cjs')('@foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0')
 
+const { readGreyPng } = require('../web/png.cjs')
+
 const { parse } = need('@foxglove/rosmsg')
 const { MessageReader } = need('@foxglove/rosmsg2-serialization')
 
@@ -20,6 +22,7 @@ const CONTENT = {
   leftImage: 1, leftJpeg: 2, leftInfo: 3, rightInfo: 4, disparity: 5, depth: 6, depthError: 7, confidence: 8, points: 9, scan: 10,
   transforms: 11, imu: 12, magneticField: 13, imuTemperature: 14, cameraTemperature: 15, leftTemperature: 16, rightTemperature: 17,
   pressure: 18, humidity: 19, depthMm: 21, rightImage: 22, leftGrey: 23, rightGrey: 24, clock: 26,
+  compressedDepth: 27,
 }
 
 // REP-2011: the numbers of types.
@@ -145,6 +148,40 @@ function floatImage (frame, message, numbers) {
   image(frame, { ...message, data: floats(new Float32Array(Uint8Array.from(message.data).buffer)) }, '32FC1', floats(numbers))
 }
 
+// RVL (Wilson 2017): a number is 3 bits of each nibble, the lowest first; nibbles lie in words from the highest bits on.
+function readRvl (bytes, count) {
+  let at = 0
+  const nibble = () => bytes[(at >> 3) * 4 + 3 - ((at & 7) >> 1)] >> (at++ & 1 ? 0 : 4) & 15
+  const number = () => {
+    const first = nibble()
+    return first < 8 ? first : first - 8 + 8 * number()
+  }
+  const values = []
+  for (let last = 0; values.length < count;) {
+    for (let zeros = number(); zeros > 0; --zeros) values.push(0)
+    for (let others = number(); others > 0; --others) {
+      const code = number()
+      last += code & 1 ? -(code + 1) / 2 : code / 2
+      values.push(last)
+    }
+  }
+  assert.strictEqual(Math.ceil(at / 8) * 4, bytes.length)
+  return values
+}
+
+function compressedDepth (frame, message) {
+  const data = Buffer.from(message.data)
+  const rvl = message.format === '16UC1; compressedDepth rvl'
+  same({ ...message, data: [...data.subarray(0, 12)] },
+    { header: frame.header, format: rvl ? message.format : '16UC1; compressedDepth png', data: Array(12).fill(0) })
+  const { width, height, values } = rvl
+    ? { width: data.readUInt32LE(12), height: data.readUInt32LE(16), values: readRvl(data.subarray(20), frame.indices.length) }
+    : readGreyPng(data.subarray(12))
+  assert.deepStrictEqual([width, height], [frame.width, frame.height])
+  const depths = frame.bytes(PRODUCT.depth)
+  assert.deepStrictEqual(values, frame.indices.map(i => depths.readUInt16LE(2 * i)))
+}
+
 function rgbOf (bgr) {
   const rgb = Buffer.from(bgr)
   for (let i = 0; i < rgb.length; i += 3) [rgb[i], rgb[i + 2]] = [bgr[i + 2], bgr[i]]
@@ -213,6 +250,7 @@ const OF_FRAMES = new Map([
   [CONTENT.disparity, [f => f.has(PRODUCT.disparity), disparityImage]],
   [CONTENT.depth, [f => f.depths(PRODUCT.depth) !== null, (f, m) => floatImage(f, m, f.depths(PRODUCT.depth))]],
   [CONTENT.depthMm, [f => f.has(PRODUCT.depth), (f, m) => image(f, m, '16UC1', f.bytes(PRODUCT.depth))]],
+  [CONTENT.compressedDepth, [f => f.has(PRODUCT.depth), compressedDepth]],
   [CONTENT.depthError, [f => f.has(PRODUCT.depthError), (f, m) => floatImage(f, m, f.millimetres(PRODUCT.depthError))]],
   [CONTENT.confidence, [f => f.has(PRODUCT.confidence), (f, m) => image(f, m, 'mono8', f.bytes(PRODUCT.confidence))]],
   [CONTENT.points, [f => f.f > 0 && f.depths(PRODUCT.disparity) !== null, points]],

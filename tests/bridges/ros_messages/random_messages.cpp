@@ -19,7 +19,7 @@ using namespace disparityd;
 using disparity::Product;
 using nlohmann::json;
 
-constexpr std::uint32_t last_content = 26;
+constexpr std::uint32_t last_content = 27;
 
 std::mt19937 random_bits(45);
 
@@ -164,9 +164,10 @@ json definitions() {
 }  // namespace
 
 int main() {
-    const ros::Encoding encoding{.cloud = {.most_points = 10000}, .names = {.left = "l", .camera = "c", .imu = "i"}};
+    ros::Encoding encoding{.cloud = {.most_points = 10000}, .names = {.left = "l", .camera = "c", .imu = "i"}};
     print({{"definitions", definitions()}});
     for (int i = 0; i < 60; ++i) {
+        encoding.depth_codec = i % 2 == 0 ? ros::DepthCodec::png : ros::DepthCodec::rvl;
         const disparity::Frame frame = random_frame();
         print({{"frame", to_json(frame)},
                {"messages", messages([&](ros::Content content) { return ros::encode(content, frame, encoding); })}});
