@@ -68,8 +68,7 @@ Bridge::Bridge(BridgeSettings settings, DaemonPlace daemon, Node& node, Notes& n
                                                             quality_for(topic.content, settings_.quality))});
     }
     if (settings_.publishes_tf) {
-        static_transforms_ = &node_.advertise("/tf_static", "tf2_msgs/TFMessage",
-                                              {.reliable = true, .transient_local = true, .depth = 1});
+        static_transforms_ = &node_.advertise("/tf_static", "tf2_msgs/TFMessage", static_transforms_quality);
     }
     node_.announce();
     disparity::ClientOptions options = daemon_.options;

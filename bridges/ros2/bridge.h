@@ -23,6 +23,9 @@ namespace disparityd::ros2 {
 /// megabytes each, 10 at most.
 Quality quality_for(ros::Content content, Quality asked);
 
+/// How /tf_static is kept, whatever is asked for: those that come later need it.
+inline constexpr Quality static_transforms_quality{.reliable = true, .transient_local = true, .depth = 1};
+
 /// What the bridge publishes, and how.
 struct BridgeSettings {
     std::vector<Topic> topics;

@@ -2,6 +2,7 @@
 //
 // Publishes what the daemon measures to nodes of ROS 2, over DDS.
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 
@@ -14,6 +15,7 @@
 #include "bridges/ros2/bridge.h"
 #include "bridges/ros2/dds_log.h"
 #include "bridges/ros2/options.h"
+#include "bridges/ros2/topic_list.h"
 
 namespace {
 
@@ -41,6 +43,10 @@ std::uint64_t granted_bytes(int option) {
 
 void run(const Options& options) {
     BridgeSettings settings = options.settings();
+    if (options.list_topics) {
+        std::fputs(topic_list(settings).c_str(), stdout);
+        return;
+    }
     const Domain domain = domain_of(environment);
     const auto print = [](const std::string& line) { print_line(program, "note", line); };
     disparityd::bridges::Notes notes(print);

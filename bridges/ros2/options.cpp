@@ -81,6 +81,10 @@ void add_names(CLI::App& app, Options& options) {
         ->check(CLI::IsMember({"image_pipeline", "zed"}))
         ->capture_default_str()
         ->group(group);
+    app.add_flag("--list-topics", options.list_topics,
+                 "Print each topic with its message, its frame of reference and how it is sent, and end; no daemon is "
+                 "needed")
+        ->group(group);
     app.add_option("--node-name", options.node_name, "Name of the node, as ros2 node list shows it")
         ->type_name("NAME")
         ->capture_default_str()

@@ -23,6 +23,7 @@ struct Options {
     std::string reliability = "reliable";  ///< or "best-effort"
     std::string durability = "volatile";   ///< or "transient-local"
     int depth = 5;                         ///< 1 .. 1000
+    bool list_topics = false;              ///< say what is published, and end
     bool clock = false;
     bool humble = false;
     bool no_tf = false;
