@@ -221,7 +221,7 @@ void Bridge::take_absence(const std::string& why) {
         say("daemon", "the daemon tells no status: " + why);
         publish_diagnostics(ros::no_status_diagnostic(why, settings_.diagnostics, realtime_ns()));
     } else {
-        say("daemon", "no daemon: " + why);
+        say("daemon", why.starts_with("no daemon") ? why : "no daemon: " + why);
         publish_diagnostics(ros::stale_diagnostic(why, settings_.diagnostics, realtime_ns()));
     }
 }

@@ -6,7 +6,7 @@
 
 namespace disparityd::ros2 {
 
-DdsLog::DdsLog(bridges::Notes::Write write) : write_(std::move(write)), notes_(write_) {
+DdsLog::DdsLog(bridges::Notes::Write write) : write_(std::move(write)), fading_(write_) {
     dds_set_log_sink(take, this);
 }
 
@@ -24,7 +24,7 @@ void DdsLog::take(void* self, const dds_log_data_t* data) {
     const std::string line = "DDS: " + std::string(data->message, data->size);
     const std::lock_guard lock(log.mutex_);
     if (log.calm_) {
-        log.notes_.say("dds", line);
+        log.fading_.say(line, FadingLines::Clock::now());
     } else {
         log.write_(line);
     }

@@ -6,6 +6,7 @@
 #include <dds/ddsrt/log.h>
 
 #include "bridges/program/notes.h"
+#include "bridges/ros2/fading_lines.h"
 
 namespace disparityd::ros2 {
 
@@ -19,8 +20,8 @@ public:
     DdsLog(const DdsLog&) = delete;
     DdsLog& operator=(const DdsLog&) = delete;
 
-    /// From now on one line a second is handed on at most, and the same one once a minute. Before, all are: what is
-    /// wrong with a configuration takes several.
+    /// From now on lines are handed on as FadingLines does, ever more seldom. Before, all are: what is wrong with a
+    /// configuration takes several.
     void calm();
 
 private:
@@ -28,7 +29,7 @@ private:
 
     std::mutex mutex_;  ///< guards what follows
     bridges::Notes::Write write_;
-    bridges::Notes notes_;
+    FadingLines fading_;
     bool calm_ = false;
 };
 
