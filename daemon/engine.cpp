@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/memory_room.h"
+#include "base/message_text.h"
 #include "base/words.h"
 #include "calibration/depth_range.h"
 #include "calibration/online/correction_file.h"
@@ -107,6 +108,16 @@ bool on_demand(const Config& config, bool live) {
     return config.pipeline.on_demand && live && newest_wins(config, live);
 }
 
+/// Planes of a frame have one size.
+void check_raw(const Config& config, const capture::SourceInfo& source, const calibration::Rectification& rectified) {
+    if (config.rectify.raw && (source.eye_width != rectified.width || source.height != rectified.height)) {
+        throw std::invalid_argument("rectify.raw: found true with rectified images of " +
+                                    base::size_text(rectified.width, rectified.height) + " from a source of " +
+                                    base::size_text(source.eye_width, source.height) +
+                                    ", allowed where both are equal: leave out rectify.width, height and region");
+    }
+}
+
 pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const std::vector<ConfiguredStage>& stages) {
     pipeline::PipelineConfig made{
         .policy = newest_wins(config, live) ? pipeline::Policy::live : pipeline::Policy::replay,
@@ -114,6 +125,7 @@ pipeline::PipelineConfig pipeline_config(const Config& config, bool live, const 
         .depth = config.match.depth,
         .left_colour = config.rectify.colour,
         .right_colour = config.rectify.colour && config.rectify.right,
+        .raw = config.rectify.raw,
         .depth_error = subpixel_error(config)};
     for (const ConfiguredStage& added : stages) {
         made.stages.push_back(added.stage.get());
@@ -137,7 +149,8 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       layout_(make_layout(config, rectifications_->factory(), stages_)),
       load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count),
       geometry_(layout_.geometry),
-      to_rectified_(rectifications_->factory().left_rotation) {
+      to_rectified_{rectifications_->factory().left_rotation, rectifications_->factory().right_rotation} {
+    check_raw(config_, source(), rectifications_->factory());
     const std::size_t held = large_memory_held();  // by the engine in use, which goes when this one has begun
     matcher_ = make_matcher(config.match.backend, matcher_config(config, rectifications_->factory()));
     pipeline::PipelineConfig made = pipeline_config(config_, source().live, stages_);
@@ -261,7 +274,8 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
-        frame.planes[i] = is_record(product) ? record_plane(slot, product) : product_plane(slot.view, product);
+        frame.planes[i] =
+            is_record(product) ? record_plane(slot, product) : product_plane(slot.view, slot.raw_eyes, product);
     }
     sink_(frame);
     if (self_calibrator_) {
@@ -287,7 +301,7 @@ void Engine::note_rectification(const calibration::Rectification& used) {
     if (used.calibration_id != geometry_.calibration_id) {
         const std::lock_guard lock(mutex_);
         put_geometry(geometry_, used);
-        to_rectified_ = used.left_rotation;
+        to_rectified_ = {used.left_rotation, used.right_rotation};
     }
 }
 
@@ -348,9 +362,12 @@ void Engine::fill(v1::Status& status) const {
     {
         const std::lock_guard lock(mutex_);
         *status.mutable_geometry() = to_message(geometry_);
+        if (auto raw = source().calibration ? raw_cameras(*source().calibration, to_rectified_) : std::nullopt) {
+            *status.mutable_raw_cameras() = std::move(*raw);
+        }
         if (const auto& calibration = source().calibration; calibration && calibration->inertial.is_known()) {
             *status.mutable_inertial_calibration() =
-                to_message(calibration->inertial, to_rectified_, source().time_offset_us);
+                to_message(calibration->inertial, to_rectified_.left, source().time_offset_us);
         }
     }
     constexpr double far_m = 10;
@@ -525,7 +542,7 @@ std::string Engine::check_near() {
 }
 
 std::string Engine::work() {
-    pipeline::FrameSlot slot(*matcher_, {config_.match.depth, false, false, subpixel_error(config_)}, {}, 0);
+    pipeline::FrameSlot slot(*matcher_, {.depth = config_.match.depth, .depth_error = subpixel_error(config_)}, {}, 0);
     std::minstd_rand random;
     for (const Plane<std::uint8_t>& eye : {slot.view.left, slot.view.right}) {
         std::generate_n(eye.row(0), eye.width * eye.height, [&] { return static_cast<std::uint8_t>(random() >> 8); });

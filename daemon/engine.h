@@ -18,6 +18,7 @@
 #include "daemon/measured_watch.h"
 #include "daemon/memory_bounds.h"
 #include "daemon/published_frame.h"
+#include "daemon/raw_cameras.h"
 #include "daemon/self_calibrator.h"
 #include "daemon/stage_table.h"
 #include "daemon/trust_watch.h"
@@ -170,7 +171,7 @@ private:
     std::string memory_notice_;
     std::string load_notice_;
     proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
-    std::array<double, 9> to_rectified_;            ///< of the same: how its left image was turned; as geometry_
+    Turns to_rectified_;                            ///< of the same: how its images were turned; as geometry_
     std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
 };
 

@@ -7,6 +7,7 @@
 #include "daemon/config/config.h"
 #include "kernels/image.h"
 #include "kernels/matcher.h"
+#include "pipeline/raw_eyes.h"
 #include "proto/disparity.pb.h"
 
 /// Connects the table of proto/products.h with the configuration and with the matcher's results.
@@ -15,8 +16,9 @@ namespace disparityd::daemon {
 /// The products that a configuration makes, in the order of their numbers.
 std::vector<v1::Product> configured_products(const Config& config);
 
-/// The plane of a product as bytes: width and stride are counted in bytes. A view of what `view` shows. An empty plane
-/// where the frame does not have it, and for a record. Throws std::out_of_range for a number that is no product's.
-Plane<const std::uint8_t> product_plane(const FrameView& view, v1::Product product);
+/// The plane of a product as bytes: width and stride are counted in bytes. A view of what `view` and `raw` show. An
+/// empty plane where the frame does not have it, and for a record. Throws std::out_of_range for a number that is no
+/// product's.
+Plane<const std::uint8_t> product_plane(const FrameView& view, const pipeline::RawEyes& raw, v1::Product product);
 
 }  // namespace disparityd::daemon

@@ -40,6 +40,10 @@ FrameSlot::FrameSlot(const Matcher& matcher, Products products, std::span<AddedS
     if (products.right_colour) {
         view.right_colour = allocate<std::uint8_t>(right_colour_, 3 * width, height);
     }
+    if (products.raw) {
+        raw_eyes = {allocate<std::uint8_t>(raw_left_, width, height),
+                    allocate<std::uint8_t>(raw_right_, width, height)};
+    }
     scratch_ = LargeBuffer(matcher.scratch_bytes());
     view.scratch = {scratch_.data(), scratch_.size()};
     std::size_t bytes = 0;

@@ -13,6 +13,7 @@
 #include "kernels/added_stage.h"
 #include "kernels/large_buffer.h"
 #include "kernels/matcher.h"
+#include "pipeline/raw_eyes.h"
 
 namespace disparityd::pipeline {
 
@@ -25,6 +26,7 @@ public:
         bool depth = true;
         bool left_colour = false;
         bool right_colour = false;
+        bool raw = false;  ///< both eyes as captured, in the size of what is matched
         /// The depth error, and for it one sigma of a disparity in 1/256 px.
         std::optional<int> depth_error = std::nullopt;
     };
@@ -35,6 +37,7 @@ public:
     std::shared_ptr<const calibration::Rectification> rectification;  ///< the maps of this frame
     Rectifier rectifier;                                              ///< views of `rectification`
     FrameView view;                                  ///< the planes of this slot, for the matcher and the sink
+    RawEyes raw_eyes;                                ///< likewise, as captured
     std::optional<SensorDirection> up;               ///< as the camera's inertial sensor tells it
     std::vector<std::span<std::byte>> stage_memory;  ///< one per stage of PipelineConfig::stages, in its order
     std::uint64_t dropped_before = 0;  ///< frames that source or pipeline lost since the previous published frame
@@ -44,8 +47,8 @@ public:
     std::vector<std::chrono::nanoseconds> step_times;  ///< one per name of Pipeline::steps()
 
 private:
-    LargeBuffer left_, right_, left_colour_, right_colour_, disparity_, confidence_, depth_, depth_error_, near_,
-        scratch_, stage_memory_;
+    LargeBuffer left_, right_, left_colour_, right_colour_, raw_left_, raw_right_, disparity_, confidence_, depth_,
+        depth_error_, near_, scratch_, stage_memory_;
 };
 
 }  // namespace disparityd::pipeline

@@ -107,7 +107,8 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
     }
     for (int i = 0; i < config.slots; ++i) {
         slots_.push_back(std::make_unique<FrameSlot>(
-            matcher, FrameSlot::Products{config.depth, config.left_colour, config.right_colour, config.depth_error},
+            matcher,
+            FrameSlot::Products{config.depth, config.left_colour, config.right_colour, config.raw, config.depth_error},
             stages_, step_names_.size()));
         slots_.back()->view.rectifier = &slots_.back()->rectifier;
         free_slots_->put_back(slots_.back().get());
@@ -399,6 +400,9 @@ void Pipeline::work(std::size_t stage, FrameSlot& slot) {
             trace_work = {slot.raw.sequence, traced.name};
             const TraceSpan span(*traced.track, TraceKind::work, traced.name, slot.raw.sequence);
             matcher_.run(static_cast<int>(stage), depth_stage_ ? without_depth(slot.view) : slot.view, workers_, times);
+            if (stage == 0 && slot.raw_eyes.left) {
+                copy_luma(slot.raw.image, slot.raw_eyes);
+            }
             if (span.on()) {
                 traced_work = {span.begin_ns(), TraceSpan::now_ns()};
             }

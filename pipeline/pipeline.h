@@ -48,6 +48,7 @@ struct PipelineConfig {
     bool depth = true;          ///< compute depth
     bool left_colour = false;   ///< also rectify the left image in colour
     bool right_colour = false;  ///< also rectify the right image in colour
+    bool raw = false;           ///< also keep both eyes as captured; allowed where images are matched in their size
     /// Also compute the depth error, from this sigma of a disparity in 1/256 px, 1 .. 1024.
     std::optional<int> depth_error = std::nullopt;
     /// Stages beside the matcher's, which outlive the pipeline. Those of one place run in this order.

@@ -44,6 +44,7 @@ struct Config {
         calibration::RectifiedGeometry geometry;
         bool colour = false;
         bool right = false;
+        bool raw = false;
     } rectify;
 
     struct Match {

@@ -315,6 +315,7 @@ void add_input_keys(std::vector<ConfigKey>& keys) {
                     std::vector<std::int64_t>{}, set_region, get_region});
     keys.push_back(bool_key("rectify", "colour", FIELD(rectify.colour)));
     keys.push_back(bool_key("rectify", "right", FIELD(rectify.right)));
+    keys.push_back(bool_key("rectify", "raw", FIELD(rectify.raw)));
 }
 
 void add_match_keys(std::vector<ConfigKey>& keys) {

@@ -93,7 +93,9 @@ TEST_F(EndToEndTest, TheSameFrameOnEveryWayOut) {
             switches.insert(switches.end(), {"--set", std::string(product.key) + "=true"});
         }
     }
-    const auto daemon = start_ready(config_text(scene, 160, 88, "[log]\nlevel = \"debug\"\n"), switches);
+    // Images as captured are served in the size of the rectified ones.
+    const auto daemon = start_ready(
+        config_text("scene:vga@15?width=160&height=88&loop=8", 160, 88, "[log]\nlevel = \"debug\"\n"), switches);
     disparity::SharedMemoryReader memory(shared_memory_name());
     disparity::SocketClient tcp(daemon->address("tcp:"));
     tcp.subscribe(all);

@@ -57,6 +57,8 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     std::vector<std::uint8_t> right(8 * height);
     std::vector<std::uint8_t> colour(24 * height);
     std::vector<std::uint8_t> right_colour(24 * height);
+    std::vector<std::uint8_t> raw_left(8 * height);
+    std::vector<std::uint8_t> raw_right(8 * height);
     FrameView view;
     view.disparity = {disparity.data(), width, height, 8};
     view.confidence = {confidence.data(), width, height, 8};
@@ -66,12 +68,13 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
     view.right = {right.data(), width, height, 8};
     view.left_colour = {colour.data(), 3 * width, height, 24};
     view.right_colour = {right_colour.data(), 3 * width, height, 24};
-    const std::vector<const void*> starts{disparity.data(),   confidence.data(), depth.data(),
-                                          left.data(),        colour.data(),     nullptr,
-                                          depth_error.data(), right.data(),      right_colour.data()};
+    const pipeline::RawEyes raw{{raw_left.data(), width, height, 8}, {raw_right.data(), width, height, 8}};
+    const std::vector<const void*> starts{disparity.data(),    confidence.data(), depth.data(),       left.data(),
+                                          colour.data(),       nullptr,           depth_error.data(), right.data(),
+                                          right_colour.data(), raw_left.data(),   raw_right.data()};
     for (std::size_t i = 0; i < proto::products.size(); ++i) {
         const proto::ProductFacts& product = proto::products[i];
-        const Plane<const std::uint8_t> plane = product_plane(view, product.number);
+        const Plane<const std::uint8_t> plane = product_plane(view, raw, product.number);
         if (is_record(product.number)) {
             EXPECT_FALSE(plane) << product.name;
             continue;
@@ -85,7 +88,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
 }
 
 TEST(ProductPlanes, AnotherNumberIsRefused) {
-    EXPECT_THROW(product_plane({}, v1::PRODUCT_NONE), std::out_of_range);
+    EXPECT_THROW(product_plane({}, {}, v1::PRODUCT_NONE), std::out_of_range);
     EXPECT_THROW(proto::product_facts(v1::PRODUCT_NONE), std::out_of_range);
     EXPECT_EQ(proto::product_name(3), "depth");
     EXPECT_EQ(proto::product_name(0), "product 0");

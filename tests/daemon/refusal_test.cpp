@@ -88,6 +88,10 @@ TEST_F(RefusalTest, RegionOutsideTheImage) {
     expect_refusal(config_text(), {"--set", "rectify.region=[100, 0, 100, 50]"}, 2, {"100"});
 }
 
+TEST_F(RefusalTest, ImagesAsCapturedOfAnotherSize) {
+    expect_refusal(config_text(), {"--set", "rectify.raw=true"}, 2, {"rectify.raw", "160x88", "320x176"});
+}
+
 TEST_F(RefusalTest, CommandLine) {
     expect_refusal(config_text(), {"--sauce", "x"}, 2, {"command line", "--sauce", "--help"});
     expect_refusal(config_text(), {"--set", "disparities=32"}, 2, {"--set disparities=32", "section.key=value"});

@@ -15,7 +15,8 @@ import typing
 
 from .client import Client, connect
 from .connection import ConnectOptions
-from .disparity_pb2 import CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RIGHT, RIGHT_COLOUR, SCAN
+from .disparity_pb2 import (CONFIDENCE, DEPTH, DEPTH_ERROR, DISPARITY, LEFT, LEFT_COLOUR, RAW_LEFT, RAW_RIGHT, RIGHT, RIGHT_COLOUR,
+                            SCAN)
 from .errors import DisparityError, Gone, Refused
 from .frame import (BLURRED, COVERED_EYE, DARK, DIRTY_EYE, DISCONTINUITY, DROPPED_BEFORE, EXPOSURE_CENTRE, INTERPOLATED,
                     MISALIGNED, NOISY, SATURATED, SYNTHETIC, TOO_NEAR, UNRECTIFIED, Frame, doubt_names)
@@ -64,6 +65,8 @@ __all__ = [
     "MISALIGNED",
     "NOISY",
     "OCCUPIED",
+    "RAW_LEFT",
+    "RAW_RIGHT",
     "RIGHT",
     "RIGHT_COLOUR",
     "Refused",

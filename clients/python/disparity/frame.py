@@ -215,6 +215,16 @@ class Frame:
         return self._plane(pb.RIGHT_COLOUR)
 
     @property
+    def raw_left(self) -> npt.NDArray[np.uint8]:
+        """uint8, left image before rectification: f, cx and cy of the frame do not describe it."""
+        return self._plane(pb.RAW_LEFT)
+
+    @property
+    def raw_right(self) -> npt.NDArray[np.uint8]:
+        """uint8, right image before rectification: f, cx and cy of the frame do not describe it."""
+        return self._plane(pb.RAW_RIGHT)
+
+    @property
     def scan(self) -> Scan:
         """The obstacle scan, a disparity.Scan. DisparityError for one of another version."""
         return read_scan(self._plane(pb.SCAN).tobytes())
