@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -15,13 +15,13 @@
 #include <unistd.h>
 
 #include "proto/shared_memory_layout.h"
+#include "proto/socket_places.h"
 
 namespace disparity {
 namespace {
 
 namespace proto = disparityd::proto;
 
-constexpr const char* temporary = "/tmp";
 constexpr const char* shared_memory_folder = "/dev/shm";
 
 /// Where a daemon of the name "default" listens when its configuration does not say otherwise.
@@ -29,49 +29,6 @@ constexpr const char* default_tcp = "tcp:127.0.0.1:9876";
 
 /// A daemon whose heartbeat is older has died.
 constexpr std::chrono::seconds oldest_heartbeat{3};
-
-bool is_daemon_name(const std::string& name) {
-    try {
-        proto::shm_object_name(name);
-        return true;
-    } catch (const std::invalid_argument&) {
-        return false;
-    }
-}
-
-/// Returns the folders in which a daemon has its Unix socket by default: the first of them that it may write to. Only
-/// root and the service may create files in the first one. Elsewhere another user may have put a socket, and a robot
-/// would act on that user's frames.
-std::vector<std::string> socket_folders() {
-    std::vector<std::string> folders{"/run/disparityd"};
-    if (const char* runtime = std::getenv("XDG_RUNTIME_DIR"); runtime != nullptr && *runtime != '\0') {
-        folders.emplace_back(runtime);
-    }
-    folders.emplace_back(temporary);
-    return folders;
-}
-
-/// Returns the file name of the socket of a daemon in one of these folders.
-std::string socket_file(const std::string& name, const std::string& folder) {
-    return "disparityd" + (name == "default" ? "" : '-' + name) +
-           (folder == temporary ? '-' + std::to_string(getuid()) : "") + ".sock";
-}
-
-/// Returns the name of the daemon whose socket is called so in this folder; nothing when it is another file.
-std::optional<std::string> daemon_of(const std::string& file, const std::string& folder) {
-    if (file == socket_file("default", folder)) {
-        return "default";
-    }
-    const std::string any = socket_file("*", folder);
-    const std::size_t before = any.find('*');
-    const std::size_t behind = any.size() - before - 1;
-    if (file.size() < any.size() || file.compare(0, before, any, 0, before) != 0 ||
-        file.compare(file.size() - behind, behind, any, before + 1, behind) != 0) {
-        return std::nullopt;
-    }
-    const std::string name = file.substr(before, file.size() - before - behind);
-    return is_daemon_name(name) ? std::optional(name) : std::nullopt;
-}
 
 bool somebody_listens(const std::string& path) {
     sockaddr_un address{};
@@ -103,7 +60,7 @@ bool has_memory(const std::string& name, const ClientOptions& options) {
 /// nobody: a daemon that hangs is among them.
 std::set<std::string> running_daemons(const ClientOptions& options) {
     std::set<std::string> names;
-    std::vector<std::string> folders = socket_folders();
+    std::vector<std::string> folders = proto::socket_folders();
     folders.emplace_back(shared_memory_folder);
     for (const std::string& folder : folders) {
         std::error_code error;
@@ -114,10 +71,10 @@ std::set<std::string> running_daemons(const ClientOptions& options) {
             const std::size_t start = object.size() - 2;
             if (folder == shared_memory_folder) {
                 const std::string name = file.compare(0, start, object, 1, start) == 0 ? file.substr(start) : "";
-                if (is_daemon_name(name) && has_memory(name, options)) {
+                if (proto::is_daemon_name(name) && has_memory(name, options)) {
                     names.insert(name);
                 }
-            } else if (const auto name = daemon_of(file, folder);
+            } else if (const auto name = proto::daemon_of_socket_file(file, folder);
                        name && entry->symlink_status(error).type() == std::filesystem::file_type::socket &&
                        somebody_listens(entry->path().string())) {
                 names.insert(*name);
@@ -167,8 +124,8 @@ struct Sockets {
 Sockets default_sockets(const std::string& name) {
     Sockets found;
     bool of_the_system = true;
-    for (const std::string& folder : socket_folders()) {
-        const std::string path = folder + '/' + socket_file(name, folder);
+    for (const std::string& folder : proto::socket_folders()) {
+        const std::string path = folder + '/' + proto::socket_file(name, folder);
         const bool check_user = !std::exchange(of_the_system, false);
         struct stat file {};
         // stat would follow a link of another user.
@@ -191,7 +148,7 @@ Sockets default_sockets(const std::string& name) {
 }  // namespace
 
 void check_daemon_name(const std::string& name) {
-    if (!is_daemon_name(name)) {
+    if (!proto::is_daemon_name(name)) {
         throw std::invalid_argument("name of a daemon: found '" + name +
                                     "', allowed: 1 to 64 characters of A-Z a-z 0-9 . _ -");
     }

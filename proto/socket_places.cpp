@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "proto/socket_places.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <stdexcept>
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "proto/shared_memory_layout.h"
+
+namespace disparityd::proto {
+namespace {
+
+constexpr const char* temporary = "/tmp";
+
+}  // namespace
+
+std::vector<std::string> socket_folders() {
+    std::vector<std::string> folders{"/run/disparityd"};
+    if (const char* runtime = std::getenv("XDG_RUNTIME_DIR"); runtime != nullptr && *runtime != '\0') {
+        folders.emplace_back(runtime);
+    }
+    folders.emplace_back(temporary);
+    return folders;
+}
+
+std::string socket_file(const std::string& name, const std::string& folder) {
+    return "disparityd" + (name == "default" ? "" : '-' + name) +
+           (folder == temporary ? '-' + std::to_string(getuid()) : "") + ".sock";
+}
+
+std::optional<std::string> daemon_of_socket_file(const std::string& file, const std::string& folder) {
+    if (file == socket_file("default", folder)) {
+        return "default";
+    }
+    const std::string any = socket_file("*", folder);
+    const std::size_t before = any.find('*');
+    const std::size_t behind = any.size() - before - 1;
+    if (file.size() < any.size() || file.compare(0, before, any, 0, before) != 0 ||
+        file.compare(file.size() - behind, behind, any, before + 1, behind) != 0) {
+        return std::nullopt;
+    }
+    const std::string name = file.substr(before, file.size() - before - behind);
+    return is_daemon_name(name) ? std::optional(name) : std::nullopt;
+}
+
+bool nobody_listens(const std::string& path) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    if (path.size() >= sizeof address.sun_path) {
+        return true;
+    }
+    path.copy(address.sun_path, path.size());
+    const int fd = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    const bool nobody = fd >= 0 && ::connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 &&
+                        (errno == ECONNREFUSED || errno == ENOENT);
+    if (fd >= 0) {
+        ::close(fd);
+    }
+    return nobody;
+}
+
+bool is_daemon_name(const std::string& name) {
+    try {
+        shm_object_name(name);
+        return true;
+    } catch (const std::invalid_argument&) {
+        return false;
+    }
+}
+
+}  // namespace disparityd::proto

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// Where daemons of this machine have their Unix sockets unless configured otherwise, and what the files are called.
+/// Any thread may ask.
+namespace disparityd::proto {
+
+/// Returns the folders in which a daemon has its Unix socket by default: the first of them that it may write to. Only
+/// root and the service may create files in the first one. Elsewhere another user may have put a socket, and a robot
+/// would act on that user's frames.
+std::vector<std::string> socket_folders();
+
+/// Returns the file name of the socket of a daemon of this name in one of these folders.
+std::string socket_file(const std::string& name, const std::string& folder);
+
+/// Returns the name of the daemon whose socket is called so in this folder; nothing when it is another file.
+std::optional<std::string> daemon_of_socket_file(const std::string& file, const std::string& folder);
+
+/// Whether nobody listens at a Unix socket, or there is none: its daemon was killed. It connects and says nothing;
+/// where it may not connect, somebody is there.
+bool nobody_listens(const std::string& path);
+
+/// Whether a daemon can have this name: 1 to 64 characters of A-Z a-z 0-9 . _ -
+bool is_daemon_name(const std::string& name);
+
+}  // namespace disparityd::proto
