@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
+#include <map>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -27,14 +29,17 @@ struct Label {
     std::string_view value;
 };
 
-/// Writes Prometheus' text format 0.0.4: metric by metric, each with its help and type before its samples. Names and
-/// helps are the program's own and must be as the format wants them; values of labels come from anywhere and are
-/// escaped.
+/// Writes Prometheus' text format 0.0.4: metric by metric, each with its help and type before its samples, those of
+/// several daemons together. Names and helps are the program's own and must be as the format wants them; values of
+/// labels come from anywhere and are escaped.
 class Exposition {
 public:
     using Labels = std::initializer_list<Label>;
 
-    /// Begins a metric of several samples.
+    /// The samples that follow are of this daemon: each has its name as a label; "" = there is only one, and no label.
+    void set_camera(std::string_view name) { camera_ = name; }
+
+    /// Begins a metric of several samples, or goes on with it.
     void begin(std::string_view name, std::string_view type, std::string_view help);
     void sample(Labels labels, double value);
     void sample(Labels labels, std::uint64_t value);
@@ -56,14 +61,22 @@ public:
     void histogram(Labels labels, std::span<const double> bounds, std::span<const std::uint64_t> up_to,
                    std::uint64_t count, double sum);
 
-    std::string take() { return std::move(text_); }
+    /// Returns all of it, in the order in which the metrics were begun.
+    std::string text() const;
 
 private:
+    struct Metric {
+        std::string name;
+        std::string text;
+    };
+
     void put_name(std::string_view suffix, Labels labels, const Label* last);
     void line(std::string_view suffix, Labels labels, const Label* last, std::string_view value);
 
-    std::string text_;
-    std::string name_;
+    std::vector<Metric> metrics_;
+    std::map<std::string, std::size_t, std::less<>> places_;  ///< in metrics_
+    std::size_t now_ = 0;                                     ///< the place of the one that was begun
+    std::string camera_;
 };
 
 std::string number(double value) {
@@ -92,8 +105,19 @@ std::string escaped(std::string_view value) {
 }
 
 void Exposition::begin(std::string_view name, std::string_view type, std::string_view help) {
-    name_ = name;
-    text_ += fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type);
+    const auto [place, added] = places_.emplace(name, metrics_.size());
+    now_ = place->second;
+    if (added) {
+        metrics_.push_back({place->first, fmt::format("# HELP {} {}\n# TYPE {} {}\n", name, help, name, type)});
+    }
+}
+
+std::string Exposition::text() const {
+    std::string text;
+    for (const Metric& metric : metrics_) {
+        text += metric.text;
+    }
+    return text;
 }
 
 void Exposition::sample(Labels labels, double value) {
@@ -143,27 +167,32 @@ void Exposition::histogram(Labels labels, std::span<const double> bounds, std::s
 }
 
 void Exposition::put_name(std::string_view suffix, Labels labels, const Label* last) {
-    text_ += name_;
-    text_ += suffix;
+    std::string& text = metrics_[now_].text;
+    text += metrics_[now_].name;
+    text += suffix;
     char before = '{';
     const auto put = [&](const Label& label) {
-        text_ += fmt::format("{}{}=\"{}\"", before, label.name, escaped(label.value));
+        text += fmt::format("{}{}=\"{}\"", before, label.name, escaped(label.value));
         before = ',';
     };
+    if (!camera_.empty()) {
+        put({"camera", camera_});
+    }
     for (const Label& label : labels) {
         put(label);
     }
     if (last != nullptr) {
         put(*last);
     }
-    text_ += before == ',' ? "}" : "";
+    text += before == ',' ? "}" : "";
 }
 
 void Exposition::line(std::string_view suffix, Labels labels, const Label* last, std::string_view value) {
     put_name(suffix, labels, last);
-    text_ += ' ';
-    text_ += value;
-    text_ += '\n';
+    std::string& text = metrics_[now_].text;
+    text += ' ';
+    text += value;
+    text += '\n';
 }
 
 using namespace std::string_view_literals;
@@ -310,6 +339,32 @@ void put_sector_doubts(Exposition& out, const v1::ScanStatus& scan) {
     }
 }
 
+void put_daemon(Exposition& out, const v1::Status* status) {
+    out.gauge("disparityd_up", "Whether the daemon answers.", status != nullptr ? 1 : 0);
+    if (status == nullptr) {
+        return;
+    }
+    put_state(out, *status);
+    put_fields(out, *status);
+    put_steps(out, status->totals());
+    if (status->has_trust()) {
+        put_doubts(out, status->trust());
+    }
+    if (status->has_scan()) {
+        put_sector_doubts(out, status->scan());
+    }
+    if (status->has_camera()) {
+        put_camera(out, status->camera());
+    }
+    if (status->has_sensors()) {
+        out.states("disparityd_sensors_state", "State of the camera's sensors, 1 for the one they are in.",
+                   sensor_states, status->sensors().state());
+    }
+    if (status->has_self_calibration()) {
+        put_self_calibration(out, status->self_calibration());
+    }
+}
+
 void put_web(Exposition& out, const WebCounters& web) {
     out.gauge("disparity_web_clients", "Pages and viewers that this server sends frames to.",
               static_cast<double>(web.clients));
@@ -326,31 +381,19 @@ void put_web(Exposition& out, const WebCounters& web) {
 }  // namespace
 
 std::string prometheus_text(const v1::Status* status, const WebCounters& web) {
+    const NamedStatus only{"", status};
+    return prometheus_text(std::span(&only, 1), web);
+}
+
+std::string prometheus_text(std::span<const NamedStatus> daemons, const WebCounters& web) {
     Exposition out;
-    out.gauge("disparityd_up", "Whether the daemon answers.", status != nullptr ? 1 : 0);
-    if (status != nullptr) {
-        put_state(out, *status);
-        put_fields(out, *status);
-        put_steps(out, status->totals());
-        if (status->has_trust()) {
-            put_doubts(out, status->trust());
-        }
-        if (status->has_scan()) {
-            put_sector_doubts(out, status->scan());
-        }
-        if (status->has_camera()) {
-            put_camera(out, status->camera());
-        }
-        if (status->has_sensors()) {
-            out.states("disparityd_sensors_state", "State of the camera's sensors, 1 for the one they are in.",
-                       sensor_states, status->sensors().state());
-        }
-        if (status->has_self_calibration()) {
-            put_self_calibration(out, status->self_calibration());
-        }
+    for (const NamedStatus& daemon : daemons) {
+        out.set_camera(daemon.name);
+        put_daemon(out, daemon.status);
     }
+    out.set_camera({});
     put_web(out, web);
-    return out.take();
+    return out.text();
 }
 
 }  // namespace disparityd::web

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 
 #include "bridges/web/metrics/web_counters.h"
@@ -18,5 +19,14 @@ inline constexpr const char* prometheus_content_type = "text/plain; version=0.0.
 /// Labels hold what the daemon chooses from short lists, and names of the camera and the configuration in use. Clients
 /// of the daemon appear only as sums: they choose their names, and each new name would stay in Prometheus as a series.
 std::string prometheus_text(const v1::Status* status, const WebCounters& web);
+
+/// A daemon of several.
+struct NamedStatus {
+    std::string name;
+    const v1::Status* status = nullptr;  ///< null while the daemon is away
+};
+
+/// The same of several daemons. Each sample of a daemon has the label "camera" with its name, where that is not "".
+std::string prometheus_text(std::span<const NamedStatus> daemons, const WebCounters& web);
 
 }  // namespace disparityd::web

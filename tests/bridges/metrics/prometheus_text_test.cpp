@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/metrics/prometheus_text.h"
 
+#include <array>
 #include <fstream>
 #include <limits>
+#include <set>
+#include <span>
 #include <sstream>
 
 #include <gmock/gmock.h>
@@ -15,6 +18,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -44,7 +48,7 @@ std::vector<std::string> expected_lines() {
 
 // The file has what a metric looks like, of each kind. monitoring.documents compares all with docs/monitoring.md.
 TEST(PrometheusText, OfAFilledStatus) {
-    EXPECT_THAT(lines_of(test::filled_status()), testing::IsSupersetOf(expected_lines()));
+    EXPECT_THAT(lines_of(test::filled_status()), IsSupersetOf(expected_lines()));
 }
 
 TEST(PrometheusText, EndsWithALineEnd) {
@@ -134,6 +138,32 @@ TEST(PrometheusText, NumbersThatAreNone) {
     EXPECT_THAT(lines, Contains("disparityd_frame_rate_hertz NaN"));
     EXPECT_THAT(lines, Contains("disparityd_uptime_seconds +Inf"));
     EXPECT_THAT(lines, Contains("disparityd_camera_rate_hertz -Inf"));
+}
+
+TEST(PrometheusText, SeveralDaemonsHaveEachMetricOnceAndTheirNamesAsALabel) {
+    const v1::Status status = test::filled_status();
+    const std::array daemons{NamedStatus{"away", nullptr}, NamedStatus{"front", &status}, NamedStatus{"a\"b", &status}};
+    const std::vector<std::string> lines = lines_of(prometheus_text(daemons, test::web_counters()));
+    EXPECT_THAT(lines, IsSupersetOf({
+                           R"(disparityd_up{camera="away"} 0)",
+                           R"(disparityd_up{camera="front"} 1)",
+                           R"(disparityd_up{camera="a\"b"} 1)",
+                           R"(disparityd_state{camera="front",state="running"} 1)",
+                           R"(disparityd_step_seconds_bucket{camera="front",step="capture",le="0.02"} 9)",
+                           "disparity_web_clients 2",
+                       }));
+    std::set<std::string> begun;
+    std::string metric;
+    for (const std::string& line : lines) {
+        if (line.rfind("# TYPE ", 0) == 0) {
+            metric = line.substr(7, line.find(' ', 7) - 7);
+            EXPECT_TRUE(begun.insert(metric).second) << metric << " is begun twice";
+        } else if (line.rfind("# ", 0) != 0) {
+            EXPECT_EQ(line.rfind(metric, 0), 0U) << line << " stands under " << metric;
+            EXPECT_EQ(line.find("{camera=") != std::string::npos, line.rfind("disparityd_", 0) == 0) << line;
+        }
+    }
+    EXPECT_EQ(lines_of(prometheus_text(std::span<const NamedStatus>(), {})).size(), 18U) << "only the server's own";
 }
 
 TEST(PrometheusText, ARecordingThatFailed) {

@@ -26,7 +26,7 @@ def run(command, text=None):
 def metrics(promtool, _, program):
     """Every kind of status; promtool also says what breaks Prometheus' rules for names."""
     good = True
-    for which in ("filled", "hostile", "starting", "absent"):
+    for which in ("filled", "hostile", "starting", "absent", "several"):
         text = subprocess.run([program, which], check=True, capture_output=True).stdout
         good &= run([promtool, "check", "metrics"], text)
     return good
