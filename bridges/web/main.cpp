@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
     app.footer(
         "Examples: disparity-web\n"
         "          disparity-web --name front --listen 127.0.0.1:8766 --allow-control\n"
+        "          disparity-web --all\n"
         "Exit status: 0 SIGTERM or Ctrl-C ended it; 1 the system refuses; 2 an argument is wrong.");
     const int code = disparityd::bridges::run_program(app, argc, argv, [&app, &options] {
         auto settings = options.settings();

@@ -73,6 +73,18 @@ void check_names(const Options& options) {
     }
 }
 
+/// Which daemon is meant says nothing beside all of them, nor does how one elsewhere is reached.
+void check_all(const Options& options) {
+    const disparity::ConnectOptions& reach = options.daemon.reach.options;
+    if (options.all &&
+        (options.daemon.name != "default" || !options.daemon.socket.empty() ||
+         !(reach.authority + reach.certificate + reach.key + reach.server_name + reach.token_file).empty())) {
+        throw std::invalid_argument(
+            "--all: found with --name, --socket or a --daemon- option, allowed: without them; it finds the daemons of "
+            "this machine by itself. For one elsewhere start another disparity-web");
+    }
+}
+
 void check_files(const Options& options) {
     if (options.certificate.empty() != options.key.empty()) {
         throw std::invalid_argument("--certificate and --key go together: one of them is missing");
@@ -98,6 +110,10 @@ void check_reach(const Options& options, const ServerSettings& settings) {
 
 void Options::add_to(CLI::App& app) {
     daemon.add_to(app, "daemon-");
+    app.add_flag("--all", all,
+                 "All daemons of this machine that have their socket at its usual place, each below /i/NAME/; they may "
+                 "come and go")
+        ->group("Which daemon");
     const std::string group = "Where it serves";
     app.add_option("--listen", listen, "Address and port; [::1]:8765 for IPv6, port 0 for any free one")
         ->type_name("ADDRESS:PORT")
@@ -114,6 +130,8 @@ void Options::add_to(CLI::App& app) {
 ServerSettings Options::settings() const {
     ServerSettings settings;
     settings.daemon = {daemon.where(), daemon.reach.options};
+    settings.all = all;
+    check_all(*this);
     set_listen(listen, settings);
     check_files(*this);
     settings.tls = {certificate, key, client_authority};

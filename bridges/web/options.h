@@ -16,6 +16,7 @@ namespace disparityd::web {
 /// The command line.
 struct Options {
     clients::DaemonArguments daemon;
+    bool all = false;
     std::string listen = "127.0.0.1:8765";
     std::string token_file;
     bool allow_control = false;

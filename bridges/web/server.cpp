@@ -17,8 +17,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
-#include "bridges/web/daemon/frame_feed.h"
-#include "bridges/web/daemon/status_feed.h"
+#include "bridges/web/http/all_daemons.h"
 #include "bridges/web/http/http_session.h"
 #include "bridges/web/http/server_settings.h"
 
@@ -100,8 +99,8 @@ constexpr std::chrono::milliseconds pause_when_full{2};
 
 PortListener::PortListener(const ServerSettings& settings, const Site& site)
     : site_(site),
-      acceptor_(listening(site.place.network, settings)),
-      pause_(site.place.network),
+      acceptor_(listening(site.parts.network, settings)),
+      pause_(site.parts.network),
       tls_(tls_context(settings.tls)) {}
 
 void PortListener::stop() {
@@ -115,7 +114,7 @@ void PortListener::serve(PeerStream stream, const std::string& sender) {
     if (site_.connections.admit(session, sender)) {
         session->start();
     } else {
-        ++site_.place.hub.counters.refused;
+        ++site_.parts.counters.refused;
     }
 }
 
@@ -151,6 +150,13 @@ void PortListener::accept_after(std::chrono::milliseconds pause) {
     });
 }
 
+std::unique_ptr<ServedDaemons> daemons_of(const ServerSettings& settings, const ServerParts& parts) {
+    if (settings.all) {
+        return std::make_unique<AllDaemons>(parts);
+    }
+    return std::make_unique<OneDaemon>(parts, settings.daemon);
+}
+
 }  // namespace
 
 namespace asio = boost::asio;
@@ -163,21 +169,10 @@ public:
           scheme_(settings.tls.on() ? "https" : "http"),
           access_(settings.access, settings.tls.on()),
           signals_(network_, SIGTERM, SIGINT),
-          hub_([this](const Wants& wants) { on_wants(wants); }),
           connections_(static_cast<std::size_t>(settings.max_connections), access_.knows_controllers()),
-          place_{network_, encoding_, hub_, outgoing_},
-          control_(settings.daemon),
-          routes_(place_, access_, control_),
-          listener_(settings, {place_, access_, routes_, connections_, guesses_}),
-          frames_(settings.daemon, [this] { asio::post(network_, [this] { hub_.on_frame(frames_.take()); }); }),
-          statuses_(
-              settings.daemon,
-              [this](DaemonState state) {
-                  asio::post(network_, [this, state = std::move(state)] { hub_.on_state(state); });
-              },
-              [this](disparity::SensorBatch batch) {
-                  asio::post(network_, [this, batch = std::move(batch)] { hub_.on_sensors(batch); });
-              }) {}
+          routes_(network_, access_),
+          daemons_(daemons_of(settings, parts_)),
+          listener_(settings, {parts_, access_, routes_, *daemons_, connections_, guesses_}) {}
 
     std::string url() const { return scheme_ + "://" + url_host_ + ':' + std::to_string(listener_.port()) + '/'; }
 
@@ -191,9 +186,8 @@ public:
         });
         listener_.start();
         network_.run();
-        // Each may wait for a daemon that hangs: both at the same time.
-        frames_.stop();
-        statuses_.stop();
+        // Each may wait for a daemon that hangs: all at the same time.
+        daemons_->stop();
         // A second signal ends the program at once.
         signals_.clear();
         std::signal(SIGTERM, SIG_DFL);
@@ -201,27 +195,20 @@ public:
     }
 
 private:
-    void on_wants(const Wants& wants) {
-        frames_.want(wants.products);
-        statuses_.want_sensors(wants.sensors);
-    }
-
     std::string url_host_;
     std::string scheme_;
     Access access_;
     Outgoing outgoing_;
+    WebCounters counters_;
     asio::io_context network_{1};
     asio::signal_set signals_;
     EncodingTurns encoding_;
-    Hub hub_;
     Connections connections_;
     TokenGuesses guesses_;
-    Workplace place_;
-    DaemonControl control_;
+    ServerParts parts_{network_, encoding_, outgoing_, counters_};
     Routes routes_;
+    std::unique_ptr<ServedDaemons> daemons_;
     PortListener listener_;
-    FrameFeed frames_;
-    StatusFeed statuses_;
 };
 
 Server::Server(const ServerSettings& settings) : impl_(std::make_unique<Impl>(settings)) {}

@@ -8,6 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "bridges/web/http/all_daemons.h"
 #include "bridges/web/http/http_session.h"
 #include "tests/bridges/ros_messages/message_frames.h"
 #include "tests/fuzz/outcome.h"
@@ -45,6 +46,22 @@ web::DaemonState state() {
     return state;
 }
 
+/// A daemon that the fuzzer plays, alone or below "/i/NAME/".
+class OnlyDaemon : public web::ServedDaemons {
+public:
+    OnlyDaemon(const web::Workplace& place, web::Handler& handler) : place_(place), handler_(handler) {}
+
+    web::Destination destination(std::string_view path) override {
+        const std::string_view name = web::daemon_in_path(path);
+        return {&place_, &handler_, name.empty() ? 0 : 3 + name.size()};
+    }
+    void stop() override {}
+
+private:
+    const web::Workplace& place_;
+    web::Handler& handler_;
+};
+
 }  // namespace
 
 /// The parts in the order in which the server has them: the last one ends first.
@@ -58,7 +75,7 @@ public:
         // What the server has over TCP, over a socket pair.
         web::PeerStream stream(stream_protocol::socket(network_, stream_protocol(), ends[0]));
         const auto session = std::make_shared<web::HttpSession>(
-            std::move(stream), web::Site{place_, access_, routes_, connections_, guesses_}, "fuzz");
+            std::move(stream), web::Site{parts_, access_, routes_, daemon_, connections_, guesses_}, "fuzz");
         expect(connections_.admit(session, "fuzz"), "no room for the only visitor");
         session->start();
     }
@@ -113,9 +130,13 @@ private:
     web::Hub hub_{[](const web::Wants&) {}};
     web::Connections connections_{8};
     web::TokenGuesses guesses_;
-    web::Workplace place_{network_, encoding_, hub_, outgoing_};
+    web::WebCounters counters_;
+    web::ServerParts parts_{network_, encoding_, outgoing_, counters_};
+    web::Workplace place_{parts_, hub_};
     std::optional<web::DaemonControl> control_{web::DaemonAddress{"unix:/nonexistent/socket"}};
-    web::Routes routes_{place_, access_, *control_};
+    web::DaemonRoutes daemon_routes_{place_, *control_};
+    OnlyDaemon daemon_{place_, daemon_routes_};
+    web::Routes routes_{network_, access_};
     int visitor_ = -1;
     std::string answers_;
 };

@@ -50,7 +50,7 @@ class PageSession {
     this.programs = programs
     this.folder = fs.mkdtempSync(path.join(os.tmpdir(), 'disparityd-page-'))
     this.name = `page${process.pid}`
-    this.socket = path.join(this.folder, 'socket')
+    this.socket = path.join(this.folder, `disparityd-${this.name}.sock`) // where disparity-web --all looks, with XDG_RUNTIME_DIR
     process.on('exit', () => this.#endNow())
   }
 
@@ -62,8 +62,17 @@ class PageSession {
   }
 
   /** Starts disparity-web and waits for its address. Returns { process, address }. */
-  async startWeb(listen = '127.0.0.1:0', more = ['--allow-control']) {
-    const child = this.#start(this.programs.disparity_web, ['--name', this.name, '--socket', `unix:${this.socket}`, '--listen', listen, ...more])
+  startWeb(listen = '127.0.0.1:0', more = ['--allow-control']) {
+    return this.#startWeb(['--name', this.name, '--socket', `unix:${this.socket}`, '--listen', listen, ...more])
+  }
+
+  /** The same for all daemons of the machine. */
+  startWebOfAll(more = []) {
+    return this.#startWeb(['--all', '--listen', '127.0.0.1:0', ...more])
+  }
+
+  async #startWeb(parameters) {
+    const child = this.#start(this.programs.disparity_web, parameters)
     const address = await until('disparity-web prints its address', () => {
       if (child.exitCode !== null) throw new Error(`disparity-web ended with status ${child.exitCode}:\n${this.#log}`)
       return /http:\/\/\S+/.exec(child.printed)?.[0]
@@ -98,7 +107,8 @@ class PageSession {
   }
 
   #start(program, parameters) {
-    const child = spawn(program, parameters, { stdio: ['ignore', 'pipe', 'pipe'] })
+    const child = spawn(program, parameters, {
+      stdio: ['ignore', 'pipe', 'pipe'], env: { ...process.env, XDG_RUNTIME_DIR: this.folder } })
     child.printed = ''
     child.stdout.on('data', data => {
       child.printed += data

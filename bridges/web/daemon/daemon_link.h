@@ -11,8 +11,12 @@ namespace disparityd::web {
 struct DaemonAddress {
     std::string where = "default";  ///< as disparity::connect() takes it
     disparity::ConnectOptions options{};
+    /// Status and control by a Unix socket only. By the name "default" a client also takes whoever listens at the usual
+    /// TCP port, which may be a daemon of another name.
+    bool by_unix_socket = false;
 
-    /// Connects as disparity::connect() does. `role` tells this program's connections apart in the daemon's status.
+    /// Connects as disparity::connect() does, and throws as that. `role` tells this program's connections apart in the
+    /// daemon's status.
     disparity::Client connect(const std::string& role, const disparity::Subscription& wanted) const;
 };
 

@@ -44,6 +44,7 @@ void Hub::update_wants() {
         const Wants wants = listener.wants();
         all.products.insert(wants.products.begin(), wants.products.end());
         all.sensors = all.sensors || wants.sensors;
+        all.status = all.status || wants.status;
     });
     std::erase_if(all.products, [this](disparity::Product product) {
         return std::find(state_.products.begin(), state_.products.end(), product) == state_.products.end();
@@ -51,18 +52,13 @@ void Hub::update_wants() {
     on_wants_(all);
 }
 
-void Hub::on_frame(std::shared_ptr<const LiveFrame> frame) {
-    newest_ = std::move(frame);
-    const std::shared_ptr<const LiveFrame> told = newest_;
-    for_each([&](Listener& listener) { listener.on_frame(told); });
+void Hub::on_frame(const std::shared_ptr<const LiveFrame>& frame) {
+    for_each([&](Listener& listener) { listener.on_frame(frame); });
 }
 
 void Hub::on_state(DaemonState state) {
     const bool other_products = state.products != state_.products;
     state_ = std::move(state);
-    if (!state_.there) {
-        newest_ = nullptr;  // a frame of a daemon that is gone is not shown as the newest one
-    }
     if (other_products) {
         update_wants();
     }

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bridges/web/images/live_frame.h"
-#include "bridges/web/metrics/web_counters.h"
 #include "clients/cpp/disparity_client.hpp"
 #include "proto/disparity.pb.h"
 
@@ -30,6 +29,7 @@ std::string why_not_served(const DaemonState& state, disparity::Product product)
 struct Wants {
     std::set<disparity::Product> products;  ///< empty = no frames
     bool sensors = false;
+    bool status = false;  ///< each status; else the newest is enough, whenever it came
 };
 
 /// A connection that is told what comes from the daemon. All calls come from the network's thread.
@@ -53,14 +53,11 @@ public:
     /// A listener calls it when its wants() has changed or it ends.
     void update_wants();
 
-    void on_frame(std::shared_ptr<const LiveFrame> frame);
+    void on_frame(const std::shared_ptr<const LiveFrame>& frame);
     void on_state(DaemonState state);
     void on_sensors(const disparity::SensorBatch& batch);
 
-    const std::shared_ptr<const LiveFrame>& newest() const { return newest_; }
     const DaemonState& state() const { return state_; }
-
-    WebCounters counters;
 
 private:
     template <typename Call>
@@ -68,7 +65,6 @@ private:
 
     std::function<void(const Wants&)> on_wants_;
     std::vector<std::weak_ptr<Listener>> listeners_;
-    std::shared_ptr<const LiveFrame> newest_;
     DaemonState state_;
 };
 

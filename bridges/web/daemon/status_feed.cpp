@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/web/daemon/status_feed.h"
 
+#include <algorithm>
 #include <exception>
 #include <stdexcept>
 #include <utility>
@@ -14,7 +15,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr milliseconds interval{500};
 constexpr milliseconds pause_between_sensors{50};
 constexpr milliseconds status_patience{2000};  ///< a daemon that does not answer so long is told to hang
 
@@ -62,28 +62,38 @@ void StatusFeed::want_sensors(bool wanted) {
     sensors_ = wanted;
 }
 
+void StatusFeed::set_interval(milliseconds interval) {
+    {
+        const std::lock_guard lock(mutex_);
+        interval_ = interval;
+    }
+    changed_.notify_all();
+}
+
 void StatusFeed::run() {
-    do {
+    for (auto asked = steady_clock::time_point(); wait_until_due(asked);) {
         try {
             serve();
         } catch (const std::exception& error) {
             on_state_({false, error.what(), nullptr, {}});
         }
-    } while (wait(interval));
+        asked = steady_clock::now();
+    }
 }
 
-/// Returns when the feed ends; throws when the daemon is gone.
+/// Returns when the feed ends or the daemon is to be left alone; throws when the daemon is gone.
 void StatusFeed::serve() {
     disparity::Client client = daemon_.connect("status", no_frames());
     DaemonState state{true, {}, nullptr, {}};
     bool sensors = false;
-    auto next = steady_clock::now();
-    do {
-        if (steady_clock::now() >= next) {
+    steady_clock::time_point asked;
+    for (auto begin = asked; rest(begin, sensors);) {
+        begin = steady_clock::now();
+        if (const milliseconds pause = interval(); pause != never && begin >= asked + pause) {
             state.status = ask(client);
             state.products = served_products(*state.status);
             on_state_(state);
-            next = steady_clock::now() + interval;
+            asked = begin;
         }
         if (sensors != wants_sensors()) {
             sensors = !sensors;
@@ -95,13 +105,36 @@ void StatusFeed::serve() {
         if (sensors && client.read_sensors(batch, milliseconds(0)) == disparity::ReadResult::frame) {
             on_sensors_(std::move(batch));
         }
-    } while (wait(sensors ? pause_between_sensors : interval));
+    }
 }
 
-/// Returns false when the feed ends.
-bool StatusFeed::wait(milliseconds time) {
+/// Waits until the status is due, as long as the daemon is left alone. Returns false when the feed ends.
+bool StatusFeed::wait_until_due(steady_clock::time_point asked) {
     std::unique_lock lock(mutex_);
-    return !changed_.wait_for(lock, time, [this] { return stop_; });
+    while (!stop_ && (interval_ == never || steady_clock::now() < asked + interval_)) {
+        if (interval_ == never) {
+            changed_.wait(lock);
+        } else {
+            changed_.wait_until(lock, asked + interval_);
+        }
+    }
+    return !stop_;
+}
+
+/// Waits until the interval has passed, or a shorter one where sensors are read. Returns false when the feed ends or
+/// the daemon is to be left alone.
+bool StatusFeed::rest(steady_clock::time_point begin, bool sensors) {
+    std::unique_lock lock(mutex_);
+    const auto pause = [&] { return sensors ? std::min(interval_, pause_between_sensors) : interval_; };
+    while (!stop_ && interval_ != never && steady_clock::now() < begin + pause()) {
+        changed_.wait_until(lock, begin + pause());
+    }
+    return !stop_ && interval_ != never;
+}
+
+milliseconds StatusFeed::interval() {
+    const std::lock_guard lock(mutex_);
+    return interval_;
 }
 
 bool StatusFeed::wants_sensors() {

@@ -11,6 +11,17 @@
 #include "bridges/web/http/websocket_link.h"
 
 namespace disparityd::web {
+namespace {
+
+/// Takes what said which daemon is meant from a request's target.
+void take_prefix(Request& request, std::size_t bytes) {
+    const std::string target(request.target().data() + bytes, request.target().size() - bytes);
+    if (bytes > 0) {
+        request.target(target.starts_with('/') ? target : '/' + target);
+    }
+}
+
+}  // namespace
 
 void HttpSession::start() {
     boost::beast::get_lowest_layer(stream_).expires_after(patience);
@@ -41,16 +52,19 @@ void HttpSession::read() {
 
 void HttpSession::on_request() {
     answering_ = true;
-    const auto request = std::make_shared<const Request>(parser_->release());
-    ++site_.place.hub.counters.requests;
-    if (refuse_guess(*request) || upgrade(*request) || stream(*request)) {
+    Request whole = parser_->release();
+    const Destination to = site_.daemons.destination(path_of(whole));
+    take_prefix(whole, to.prefix);
+    const auto request = std::make_shared<const Request>(std::move(whole));
+    ++site_.parts.counters.requests;
+    if (refuse_guess(*request) || upgrade(*request, to.place) || stream(*request, to.place)) {
         return;
     }
     // An answer may take as long as the daemon needs to close a recording.
     boost::beast::get_lowest_layer(stream_).expires_never();
-    site_.routes.respond(*request, sender_, [self = shared_from_this(), request](Response response) {
+    site_.routes.respond(*request, sender_, *to.handler, [self = shared_from_this(), request](Response response) {
         if (response.result_int() >= 400) {
-            ++self->site_.place.hub.counters.refused;
+            ++self->site_.parts.counters.refused;
         }
         self->write(std::move(response));
     });
@@ -60,7 +74,7 @@ void HttpSession::write(Response response) {
     const auto kept = std::make_shared<Response>(std::move(response));
     constexpr std::size_t least_bytes_per_second = 65536;
     writing_since_ = std::chrono::steady_clock::now();
-    load_ = site_.place.outgoing.hold(kept->body().size(), *writing_since_, [weak = weak_from_this()] {
+    load_ = site_.parts.outgoing.hold(kept->body().size(), *writing_since_, [weak = weak_from_this()] {
         if (const auto self = weak.lock()) {
             self->drop();
         }
@@ -82,10 +96,10 @@ void HttpSession::write(Response response) {
 void HttpSession::refuse_late(Response response) {
     constexpr std::chrono::seconds pause{1};
     refusing_ = true;
-    ++site_.place.hub.counters.refused;
+    ++site_.parts.counters.refused;
     boost::beast::get_lowest_layer(stream_).expires_never();
     response.keep_alive(false);
-    const auto timer = std::make_shared<boost::asio::steady_timer>(site_.place.network, pause);
+    const auto timer = std::make_shared<boost::asio::steady_timer>(site_.parts.network, pause);
     timer->async_wait([self = shared_from_this(), timer, kept = std::make_shared<Response>(std::move(response))](
                           Error) { self->write(std::move(*kept)); });
 }
@@ -112,31 +126,40 @@ bool HttpSession::refuse_guess(const Request& request) {
     return true;
 }
 
+void HttpSession::refuse(Response response) {
+    ++site_.parts.counters.refused;
+    write(std::move(response));
+}
+
 /// Makes this connection's place one of a stream. Answers where there is none, and returns false.
 bool HttpSession::promote(const Request& request, Right right) {
     if (site_.connections.promote(this, right == Right::control ? Stay::controller : Stay::viewer)) {
         return true;
     }
-    ++site_.place.hub.counters.refused;
-    write(error_response(request, boost::beast::http::status::service_unavailable,
-                         "all " + std::to_string(site_.connections.places_for_viewers()) +
-                             " places for pages and streams are taken; close one, or start disparity-web with a higher "
-                             "--max-connections"));
+    refuse(error_response(request, boost::beast::http::status::service_unavailable,
+                          "all " + std::to_string(site_.connections.places_for_viewers()) +
+                              " places for pages and streams are taken; close one, or start disparity-web with a "
+                              "higher --max-connections"));
     return false;
 }
 
 /// Makes the connection a WebSocket when the request asks for one. Returns whether it has been dealt with.
-bool HttpSession::upgrade(const Request& request) {
+bool HttpSession::upgrade(const Request& request, const Workplace* place) {
     if (!boost::beast::websocket::is_upgrade(request)) {
         return false;
     }
-    WebSocketChoice choice = choose_websocket(request, site_.place, site_.access, sender_);
+    if (place == nullptr) {
+        refuse(error_response(request, boost::beast::http::status::not_found,
+                              "a WebSocket is of one daemon that was found: its path is /i/NAME/, and /api/instances "
+                              "lists the names"));
+        return true;
+    }
+    WebSocketChoice choice = choose_websocket(request, *place, site_.access, sender_);
     if (choice.handler == nullptr) {
-        ++site_.place.hub.counters.refused;
-        write(std::move(choice.refusal));
+        refuse(std::move(choice.refusal));
     } else if (promote(request, choice.right)) {
         const auto link =
-            std::make_shared<WebSocketLink>(std::move(stream_), std::move(choice.handler), site_.place.outgoing);
+            std::make_shared<WebSocketLink>(std::move(stream_), std::move(choice.handler), site_.parts.outgoing);
         site_.connections.hand_over(this, link);
         link->accept(request, choice.protocol);
     }
@@ -144,17 +167,16 @@ bool HttpSession::upgrade(const Request& request) {
 }
 
 /// Makes the connection an MJPEG stream when the request asks for one. Returns whether it has been dealt with.
-bool HttpSession::stream(const Request& request) {
-    if (path_of(request) != "/stream.mjpg" || request.method() != boost::beast::http::verb::get) {
+bool HttpSession::stream(const Request& request, const Workplace* place) {
+    if (place == nullptr || path_of(request) != "/stream.mjpg" || request.method() != boost::beast::http::verb::get) {
         return false;
     }
-    StreamChoice choice = choose_stream(request, site_.place, site_.access, sender_);
+    StreamChoice choice = choose_stream(request, *place, site_.access, sender_);
     if (choice.handler == nullptr) {
-        ++site_.place.hub.counters.refused;
-        write(std::move(choice.refusal));
+        refuse(std::move(choice.refusal));
     } else if (promote(request, choice.right)) {
         const auto link =
-            std::make_shared<MultipartLink>(std::move(stream_), std::move(choice.handler), site_.place.outgoing);
+            std::make_shared<MultipartLink>(std::move(stream_), std::move(choice.handler), site_.parts.outgoing);
         site_.connections.hand_over(this, link);
         link->start(choice.head);
     }

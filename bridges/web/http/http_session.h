@@ -12,6 +12,7 @@
 #include <boost/beast/http/string_body.hpp>
 
 #include "bridges/web/http/connections.h"
+#include "bridges/web/http/destination.h"
 #include "bridges/web/http/peer_stream.h"
 #include "bridges/web/http/routes.h"
 #include "bridges/web/http/token_guesses.h"
@@ -20,9 +21,10 @@ namespace disparityd::web {
 
 /// What all connections share.
 struct Site {
-    Workplace place;
+    ServerParts parts;
     Access& access;
     Routes& routes;
+    ServedDaemons& daemons;
     Connections& connections;
     TokenGuesses& guesses;
 };
@@ -57,8 +59,9 @@ private:
     void refuse_late(Response response);
     bool refuse_guess(const Request& request);
     bool promote(const Request& request, Right right);
-    bool upgrade(const Request& request);
-    bool stream(const Request& request);
+    bool upgrade(const Request& request, const Workplace* place);
+    bool stream(const Request& request, const Workplace* place);
+    void refuse(Response response);
 
     PeerStream stream_;
     Site site_;

@@ -2,49 +2,64 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include <boost/asio/io_context.hpp>
 #include <boost/beast/http.hpp>
 
-#include "bridges/web/daemon/daemon_control.h"
 #include "bridges/web/http/access.h"
-#include "bridges/web/live/live_session.h"
 
 namespace disparityd::web {
 
 using Request = boost::beast::http::request<boost::beast::http::string_body>;
 using Response = boost::beast::http::response<boost::beast::http::string_body>;
 
-/// Answers HTTP requests, all but WebSockets and the MJPEG stream. The network's thread owns it.
+/// Called once, in the network's thread: at once or later.
+using Answer = std::function<void(Response)>;
+
+/// A request that is being answered.
+struct Asked {
+    const Request& request;
+    const std::string& peer;  ///< the visitor's address
+    const Answer& answer;
+    std::string path;
+    Right right;
+
+    void json(const std::string& text) const;
+    void metrics(const std::string& text) const;
+    void error(boost::beast::http::status status, const std::string& line) const;
+    bool is(boost::beast::http::verb verb) const;  ///< HEAD is GET, too
+};
+
+/// Answers what is asked about something: a daemon, or all of them. The network's thread calls it.
+class Handler {
+public:
+    virtual ~Handler() = default;
+    /// The sender may look.
+    virtual void view(const Asked& asked) = 0;
+    /// Returns one line for /healthz, "" where all is well.
+    virtual std::string trouble() const = 0;
+    /// The page at "/", as page_file() knows it.
+    virtual std::string_view page() const = 0;
+};
+
+/// Answers HTTP requests, all but WebSockets and the MJPEG stream: looks who asks, answers what needs no daemon, and
+/// hands the rest to a handler. The network's thread owns it.
 class Routes {
 public:
-    Routes(const Workplace& workplace, Access& access, DaemonControl& control)
-        : place_(workplace), access_(access), control_(control) {}
+    Routes(boost::asio::io_context& network, Access& access) : network_(network), access_(access) {}
 
-    /// Calls `answer` once, in the network's thread: at once or later. `peer`: the visitor's address.
-    using Answer = std::function<void(Response)>;
-    void respond(const Request& request, const std::string& peer, const Answer& answer);
+    /// `peer`: the visitor's address. `handler` lives until the answer.
+    void respond(const Request& request, const std::string& peer, Handler& handler, const Answer& answer);
 
 private:
-    struct Asked;
-    void view(const Asked& asked);
-    void control(const Asked& asked);
     void session(const Asked& asked);
     void refuse_token(const Asked& asked);
-    void snapshot(const Asked& asked);
-    void make_snapshot(const std::shared_ptr<const Request>& request, const std::string& peer, const Answer& answer,
-                       const std::string& type, std::function<std::string()> make);
-    void camera(const Asked& asked);
-    void recording(const Asked& asked);
-    std::function<void(ControlAnswer)> to_answer(const Asked& asked);
 
-    Workplace place_;
+    boost::asio::io_context& network_;
     Access& access_;
-    DaemonControl& control_;
-    int requests_under_way_ = 0;  ///< to the daemon
-    int snapshots_under_way_ = 0;
 };
 
 /// Returns what a request tells of its sender. It refers to the request.

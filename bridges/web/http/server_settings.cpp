@@ -3,11 +3,15 @@
 
 #include <stdexcept>
 
+#include "bridges/web/http/all_daemons.h"
+
 namespace disparityd::web {
 
 std::string fit_to_descriptors(ServerSettings& settings, std::size_t descriptors) {
-    /// For the port, threads, the daemon's sockets and shared memory, and requests to the daemon.
-    constexpr std::size_t own = 32;
+    /// For the port, threads, a daemon's sockets and shared memory, and requests to it.
+    constexpr std::size_t of_one_daemon = 32;
+    constexpr std::size_t of_each_more = 8;
+    const std::size_t own = of_one_daemon + (settings.all ? AllDaemons::most * of_each_more : 0);
     constexpr std::size_t least_connections = 8;
     const auto wanted = static_cast<std::size_t>(settings.max_connections);
     if (descriptors >= wanted + own) {

@@ -13,6 +13,7 @@ namespace disparityd::web {
 
 struct ServerSettings {
     DaemonAddress daemon;
+    bool all = false;                ///< all daemons of this machine instead of that one
     std::string host = "127.0.0.1";  ///< an address of this machine
     std::uint16_t port = 8765;       ///< 0 = any free one
     AccessRules access;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bridges/web/http/routes.h"
+#include "bridges/web/live/live_session.h"
 
 namespace disparityd::web {
 

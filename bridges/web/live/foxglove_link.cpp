@@ -39,14 +39,14 @@ FoxgloveLink::FoxgloveLink(const Workplace& workplace, std::string peer)
 
 void FoxgloveLink::on_open(MessageLink& link) {
     link_ = &link;
-    ++place_.hub.counters.clients;
+    ++place_.counters.clients;
     send_texts(session_.greeting());
     place_.hub.add(weak_from_this());
 }
 
 void FoxgloveLink::on_closed() {
     link_ = nullptr;
-    --place_.hub.counters.clients;
+    --place_.counters.clients;
     place_.hub.update_wants();
 }
 
@@ -72,6 +72,7 @@ Wants FoxgloveLink::wants() const {
         const foxglove::Wanted wanted = session_.wanted();
         wants.products.insert(wanted.products.begin(), wanted.products.end());
         wants.sensors = wanted.sensors;
+        wants.status = true;
     }
     return wants;
 }
@@ -114,7 +115,7 @@ void FoxgloveLink::send_texts(const std::vector<std::string>& texts) {
 
 void FoxgloveLink::send_messages(const std::vector<foxglove::Message>& messages) {
     for (const foxglove::Message& message : messages) {
-        place_.hub.counters.bytes_sent += message.head.size() + message.payload->size();
+        place_.counters.bytes_sent += message.head.size() + message.payload->size();
         link_->send_binary({std::make_shared<const std::string>(message.head), message.payload});
     }
 }
@@ -126,7 +127,7 @@ void FoxgloveLink::send_next() {
     }
     encoding_ = true;
     const std::uint64_t skipped = std::exchange(passed_, 0) - 1;
-    place_.hub.counters.frames_skipped += skipped;
+    place_.counters.frames_skipped += skipped;
     place_.encoding.add(peer_, [self = shared_from_this(), live = std::exchange(waiting_, nullptr),
                                 channels = session_.subscribed(), received = now_ns()] {
         foxglove::Payloads payloads;
@@ -147,7 +148,7 @@ void FoxgloveLink::send_frame(const foxglove::Payloads& payloads, std::int64_t r
     if (link_ != nullptr) {
         const std::vector<foxglove::Message> messages = session_.on_payloads(payloads, received_ns);
         if (!messages.empty()) {
-            ++place_.hub.counters.frames_sent;
+            ++place_.counters.frames_sent;
             send_messages(messages);
             link_->ask_for_answer(frames_.sent(steady_clock::now()));
         }

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds sensors_interval{100};
 
 void LiveSession::on_open(MessageLink& link) {
     link_ = &link;
-    ++place_.hub.counters.clients;
+    ++place_.counters.clients;
     greet(place_.hub.state());
     on_state(place_.hub.state());
     place_.hub.add(weak_from_this());
@@ -32,7 +32,7 @@ void LiveSession::greet(const DaemonState& state) {
 void LiveSession::on_closed() {
     link_ = nullptr;
     timer_.cancel();
-    --place_.hub.counters.clients;
+    --place_.counters.clients;
     place_.hub.update_wants();
 }
 
@@ -85,6 +85,7 @@ Wants LiveSession::wants() const {
             {disparity::Product::disparity, disparity::Product::confidence, disparity::Product::depth_error});
     }
     wants.sensors = subscription_.sensors;
+    wants.status = true;
     return wants;
 }
 
@@ -187,7 +188,7 @@ void LiveSession::send(const LiveFrame& live, const std::vector<Bytes>& parts, s
     }
     if (!parts.empty()) {
         pace_.sent(live.frame.publish_index, steady_clock::now());
-        WebCounters& counters = place_.hub.counters;
+        WebCounters& counters = place_.counters;
         for (const Bytes& part : parts) {
             facts_.sent_bytes += part->size();
             counters.bytes_sent += part->size();

@@ -15,15 +15,21 @@
 #include "bridges/web/live/live_message.h"
 #include "bridges/web/live/message_link.h"
 #include "bridges/web/live/outgoing.h"
+#include "bridges/web/metrics/web_counters.h"
 
 namespace disparityd::web {
 
-/// Where connections do their work.
-struct Workplace {
-    boost::asio::io_context& network;  ///< one thread: sockets, the hub, the sessions
+/// What all connections of the server share.
+struct ServerParts {
+    boost::asio::io_context& network;  ///< one thread: sockets, hubs, sessions
     EncodingTurns& encoding;           ///< one thread: images
-    Hub& hub;
     Outgoing& outgoing;
+    WebCounters& counters;
+};
+
+/// Where the connections to one daemon do their work.
+struct Workplace : ServerParts {
+    Hub& hub;
 };
 
 /// One page: what it asks for, and what it is told. docs/web.md defines the messages.

@@ -22,13 +22,13 @@ MjpegSession::MjpegSession(const Workplace& workplace, std::string peer, const I
 
 void MjpegSession::on_open(MessageLink& link) {
     link_ = &link;
-    ++place_.hub.counters.clients;
+    ++place_.counters.clients;
     place_.hub.add(weak_from_this());
 }
 
 void MjpegSession::on_closed() {
     link_ = nullptr;
-    --place_.hub.counters.clients;
+    --place_.counters.clients;
     place_.hub.update_wants();
 }
 
@@ -72,8 +72,8 @@ void MjpegSession::send(const std::shared_ptr<const EncodedImage>& image, double
     if (link_ == nullptr || image == nullptr) {
         return;
     }
-    place_.hub.counters.bytes_sent += image->bytes->size();
-    ++place_.hub.counters.frames_sent;
+    place_.counters.bytes_sent += image->bytes->size();
+    ++place_.counters.frames_sent;
     const std::string head = std::string("--") + boundary +
                              "\r\nContent-Type: image/jpeg\r\nContent-Length: " + std::to_string(image->bytes->size()) +
                              "\r\nX-Timestamp: " + std::to_string(captured_s) + "\r\n\r\n";

@@ -3,20 +3,26 @@
 // The connection to disparity-web: its session, the WebSocket /live, and coming back by itself. Everything else hears of it through the
 // handlers: state({ link, why }), hello, status, sensors, frame (an ArrayBuffer) and error (a line).
 
+import { BASE } from './place.js'
+
 const FIRST_WAIT_MS = 250
 const LONGEST_WAIT_MS = 1800
 const SILENCE_MS = 5000 // a status comes every second
 
-/** Asks the server. Returns the JSON of its answer; throws an Error with the server's one line. */
+/** Asks the server, about this page's daemon where there are several. Returns the JSON of its answer; throws an Error with the server's
+ * one line, and its `status` where it has answered. */
 export async function ask(path, options = {}) {
   let response
   try {
-    response = await fetch(path, { cache: 'no-store', ...options })
+    response = await fetch(BASE + path, { cache: 'no-store', ...options })
   } catch {
     throw new Error(`disparity-web does not answer at ${location.host}`)
   }
   const answer = await response.json().catch(() => null)
-  if (!response.ok) throw new Error(answer?.error ?? `${path}: ${response.status} ${response.statusText}`)
+  if (!response.ok) {
+    const line = answer?.error ?? `${path}: ${response.status} ${response.statusText}`
+    throw Object.assign(new Error(line), { status: response.status })
+  }
   return answer
 }
 
@@ -33,6 +39,7 @@ export class Connection {
   received = 0
 
   #handlers
+  #base
   #socket = null
   #subscription = null
   #sent = null
@@ -40,9 +47,12 @@ export class Connection {
   #timer = 0
   #watch = 0
   #why = ''
+  #closed = false
 
-  constructor(handlers) {
+  /** `base`: of the daemon's paths, as BASE is. */
+  constructor(handlers, base = BASE) {
     this.#handlers = handlers
+    this.#base = base
   }
 
   get open() {
@@ -51,16 +61,28 @@ export class Connection {
 
   /** Connects now; afterwards it connects again by itself whenever the connection is lost. */
   async connect() {
+    if (this.#closed) return
     clearTimeout(this.#timer)
     try {
       const begun = performance.now()
       this.session = await ask('/api/session')
       this.oneWayMs = (performance.now() - begun) / 2
+      if (BASE && this.session.view) await ask('/api/status') // says why where no such daemon was found yet
     } catch (error) {
-      return this.#later(error.message)
+      return this.#later(error.message, error.status === 404 ? 'absent' : 'lost')
     }
     if (this.session.needs_token && !this.session.view) return this.#handlers.state({ link: 'token', why: '' })
     this.#openSocket()
+  }
+
+  /** Ends the connection for good. */
+  close() {
+    this.#closed = true
+    clearTimeout(this.#timer)
+    clearTimeout(this.#watch)
+    const before = this.#socket
+    this.#socket = null
+    before?.close()
   }
 
   /** Shows the token to the server. Throws its line when it is the wrong one. */
@@ -90,7 +112,8 @@ export class Connection {
   }
 
   #openSocket() {
-    const socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/live`, 'disparityd.live.v1')
+    if (this.#closed) return
+    const socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}${this.#base}/live`, 'disparityd.live.v1')
     socket.binaryType = 'arraybuffer'
     this.#socket = socket
     this.#sent = null
@@ -141,8 +164,8 @@ export class Connection {
     }, SILENCE_MS)
   }
 
-  #later(why) {
-    this.#handlers.state({ link: 'lost', why })
+  #later(why, link = 'lost') {
+    this.#handlers.state({ link, why })
     clearTimeout(this.#timer)
     this.#timer = setTimeout(() => this.connect(), this.#wait)
     this.#wait = Math.min(LONGEST_WAIT_MS, this.#wait * 2)

@@ -14,6 +14,7 @@ import { SECOND_IMAGES as SECOND, madeOf, wordsOf } from './images.js'
 import { Live } from './live.js'
 import { Log } from './log.js'
 import { Picture, Pointer } from './pictures.js'
+import { NAME } from './place.js'
 import { Radar } from './radar.js'
 import { Recording } from './recording.js'
 import { Sensors } from './sensors.js'
@@ -22,6 +23,7 @@ import { showSnapshots } from './saving.js'
 import { problemOf, showState, showStatus } from './status.js'
 import { NONE, bytes, counted, duration, fixed, showFacts, write } from './text.js'
 import { toast } from './toasts.js'
+import { tokenDialog } from './token.js'
 
 const CLOUD_STEP = 4
 // The widths that disparity-web makes of pictures, besides the whole one.
@@ -197,28 +199,7 @@ new ResizeObserver(() => {
   clearTimeout(sizeTimer)
   sizeTimer = setTimeout(subscribe, 300)
 }).observe(by('pair'))
-by('token-form').addEventListener('submit', async event => {
-  event.preventDefault()
-  by('token-send').disabled = true
-  try {
-    await connection.logIn(by('token').value)
-    by('token').value = ''
-    by('token-dialog').close()
-  } catch (error) {
-    by('token-error').hidden = false
-    write(by('token-error'), error.message)
-  } finally {
-    by('token-send').disabled = false
-  }
-})
-by('token-dialog').addEventListener('cancel', event => {
-  if (link.link === 'token') event.preventDefault()
-})
-by('token-open').addEventListener('click', askToken)
-function askToken() {
-  by('token-error').hidden = true
-  if (!by('token-dialog').open) by('token-dialog').showModal()
-}
+const tokens = tokenDialog(token => connection.logIn(token), () => link.link === 'token')
 document.addEventListener('click', event => {
   if (!by('snapshots').contains(event.target)) by('snapshots').open = false
 })
@@ -246,6 +227,7 @@ listenToKeys([
 /** Returns what the banner says, or null while all is well. */
 function problem() {
   if (link.link === 'lost') return { tone: 'bad', title: 'disparity-web is gone', text: `${link.why}. Trying again.` }
+  if (link.link === 'absent') return { tone: 'bad', title: 'The daemon is gone', text: link.why }
   if (link.link !== 'open') return null
   if (message?.daemon === 'gone') return { tone: 'bad', title: 'The daemon is gone', text: message.why }
   return message?.status ? problemOf(message.status) : null
@@ -262,7 +244,7 @@ function whyNoPicture(wrong) {
 function showProblem() {
   const wrong = problem()
   const state = link.link === 'open' ? message?.daemon === 'gone' ? 'daemon gone' : message?.status?.state ?? 'connecting'
-    : { lost: 'no connection', token: 'token needed' }[link.link] ?? 'connecting'
+    : { lost: 'no connection', absent: 'daemon gone', token: 'token needed' }[link.link] ?? 'connecting'
   showState(state, wrong?.tone ?? (['running', 'idle'].includes(state) ? 'good' : 'quiet'), wrong)
   const why = whyNoPicture(wrong)
   left.say(why)
@@ -276,7 +258,7 @@ function showProblem() {
 function linkChanged(next) {
   if (next.link !== link.link) {
     if (next.link === 'open') log.add(link.link === 'lost' ? 'disparity-web is back' : 'connected', 'good')
-    if (next.link === 'lost') log.add(next.why, 'bad')
+    if (['lost', 'absent'].includes(next.link)) log.add(next.why, 'bad')
   }
   link = next
   if (link.link === 'open') {
@@ -286,7 +268,7 @@ function linkChanged(next) {
   } else {
     follow(null)
   }
-  if (link.link === 'token') askToken()
+  if (link.link === 'token') tokens.ask()
   showProblem()
 }
 
@@ -342,6 +324,8 @@ function showLink(sent) {
   ])
 }
 
+by('place').hidden = !NAME
+write(by('daemon-name'), NAME)
 showProducts()
 showProblem()
 setInterval(tick, TICK_MS)

@@ -3,6 +3,7 @@
 // Links that save the newest frame: the server answers each with a file.
 
 import { SECOND_IMAGES, imageOf } from './images.js'
+import { BASE } from './place.js'
 import { make } from './text.js'
 
 const CLOUD = ['depth', '/snapshot.ply', 'Point cloud, PLY', 'cloud.ply']
@@ -21,5 +22,5 @@ const FILES = [imageOf('left'), ...SECOND_IMAGES].flatMap(filesOf).concat([CLOUD
 
 /** Fills the list with what the daemon serves. */
 export function showSnapshots(root, served) {
-  root.replaceChildren(...FILES.filter(([image]) => served(image)).map(([, href, textContent, download]) => make('a', { href, textContent, download })))
+  root.replaceChildren(...FILES.filter(([image]) => served(image)).map(([, href, textContent, download]) => make('a', { href: BASE + href, textContent, download })))
 }

@@ -2,6 +2,7 @@
 //
 // The numbers of the daemon's status as cards: state, counts, camera, calibration, self-calibration, recording, clients.
 
+import { titleOf } from './place.js'
 import { NONE, bytes, counted, fixed, make, showFacts, uptime, write } from './text.js'
 
 const by = id => document.getElementById(id)
@@ -12,7 +13,7 @@ export function showState(state, tone, problem) {
   by('state').dataset.tone = tone
   const banner = by('banner')
   banner.hidden = !problem
-  document.title = problem ? `${problem.title} – disparityd` : 'disparityd'
+  document.title = titleOf(problem?.title)
   if (!problem) return
   banner.dataset.tone = problem.tone
   write(by('banner-title'), problem.title)

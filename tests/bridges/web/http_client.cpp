@@ -110,7 +110,8 @@ std::optional<HttpAnswer> http(unsigned short port, const std::string& method, c
     return HttpClient(port).ask(method, target, more, body);
 }
 
-WebSocketClient::WebSocketClient(unsigned short port, const std::string& protocol) : socket_(context_) {
+WebSocketClient::WebSocketClient(unsigned short port, const std::string& protocol, const std::string& target)
+    : socket_(context_) {
     namespace websocket = boost::beast::websocket;
     socket_.next_layer().connect(local(port));
     socket_.set_option(websocket::stream_base::decorator([&protocol](websocket::request_type& request) {
@@ -118,7 +119,7 @@ WebSocketClient::WebSocketClient(unsigned short port, const std::string& protoco
     }));
     socket_.read_message_max(64 * 1024 * 1024);
     websocket::response_type response;
-    socket_.handshake(response, "127.0.0.1:" + std::to_string(port), "/live");
+    socket_.handshake(response, "127.0.0.1:" + std::to_string(port), target);
     protocol_ = std::string(response[boost::beast::http::field::sec_websocket_protocol]);
 }
 

@@ -52,7 +52,7 @@ std::optional<HttpAnswer> http(unsigned short port, const std::string& method, c
 class WebSocketClient {
 public:
     /// Throws boost::system::system_error when it is refused.
-    WebSocketClient(unsigned short port, const std::string& protocol);
+    WebSocketClient(unsigned short port, const std::string& protocol, const std::string& target = "/live");
 
     void send(const std::string& text);
     void send_binary(const std::string& bytes);

@@ -267,6 +267,33 @@ async function checkTokens(session) {
   await page.context().close()
 }
 
+/** The page of all daemons: this test's has a tile with a live picture, which leads to its page. Others of the machine may be there. */
+async function checkAllDaemons(session) {
+  const { process: web, address } = await session.startWebOfAll(['--allow-control'])
+  const page = await openPage(session, address, { viewport: { width: 360, height: 740 } })
+  const tile = page.locator(`#daemons li[data-name="${session.name}"]`)
+  const drawn = () => tile.locator('canvas').evaluate(canvas => Number(canvas.dataset.publishIndex ?? 0))
+  const first = await until('a picture in the tile', drawn)
+  await until('the next one', async () => await drawn() > first)
+  await until('the state in the tile', async () => await tile.locator('.pill').textContent() === 'running')
+  const wide = await page.evaluate(() => document.documentElement.scrollWidth)
+  assert.ok(wide <= 360, `the page is ${wide} px wide on a screen of 360 px`)
+  await tile.locator('a').click()
+  await nextPicture(page, 'picture-right', 0)
+  assert.strictEqual(page.url(), `${address}i/${session.name}/`)
+  assert.strictEqual(await page.textContent('#daemon-name'), session.name)
+  await until('the right to record', () => page.isEnabled('#record'))
+  const link = await page.locator('#snapshot-links a').first().getAttribute('href')
+  assert.strictEqual((await fetch(new URL(link, address))).status, 200)
+  await page.goto(`${address}i/nobody-${session.name}/`)
+  await bannerSays(page, 'The daemon is gone')
+  await page.click('#place a')
+  await until('the tile again', () => tile.isVisible())
+  assert.deepStrictEqual(page.wrong.filter(line => !/status of 404/.test(line)), [])
+  await page.context().close()
+  await session.crash(web)
+}
+
 async function checkHidden(page) {
   // A page in the background draws nothing and asks for nothing.
   await page.evaluate(() => {
@@ -340,6 +367,7 @@ async function checkAll(session) {
   await step('colours are those of the server', () => checkColours(page))
   await page.selectOption('#rate-choice', '0')
   await step('tokens', () => checkTokens(session))
+  await step('all daemons', () => checkAllDaemons(session))
   await step('a phone', () => checkPhone(session, web.address))
   assert.deepStrictEqual(page.wrong, [])
   await step('disparity-web is killed and comes back', () => checkWebRestart(page, session, web))

@@ -17,13 +17,21 @@ namespace disparityd::test {
 /// disparity-web as a process, beside a real daemon where a test starts one.
 class WebTest : public DaemonTest {
 protected:
+    static constexpr const char* as_json = "Content-Type: application/json\r\n";
+
     std::string socket() const { return "unix:" + folder_.path() + "/d.sock"; }
 
     /// Starts the program on a free port, and sets port().
     std::unique_ptr<DaemonProcess> start_web(const std::vector<std::string>& more = {}) {
-        std::vector<std::string> arguments{"--socket", socket(), "--listen", "127.0.0.1:0"};
+        std::vector<std::string> arguments{"--socket", socket()};
         arguments.insert(arguments.end(), more.begin(), more.end());
-        auto web = std::make_unique<DaemonProcess>(folder_, arguments, DaemonProcess::Environment{}, DISPARITY_WEB);
+        return launch_web(arguments);
+    }
+
+    std::unique_ptr<DaemonProcess> launch_web(std::vector<std::string> arguments,
+                                              const DaemonProcess::Environment& environment = {}) {
+        arguments.insert(arguments.end(), {"--listen", "127.0.0.1:0"});
+        auto web = std::make_unique<DaemonProcess>(folder_, arguments, environment, DISPARITY_WEB);
         const bool listens = web->wait_for_line([this](const std::string& line) {
             const std::size_t colon = line.rfind(':');
             port_ = static_cast<unsigned short>(std::stoi(line.substr(colon + 1)));

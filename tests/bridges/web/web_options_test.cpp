@@ -50,6 +50,22 @@ TEST(WebOptionsTest, BeyondThisMachineOnlyWithTlsAndVisitorsThatAreKnown) {
     EXPECT_EQ(error_of(plain), "");
 }
 
+TEST(WebOptionsTest, AllDaemonsOrTheOneThatIsMeant) {
+    Options options;
+    EXPECT_FALSE(options.settings().all);
+    options.all = true;
+    EXPECT_TRUE(options.settings().all);
+    Options named = options;
+    named.daemon.name = "front";
+    EXPECT_THAT(error_of(named), HasSubstr("--all: found with --name"));
+    Options elsewhere = options;
+    elsewhere.daemon.socket = "tcp:127.0.0.1:9876";
+    EXPECT_THAT(error_of(elsewhere), HasSubstr("--all: found with"));
+    Options with_token = options;
+    with_token.daemon.reach.options.token_file = "token";
+    EXPECT_THAT(error_of(with_token), HasSubstr("--all: found with"));
+}
+
 TEST(WebOptionsTest, FilesOfTlsGoTogether) {
     Options options;
     options.certificate = "c.pem";
@@ -92,6 +108,8 @@ TEST(WebOptionsTest, ConnectionsFitToTheDescriptors) {
                 HasSubstr("may open 100 files, needed: 160 for --max-connections 128; only 68 connections are served"));
     EXPECT_EQ(settings.max_connections, 68);
     EXPECT_THROW(fit_to_descriptors(settings, 39), std::runtime_error);
+    settings.all = true;
+    EXPECT_THROW(fit_to_descriptors(settings, 100), std::runtime_error) << "each daemon needs some";
 }
 
 TEST(WebOptionsTest, ADaemonElsewhereIsReachedOverTls) {
