@@ -17,14 +17,16 @@
 #include "calibration/online/correction_file.h"
 #include "capture/camera/camera_controls.h"
 #include "capture/source_condition.h"
+#include "daemon/configured_products.h"
 #include "daemon/configured_source.h"
 #include "daemon/log.h"
-#include "daemon/product_planes.h"
 #include "daemon/requests/camera_message.h"
 #include "daemon/sensor_message.h"
 #include "daemon/system/huge_pages.h"
 #include "daemon/totals.h"
 #include "kernels/large_buffer.h"
+#include "products/frame_info.h"
+#include "products/product_planes.h"
 #include "proto/text.h"
 
 namespace disparityd::daemon {
@@ -58,26 +60,10 @@ std::unique_ptr<pipeline::RectificationSchedule> make_schedule(const Config& con
                                                               recorded ? Follow::recorded : Follow::applied);
 }
 
-/// Fills in the part of the geometry that a correction changes.
-void put_geometry(proto::FrameInfo& geometry, const calibration::Rectification& rectification) {
-    geometry.calibration_id = rectification.calibration_id;
-    geometry.f = rectification.f;
-    geometry.cx = rectification.cx;
-    geometry.cy = rectification.cy;
-    geometry.baseline_mm = rectification.baseline_mm;
-    geometry.disparity_offset = rectification.disparity_offset;
-}
-
 StreamLayout make_layout(const Config& config, const calibration::Rectification& rectification,
                          const std::vector<ConfiguredStage>& stages) {
     StreamLayout layout;
-    proto::FrameInfo& geometry = layout.geometry;
-    put_geometry(geometry, rectification);
-    geometry.d_min = config.match.options.range.first;
-    geometry.disparities = to_u32(config.match.options.range.count);
-    geometry.invalid = invalid_disparity(config.match.options.range);
-    geometry.width = to_u32(rectification.width);
-    geometry.height = to_u32(rectification.height);
+    layout.geometry = products::geometry_of(rectification, config.match.options.range);
     layout.products = configured_products(config);
     for (const ConfiguredStage& added : stages) {
         layout.record_bytes[static_cast<std::size_t>(added.product)] =
@@ -247,22 +233,12 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     note_rectification(*slot.rectification);
     frame.info = geometry_;
     frame.info.publish_index = next_index_++;
-    frame.info.sequence = slot.raw.sequence;
-    frame.info.monotonic_ns = slot.raw.monotonic_ns;
-    frame.info.realtime_ns = slot.raw.realtime_ns;
+    products::put_frame(frame.info, slot,
+                        {.synthetic = source().synthetic,
+                         .interpolated = config_.match.options.post.interpolate,
+                         .first = first_frame_});
     frame.info.age_ns = (frame.published - frame.captured).count();
-    frame.info.dropped_before = slot.dropped_before;
-    std::uint32_t flags = v1::FLAG_NONE;
-    flags |= slot.rectification->unrectified ? static_cast<std::uint32_t>(v1::UNRECTIFIED) : 0U;
-    flags |= source().synthetic ? static_cast<std::uint32_t>(v1::SYNTHETIC) : 0U;
-    flags |= config_.match.options.post.interpolate ? static_cast<std::uint32_t>(v1::INTERPOLATED) : 0U;
-    flags |= slot.dropped_before > 0 ? static_cast<std::uint32_t>(v1::DROPPED_BEFORE) : 0U;
-    if (first_frame_ || (slot.raw.flags & capture::frame_flag_discontinuity) != 0) {
-        flags |= static_cast<std::uint32_t>(v1::DISCONTINUITY);
-    }
-    if ((slot.raw.flags & capture::frame_flag_exposure_centre) != 0) {
-        flags |= static_cast<std::uint32_t>(v1::EXPOSURE_CENTRE);
-    }
+    std::uint32_t flags = frame.info.flags;
     first_frame_ = false;
     for (std::size_t i = 0; i < stages_.size(); ++i) {
         flags |= stages_[i].flags != nullptr ? stages_[i].flags(slot.stage_memory[i]) : 0U;
@@ -274,8 +250,8 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
     frame.info.flags = flags;
     for (std::size_t i = 0; i < layout_.products.size(); ++i) {
         const v1::Product product = layout_.products[i];
-        frame.planes[i] =
-            is_record(product) ? record_plane(slot, product) : product_plane(slot.view, slot.raw_eyes, product);
+        frame.planes[i] = is_record(product) ? record_plane(slot, product)
+                                             : products::product_plane(slot.view, slot.raw_eyes, product);
     }
     sink_(frame);
     if (self_calibrator_) {
@@ -300,7 +276,7 @@ Plane<const std::uint8_t> Engine::record_plane(const pipeline::FrameSlot& slot, 
 void Engine::note_rectification(const calibration::Rectification& used) {
     if (used.calibration_id != geometry_.calibration_id) {
         const std::lock_guard lock(mutex_);
-        put_geometry(geometry_, used);
+        products::put_geometry(geometry_, used);
         to_rectified_ = {used.left_rotation, used.right_rotation};
     }
 }

@@ -11,7 +11,6 @@
 #include "obstacles/scan_stage.h"
 #include "pipeline/distance_limits.h"
 #include "pipeline/temporal_stage.h"
-#include "proto/doubt.h"
 #include "trust/trust_stage.h"
 
 namespace disparityd::daemon {
@@ -61,12 +60,6 @@ std::unique_ptr<AddedStage> make_trust(const Config& config, const Frames& frame
                                                frames.notes);
 }
 
-/// Returns the doubts about a frame and the trust in it.
-std::uint32_t trust_flags(std::span<const std::byte> record) {
-    const trust::Verdict verdict = trust::verdict_of(record);
-    return verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift;
-}
-
 struct Row {
     v1::Product product;
     Make* make;
@@ -74,7 +67,7 @@ struct Row {
 };
 
 constexpr std::array table{Row{v1::PRODUCT_NONE, make_mask}, Row{v1::PRODUCT_NONE, make_temporal},
-                           Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust_flags},
+                           Row{v1::SCAN, make_scan}, Row{v1::PRODUCT_NONE, make_trust, trust::flags_of},
                            Row{v1::PRODUCT_NONE, make_limits}};
 
 }  // namespace

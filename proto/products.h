@@ -10,7 +10,7 @@
 #include "proto/disparity.pb.h"
 
 /// The products of a frame, as the options of their numbers in disparity.proto say: the build makes the table of them.
-/// daemon/product_planes.h says which plane of the matcher's results each one is.
+/// products/product_planes.h says which plane of the matcher's results each one is.
 namespace disparityd::proto {
 
 /// A row: v1::ProductInfo says what the fields mean.

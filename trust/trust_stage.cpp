@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "proto/doubt.h"
+
 namespace disparityd::trust {
 
 TrustStage::TrustStage(int width, int height, const TrustOptions& options, Plane<const std::uint8_t> masked,
@@ -43,6 +45,11 @@ Verdict verdict_of(std::span<const std::byte> memory) {
     Verdict verdict;
     std::memcpy(&verdict, memory.data(), sizeof verdict);
     return verdict;
+}
+
+std::uint32_t flags_of(std::span<const std::byte> memory) {
+    const Verdict verdict = verdict_of(memory);
+    return verdict.doubts | std::uint32_t{verdict.trust} << proto::trust_shift;
 }
 
 }  // namespace disparityd::trust

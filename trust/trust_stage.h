@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -35,5 +36,8 @@ private:
 
 /// Returns what a TrustStage has left in its memory of a frame.
 Verdict verdict_of(std::span<const std::byte> memory);
+
+/// Returns the same as bits of the frame's flags: the doubts about it and the trust in it.
+std::uint32_t flags_of(std::span<const std::byte> memory);
 
 }  // namespace disparityd::trust

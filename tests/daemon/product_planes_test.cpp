@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/product_planes.h"
+#include "products/product_planes.h"
 
 #include <cstdint>
 #include <stdexcept>
@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/configured_products.h"
 #include "daemon/published_frame.h"
 
 namespace disparityd::daemon {
@@ -74,7 +75,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
                                           right_colour.data(), raw_left.data(),   raw_right.data()};
     for (std::size_t i = 0; i < proto::products.size(); ++i) {
         const proto::ProductFacts& product = proto::products[i];
-        const Plane<const std::uint8_t> plane = product_plane(view, raw, product.number);
+        const Plane<const std::uint8_t> plane = products::product_plane(view, raw, product.number);
         if (is_record(product.number)) {
             EXPECT_FALSE(plane) << product.name;
             continue;
@@ -88,7 +89,7 @@ TEST(ProductPlanes, EachProductHasAPlaneOfItsSize) {
 }
 
 TEST(ProductPlanes, AnotherNumberIsRefused) {
-    EXPECT_THROW(product_plane({}, {}, v1::PRODUCT_NONE), std::out_of_range);
+    EXPECT_THROW(products::product_plane({}, {}, v1::PRODUCT_NONE), std::out_of_range);
     EXPECT_THROW(proto::product_facts(v1::PRODUCT_NONE), std::out_of_range);
     EXPECT_EQ(proto::product_name(3), "depth");
     EXPECT_EQ(proto::product_name(0), "product 0");

@@ -70,7 +70,7 @@ def is_read(field, paths):
 
 
 def keys_of_products(proto):
-    """Keys that switch a product on: product_planes.cpp reads those that disparity.proto names."""
+    """Keys that switch a product on: configured_products.cpp reads those that disparity.proto names."""
     return set(re.findall(r'\bkey: "([\w.]+)"', proto))
 
 

@@ -26,18 +26,24 @@ ARROWS = {
     "obstacles": {"base", "kernels", "proto"},
     "trust": {"kernels", "proto"},
     "pipeline": {"base", "calibration", "capture", "formats", "kernels"},
+    "products": {"base", "calibration", "capture", "formats", "kernels", "pipeline", "proto"},
     "clients": {"proto"},
     "bridges": {"base", "clients", "formats", "proto"},
     "bindings": {"base", "calibration", "capture", "formats", "kernels", "pipeline"},
-    "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "trust"},
-    "tools": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "trust"},
-    "lab": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "proto", "clients", "bridges",
-            "tools", "trust"},
+    "daemon": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "products", "proto", "trust"},
+    "tools": {"base", "bridges", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "products", "proto",
+              "clients", "trust"},
+    "lab": {"base", "kernels", "capture", "calibration", "formats", "obstacles", "pipeline", "products", "proto", "clients",
+            "bridges", "tools", "trust"},
 }
 FOLDERS = set(ARROWS) | {"tests"}
 # The only headers of a folder that another one may know.
 SEES = {("pipeline", "capture"): {"capture/frame_source.h"}, ("bindings", "pipeline"): {"pipeline/worker_pool.h"}, ("obstacles", "proto"): {"proto/doubt.h", "proto/scan.h"},
-        ("trust", "proto"): {"proto/doubt.h"}}
+        ("trust", "proto"): {"proto/doubt.h"},
+        # Files hold the messages that bridges send: tools write them with the same encoders, and know no bridge.
+        ("tools", "bridges"): {"bridges/ros_messages/" + name for name in (
+            "camera_info_message.h", "contents.h", "encode.h", "frame_names.h", "image_messages.h", "message_definitions.h",
+            "static_transforms.h", "topics.h", "transform_message.h")}}
 # The folders of capture/ that are kinds of sources, and which of the others each may know.
 KINDS = {"bag": {"images", "recording"}, "camera": {"usb", "sensors"}, "gstreamer": {"recording"}, "images": set(), "recording": set(), "scene": set(), "sensors": {"usb"},
          "svo": {"images", "recording"}, "usb": set()}

@@ -24,6 +24,7 @@ FOLDERS = {
     "bindings": ("the matcher<br/>for Python", PROGRAM),
     "clients": ("C++, C and Python<br/>libraries", PROGRAM),
     "daemon": ("configuration, sockets,<br/>life of the service", SERVICE),
+    "products": ("a finished frame<br/>as the protocol has it", CORE),
     "pipeline": ("stages, queues,<br/>workers, timing", CORE),
     "capture": ("sources of frames,<br/>recordings", CORE),
     "obstacles": ("obstacle scan", CORE),

@@ -2,23 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "daemon/config/config.h"
 #include "kernels/image.h"
 #include "kernels/matcher.h"
 #include "pipeline/raw_eyes.h"
 #include "proto/disparity.pb.h"
 
-/// Connects the table of proto/products.h with the configuration and with the matcher's results.
-namespace disparityd::daemon {
-
-/// The products that a configuration makes, in the order of their numbers.
-std::vector<v1::Product> configured_products(const Config& config);
+namespace disparityd::products {
 
 /// The plane of a product as bytes: width and stride are counted in bytes. A view of what `view` and `raw` show. An
 /// empty plane where the frame does not have it, and for a record. Throws std::out_of_range for a number that is no
 /// product's.
 Plane<const std::uint8_t> product_plane(const FrameView& view, const pipeline::RawEyes& raw, v1::Product product);
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::products

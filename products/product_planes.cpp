@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "daemon/product_planes.h"
+#include "products/product_planes.h"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
-#include <string>
-#include <variant>
 
-#include "daemon/config/config_keys.h"
 #include "proto/products.h"
 
-namespace disparityd::daemon {
+namespace disparityd::products {
 namespace {
 
 template <auto member>
@@ -38,35 +34,10 @@ constexpr std::array planes{
     &raw_bytes<&pipeline::RawEyes::left>, &raw_bytes<&pipeline::RawEyes::right>};
 static_assert(planes.size() == proto::products.size(), "a product has no plane");
 
-bool is_on(const Config& config, std::string_view key_name) {
-    if (key_name.empty()) {
-        return true;
-    }
-    const auto& keys = config_keys();
-    const auto key =
-        std::find_if(keys.begin(), keys.end(), [key_name](const ConfigKey& one) { return full_name(one) == key_name; });
-    if (key == keys.end()) {
-        throw std::logic_error("the table of products names a key that there is not: " + std::string(key_name));
-    }
-    return std::get<bool>(key->get(config));
-}
-
 }  // namespace
-
-std::vector<v1::Product> configured_products(const Config& config) {
-    std::vector<v1::Product> made;
-    for (const proto::ProductFacts& product : proto::products) {
-        const bool wanted =
-            product.colour_of == v1::PRODUCT_NONE || is_on(config, proto::product_facts(product.colour_of).key);
-        if (wanted && is_on(config, product.key)) {
-            made.push_back(product.number);
-        }
-    }
-    return made;
-}
 
 Plane<const std::uint8_t> product_plane(const FrameView& view, const pipeline::RawEyes& raw, v1::Product product) {
     return planes.at(static_cast<std::size_t>(product) - 1)(view, raw);
 }
 
-}  // namespace disparityd::daemon
+}  // namespace disparityd::products
