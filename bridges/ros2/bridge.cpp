@@ -63,7 +63,7 @@ Bridge::Bridge(BridgeSettings settings, DaemonPlace daemon, Node& node, Notes& n
       node_(node),
       points_limit_(settings_.points_rate),
       notes_(notes) {
-    for (const Topic& topic : settings_.topics) {
+    for (const ros::Topic& topic : settings_.topics) {
         outputs_.push_back({topic.content, &node_.advertise(topic.name, ros::message_name(topic.content),
                                                             quality_for(topic.content, settings_.quality))});
     }
@@ -177,7 +177,7 @@ void Bridge::publish_frame() {
 }
 
 void Bridge::remind_of_yaw(const Output& scan) {
-    if (const std::string text = yaw_of_scans_text(settings_.tree); !text.empty()) {
+    if (const std::string text = ros::yaw_of_scans_text(settings_.tree); !text.empty()) {
         say("yaw", scan.publisher->topic() + ": " + text, Notes::Repeat::never);
     }
 }
@@ -207,7 +207,7 @@ void Bridge::take_status(const std::string& bytes) {
     }
     const std::optional<disparity::InertialCalibration> inertial = disparity::inertial_calibration(bytes);
     const double baseline_m = status.geometry().baseline_mm() / 1000;
-    publish_transforms(static_transforms(settings_.tree, baseline_m, inertial ? inertial->pose : std::nullopt));
+    publish_transforms(ros::static_transforms(settings_.tree, baseline_m, inertial ? inertial->pose : std::nullopt));
     publish_diagnostics(ros::diagnostic_message(status, settings_.diagnostics, realtime_ns()));
 }
 

@@ -12,9 +12,9 @@
 #include "bridges/program/rate_limit.h"
 #include "bridges/ros2/node.h"
 #include "bridges/ros2/side_feed.h"
-#include "bridges/ros2/static_transforms.h"
-#include "bridges/ros2/topics.h"
 #include "bridges/ros_messages/encode.h"
+#include "bridges/ros_messages/static_transforms.h"
+#include "bridges/ros_messages/topics.h"
 #include "clients/cpp/disparity_client.hpp"
 
 namespace disparityd::ros2 {
@@ -28,10 +28,10 @@ inline constexpr Quality static_transforms_quality{.reliable = true, .transient_
 
 /// What the bridge publishes, and how.
 struct BridgeSettings {
-    std::vector<Topic> topics;
+    std::vector<ros::Topic> topics;
     Quality quality;
     ros::Encoding encoding;
-    TreeOfFrames tree;
+    ros::TreeOfFrames tree;
     bool publishes_tf = true;                ///< /tf_static
     double points_rate = 10;                 ///< clouds per second at most
     std::string diagnostics = "disparityd";  ///< the name of the entry in /diagnostics

@@ -19,19 +19,19 @@ using bridges::between;
 }
 
 void check_name(const std::string& option, const std::string& name) {
-    if (!is_ros_name(name)) {
+    if (!ros::is_ros_name(name)) {
         refuse(option, name, "a letter or _, then letters, digits and _, no two _ together");
     }
 }
 
 void check_frame(const std::string& option, const std::string& name) {
-    if (!is_frame_name(name)) {
+    if (!ros::is_frame_name(name)) {
         refuse(option, name, "letters, digits, _, -, . and /, with no / at its ends, such as base_link");
     }
 }
 
 /// A frame below itself would be no tree.
-void check_parent(const TreeOfFrames& tree) {
+void check_parent(const ros::TreeOfFrames& tree) {
     check_frame("--parent-frame", tree.parent);
     const ros::FrameNames& own = tree.names;
     for (const std::string& name : {own.left, own.camera, own.imu, tree.right}) {
@@ -198,12 +198,13 @@ void add_contents(CLI::App& app, Options& options) {
         ->group(group);
 }
 
-Naming naming_of(const Options& options) {
-    return options.names == "zed" ? Naming::zed : Naming::image_pipeline;
+ros::Naming naming_of(const Options& options) {
+    return options.names == "zed" ? ros::Naming::zed : ros::Naming::image_pipeline;
 }
 
 std::string namespace_of(const Options& options) {
-    return options.name_space.empty() ? default_namespace(naming_of(options), options.camera_name) : options.name_space;
+    return options.name_space.empty() ? ros::default_namespace(naming_of(options), options.camera_name)
+                                      : options.name_space;
 }
 
 }  // namespace
@@ -218,28 +219,28 @@ void Options::add_to(CLI::App& app) {
 
 BridgeSettings Options::settings() const {
     check_name("--camera-name", camera_name);
-    if (!is_ros_namespace(name_space)) {
+    if (!ros::is_ros_namespace(name_space)) {
         refuse("--namespace", name_space, "names with / between, such as /robot/front");
     }
-    const Naming naming = naming_of(*this);
+    const ros::Naming naming = naming_of(*this);
     BridgeSettings settings;
-    settings.topics = all_topics(naming, namespace_of(*this), clock);
+    settings.topics = ros::all_topics(naming, namespace_of(*this), clock);
     settings.quality = {reliability == "reliable", durability == "transient-local", depth};
     settings.encoding = {
         .cloud = {.most_points = most_points, .packed = points == "packed", .voxel_m = voxel_m, .box = box_of(box)},
         .jpeg_quality = jpeg_quality,
         .depth_codec = compressed_depth == "rvl" ? ros::DepthCodec::rvl : ros::DepthCodec::png,
-        .names = frame_names(naming, camera_name),
+        .names = ros::frame_names(naming, camera_name),
         .hidden = scan_hidden == "obstacle" ? ros::HiddenSpace::obstacle : ros::HiddenSpace::ignored};
     if (!scan_frame.empty()) {
         check_frame("--scan-frame", scan_frame);
         settings.encoding.names.scan = scan_frame;
     }
-    if (parent_frame.empty() && place != Place()) {
+    if (parent_frame.empty() && place != ros::Place()) {
         throw std::invalid_argument("found where the camera is and no --parent-frame, expected both or none");
     }
     settings.tree = {.names = settings.encoding.names,
-                     .right = right_frame_name(naming, camera_name),
+                     .right = ros::right_frame_name(naming, camera_name),
                      .parent = parent_frame,
                      .place = place,
                      .places_the_scan = scan_frame.empty()};

@@ -29,7 +29,7 @@ struct Options {
     bool no_tf = false;
     std::string parent_frame;  ///< empty: the camera is the root
     std::string scan_frame;    ///< empty: the camera's own
-    Place place;
+    ros::Place place;
     std::string points = "organised";  ///< or "packed"
     unsigned most_points = 20000;
     double points_rate = 10;

@@ -38,7 +38,7 @@ std::string line_of(const std::string& topic, std::string_view message, const st
 
 std::string topic_list(const BridgeSettings& settings) {
     std::string lines;
-    for (const Topic& topic : settings.topics) {
+    for (const ros::Topic& topic : settings.topics) {
         lines += line_of(topic.name, ros::message_name(topic.content), frame_of(topic.content, settings.encoding.names),
                          quality_for(topic.content, settings.quality));
     }

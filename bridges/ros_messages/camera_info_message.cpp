@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bridges/ros_messages/camera_info_message.h"
 
-#include <array>
-
-#include "bridges/ros_messages/message_header.h"
-
 namespace disparityd::ros {
 namespace {
 
@@ -33,15 +29,22 @@ std::optional<std::string> camera_info(const Frame& frame, Camera camera, const 
     const double cx = frame.cx + (right ? frame.disparity_offset : 0);
     const double cy = frame.cy;
     const double shift = right ? -f * frame.baseline_mm / 1000 : 0;
+    return camera_info_message({.realtime_ns = frame.realtime_ns,
+                                .frame = names.left,
+                                .width = frame.width,
+                                .height = frame.height,
+                                .k = {f, 0, cx, 0, f, cy, 0, 0, 1},
+                                .p = {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0},
+                                .region = region_of(frame)});
+}
+
+std::string camera_info_message(const CameraInfoFields& fields) {
     CdrWriter cdr(512);
-    write_header(cdr, frame.realtime_ns, names.left);
-    cdr.u32(frame.height).u32(frame.width).text("plumb_bob");
-    cdr.f64_sequence(std::array{0.0, 0.0, 0.0, 0.0, 0.0});  // a rectified image has no distortion
-    cdr.f64_array(std::array{f, 0.0, cx, 0.0, f, cy, 0.0, 0.0, 1.0});
-    cdr.f64_array(std::array{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0});
-    cdr.f64_array(std::array{f, 0.0, cx, shift, 0.0, f, cy, 0.0, 0.0, 0.0, 1.0, 0.0});
+    write_header(cdr, fields.realtime_ns, fields.frame);
+    cdr.u32(fields.height).u32(fields.width).text(fields.model).f64_sequence(fields.d);
+    cdr.f64_array(fields.k).f64_array(fields.r).f64_array(fields.p);
     cdr.u32(0).u32(0);  // no binning
-    write_region(cdr, region_of(frame));
+    write_region(cdr, fields.region);
     return cdr.take();
 }
 

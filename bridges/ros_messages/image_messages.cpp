@@ -33,8 +33,9 @@ struct Layout {
 };
 
 /// Writes all of an image but its pixels, and returns the room where the caller writes those.
-std::span<std::uint8_t> write_image(CdrWriter& cdr, const Frame& frame, const FrameNames& names, const Layout& layout) {
-    write_header(cdr, frame.realtime_ns, names.left);
+std::span<std::uint8_t> write_image(CdrWriter& cdr, std::int64_t realtime_ns, std::string_view frame,
+                                    const Layout& layout) {
+    write_header(cdr, realtime_ns, frame);
     cdr.u32(layout.height).u32(layout.width).text(layout.encoding);
     cdr.u8(0).u32(layout.width * layout.bytes_per_pixel);  // 0: little endian
     return cdr.u8_room(layout.bytes());
@@ -44,7 +45,7 @@ std::span<std::uint8_t> write_image(CdrWriter& cdr, const Frame& frame, const Fr
 template <typename Fill>
 std::string image(const Frame& frame, const FrameNames& names, const Layout& layout, Fill fill) {
     CdrWriter cdr(layout.bytes() + room_for_fields);
-    fill(write_image(cdr, frame, names, layout));
+    fill(write_image(cdr, frame.realtime_ns, names.left, layout));
     return cdr.take();
 }
 
@@ -172,10 +173,21 @@ std::optional<std::string> disparity_image(const Frame& frame, const FrameNames&
     const double first = frame.d_min + frame.disparity_offset;
     CdrWriter cdr(layout.bytes() + 2 * room_for_fields);
     write_header(cdr, frame.realtime_ns, names.left);
-    write_floats(write_image(cdr, frame, names, layout), adjusted_disparities(frame, *plane));
+    write_floats(write_image(cdr, frame.realtime_ns, names.left, layout), adjusted_disparities(frame, *plane));
     cdr.f32(static_cast<float>(frame.f)).f32(static_cast<float>(frame.baseline_mm / 1000));
     write_region(cdr, {0, 0, plane->width, plane->height});
     cdr.f32(static_cast<float>(first)).f32(static_cast<float>(first + frame.disparities - 1)).f32(1.0F / 16);
+    return cdr.take();
+}
+
+std::string rows_image(const ImageRows& rows, std::int64_t realtime_ns, std::string_view frame) {
+    const Layout layout{rows.width, rows.height, rows.encoding, rows.bytes_per_pixel};
+    CdrWriter cdr(layout.bytes() + room_for_fields);
+    std::uint8_t* to = write_image(cdr, realtime_ns, frame, layout).data();
+    const std::size_t row_bytes = std::size_t{rows.width} * rows.bytes_per_pixel;
+    for (std::uint32_t y = 0; y < rows.height; ++y, to += row_bytes) {
+        std::memcpy(to, rows.data + static_cast<std::ptrdiff_t>(y) * rows.stride, row_bytes);
+    }
     return cdr.take();
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "bridges/ros_messages/frame_names.h"
 #include "clients/cpp/disparity_client.hpp"
@@ -38,5 +41,18 @@ std::optional<std::string> depth_error_image(const disparity::Frame& frame, cons
 /// stereo_msgs/msg/DisparityImage, 32FC1, px. The offset of the principal points is in the values, so that
 /// Z = f t / d. A rejected pixel has min_disparity - 1, as the image pipeline of ROS has it.
 std::optional<std::string> disparity_image(const disparity::Frame& frame, const FrameNames& names = {});
+
+/// An image that is no product of a frame: rows as a camera gave them. It belongs to somebody else.
+struct ImageRows {
+    std::uint32_t width = 0;    ///< px
+    std::uint32_t height = 0;   ///< px
+    std::string_view encoding;  ///< as sensor_msgs/msg/Image has it, of whole bytes: "mono8", "bgr8", "yuv422_yuy2"
+    std::uint32_t bytes_per_pixel = 1;
+    const std::uint8_t* data = nullptr;
+    std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
+};
+
+/// sensor_msgs/msg/Image of the rows, without gaps between them. `realtime_ns` is counted from 1970.
+std::string rows_image(const ImageRows& rows, std::int64_t realtime_ns, std::string_view frame);
 
 }  // namespace disparityd::ros

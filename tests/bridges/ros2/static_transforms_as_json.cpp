@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "bridges/ros2/options.h"
-#include "bridges/ros2/static_transforms.h"
+#include "bridges/ros_messages/static_transforms.h"
 
 int main(int argc, char** argv) {
     using namespace disparityd;
@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
         std::copy(translation_mm.begin(), translation_mm.end(), sensor->translation_mm.begin());
     }
     nlohmann::json list = nlohmann::json::array();
-    for (const ros::Transform& transform : ros2::static_transforms(options.settings().tree, baseline_m, sensor)) {
+    for (const ros::Transform& transform : ros::static_transforms(options.settings().tree, baseline_m, sensor)) {
         list.push_back({{"parent", transform.parent},
                         {"child", transform.child},
                         {"translation", transform.translation},

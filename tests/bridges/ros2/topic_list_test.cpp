@@ -17,11 +17,11 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-BridgeSettings settings_of(Naming naming, bool tf = true) {
+BridgeSettings settings_of(ros::Naming naming, bool tf = true) {
     BridgeSettings settings;
-    settings.topics = all_topics(naming, "/a", true);
+    settings.topics = ros::all_topics(naming, "/a", true);
     settings.quality = {.depth = 50};
-    settings.encoding.names = frame_names(naming, "a");
+    settings.encoding.names = ros::frame_names(naming, "a");
     settings.publishes_tf = tf;
     return settings;
 }
@@ -41,14 +41,14 @@ std::map<std::string, Words> lines_of(const BridgeSettings& settings) {
 }
 
 TEST(Ros2TopicList, SaysHowEachIsSent) {
-    const std::map<std::string, Words> lines = lines_of(settings_of(Naming::image_pipeline));
+    const std::map<std::string, Words> lines = lines_of(settings_of(ros::Naming::image_pipeline));
     EXPECT_EQ(lines.at("/a/depth/image_rect"),
               (Words{"sensor_msgs/msg/Image", "a_left_optical_frame", "reliable", "volatile", "keep-last-10"}));
     EXPECT_EQ(lines.at("/a/imu/data_raw"),
               (Words{"sensor_msgs/msg/Imu", "a_imu_link", "reliable", "volatile", "keep-last-50"}));
     EXPECT_EQ(lines.at("/tf_static"),
               (Words{"tf2_msgs/msg/TFMessage", "-", "reliable", "transient-local", "keep-last-1"}));
-    EXPECT_FALSE(lines_of(settings_of(Naming::image_pipeline, false)).contains("/tf_static"));
+    EXPECT_FALSE(lines_of(settings_of(ros::Naming::image_pipeline, false)).contains("/tf_static"));
 }
 
 /// Returns the frame in the header of a message about this, or "-".
@@ -70,11 +70,11 @@ std::string encoded_frame(ros::Content content, const ros::Encoding& encoding) {
 }
 
 TEST(Ros2TopicList, FramesAreThoseOfTheMessages) {
-    for (const Naming naming : {Naming::image_pipeline, Naming::zed}) {
+    for (const ros::Naming naming : {ros::Naming::image_pipeline, ros::Naming::zed}) {
         const BridgeSettings settings = settings_of(naming);
         const std::map<std::string, Words> lines = lines_of(settings);
         EXPECT_EQ(lines.size(), settings.topics.size() + 1);
-        for (const Topic& topic : settings.topics) {
+        for (const ros::Topic& topic : settings.topics) {
             EXPECT_EQ(lines.at(topic.name).at(1), encoded_frame(topic.content, settings.encoding)) << topic.name;
         }
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 #include <turbojpeg.h>
@@ -63,6 +64,25 @@ TEST(RosImage, LeftIsGreyOrColoured) {
         std::swap(bgr[i], bgr[i + 2]);
     }
     EXPECT_EQ(colour.data, bgr);
+}
+
+TEST(RosImage, RowsAsACameraGivesThemLoseTheirGaps) {
+    Octets rows(test::frame_height * 20);
+    std::iota(rows.begin(), rows.end(), std::uint8_t{0});
+    Octets expected;
+    for (std::uint32_t y = 0; y < test::frame_height; ++y) {
+        expected.insert(expected.end(), rows.begin() + 20 * y, rows.begin() + 20 * y + 2 * test::frame_width);
+    }
+    const Image image = image_of(rows_image({.width = test::frame_width,
+                                             .height = test::frame_height,
+                                             .encoding = "yuv422_yuy2",
+                                             .bytes_per_pixel = 2,
+                                             .data = rows.data(),
+                                             .stride = 20},
+                                            test::grey_frame().realtime_ns, "left_camera"));
+    EXPECT_EQ(image.encoding, "yuv422_yuy2");
+    EXPECT_EQ(image.step, 2 * test::frame_width);
+    EXPECT_EQ(image.data, expected);
 }
 
 TEST(RosImage, TheRightEyeHasItsOwnPlanesAndTheLeftFrame) {

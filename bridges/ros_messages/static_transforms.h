@@ -9,7 +9,7 @@
 #include "bridges/ros_messages/transform_message.h"
 #include "clients/cpp/disparity_client.hpp"
 
-namespace disparityd::ros2 {
+namespace disparityd::ros {
 
 /// Where the left camera is on the robot, in the words of the daemon's [scan].
 struct Place {
@@ -25,7 +25,7 @@ struct Place {
 
 /// What the tree of frames is made of.
 struct TreeOfFrames {
-    ros::FrameNames names;
+    FrameNames names;
     std::string right = {};       ///< the right optical frame
     std::string parent = {};      ///< the robot's frame; empty: the camera's is the root
     Place place = {};             ///< in the parent's frame
@@ -39,7 +39,7 @@ std::string yaw_of_scans_text(const TreeOfFrames& tree);
 /// Returns the transforms that do not change: from the parent to the camera and to the scan's frame, from the camera to
 /// both optical frames, from the left one to the inertial sensor. What is not known is left out: `baseline_m` <= 0,
 /// and the sensor's pose.
-std::vector<ros::Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
-                                              const std::optional<disparity::InertialPose>& sensor);
+std::vector<Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
+                                         const std::optional<disparity::InertialPose>& sensor);
 
-}  // namespace disparityd::ros2
+}  // namespace disparityd::ros

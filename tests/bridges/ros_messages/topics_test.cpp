@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/ros2/topics.h"
+#include "bridges/ros_messages/topics.h"
 
 #include <set>
 
 #include <gmock/gmock.h>
 
-#include "bridges/ros2/static_transforms.h"
 #include "bridges/ros_messages/encode.h"
+#include "bridges/ros_messages/static_transforms.h"
 
-namespace disparityd::ros2 {
+namespace disparityd::ros {
 namespace {
 
 using testing::Contains;
@@ -17,7 +17,7 @@ std::set<std::string> names(Naming naming, const std::string& name_space, bool c
     std::set<std::string> list;
     for (const Topic& topic : all_topics(naming, name_space, clock)) {
         EXPECT_TRUE(list.insert(topic.name).second) << topic.name << " is there twice";
-        EXPECT_FALSE(ros::message_name(topic.content).empty()) << topic.name;
+        EXPECT_FALSE(message_name(topic.content).empty()) << topic.name;
     }
     return list;
 }
@@ -75,20 +75,20 @@ TEST(Ros2Topics, NamesAreThoseThatRosAllows) {
 
 TEST(Ros2StaticTransforms, ACameraAloneIsTheRoot) {
     const TreeOfFrames tree{.names = frame_names(Naming::image_pipeline, "s"), .right = "s_right_optical_frame"};
-    const std::vector<ros::Transform> transforms = static_transforms(tree, 0.12, std::nullopt);
+    const std::vector<Transform> transforms = static_transforms(tree, 0.12, std::nullopt);
     ASSERT_EQ(transforms.size(), 2U);
-    EXPECT_EQ(transforms[0], (ros::Transform{"s_link", "s_left_optical_frame", {}, ros::optical_to_robot}));
-    EXPECT_EQ(transforms[1], (ros::Transform{"s_link", "s_right_optical_frame", {0, -0.12, 0}, ros::optical_to_robot}));
+    EXPECT_EQ(transforms[0], (Transform{"s_link", "s_left_optical_frame", {}, optical_to_robot}));
+    EXPECT_EQ(transforms[1], (Transform{"s_link", "s_right_optical_frame", {0, -0.12, 0}, optical_to_robot}));
     EXPECT_EQ(static_transforms(tree, 0, std::nullopt).size(), 1U) << "without a calibration";
 }
 
 TEST(Ros2StaticTransforms, AParentHasTheCameraAndTheGroundBelowIt) {
     TreeOfFrames tree{
         .names = frame_names(Naming::image_pipeline, "s"), .parent = "base_link", .place = {0.1, 0.2, 0.3}};
-    const std::vector<ros::Transform> transforms = static_transforms(tree, 0, std::nullopt);
+    const std::vector<Transform> transforms = static_transforms(tree, 0, std::nullopt);
     ASSERT_EQ(transforms.size(), 3U);
-    EXPECT_EQ(transforms[0], (ros::Transform{"base_link", "s_link", {0.1, 0.2, 0.3}}));
-    EXPECT_EQ(transforms[1], (ros::Transform{"base_link", "s_footprint", {0.1, 0.2, 0}}));
+    EXPECT_EQ(transforms[0], (Transform{"base_link", "s_link", {0.1, 0.2, 0.3}}));
+    EXPECT_EQ(transforms[1], (Transform{"base_link", "s_footprint", {0.1, 0.2, 0}}));
     tree.places_the_scan = false;
     EXPECT_EQ(static_transforms(tree, 0, std::nullopt).size(), 2U);
 }
@@ -107,10 +107,10 @@ TEST(Ros2StaticTransforms, AYawThatTheDaemonMustHaveTooIsSaid) {
 TEST(Ros2StaticTransforms, TheSensorIsWhereTheCalibrationSays) {
     const TreeOfFrames tree{.names = frame_names(Naming::zed, "z")};
     const disparity::InertialPose pose{{0, 0, 1, 1, 0, 0, 0, 1, 0}, {10, -20, 30}};
-    const ros::Transform last = static_transforms(tree, 0, pose).back();
+    const Transform last = static_transforms(tree, 0, pose).back();
     EXPECT_EQ(last,
-              (ros::Transform{"z_left_camera_frame_optical", "z_imu_link", {0.01, -0.02, 0.03}, {0.5, 0.5, 0.5, 0.5}}));
+              (Transform{"z_left_camera_frame_optical", "z_imu_link", {0.01, -0.02, 0.03}, {0.5, 0.5, 0.5, 0.5}}));
 }
 
 }  // namespace
-}  // namespace disparityd::ros2
+}  // namespace disparityd::ros

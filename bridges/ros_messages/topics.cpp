@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bridges/ros2/topics.h"
+#include "bridges/ros_messages/topics.h"
 
 #include <algorithm>
 #include <array>
 
 #include "base/words.h"
 
-namespace disparityd::ros2 {
+namespace disparityd::ros {
 namespace {
-
-using ros::Content;
 
 /// The names below the namespace; "": that table has none.
 struct Names {
@@ -102,7 +100,7 @@ std::vector<Topic> all_topics(Naming naming, const std::string& name_space, bool
     return topics;
 }
 
-ros::FrameNames frame_names(Naming naming, const std::string& camera_name) {
+FrameNames frame_names(Naming naming, const std::string& camera_name) {
     if (naming == Naming::zed) {
         return {.left = camera_name + "_left_camera_frame_optical",
                 .camera = camera_name + "_left_camera_frame",
@@ -119,4 +117,4 @@ std::string right_frame_name(Naming naming, const std::string& camera_name) {
     return camera_name + (naming == Naming::zed ? "_right_camera_frame_optical" : "_right_optical_frame");
 }
 
-}  // namespace disparityd::ros2
+}  // namespace disparityd::ros

@@ -8,7 +8,7 @@
 #include "bridges/ros_messages/contents.h"
 #include "bridges/ros_messages/frame_names.h"
 
-namespace disparityd::ros2 {
+namespace disparityd::ros {
 
 /// Whose names topics and frames of reference have.
 enum class Naming {
@@ -18,7 +18,7 @@ enum class Naming {
 
 /// A topic that may be subscribed to.
 struct Topic {
-    ros::Content content;
+    Content content;
     std::string name;  ///< of ROS, from the root: "/stereo/left/image_rect"
 };
 
@@ -39,9 +39,9 @@ std::string default_namespace(Naming naming, const std::string& camera_name);
 std::vector<Topic> all_topics(Naming naming, const std::string& name_space, bool clock);
 
 /// Returns the frames of reference of a camera.
-ros::FrameNames frame_names(Naming naming, const std::string& camera_name);
+FrameNames frame_names(Naming naming, const std::string& camera_name);
 
 /// Returns the frame of the right optical frame, which only transforms name.
 std::string right_frame_name(Naming naming, const std::string& camera_name);
 
-}  // namespace disparityd::ros2
+}  // namespace disparityd::ros
