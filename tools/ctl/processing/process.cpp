@@ -23,6 +23,7 @@
 #include "tools/command_line/table.h"
 #include "tools/ctl/colour_argument.h"
 #include "tools/ctl/commands.h"
+#include "tools/ctl/processing/matching_options.h"
 #include "tools/ctl/processing/plan.h"
 #include "tools/ctl/processing/process_arguments.h"
 #include "tools/ctl/processing/process_output.h"
@@ -30,7 +31,6 @@
 #include "tools/ctl/processing/process_source.h"
 #include "tools/ctl/processing/resume.h"
 #include "tools/ctl/processing/source_list.h"
-#include "tools/ctl/source_arguments.h"
 
 namespace disparityd::tools {
 namespace {
@@ -206,30 +206,9 @@ void add_process(CLI::App& program, Action& action) {
                     "folder to fill; made when missing; several sources get a folder of their own name in it each; "
                     "needed but with --plan")
         ->type_name("DIR");
-    command.add_option("--method", arguments->method, method_help() + "; default sgm")->type_name("METHOD");
-    command.add_option("--backend", arguments->backend, backend_help())->type_name("NAME");
-    command.add_option("--calibration", arguments->calibration, "calibration instead of the source's own")
-        ->type_name("FILE");
-    command.add_option("--size", arguments->size, "size of the rectified image; default: that of the capture")
-        ->type_name("WxH");
-    command.add_option("--region", arguments->region, "part of the rectified image to match; default: all of it")
-        ->type_name("X,Y,W,H");
+    add_matching_options(command, *arguments);
     add_integer(command, "--first", arguments->first, 0, 1'000'000'000,
                 "begin with the frame of this number, counted from 0; only with what depends on no frame before");
-    add_integer(command, "--frames", arguments->frames, 1, 1'000'000'000, "stop after this many frames");
-    add_time_offset(command, arguments->time_offset_us);
-    add_integer(command, "--workers", arguments->workers, 0, 256, "worker threads; default 0: one per core");
-    command.add_flag("--no-trust", arguments->no_trust,
-                     "do not judge how far frames can be trusted, which depends on the frames before");
-    command.add_flag("--temporal", arguments->temporal,
-                     "make a mean over time of disparities that agree, as [temporal] of the daemon does");
-    CLI::Option& self_calibrate =
-        *command.add_flag("--self-calibrate", arguments->self_calibrate,
-                          "estimate corrections of the calibration from the frames, four times in every 80 frames");
-    command
-        .add_flag("--no-self-calibration", arguments->no_self_calibration,
-                  "do not apply the corrections that a recording holds")
-        ->excludes(&self_calibrate);
     command.add_flag("--pfm", arguments->pfm, "also write PFM (instead of PNG for ranges that a PNG cannot hold)");
     command.add_flag("--depth", arguments->more.depth, "also write depth in mm, as a 16-bit PNG");
     command.add_flag("--depth-error", arguments->more.depth_error,
@@ -248,14 +227,6 @@ void add_process(CLI::App& program, Action& action) {
             ->type_name("FILE.csv")
             ->check([](const std::string& name) { return name.empty() ? "found no name" : std::string(); });
     arguments->scan_options.add_to(command)->needs(scan);
-    command
-        .add_option("--mask-polygon", arguments->mask_polygons,
-                    "reject what lies in a polygon of the rectified left image; may be given several times")
-        ->allow_extra_args(false)
-        ->type_name("\"X,Y X,Y X,Y\"");
-    command.add_option("--mask-image", arguments->mask_image, "reject where a grey image of that size is black")
-        ->type_name("FILE");
-    arguments->distances.add_to(command);
     CLI::Option* const force =
         command.add_flag("--force", arguments->force, "replace the files of an earlier run in DIR, and that of --scan");
     command
@@ -279,11 +250,6 @@ void add_process(CLI::App& program, Action& action) {
                   "frames of the first sources")
         ->excludes(shard);
     command.add_flag("--json", arguments->json, "a summary as one JSON object");
-    // The daemon's default: the same bytes as from it.
-    arguments->match.add_to(
-        command,
-        "default " + std::to_string(ProcessArguments::default_disparities) + ", or what a dataset's files ask for",
-        Preset::obstacles);
     command.footer(
         "DIR gets a 16-bit PNG per frame (disparity x 256, 0 = rejected) with the name of the left image, or, of\n"
         "videos, 000000.png ...; times.csv (output, input and times of each frame); geometry.json (calibration and\n"
