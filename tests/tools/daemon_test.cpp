@@ -85,6 +85,40 @@ TEST_F(DaemonTest, StatusTellsWhatRuns) {
     EXPECT_THAT(ctl("status", {}).out, HasSubstr("128 x 96"));
 }
 
+/// tests/tools/mcap_export_test.cpp looks into such files.
+TEST_F(DaemonTest, RecordsWhatItIsSentAsMessages) {
+    const Outcome outcome = ctl("record", {"--mcap", path("a.mcap"), "--frames", "3", "--contents",
+                                           "rectified,disparity,depth,points,tf", "--json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto summary = nlohmann::json::parse(outcome.out);
+    const int frames = summary["frames"];
+    EXPECT_GE(frames, 3);
+    EXPECT_TRUE(summary["dropped"].is_number());
+    EXPECT_EQ(summary["topics"]["/tf_static"], 1);
+    for (const char* topic :
+         {"left/image_rect", "left/camera_info", "disparity", "depth/image_rect", "depth/camera_info", "points2"}) {
+        EXPECT_EQ(summary["topics"][std::string("/stereo/") + topic], frames) << topic;
+    }
+    EXPECT_EQ(summary["bytes"], std::filesystem::file_size(path("a.mcap")));
+    // The configuration does not serve the right image.
+    EXPECT_THAT(outcome.err, HasSubstr("/stereo/right/image_rect is left out: the daemon does not serve"));
+
+    Program record(DISPARITYCTL, arguments("record", {"--mcap", path("b.mcap"), "--contents", "disparity"}));
+    ASSERT_TRUE(eventually([&] {
+        return !record.running() ||
+               (std::filesystem::exists(path("b.mcap")) && std::filesystem::file_size(path("b.mcap")) > 10'000);
+    }));
+    record.send(SIGINT);
+    EXPECT_EQ(record.wait().exit_code, 0);
+    EXPECT_TRUE(read_file(path("b.mcap")).ends_with("\x89MCAP0\r\n"));
+
+    EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "raw"}).err,
+                HasSubstr("--contents raw: a daemon does not send the pair as captured"));
+    EXPECT_THAT(ctl("record", {"--mcap", path("c.mcap"), "--contents", "scan"}).err,
+                HasSubstr("--contents scan: the daemon does not serve the product scan: set scan.enabled = true"));
+    EXPECT_FALSE(std::filesystem::exists(path("c.mcap")));
+}
+
 TEST_F(DaemonTest, WatchCountsFramesOverBothWays) {
     for (const bool by_socket : {false, true}) {
         std::vector<std::string> more{"--count", "2", "--json"};

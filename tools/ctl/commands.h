@@ -17,6 +17,7 @@ void add_scan(CLI::App& program, Action& action);
 void add_snapshot(CLI::App& program, Action& action);
 void add_record(CLI::App& program, Action& action);
 void add_process(CLI::App& program, Action& action);
+void add_export(CLI::App& program, Action& action);
 void add_calibrate(CLI::App& program, Action& action);
 void add_verify(CLI::App& program, Action& action);
 void add_board(CLI::App& program, Action& action);

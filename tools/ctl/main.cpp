@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
     add_snapshot(program, action);
     add_record(program, action);
     add_process(program, action);
+    add_export(program, action);
     add_verify(program, action);
     add_board(program, action);
     add_calibrate(program, action);

@@ -34,6 +34,7 @@
 #include "tools/ctl/daemon.h"
 #include "tools/ctl/describe.h"
 #include "tools/ctl/output_file.h"
+#include "tools/ctl/recording/record_mcap.h"
 #include "tools/ctl/source_arguments.h"
 
 namespace disparityd::tools {
@@ -107,6 +108,9 @@ struct RecordArguments {
     std::optional<int> seconds;
     std::optional<int> frames;
     std::optional<int> time_offset_us;
+    std::string mcap;      ///< a file here of what the daemon sends; empty: none
+    std::string contents;  ///< of that
+    std::string camera;
     bool force = false;
     bool stop = false;
     bool json = false;
@@ -361,6 +365,46 @@ int record_source(const RecordArguments& arguments) {
     });
 }
 
+/// Adds what makes a file of messages here, of what the daemon sends.
+void add_mcap(CLI::App& command, RecordArguments& arguments) {
+    CLI::Option* const mcap =
+        command
+            .add_option("--mcap", arguments.mcap,
+                        "instead of OUT: write what the daemon sends into this file here, as messages of ROS 2")
+            ->type_name("FILE");
+    for (const char* other : {"OUT", "--source", "--stop"}) {
+        mcap->excludes(command.get_option(other));
+    }
+    command
+        .add_option("--contents", arguments.contents,
+                    "with --mcap: what the file has, as export --contents has it, but raw; default " +
+                        std::string(usual_recorded_parts))
+        ->type_name("WORDS")
+        ->needs(mcap);
+    command
+        .add_option("--camera-name", arguments.camera,
+                    "with --mcap: topics are below /NAME, frames of reference begin with NAME_; default stereo")
+        ->type_name("NAME")
+        ->needs(mcap);
+}
+
+int record_messages(const RecordArguments& arguments) {
+    if (!arguments.calibration.empty() || arguments.time_offset_us) {
+        throw std::invalid_argument("record: --calibration and --time-offset-us go with --source");
+    }
+    McapRecordArguments mcap{.daemon = arguments.daemon,
+                             .file = arguments.mcap,
+                             .contents = arguments.contents,
+                             .seconds = arguments.seconds,
+                             .frames = arguments.frames,
+                             .force = arguments.force,
+                             .json = arguments.json};
+    if (!arguments.camera.empty()) {
+        mcap.camera = arguments.camera;
+    }
+    return record_mcap(mcap);
+}
+
 }  // namespace
 
 void add_record(CLI::App& program, Action& action) {
@@ -377,9 +421,10 @@ void add_record(CLI::App& program, Action& action) {
     command.add_option("--calibration", arguments->calibration, "with --source: calibration instead of its own")
         ->type_name("FILE");
     add_time_offset(command, arguments->time_offset_us, "with --source: ");
-    command.add_flag("--force", arguments->force, "with --source: replace OUT when it exists");
+    command.add_flag("--force", arguments->force, "with --source or --mcap: replace the file when it exists");
     command.add_flag("--stop", arguments->stop, "end the recording of the daemon, whoever started it");
     command.add_flag("--json", arguments->json, "one JSON object at the end");
+    add_mcap(command, *arguments);
     arguments->daemon.add_to(command);
     command.footer(
         "Without --source a running daemon records the frames that it captures. OUT is then a new name that ends in\n"
@@ -390,12 +435,19 @@ void add_record(CLI::App& program, Action& action) {
         "the daemon continues to record until record --stop, unless it is configured otherwise. Exit status 0 when at\n"
         "least one frame was recorded and nothing failed; 130 when the signal came before the first frame, or the\n"
         "second one before the daemon's answer.\n"
+        "With --mcap disparityctl is a client that writes FILE on this machine, until Ctrl-C or the limit: FILE grows\n"
+        "under its own name, and what is whole in it can be read at any time. The daemon never waits: where disk or\n"
+        "network are too slow, the newest frames win, and those that were dropped are told at the end.\n"
         "Examples: disparityctl record walk.mkv --seconds 60\n"
-        "          disparityctl record scene.mkv --source scene:vga@15 --frames 30");
+        "          disparityctl record scene.mkv --source scene:vga@15 --frames 30\n"
+        "          disparityctl record --mcap walk.mcap --seconds 60");
     command.callback([arguments, &action] {
         action = [arguments] {
             if (arguments->stop) {
                 return stop_recording(*arguments);
+            }
+            if (!arguments->mcap.empty()) {
+                return record_messages(*arguments);
             }
             if (arguments->file.empty()) {
                 throw std::invalid_argument("record: OUT is missing, the recording to make, such as out.mkv");

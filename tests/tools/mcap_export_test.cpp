@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A source exported as messages of ROS 2 and read back. read_export.cjs reads such a file by another implementation.
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "capture/recording/recording_writer.h"
+#include "formats/mcap_reader.h"
+#include "formats/ros_message.h"
+#include "tests/capture/played_source.h"
+#include "tests/tools/made_input.h"
+#include "tests/tools/run_program.h"
+
+namespace disparityd::test {
+namespace {
+
+using capture::test::play_all;
+using testing::AllOf;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr int frames = 4;
+constexpr std::int64_t start_ns = 1'700'000'000'000'000'000;
+constexpr std::int64_t period_ns = 1'100'000'000;  // so that each frame has a chunk of its own
+
+calibration::InertialCalibration mounted_sensor() {
+    calibration::InertialCalibration inertial;
+    inertial.to_left_camera = calibration::Pose{{0, -1, 0, 0, 0, -1, 1, 0, 0}, {10, -20, 30}};
+    return inertial;
+}
+
+/// The topics of a file, with the fields of the last message of each.
+struct Topic {
+    std::string type;
+    int messages = 0;
+    std::map<std::string, std::string> texts;
+    std::map<std::string, std::vector<double>> numbers;
+    std::vector<std::uint8_t> data;  ///< of images
+    std::set<std::int64_t> stamps;
+};
+
+std::map<std::string, Topic> topics_in(const std::string& path) {
+    std::map<std::string, Topic> topics;
+    formats::McapReader reader(path);
+    EXPECT_TRUE(reader.has_summary());
+    formats::McapMessage message;
+    while (reader.next(message)) {
+        const formats::McapChannel& channel = reader.definitions().channels().at(message.channel);
+        const formats::McapSchema& schema = reader.definitions().schemas().at(channel.schema);
+        const formats::RosMessage fields(formats::parse_ros_schema(schema.name, *schema.text), message.data);
+        Topic& topic = topics[channel.topic];
+        topic.type = schema.name;
+        EXPECT_EQ(message.sequence, static_cast<std::uint32_t>(topic.messages++));
+        const std::string header = schema.name == "tf2_msgs/msg/TFMessage" ? "transforms.0.header" : "header";
+        const std::int64_t stamp =
+            fields.integer(header + ".stamp.sec") * 1'000'000'000 + fields.integer(header + ".stamp.nanosec");
+        EXPECT_EQ(message.log_ns, static_cast<std::uint64_t>(stamp)) << channel.topic;
+        topic.stamps.insert(stamp);
+        topic.texts["frame"] = fields.text(header + ".frame_id");
+        for (const char* text : {"encoding", "distortion_model"}) {
+            if (fields.has(text)) {
+                topic.texts[text] = fields.text(text);
+            }
+        }
+        for (const char* numbers : {"k", "d", "r", "p", "ranges"}) {
+            if (fields.has(numbers)) {
+                topic.numbers[numbers] = fields.numbers(numbers);
+            }
+        }
+        if (fields.has("data")) {
+            const auto data = fields.bytes("data");
+            topic.data.assign(data.begin(), data.end());
+        }
+    }
+    return topics;
+}
+
+class McapExportTest : public FolderTest {
+protected:
+    /// Rendered frames as a recording, with samples of an inertial sensor and where that stands. `change` is made to
+    /// what the recording says of itself.
+    void record(const std::string& name, const std::function<void(capture::SourceInfo&)>& change = {}) {
+        capture::SourceOptions options;
+        options.uri = "scene:vga@30?width=128&height=96&loop=4";
+        options.pace = capture::Pace::fastest;
+        const auto source = capture::open_source(options);
+        capture::SourceInfo info = source->info();
+        info.calibration->inertial = mounted_sensor();
+        if (change) {
+            change(info);
+        }
+        capture::RecordingWriter writer(path(name), info);
+        for (int i = 0; i < frames; ++i) {
+            capture::RawFrame frame;
+            ASSERT_EQ(source->next(frame, std::chrono::steady_clock::now() + std::chrono::minutes(1)),
+                      capture::FrameSource::Next::frame);
+            capture::SensorSample sample;
+            sample.flags = capture::sensor_flag_inertial | capture::sensor_flag_environment;
+            sample.angular_velocity = {0.5F, 0, 0};
+            sample.acceleration = {0, 0, 9.75F};
+            sample.celsius = 25;
+            frame.realtime_ns = start_ns + i * period_ns;
+            sample.realtime_ns = frame.realtime_ns - 1000;
+            frame.sensors = {&sample, 1};
+            writer.write(frame);
+            source->give_back(frame);
+        }
+        writer.close();
+    }
+
+    Outcome export_to(const std::string& file, const std::string& source, std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"export", path(source), "--mcap", path(file), "--disparities", "16"});
+        return run(DISPARITYCTL, more);
+    }
+
+    /// The pictures that `process` makes.
+    std::map<std::string, std::string> pictures(const std::string& source, const std::string& folder,
+                                                std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"process", path(source), "-o", path(folder), "--disparities", "16"});
+        const Outcome outcome = run(DISPARITYCTL, more);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        std::map<std::string, std::string> pictures = files_in(path(folder));
+        std::erase_if(pictures, [](const auto& file) { return !file.first.ends_with(".png"); });
+        return pictures;
+    }
+};
+
+TEST_F(McapExportTest, ReadBackItGivesTheSameDisparities) {
+    record("r.mkv");
+    const Outcome outcome = export_to("r.mcap", "r.mkv");
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("4 frames"));
+    const auto expected = pictures("r.mkv", "a");
+    EXPECT_EQ(expected.size(), static_cast<std::size_t>(frames));
+    EXPECT_TRUE(pictures("r.mcap", "b") == expected);
+
+    capture::SourceOptions options;
+    options.uri = path("r.mcap");
+    const auto read = play_all(options);
+    options.uri = path("r.mkv");
+    const auto recorded = play_all(options);
+    EXPECT_TRUE(read.frames == recorded.frames);
+    EXPECT_EQ(read.times, recorded.times);
+    EXPECT_EQ(read.problem, "");
+    ASSERT_EQ(read.samples.size(), recorded.samples.size());
+    EXPECT_EQ(read.samples.back().acceleration, recorded.samples.back().acceleration);
+    ASSERT_TRUE(read.info.calibration && read.info.calibration->inertial.to_left_camera);
+    const calibration::Pose expected_pose = *mounted_sensor().to_left_camera;
+    for (std::size_t i = 0; i < 9; ++i) {
+        EXPECT_NEAR(read.info.calibration->inertial.to_left_camera->rotation[i], expected_pose.rotation[i], 1e-9) << i;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(read.info.calibration->inertial.to_left_camera->translation[i], expected_pose.translation[i], 1e-6);
+    }
+}
+
+TEST_F(McapExportTest, ARectifiedSourceStaysOne) {
+    record("r.mkv", [](capture::SourceInfo& info) {
+        calibration::StereoCalibration& calibration = *info.calibration;
+        calibration.left = calibration.right = {100, 100, 60, 48, {}};
+        calibration.right.cx = 63;  // which gives a disparity offset
+        calibration.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+        calibration.translation = {-120, 0, 0};
+        calibration.rectified = true;
+    });
+    ASSERT_EQ(export_to("r.mcap", "r.mkv", {"--contents", "raw,rectified,tf"}).exit_code, 0);
+    EXPECT_TRUE(pictures("r.mcap", "b", {"--depth"}) == pictures("r.mkv", "a", {"--depth"}));
+    EXPECT_THAT(topics_in(path("r.mcap")), AllOf(Contains(testing::Key("/stereo/left/image_rect_color")),
+                                                 Not(Contains(testing::Key("/stereo/left/image_raw")))));
+}
+
+TEST_F(McapExportTest, TheSameSourceGivesTheSameBytes) {
+    record("r.mkv");
+    const std::vector<std::string> all{"--contents",
+                                       "raw,rectified,disparity,depth,depth-mm,confidence,points,scan,imu,sensors,tf",
+                                       "--scan-set", "camera_height_m=0.4"};
+    ASSERT_EQ(export_to("a.mcap", "r.mkv", all).exit_code, 0);
+    const Outcome again = export_to("b.mcap", "r.mkv", all);
+    ASSERT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_TRUE(read_file(path("a.mcap")) == read_file(path("b.mcap")));
+
+    const std::map<std::string, Topic> topics = topics_in(path("a.mcap"));
+    const std::map<std::string, std::string> types{{"/stereo/left/image_raw", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/right/image_raw", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/left/camera_info", "sensor_msgs/msg/CameraInfo"},
+                                                   {"/stereo/right/camera_info", "sensor_msgs/msg/CameraInfo"},
+                                                   {"/stereo/depth/camera_info", "sensor_msgs/msg/CameraInfo"},
+                                                   {"/stereo/left/image_rect_color", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/right/image_rect_color", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/disparity", "stereo_msgs/msg/DisparityImage"},
+                                                   {"/stereo/depth/image_rect", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/depth/image_rect_raw", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/confidence", "sensor_msgs/msg/Image"},
+                                                   {"/stereo/points2", "sensor_msgs/msg/PointCloud2"},
+                                                   {"/stereo/scan", "sensor_msgs/msg/LaserScan"},
+                                                   {"/stereo/imu/data_raw", "sensor_msgs/msg/Imu"},
+                                                   {"/stereo/temperature/imu", "sensor_msgs/msg/Temperature"},
+                                                   {"/stereo/temperature/camera", "sensor_msgs/msg/Temperature"},
+                                                   {"/stereo/atm_press", "sensor_msgs/msg/FluidPressure"},
+                                                   {"/stereo/humidity", "sensor_msgs/msg/RelativeHumidity"},
+                                                   {"/tf_static", "tf2_msgs/msg/TFMessage"}};
+    std::map<std::string, std::string> found;
+    for (const auto& [name, topic] : topics) {
+        found[name] = topic.type;
+        EXPECT_EQ(topic.messages, name == "/tf_static" ? 1 : frames) << name;
+        EXPECT_EQ(topic.stamps.size(), static_cast<std::size_t>(topic.messages)) << name;
+    }
+    EXPECT_EQ(found, types);
+
+    // The raw pair tells of its lenses, the rest of the rectified camera.
+    const Topic& raw = topics.at("/stereo/left/camera_info");
+    EXPECT_EQ(raw.texts.at("frame"), "stereo_left_raw_optical_frame");
+    EXPECT_EQ(topics.at("/stereo/right/image_raw").texts.at("frame"), "stereo_left_raw_optical_frame");
+    EXPECT_NE(raw.numbers.at("d"), std::vector<double>(5));
+    EXPECT_NE(raw.numbers.at("r"), topics.at("/stereo/depth/camera_info").numbers.at("r"));
+    EXPECT_EQ(raw.numbers.at("p"), topics.at("/stereo/depth/camera_info").numbers.at("p"));
+    EXPECT_LT(topics.at("/stereo/right/camera_info").numbers.at("p")[3], 0);
+    EXPECT_EQ(topics.at("/stereo/disparity").texts.at("frame"), "stereo_left_optical_frame");
+
+    // The depth is that of `process`.
+    const auto pictures_of_depth = pictures("r.mkv", "out", {"--depth"});
+    const cv::Mat depth = cv::imread(path("out/000003_depth.png"), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(depth.type(), CV_16UC1);
+    const std::vector<std::uint8_t> pixels(depth.data, depth.data + depth.total() * depth.elemSize());
+    EXPECT_TRUE(topics.at("/stereo/depth/image_rect_raw").data == pixels);
+    EXPECT_GT(cv::countNonZero(depth), 1000);
+}
+
+TEST_F(McapExportTest, AFileThatWasCutOffPlaysUpToThere) {
+    record("r.mkv");
+    ASSERT_EQ(export_to("r.mcap", "r.mkv").exit_code, 0);
+    const std::string whole = read_file(path("r.mcap"));
+    capture::SourceOptions options;
+    options.uri = path("r.mcap");
+    const auto all = play_all(options);
+    options.uri = path("cut.mcap");
+    std::set<std::size_t> seen;
+    for (int part = 1; part < 40; ++part) {
+        write_text(options.uri, whole.substr(0, whole.size() * static_cast<std::size_t>(part) / 40));
+        const auto cut = play_all(options);
+        if (cut.frames.empty()) {
+            EXPECT_NE(cut.problem, "");  // not even the first pair is whole
+            continue;
+        }
+        ASSERT_LE(cut.frames.size(), all.frames.size());
+        EXPECT_TRUE(std::equal(cut.frames.begin(), cut.frames.end(), all.frames.begin()));
+        EXPECT_TRUE(cut.info.calibration);
+        seen.insert(cut.frames.size());
+    }
+    EXPECT_THAT(seen, testing::IsSupersetOf({1U, 2U, 3U}));
+}
+
+TEST_F(McapExportTest, WithoutACalibrationThereAreNoDistances) {
+    make_recording(path("r.mkv"), 2, 64, 32);
+    const Outcome usual = export_to("r.mcap", "r.mkv");
+    EXPECT_EQ(usual.exit_code, 0) << usual.err;
+    EXPECT_THAT(usual.err, HasSubstr("depth is left out: " + path("r.mkv") + " has no calibration"));
+    EXPECT_TRUE(pictures("r.mcap", "b") == pictures("r.mkv", "a"));
+    const Outcome asked = export_to("s.mcap", "r.mkv", {"--contents", "raw,points"});
+    EXPECT_EQ(asked.exit_code, 2);
+    EXPECT_THAT(asked.err, HasSubstr("--contents points: "));
+    EXPECT_FALSE(std::filesystem::exists(path("s.mcap")));
+}
+
+TEST_F(McapExportTest, RawAloneIsWrittenWithoutMatching) {
+    record("r.mkv");
+    ASSERT_EQ(export_to("r.mcap", "r.mkv", {"--contents", "raw,imu,tf", "--camera-name", "front"}).exit_code, 0);
+    ASSERT_EQ(export_to("s.mcap", "r.mkv", {"--contents", "raw,imu,tf,disparity", "--camera-name", "front"}).exit_code,
+              0);
+    auto matched = topics_in(path("s.mcap"));
+    matched.erase("/front/disparity");
+    const auto raw = topics_in(path("r.mcap"));
+    EXPECT_EQ(raw.size(), 6U);
+    ASSERT_EQ(raw.size(), matched.size());
+    for (const auto& [name, topic] : raw) {
+        EXPECT_TRUE(topic.data == matched.at(name).data && topic.numbers == matched.at(name).numbers) << name;
+    }
+}
+
+TEST_F(McapExportTest, RefusesInOneLine) {
+    record("r.mkv");
+    const auto refusal = [&](std::vector<std::string> more) {
+        const Outcome outcome = export_to("r.mcap", "r.mkv", std::move(more));
+        EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_THAT(refusal({"--contents", "raw,deep"}), HasSubstr("--contents: found 'deep', allowed"));
+    EXPECT_THAT(refusal({"--contents", "raw,rectified", "--size", "64x48"}), HasSubstr("--contents: found raw and"));
+    EXPECT_THAT(refusal({"--scan-set", "sectors=9"}), HasSubstr("--scan-set: is given without --contents scan"));
+    EXPECT_THAT(refusal({"--camera-name", "a b"}), HasSubstr("--camera-name: found 'a b'"));
+    write_text(path("r.mcap"), "somebody's");
+    EXPECT_THAT(refusal({}), HasSubstr("r.mcap: exists already"));
+    EXPECT_EQ(read_file(path("r.mcap")), "somebody's");
+    EXPECT_EQ(export_to("r.mcap", "r.mkv", {"--force", "--contents", "raw"}).exit_code, 0);
+    const Outcome itself = run(DISPARITYCTL, {"export", path("r.mcap"), "--mcap", path("r.mcap"), "--force"});
+    EXPECT_THAT(itself.err, HasSubstr("is the source itself"));
+}
+
+}  // namespace
+}  // namespace disparityd::test

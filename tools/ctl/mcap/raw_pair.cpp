@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/mcap/raw_pair.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "bridges/ros_messages/image_messages.h"
+#include "calibration/rectified_camera.h"
+
+namespace disparityd::tools {
+namespace {
+
+using calibration::CameraModel;
+using calibration::LensModel;
+using calibration::StereoCalibration;
+
+constexpr std::string_view image_type = "sensor_msgs/Image";
+constexpr std::string_view info_type = "sensor_msgs/CameraInfo";
+
+/// How ROS calls the pixels of a format.
+std::string_view encoding_of(PixelFormat format) {
+    switch (format) {
+        case PixelFormat::grey8: return "mono8";
+        case PixelFormat::yuyv: return "yuv422_yuy2";
+        case PixelFormat::bgr24: return "bgr8";
+    }
+    return {};
+}
+
+/// Fills in the lens: of Brown's model as few coefficients as do, as programs may know no more.
+void put_lens(ros::CameraInfoFields& fields, const CameraModel& camera) {
+    fields.k = {camera.fx, 0, camera.cx, 0, camera.fy, camera.cy, 0, 0, 1};
+    const auto& all = camera.distortion;
+    const auto none_from = [&all](std::size_t first) {
+        return std::all_of(all.begin() + static_cast<std::ptrdiff_t>(first), all.end(),
+                           [](double number) { return number == 0; });
+    };
+    constexpr std::size_t brown = 5, rational = 8, prism = 12, fisheye = 4;
+    std::size_t count = all.size();
+    if (camera.lens == LensModel::fisheye) {
+        fields.model = "equidistant";
+        count = fisheye;
+    } else if (none_from(brown)) {
+        fields.model = "plumb_bob";
+        count = brown;
+    } else {
+        fields.model = "rational_polynomial";
+        count = none_from(rational) ? rational : none_from(prism) ? prism : count;
+    }
+    fields.d.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+}
+
+/// The projection of an eye; `shift` is P[3], px m.
+void put_projection(ros::CameraInfoFields& fields, double f, double cx, double cy, double shift) {
+    fields.p = {f, 0, cx, shift, 0, f, cy, 0, 0, 0, 1, 0};
+}
+
+void put_rectified(ros::CameraInfoFields& fields, const CameraModel& camera, double shift) {
+    put_lens(fields, camera);
+    put_projection(fields, camera.fx, camera.cx, camera.cy, shift);
+}
+
+bool gives_distances(const StereoCalibration& calibration) {
+    return calibration.left.fx > 0 && calibration.translation[0] < 0;
+}
+
+}  // namespace
+
+RawPair::RawPair(const capture::SourceInfo& source, const std::string& camera)
+    : rectified_(source.calibration && source.calibration->rectified) {
+    if (source.calibration && gives_distances(*source.calibration)) {
+        calibration_ = source.calibration;
+    }
+    const std::string prefix = ros::default_namespace(mcap_naming, camera);
+    const std::string image = !rectified_                           ? "/image_raw"
+                              : source.format == PixelFormat::grey8 ? "/image_rect"
+                                                                    : "/image_rect_color";
+    for (const auto& [eye, name] : {std::pair(0U, "/left"), {1U, "/right"}}) {
+        images_[eye] = prefix + name + image;
+        infos_[eye] = prefix + name + "/camera_info";
+    }
+    frame_ = rectified_ ? ros::frame_names(mcap_naming, camera).left : camera + "_left_raw_optical_frame";
+    describe({});
+}
+
+void RawPair::describe(const calibration::CalibrationCorrection& correction) {
+    correction_ = correction;
+    if (!calibration_) {
+        return;
+    }
+    Infos infos;
+    for (ros::CameraInfoFields& fields : infos) {
+        fields.frame = frame_;
+        fields.width = static_cast<std::uint32_t>(calibration_->width);
+        fields.height = static_cast<std::uint32_t>(calibration_->height);
+    }
+    constexpr double mm = 1e-3;
+    if (rectified_) {
+        put_rectified(infos[0], calibration_->left, 0);
+        put_rectified(infos[1], calibration_->right, mm * calibration_->translation[0] * calibration_->left.fx);
+    } else {
+        const StereoCalibration used = correction.any() ? corrected(*calibration_, correction) : *calibration_;
+        const calibration::RectifiedCamera view = rectified_camera(used, used.width, used.height);
+        put_lens(infos[0], used.left);
+        put_lens(infos[1], used.right);
+        for (const std::size_t eye : {0U, 1U}) {
+            infos[eye].r = view.turn[eye];
+            put_projection(infos[eye], view.f, view.cx, view.cy, eye == 0 ? 0 : -mm * view.baseline_mm * view.f);
+        }
+    }
+    fields_ = std::move(infos);
+}
+
+std::vector<RosMessageBytes> RawPair::messages_of(const capture::RawFrame& frame) {
+    if (frame.correction != correction_) {
+        describe(frame.correction);
+    }
+    std::vector<RosMessageBytes> messages;
+    for (const std::size_t eye : {0U, 1U}) {
+        const Plane<const std::uint8_t> rows = frame.image.eye(eye == 0 ? Eye::left : Eye::right);
+        const ros::ImageRows image{.width = static_cast<std::uint32_t>(frame.image.eye_width),
+                                   .height = static_cast<std::uint32_t>(frame.image.height),
+                                   .encoding = encoding_of(frame.image.format),
+                                   .bytes_per_pixel = static_cast<std::uint32_t>(bytes_per_pixel(frame.image.format)),
+                                   .data = rows.data,
+                                   .stride = rows.stride};
+        messages.push_back(
+            {images_[eye], image_type, frame.realtime_ns, ros::rows_image(image, frame.realtime_ns, frame_)});
+        if (fields_) {
+            ros::CameraInfoFields fields = (*fields_)[eye];
+            fields.realtime_ns = frame.realtime_ns;
+            messages.push_back({infos_[eye], info_type, frame.realtime_ns, ros::camera_info_message(fields)});
+        }
+    }
+    return messages;
+}
+
+}  // namespace disparityd::tools

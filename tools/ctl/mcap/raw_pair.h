@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bridges/ros_messages/camera_info_message.h"
+#include "calibration/calibration_correction.h"
+#include "capture/frame_source.h"
+#include "tools/ctl/mcap/ros_mcap.h"
+
+namespace disparityd::tools {
+
+/// Makes messages of frames as they were captured: an image of each eye and, where a calibration is known, its
+/// CameraInfo with lens, rotation and projection. Images of a source that is rectified already have the topics of
+/// rectified ones. One thread uses an object at a time.
+class RawPair {
+public:
+    /// `camera` is the name of the camera: topics are below /CAMERA.
+    RawPair(const capture::SourceInfo& source, const std::string& camera);
+
+    /// Returns the messages of a frame, which is corrected as it says.
+    std::vector<RosMessageBytes> messages_of(const capture::RawFrame& frame);
+
+    /// Whether the source's images are rectified already.
+    bool is_rectified() const { return rectified_; }
+
+    /// Returns the frame of reference of images and information. Both eyes have that of the left one, as programs ask
+    /// for that take pairs.
+    const std::string& frame() const { return frame_; }
+
+private:
+    using Infos = std::array<ros::CameraInfoFields, 2>;
+
+    void describe(const calibration::CalibrationCorrection& correction);
+
+    std::optional<calibration::StereoCalibration> calibration_;  ///< where it gives distances
+    bool rectified_ = false;
+    std::string frame_;
+    std::array<std::string, 2> images_, infos_;  ///< topics: left, right
+    calibration::CalibrationCorrection correction_;
+    std::optional<Infos> fields_;  ///< of correction_
+};
+
+}  // namespace disparityd::tools

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tools/ctl/mcap/ros_mcap.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "bridges/ros_messages/message_definitions.h"
+
+namespace disparityd::tools {
+
+RosMcap::Channel& RosMcap::channel_of(const RosMessageBytes& message) {
+    const auto known = channels_.find(message.topic);
+    if (known != channels_.end()) {
+        return known->second;
+    }
+    auto schema = schemas_.find(message.type);
+    if (schema == schemas_.end()) {
+        const std::uint16_t id =
+            file_.add_schema(ros::schema_name(message.type), "ros2msg", ros::ros2msg(message.type));
+        schema = schemas_.emplace(message.type, id).first;
+    }
+    const std::uint16_t id = file_.add_channel(schema->second, message.topic, "cdr");
+    return channels_.emplace(message.topic, Channel{id, 0}).first->second;
+}
+
+void RosMcap::write(const RosMessageBytes& message) {
+    Channel& channel = channel_of(message);
+    const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(0, message.realtime_ns));  // from 1970 on
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(message.bytes.data());
+    file_.write({channel.id, channel.messages, time_ns, time_ns, {bytes, message.bytes.size()}});
+    ++channel.messages;
+}
+
+void RosMcap::write(const disparity::Frame& frame, const std::vector<McapTopic>& topics,
+                    const ros::Encoding& encoding) {
+    for (const McapTopic& topic : topics) {
+        if (std::optional<std::string> bytes = ros::encode(topic.content, frame, encoding)) {
+            write({topic.name, ros::message_name(topic.content), frame.realtime_ns, std::move(*bytes)});
+        }
+    }
+}
+
+void RosMcap::write(const disparity::SensorSample& sample, const std::vector<McapTopic>& topics,
+                    const ros::FrameNames& names) {
+    for (const McapTopic& topic : topics) {
+        if (std::optional<std::string> bytes = ros::encode(topic.content, sample, names)) {
+            write({topic.name, ros::message_name(topic.content), sample.realtime_ns, std::move(*bytes)});
+        }
+    }
+}
+
+std::map<std::string, std::uint64_t> RosMcap::messages_of_topics() const {
+    std::map<std::string, std::uint64_t> counts;
+    for (const auto& [topic, channel] : channels_) {
+        counts[topic] = channel.messages;
+    }
+    return counts;
+}
+
+}  // namespace disparityd::tools

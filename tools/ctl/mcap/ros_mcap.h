@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bridges/ros_messages/encode.h"
+#include "clients/cpp/disparity_client.hpp"
+#include "formats/mcap_file.h"
+#include "tools/ctl/mcap/mcap_parts.h"
+
+namespace disparityd::tools {
+
+/// A message of ROS 2 that is to be written.
+struct RosMessageBytes {
+    std::string topic;
+    std::string_view type;  ///< "sensor_msgs/Image"
+    std::int64_t realtime_ns = 0;
+    std::string bytes;  ///< CDR
+};
+
+/// Writes messages of ROS 2 into an MCAP file. A topic is there from its first message on. The time of a message in the
+/// file is its stamp. One thread uses an object at a time. Throws as formats::McapFile.
+class RosMcap {
+public:
+    RosMcap(const std::string& path, formats::McapFile::Existing existing) : file_(path, existing) {}
+
+    void write(const RosMessageBytes& message);
+
+    /// Write what of a frame, or of a sample, the topics have.
+    void write(const disparity::Frame& frame, const std::vector<McapTopic>& topics, const ros::Encoding& encoding);
+    void write(const disparity::SensorSample& sample, const std::vector<McapTopic>& topics,
+               const ros::FrameNames& names);
+
+    void finish() { file_.finish(); }
+
+    std::uint64_t messages() const { return file_.messages(); }
+    std::uint64_t bytes() const { return file_.bytes(); }
+    std::map<std::string, std::uint64_t> messages_of_topics() const;
+
+private:
+    struct Channel {
+        std::uint16_t id = 0;
+        std::uint32_t messages = 0;
+    };
+
+    Channel& channel_of(const RosMessageBytes& message);
+
+    formats::McapFile file_;
+    std::map<std::string_view, std::uint16_t>
+        schemas_;  ///< by the name of the type, which lives as long as the program
+    std::map<std::string, Channel, std::less<>> channels_;
+};
+
+}  // namespace disparityd::tools
