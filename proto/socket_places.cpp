@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -45,6 +46,13 @@ std::optional<std::string> daemon_of_socket_file(const std::string& file, const 
     }
     const std::string name = file.substr(before, file.size() - before - behind);
     return is_daemon_name(name) ? std::optional(name) : std::nullopt;
+}
+
+bool is_trusted_socket(const std::string& path, bool of_the_system) {
+    struct stat status {};
+    // stat would follow a link of another user.
+    return lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode) &&
+           (of_the_system || status.st_uid == getuid() || status.st_uid == 0);
 }
 
 bool nobody_listens(const std::string& path) {

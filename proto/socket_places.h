@@ -20,6 +20,10 @@ std::string socket_file(const std::string& name, const std::string& folder);
 /// Returns the name of the daemon whose socket is called so in this folder; nothing when it is another file.
 std::optional<std::string> daemon_of_socket_file(const std::string& file, const std::string& folder);
 
+/// Whether there is a socket, and one that this user may trust: its own, root's, or any in a folder `of_the_system`,
+/// the first of those above. A link is none.
+bool is_trusted_socket(const std::string& path, bool of_the_system);
+
 /// Whether nobody listens at a Unix socket, or there is none: its daemon was killed. It connects and says nothing;
 /// where it may not connect, somebody is there.
 bool nobody_listens(const std::string& path);

@@ -33,13 +33,6 @@ system_clock::time_point change_of(const std::string& folder) {
         std::chrono::seconds(status.st_mtim.tv_sec) + std::chrono::nanoseconds(status.st_mtim.tv_nsec)));
 }
 
-/// Whether a path is a socket, and one that this user may trust; a link is none.
-bool is_usable_socket(const std::string& path, bool of_the_system) {
-    struct stat status {};
-    return lstat(path.c_str(), &status) == 0 && S_ISSOCK(status.st_mode) &&
-           (of_the_system || status.st_uid == getuid() || status.st_uid == 0);
-}
-
 /// Browsers take these two for folders: such a daemon has no address here.
 bool fits_into_address(const std::string& name) {
     return name != "." && name != "..";
@@ -96,7 +89,7 @@ bool SocketScan::refresh(const std::string& folder, bool of_the_system) {
 }
 
 bool SocketScan::is_daemon(const std::string& name, const std::string& path, bool of_the_system) {
-    if (!fits_into_address(name) || !is_usable_socket(path, of_the_system) ||
+    if (!fits_into_address(name) || !proto::is_trusted_socket(path, of_the_system) ||
         (seen_.count(name) == 0 && proto::nobody_listens(path))) {
         return false;
     }
