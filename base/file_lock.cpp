@@ -15,11 +15,8 @@
 #include "base/message_text.h"
 
 namespace disparityd::base {
-namespace {
 
-/// Returns the process that holds the lock, such as " (process 123, disparityctl)"; empty where the system does not
-/// say.
-std::string holder_of(int descriptor) {
+std::string lock_holder(int descriptor) {
     struct stat file {};
     if (fstat(descriptor, &file) != 0) {
         return {};
@@ -44,11 +41,9 @@ std::string holder_of(int descriptor) {
     return {};
 }
 
-}  // namespace
-
 void lock_for_writing(int descriptor, const std::string& path) {
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        throw std::runtime_error(path + ": another program is writing it at the moment" + holder_of(descriptor) +
+        throw std::runtime_error(path + ": another program is writing it at the moment" + lock_holder(descriptor) +
                                  "; wait for its end, or choose another name");
     }
 }

@@ -10,4 +10,8 @@ namespace disparityd::base {
 /// the system knows it. `path` is for the message. Does nothing where the file system has no locks.
 void lock_for_writing(int descriptor, const std::string& path);
 
+/// Returns the process that holds a lock (flock) of an open file, such as " (process 123, disparityctl)"; empty where
+/// the system does not say.
+std::string lock_holder(int descriptor);
+
 }  // namespace disparityd::base

@@ -85,6 +85,7 @@ private:
     void watch_source();
     void watch_memory();
     void watch_load();
+    void watch_cores();
     void watch_trust();
     void watch_freed_memory();
     void watch_matcher();
@@ -111,6 +112,7 @@ private:
     std::chrono::steady_clock::time_point next_status_;
     std::chrono::steady_clock::time_point next_alive_;
     std::chrono::steady_clock::time_point next_reopen_;
+    std::chrono::steady_clock::time_point next_claim_;
     std::string announced_;  ///< state and detail that the service manager was told
 
     // The control thread uses these alone.

@@ -28,6 +28,9 @@ constexpr std::chrono::seconds default_stuck_limit{10};
 /// The time between two times at which memory of clients that have gone is given back.
 constexpr std::chrono::seconds give_back_interval{10};
 
+/// The time between two looks for cores that other programs have given back.
+constexpr std::chrono::seconds claim_interval{10};
+
 /// How much more time the service manager is asked for while a source prepares itself.
 constexpr std::chrono::seconds preparation_time{30};
 
@@ -39,6 +42,7 @@ void Daemon::tick() {
     watch_source();
     watch_memory();
     watch_load();
+    watch_cores();
     watch_trust();
     watch_freed_memory();
     watch_matcher();
@@ -112,6 +116,18 @@ void Daemon::watch_load() {
         if (!line.empty()) {
             log_warning(line);
         }
+    }
+}
+
+void Daemon::watch_cores() {
+    const auto now = steady_clock::now();
+    const auto current = engine();
+    if (!current || now < next_claim_) {
+        return;
+    }
+    next_claim_ = now + claim_interval;
+    if (current->check_cores()) {
+        log_info(current->workers());
     }
 }
 

@@ -129,7 +129,7 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
       workers_(config.pipeline.workers,
-               config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never),
+               config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never, &core_locks_),
       level_(config.scan.enabled ? std::optional(config.scan.options.ground) : std::nullopt, source_->info().live),
       stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height, level_.given())),
       layout_(make_layout(config, rectifications_->factory(), stages_)),
@@ -176,6 +176,7 @@ void Engine::start(Sink sink, pipeline::Pipeline::RawTap raw, std::function<bool
     wanted_ = std::move(wanted);
     next_index_ = first_index;
     note_activity();
+    workers_.claim_cores();
     pipeline_->start();
     started_ = true;
 }
@@ -186,6 +187,7 @@ void Engine::stop() {
     }
     stopped_ = true;
     pipeline_->stop();
+    workers_.give_cores_back();  // the next engine wants them
     if (source().live) {
         // A camera closes its device in the first call after the interruption: the next engine may open it.
         capture::RawFrame none;
@@ -513,11 +515,23 @@ std::string Engine::check_load() {
     return line;
 }
 
+bool Engine::check_cores() {
+    if (!started_ || stopped_) {
+        return false;
+    }
+    if (pipeline_->wait_until_ended(std::chrono::milliseconds(0))) {
+        workers_.give_cores_back();
+        return false;
+    }
+    return workers_.claim_cores();
+}
+
 std::string Engine::check_near() {
     return started_ ? measured_->near_line() : std::string();
 }
 
 std::string Engine::work() {
+    workers_.claim_cores();
     pipeline::FrameSlot slot(*matcher_, {.depth = config_.match.depth, .depth_error = subpixel_error(config_)}, {}, 0);
     std::minstd_rand random;
     for (const Plane<std::uint8_t>& eye : {slot.view.left, slot.view.right}) {

@@ -21,6 +21,7 @@
 #include "daemon/raw_cameras.h"
 #include "daemon/self_calibrator.h"
 #include "daemon/stage_table.h"
+#include "daemon/system/core_locks.h"
 #include "daemon/trust_watch.h"
 #include "kernels/matcher.h"
 #include "pipeline/calibrating_schedule.h"
@@ -105,6 +106,10 @@ public:
     /// The same thread.
     std::string check_load();
 
+    /// Looks whether cores have come free that workers lack, and gives all back once nothing is matched any more.
+    /// Returns whether workers() says something else since. The thread that starts and stops the engine.
+    bool check_cores();
+
     /// Returns lines for the log: alarms that have begun or ended (TrustWatch). The same thread.
     std::vector<std::string> check_trust() { return trust_.check(std::chrono::steady_clock::now()); }
 
@@ -149,6 +154,7 @@ private:
     const pipeline::CalibratingSchedule* calibrating_ = nullptr;  ///< the same, where it is one
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
+    CoreLocks core_locks_;
     pipeline::WorkerPool workers_;
     LevelWatch level_;
     std::vector<ConfiguredStage> stages_;

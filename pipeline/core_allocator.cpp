@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <iterator>
 
 #include <sched.h>
 
@@ -38,7 +37,7 @@ std::string in_ranges(const std::vector<int>& sorted) {
 
 }  // namespace
 
-CoreAllocator::CoreAllocator(int workers, bool wanted) {
+CoreAllocator::CoreAllocator(int workers, bool wanted) : workers_(workers) {
     if (!wanted) {
         problem_ = "switched off";
         return;
@@ -54,8 +53,37 @@ CoreAllocator::CoreAllocator(int workers, bool wanted) {
         disable(error);
         return;
     }
-    for (const int core : allowed) {
-        cores_.push_back({core});
+    allowed_ = allowed;
+    cores_.reserve(allowed_.size());
+}
+
+int CoreAllocator::missing() const {
+    const auto lent = std::count_if(cores_.begin(), cores_.end(), [](const Core& core) { return !core.withdrawn; });
+    return pinning_enabled() ? std::max(0, workers_ - static_cast<int>(lent)) : 0;
+}
+
+CoreAllocator::Core* CoreAllocator::find(int number) {
+    const auto core =
+        std::find_if(cores_.begin(), cores_.end(), [number](const Core& each) { return each.number == number; });
+    return core == cores_.end() ? nullptr : &*core;
+}
+
+void CoreAllocator::add(int number) {
+    if (!pinning_enabled()) {
+        return;
+    }
+    if (Core* core = find(number); core != nullptr) {
+        core->withdrawn = false;
+    } else {
+        cores_.push_back({number});
+    }
+}
+
+void CoreAllocator::withdraw(int number) {
+    if (Core* core = find(number); core != nullptr && core->taken) {
+        core->withdrawn = true;
+    } else if (core != nullptr) {
+        cores_.erase(cores_.begin() + (core - cores_.data()));
     }
 }
 
@@ -81,11 +109,17 @@ int CoreAllocator::take(int preferred, int avoided) {
 }
 
 void CoreAllocator::give_back(int number) {
-    for (Core& core : cores_) {
-        if (core.number == number) {
-            core.taken = false;
+    if (Core* core = find(number); core != nullptr) {
+        core->taken = false;
+        if (core->withdrawn) {
+            withdraw(number);
         }
     }
+}
+
+int CoreAllocator::pass_on(int number) {
+    give_back(number);
+    return take(number, none);
 }
 
 bool CoreAllocator::is_free(int number) const {
@@ -94,6 +128,7 @@ bool CoreAllocator::is_free(int number) const {
 }
 
 void CoreAllocator::disable(int error) {
+    allowed_.clear();
     cores_.clear();
     problem_ = std::string("the system refuses it: ") + std::strerror(error);
 }
@@ -103,10 +138,19 @@ std::string CoreAllocator::text() const {
         return "not pinned to cores: " + problem_;
     }
     std::vector<int> numbers;
-    std::transform(cores_.begin(), cores_.end(), std::back_inserter(numbers),
-                   [](const Core& core) { return core.number; });
+    for (const Core& core : cores_) {
+        if (!core.withdrawn) {
+            numbers.push_back(core.number);
+        }
+    }
     std::sort(numbers.begin(), numbers.end());
-    return "pinned, each to one of cores " + in_ranges(numbers);
+    if (numbers.empty()) {
+        return "not pinned to cores: " + (why_missing_.empty() ? "nothing is matched now" : why_missing_);
+    }
+    const int without = missing();
+    return without == 0 ? "pinned, each to one of cores " + in_ranges(numbers)
+                        : "pinned to cores " + in_ranges(numbers) + ", but for " + std::to_string(without) + " of " +
+                              std::to_string(workers_) + ": " + why_missing_;
 }
 
 int pin_to_core(pthread_t thread, int core) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/worker_pool.h"
 
+#include <algorithm>
 #include <condition_variable>
 #include <exception>
 #include <memory>
@@ -67,11 +68,19 @@ struct WorkerPool::Helper {
     std::condition_variable woken;
 };
 
-WorkerPool::WorkerPool(int workers, Pinning pinning)
+WorkerPool::WorkerPool(int workers, Pinning pinning, CoreClaims* claims)
     : workers_(workers > 0 ? workers : cores_worth()),
+      claims_(claims),
       cores_(workers_, pinning == Pinning::where_allowed),
       free_slots_(workers_),
       helpers_(static_cast<std::size_t>(workers_ - 1)) {
+    // It fails only where the system does not say which cores there are; no thread is pinned then.
+    pthread_getaffinity_np(pthread_self(), sizeof unpinned_, &unpinned_);
+    if (claims_ == nullptr) {
+        for (const int core : cores_.allowed()) {
+            cores_.add(core);
+        }
+    }
     try {
         int number = 0;
         for (Helper& helper : helpers_) {
@@ -94,7 +103,77 @@ int WorkerPool::workers() const {
 
 WorkerPool::Placement WorkerPool::placement() const {
     const std::lock_guard lock(mutex_);
-    return {cores_.pinning_enabled(), cores_.text()};
+    return {cores_.is_complete(), cores_.text()};
+}
+
+bool WorkerPool::claim_cores() {
+    if (claims_ == nullptr) {
+        return false;
+    }
+    // Claims ask the system, for which no stage is to wait: they are made without the lock.
+    const std::string before = placement().text;
+    const auto lost =
+        std::stable_partition(claimed_.begin(), claimed_.end(), [this](int core) { return claims_->claim(core); });
+    const std::vector<int> no_more(lost, claimed_.end());
+    claimed_.erase(lost, claimed_.end());
+    std::string refusal = no_more.empty() ? "" : claims_->refusal();
+    for (const int core : wanted_cores(no_more)) {
+        if (claims_->claim(core)) {
+            claimed_.push_back(core);
+        } else if (refusal.empty()) {
+            refusal = claims_->refusal();
+        }
+        if (static_cast<int>(claimed_.size()) == workers_) {
+            break;
+        }
+    }
+    {
+        const std::lock_guard lock(mutex_);
+        for (const int core : claimed_) {
+            cores_.add(core);
+        }
+        cores_.explain(refusal);
+        if (cores_.pinning_enabled()) {
+            return cores_.text() != before;
+        }
+    }
+    give_cores_back();  // the system has refused to pin
+    return placement().text != before;
+}
+
+/// Withdraws the cores that the pool has lost. Returns those that it may try to claim, the best ones first; none where
+/// each worker has one.
+std::vector<int> WorkerPool::wanted_cores(const std::vector<int>& lost) {
+    const auto is_in = [](const std::vector<int>& cores, int core) {
+        return std::find(cores.begin(), cores.end(), core) != cores.end();
+    };
+    const std::lock_guard lock(mutex_);
+    for (const int core : lost) {
+        cores_.withdraw(core);
+    }
+    std::vector<int> wanted;
+    for (const int core : cores_.allowed()) {
+        if (cores_.missing() > 0 && !is_in(claimed_, core) && !is_in(lost, core)) {
+            wanted.push_back(core);
+        }
+    }
+    return wanted;
+}
+
+void WorkerPool::give_cores_back() {
+    const std::lock_guard lock(mutex_);
+    for (Helper& helper : helpers_) {
+        if (!claimed_.empty() && helper.core != CoreAllocator::none && helper.job == nullptr && !helper.lingering) {
+            pthread_setaffinity_np(helper.thread.native_handle(), sizeof unpinned_, &unpinned_);
+            helper.core = CoreAllocator::none;
+        }
+    }
+    for (const int core : claimed_) {
+        cores_.withdraw(core);
+        claims_->give_back(core);
+    }
+    claimed_.clear();
+    cores_.explain("");
 }
 
 int WorkerPool::waiting() const {
@@ -280,7 +359,8 @@ void WorkerPool::free_slot(int core) {
         return;
     }
     waiters_.remove(*waiter);
-    waiter->core = cores_.pinning_enabled() && pin(waiter->thread, core) ? core : CoreAllocator::none;
+    const int next = cores_.pass_on(core);
+    waiter->core = pin(waiter->thread, next) ? next : CoreAllocator::none;
     waiter->has_slot = true;
     ++callers_;
     waiter->called.notify_one();
@@ -317,7 +397,13 @@ WorkerPool::Helper* WorkerPool::sleeping_helper() {
 
 void WorkerPool::place(Helper& helper) {
     const int core = cores_.take(helper.core, sched_getcpu());
-    if (core != helper.core && pin(helper.thread.native_handle(), core)) {
+    if (core == helper.core) {
+        return;
+    }
+    if (core == CoreAllocator::none) {  // its last one is another thread's, of this pool or of another process
+        pthread_setaffinity_np(helper.thread.native_handle(), sizeof unpinned_, &unpinned_);
+        helper.core = core;
+    } else if (pin(helper.thread.native_handle(), core)) {
         helper.core = core;
     }
 }

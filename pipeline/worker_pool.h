@@ -11,6 +11,7 @@
 
 #include "kernels/parallel.h"
 #include "pipeline/core_allocator.h"
+#include "pipeline/core_claims.h"
 #include "pipeline/trace.h"
 
 namespace disparityd::pipeline {
@@ -65,11 +66,13 @@ enum class Pinning : unsigned char { where_allowed, never };
 /// task is thrown to the caller once all tasks have ended; of several the first.
 ///
 /// Pinned, each running thread has a core of its own: its last one where that is free, else another one. Pinning needs
-/// as many cores as workers and a system that allows it.
+/// as many cores as workers and a system that allows it. With claims a thread is pinned to claimed cores only, and runs
+/// where the system puts it while there is none for it.
 class WorkerPool final : public Parallel {
 public:
-    /// `workers` counts the calling thread: 1 starts no helper. 0 = cores_worth(), see pipeline/cores.h.
-    explicit WorkerPool(int workers, Pinning pinning = Pinning::where_allowed);
+    /// `workers` counts the calling thread: 1 starts no helper. 0 = cores_worth(), see pipeline/cores.h. `claims`,
+    /// which outlives the pool, says which cores it may pin to; null: nobody else pins.
+    explicit WorkerPool(int workers, Pinning pinning = Pinning::where_allowed, CoreClaims* claims = nullptr);
     ~WorkerPool() override;
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
@@ -79,10 +82,17 @@ public:
 
     /// Whether threads have cores of their own now; any thread may ask.
     struct Placement {
-        bool pinned = false;
-        std::string text;  ///< "pinned, each to one of cores 0-3, 6", or "not pinned to cores: " and why
+        bool pinned = false;  ///< false: at least one has none; true also while cores are not claimed
+        std::string text;     ///< see CoreAllocator::text()
     };
     Placement placement() const;
+
+    /// Claims a core for each worker that lacks one, and pins no more to those that are no longer the pool's. A pool
+    /// with claims pins nothing before the first call; later ones find cores that others have given back. Returns
+    /// whether the placement has changed. This and the next: one thread at a time, between frames or beside them.
+    bool claim_cores();
+    /// Gives all claimed cores back. To be called when nobody computes any more.
+    void give_cores_back();
 
     /// Records what the helpers do, and whoever else adds a track to it. Helpers name the work as trace_work of the
     /// thread that they help.
@@ -128,10 +138,14 @@ private:
     void call_helpers();
     Helper* sleeping_helper();
     void place(Helper& helper);
+    std::vector<int> wanted_cores(const std::vector<int>& lost);
     int pin_self(int core);
     bool pin(pthread_t thread, int core);
 
     const int workers_;
+    CoreClaims* const claims_;  ///< null: all allowed cores are the pool's
+    cpu_set_t unpinned_;        ///< where helpers run without a core of their own
+    std::vector<int> claimed_;  ///< cores that are the pool's; of the thread that claims
     Tracer tracer_;
     mutable std::mutex mutex_;
     CoreAllocator cores_;

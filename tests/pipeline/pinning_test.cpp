@@ -2,12 +2,15 @@
 //
 // Where the threads of the pool run. All in threads of their own, because what a thread may do passes on to what it
 // starts.
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
@@ -29,6 +32,7 @@ namespace disparityd::pipeline {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 template <typename Function>
 void in_a_thread(Function function) {
@@ -133,6 +137,162 @@ TEST(Pinning, MoreWorkersThanCoresAreNotPinned) {
         const WorkerPool::ComputeSlot slot(pool);
         EXPECT_EQ(cores_of_two_tasks(pool)[0], cores_allowed());
     });
+}
+
+#define SKIP_WITHOUT_PINNING()                                               \
+    if (const auto placement = WorkerPool(1).placement(); !placement.pinned) \
+    GTEST_SKIP() << placement.text
+
+/// The cores of one computer, which several pools claim.
+struct Computer {
+    std::mutex mutex;
+    std::map<int, const void*> holders;
+};
+
+class Claims final : public CoreClaims {
+public:
+    explicit Claims(Computer& computer) : computer_(computer) {}
+    bool claim(int core) override {
+        const std::lock_guard lock(computer_.mutex);
+        const bool mine = computer_.holders.try_emplace(core, this).first->second == this;
+        refused_ = mine ? refused_ : core;
+        return mine;
+    }
+    void give_back(int core) override {
+        const std::lock_guard lock(computer_.mutex);
+        const auto held = computer_.holders.find(core);
+        if (held != computer_.holders.end() && held->second == this) {
+            computer_.holders.erase(held);
+        }
+    }
+    std::string refusal() const override { return "core " + std::to_string(refused_) + " is somebody's"; }
+
+private:
+    Computer& computer_;
+    int refused_ = -1;
+};
+
+TEST(Pinning, TwoPoolsNeverShareAPinnedCore) {
+    SKIP_WITHOUT_PINNING();
+    const std::vector<int> all = cores_allowed();
+    Computer computer;
+    Claims rest(computer);
+    std::for_each(all.begin() + 1, all.end(), [&](int core) { rest.claim(core); });
+    std::array<Claims, 2> claims{Claims(computer), Claims(computer)};
+    std::array<std::atomic<int>, CPU_SETSIZE> on_core{};
+    std::atomic<int> shared{0};
+    std::atomic<int> pinned{0};
+    std::vector<std::thread> daemons;
+    for (Claims& own : claims) {
+        daemons.emplace_back([&on_core, &shared, &pinned, &own] {
+            WorkerPool pool(1, Pinning::where_allowed, &own);
+            for (int round = 0; round < 200; ++round) {
+                pool.claim_cores();
+                if (pool.placement().pinned) {
+                    const WorkerPool::ComputeSlot slot(pool);
+                    pinned.fetch_add(1);
+                    auto& count = on_core[static_cast<std::size_t>(cores_allowed().front())];
+                    shared.fetch_add(count.fetch_add(1) > 0 ? 1 : 0);
+                    std::this_thread::yield();
+                    count.fetch_sub(1);
+                }
+                if (round % 10 == 9) {
+                    pool.give_cores_back();
+                }
+            }
+        });
+    }
+    for (std::thread& daemon : daemons) {
+        daemon.join();
+    }
+    EXPECT_EQ(shared.load(), 0);
+    EXPECT_GT(pinned.load(), 0);
+}
+
+TEST(Pinning, WhoGetsNoCoreIsNotPinnedAndSaysSo) {
+    SKIP_WITHOUT_PINNING();
+    const std::vector<int> all = cores_allowed();
+    Computer computer;
+    Claims first_claims(computer), second_claims(computer);
+    const int workers = static_cast<int>(all.size());
+    WorkerPool first(workers, Pinning::where_allowed, &first_claims);
+    WorkerPool second(1, Pinning::where_allowed, &second_claims);
+    EXPECT_TRUE(first.placement().pinned) << "it has not asked yet: no news";
+    EXPECT_TRUE(first.claim_cores());
+    EXPECT_FALSE(first.claim_cores()) << "nothing is new";
+    EXPECT_TRUE(second.claim_cores());
+    EXPECT_TRUE(first.placement().pinned) << first.placement().text;
+    EXPECT_FALSE(second.placement().pinned);
+    EXPECT_THAT(second.placement().text, StartsWith("not pinned to cores: core "));
+    EXPECT_THAT(second.placement().text, HasSubstr(" is somebody's"));
+    {
+        const WorkerPool::ComputeSlot slot(second);
+        EXPECT_EQ(cores_allowed(), all);
+    }
+    first.give_cores_back();
+    EXPECT_TRUE(second.claim_cores());
+    EXPECT_TRUE(second.placement().pinned) << second.placement().text;
+    const WorkerPool::ComputeSlot slot(second);
+    EXPECT_EQ(cores_allowed().size(), 1U);
+}
+
+TEST(Pinning, WithFewerCoresThanWorkersTheOthersRunAnywhere) {
+    SKIP_WITHOUT_PINNING();
+    const std::vector<int> all = cores_allowed();
+    if (all.size() < 2) {
+        GTEST_SKIP() << "this takes two cores";
+    }
+    Computer computer;
+    Claims claims(computer), other(computer);
+    for (std::size_t i = 2; i < all.size(); ++i) {
+        other.claim(all[i]);
+    }
+    WorkerPool pool(2, Pinning::where_allowed, &claims);
+    pool.claim_cores();
+    const WorkerPool::ComputeSlot slot(pool);
+    const auto both = cores_of_two_tasks(pool);
+    EXPECT_EQ(both[0].size() + both[1].size(), 2U) << "the helper has slept on a core of its own since";
+    // Another program gets one of the two, such as when the file of the lock was removed.
+    {
+        const std::lock_guard lock(computer.mutex);
+        computer.holders[all[0]] = &other;
+    }
+    EXPECT_TRUE(pool.claim_cores());
+    EXPECT_FALSE(pool.placement().pinned);
+    EXPECT_EQ(pool.placement().text, "pinned to cores " + std::to_string(all[1]) + ", but for 1 of 2: core " +
+                                         std::to_string(all[0]) + " is somebody's");
+}
+
+TEST(Pinning, AWorkerWhoseCoreIsLostRunsAnywhere) {
+    SKIP_WITHOUT_PINNING();
+    const std::vector<int> all = cores_allowed();
+    if (all.size() < 2) {
+        GTEST_SKIP() << "this takes two cores";
+    }
+    Computer computer;
+    Claims claims(computer), other(computer);
+    WorkerPool pool(2, Pinning::where_allowed, &claims);
+    pool.claim_cores();
+    {
+        const WorkerPool::ComputeSlot slot(pool);
+        cores_of_two_tasks(pool);
+    }
+    {
+        const std::lock_guard lock(computer.mutex);
+        for (const int core : all) {
+            computer.holders[core] = &other;
+        }
+    }
+    pool.claim_cores();
+    EXPECT_THAT(pool.placement().text, StartsWith("not pinned to cores: "));
+    // A helper that is still awake keeps its core until it sleeps.
+    std::array<std::vector<int>, 2> both;
+    for (int round = 0; round < 10000 && (both[0] != all || both[1] != all); ++round) {
+        const WorkerPool::ComputeSlot slot(pool);
+        both = cores_of_two_tasks(pool);
+    }
+    EXPECT_EQ(both[0], all);
+    EXPECT_EQ(both[1], all);
 }
 
 /// As a container or a service manager may: sched_setaffinity() fails from now on in this thread and those it starts.

@@ -35,6 +35,9 @@
 namespace disparityd::tools {
 namespace {
 
+/// Daemons on this computer keep their cores, and other runs theirs.
+constexpr auto pinning = pipeline::Pinning::never;
+
 /// Returns the arguments for one source of a list.
 ProcessArguments for_source(ProcessArguments arguments, const ListedSource& source, bool of_list) {
     arguments.source = source.uri;
@@ -168,7 +171,7 @@ int process(const ProcessArguments& arguments) {
     const std::vector<ListedSource> mine = shard_of(all, arguments.shard);
     check(arguments);
     if (arguments.plan) {
-        pipeline::WorkerPool workers(arguments.workers.value_or(0));
+        pipeline::WorkerPool workers(arguments.workers.value_or(0), pinning);
         return plan(arguments, mine, workers);
     }
     std::vector<Task> tasks;
@@ -185,7 +188,7 @@ int process(const ProcessArguments& arguments) {
                    " belongs to it, nothing to do");
         return exit_done;
     }
-    pipeline::WorkerPool workers(arguments.workers.value_or(0));
+    pipeline::WorkerPool workers(arguments.workers.value_or(0), pinning);
     return is_list ? process_list(arguments, tasks, mine.size(), workers)
                    : process_one(for_source(arguments, mine.front(), false), tasks.front(), workers);
 }

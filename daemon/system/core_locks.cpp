@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "daemon/system/core_locks.h"
+
+#include <cerrno>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/failure_text.h"
+#include "base/file_lock.h"
+
+namespace disparityd::daemon {
+namespace {
+
+constexpr mode_t everybody_reads = 0444;
+
+/// Returns whether the path still names the open file: a file that was removed locks nothing for those who come later.
+bool is_named(int descriptor, const std::string& path) {
+    struct stat file {};
+    struct stat named {};
+    return fstat(descriptor, &file) == 0 && lstat(path.c_str(), &named) == 0 && file.st_dev == named.st_dev &&
+           file.st_ino == named.st_ino;
+}
+
+}  // namespace
+
+CoreLocks::CoreLocks(std::string folder) : folder_(std::move(folder)) {}
+
+CoreLocks::~CoreLocks() {
+    for (const auto& [core, descriptor] : descriptors_) {
+        close(descriptor);
+    }
+}
+
+bool CoreLocks::claim(int core) {
+    const auto held = descriptors_.find(core);
+    if (held != descriptors_.end() && is_named(held->second, path_of(core))) {
+        return true;
+    }
+    const int descriptor = lock_file(core);
+    give_back(core);
+    if (descriptor >= 0) {
+        descriptors_.emplace(core, descriptor);
+    }
+    return descriptor >= 0;
+}
+
+void CoreLocks::give_back(int core) {
+    if (const auto held = descriptors_.find(core); held != descriptors_.end()) {
+        close(held->second);
+        descriptors_.erase(held);
+    }
+}
+
+std::string CoreLocks::path_of(int core) const {
+    return folder_ + "/disparityd-core-" + std::to_string(core);
+}
+
+/// Returns the descriptor of the file, which is made where there is none; -1: refusal_ says why. Anybody may have put
+/// something else there: the call follows no link and waits for no pipe. A reader may lock, so nobody needs to write.
+int CoreLocks::open_file(int core) {
+    const std::string path = path_of(core);
+    constexpr int careful = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+    int descriptor = open(path.c_str(), careful);
+    if (descriptor < 0 && errno == ENOENT) {
+        descriptor = open(path.c_str(), careful | O_CREAT | O_EXCL, everybody_reads);
+        if (descriptor >= 0) {
+            fchmod(descriptor, everybody_reads);  // whatever the mask of this process is
+        } else if (errno == EEXIST) {             // another process was faster
+            descriptor = open(path.c_str(), careful);
+        }
+    }
+    const int error = errno;
+    struct stat file {};
+    if (descriptor < 0) {
+        refusal_ = path + ": " + base::error_text(error);
+    } else if (fstat(descriptor, &file) != 0 || !S_ISREG(file.st_mode)) {
+        refusal_ = path + ": something that is no plain file has this name; remove it";
+        close(descriptor);
+        descriptor = -1;
+    }
+    return descriptor;
+}
+
+/// Returns the descriptor of the locked file; -1: refusal_ says why.
+int CoreLocks::lock_file(int core) {
+    constexpr int attempts = 3;  // somebody may remove the file between the two calls, but not for ever
+    for (int attempt = 0; attempt < attempts; ++attempt) {
+        const int descriptor = open_file(core);
+        if (descriptor < 0) {
+            return descriptor;
+        }
+        if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+            const int error = errno;
+            refusal_ = error == EWOULDBLOCK ? "core " + std::to_string(core) + " is held by another program" +
+                                                  base::lock_holder(descriptor)
+                                            : path_of(core) + " cannot be locked: " + base::error_text(error);
+            close(descriptor);
+            return -1;
+        }
+        if (is_named(descriptor, path_of(core))) {
+            return descriptor;
+        }
+        close(descriptor);
+    }
+    refusal_ = path_of(core) + ": another program removes it again and again";
+    return -1;
+}
+
+}  // namespace disparityd::daemon

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "pipeline/core_claims.h"
+
+namespace disparityd::daemon {
+
+/// Where the locks of cores lie: services and users of all kinds may write there, and containers that are to see the
+/// frames of this computer have it, too.
+inline constexpr const char* core_lock_folder = "/dev/shm";
+
+/// Claims of cores among all processes on this computer that see the same folder: a file for each core,
+/// disparityd-core-N, and who has locked it (flock) has the core. The system takes the lock from a process that ends,
+/// however it ends. The files are empty, nobody may write to them, and they stay.
+///
+/// Whoever may read the folder can lock a core, as whoever may run a program can pin a thread of it to any core: the
+/// daemon is then not pinned there, which costs little.
+class CoreLocks final : public pipeline::CoreClaims {
+public:
+    explicit CoreLocks(std::string folder = core_lock_folder);
+    /// Gives all cores back.
+    ~CoreLocks() override;
+    CoreLocks(const CoreLocks&) = delete;
+    CoreLocks& operator=(const CoreLocks&) = delete;
+
+    bool claim(int core) override;
+    void give_back(int core) override;
+    std::string refusal() const override { return refusal_; }
+
+private:
+    std::string path_of(int core) const;
+    int open_file(int core);
+    int lock_file(int core);
+
+    const std::string folder_;
+    std::map<int, int> descriptors_;  ///< of the files that are locked, by core
+    std::string refusal_;
+};
+
+}  // namespace disparityd::daemon
