@@ -47,4 +47,8 @@ std::unique_ptr<capture::FrameSource> open_configured_source(const Config& confi
     return source;
 }
 
+bool newest_wins(const Config& config, bool live) {
+    return config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
+}
+
 }  // namespace disparityd::daemon

@@ -22,4 +22,7 @@ std::unique_ptr<capture::FrameSource> open_configured_source(const Config& confi
                                                              std::function<void(int done, int total)> progress,
                                                              std::function<bool()> somebody_waits);
 
+/// Returns whether the newest frame goes before older ones that wait; `live`: what the source is.
+bool newest_wins(const Config& config, bool live);
+
 }  // namespace disparityd::daemon

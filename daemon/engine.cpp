@@ -19,10 +19,10 @@
 #include "capture/source_condition.h"
 #include "daemon/configured_products.h"
 #include "daemon/configured_source.h"
+#include "daemon/core_share.h"
 #include "daemon/log.h"
 #include "daemon/requests/camera_message.h"
 #include "daemon/sensor_message.h"
-#include "daemon/system/huge_pages.h"
 #include "daemon/totals.h"
 #include "kernels/large_buffer.h"
 #include "products/frame_info.h"
@@ -84,11 +84,6 @@ std::optional<int> subpixel_error(const Config& config) {
                : std::nullopt;
 }
 
-/// Returns whether the newest frame wins; `live`: what the source is.
-bool newest_wins(const Config& config, bool live) {
-    return config.source.policy == PolicyChoice::live || (config.source.policy == PolicyChoice::automatic && live);
-}
-
 /// Returns whether frames that nobody wants are not matched. Of a replay every frame is published.
 bool on_demand(const Config& config, bool live) {
     return config.pipeline.on_demand && live && newest_wins(config, live);
@@ -128,12 +123,13 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       corrected_(dynamic_cast<pipeline::CorrectedRectification*>(rectifications_.get())),
       calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
-      workers_(config.pipeline.workers,
+      workers_(configured_workers(config),
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never, &core_locks_),
       level_(config.scan.enabled ? std::optional(config.scan.options.ground) : std::nullopt, source_->info().live),
       stages_(make_stages(config, rectifications_->factory().width, rectifications_->factory().height, level_.given())),
       layout_(make_layout(config, rectifications_->factory(), stages_)),
-      load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count),
+      load_(rectifications_->factory().width, rectifications_->factory().height, config.match.options.range.count,
+            config.pipeline.cores.value_or(0)),
       geometry_(layout_.geometry),
       to_rectified_{rectifications_->factory().left_rotation, rectifications_->factory().right_rotation} {
     check_raw(config_, source(), rectifications_->factory());
@@ -142,6 +138,9 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
     pipeline::PipelineConfig made = pipeline_config(config_, source().live, stages_);
     if (on_demand(config_, source().live)) {
         made.wanted = [this] { return wants_frame(); };
+    }
+    if (config_.pipeline.cores) {
+        made.budget = &budget_.emplace(*config_.pipeline.cores);
     }
     pipeline_ = std::make_unique<pipeline::Pipeline>(
         made, *source_, *matcher_, workers_, *rectifications_,
@@ -308,7 +307,8 @@ Engine::Condition Engine::condition_of(const pipeline::PipelineStatus& status) c
     }
     const auto silence = steady_clock::now().time_since_epoch() -
                          std::chrono::nanoseconds(last_activity_ns_.load(std::memory_order_relaxed));
-    const bool in_flight = status.captured > status.published + status.dropped + status.damaged + status.unwanted;
+    const bool in_flight =
+        status.captured > status.published + status.dropped + status.damaged + status.unwanted + status.over_budget;
     if (!in_flight && silence > silence_limit) {
         return {State::waiting,
                 fmt::format("no frame from the source for {:.0f} s", std::chrono::duration<double>(silence).count()),
@@ -395,6 +395,11 @@ void Engine::fill(v1::Status& status) const {
     status.set_lost(now.lost);
     status.set_damaged(now.damaged);
     status.set_unwanted(now.unwanted);
+    status.set_over_budget(now.over_budget);
+    if (budget_) {
+        status.mutable_budget()->set_cores(budget_->cores());
+        status.mutable_budget()->set_used(budget_->used());
+    }
     const capture::SourceCondition source = source_->condition();
     if (source.sensors) {
         *status.mutable_sensors() = to_message(*source.sensors);
@@ -421,6 +426,7 @@ void Engine::fill(v1::Status& status) const {
     totals.set_lost(status.lost());
     totals.set_damaged(status.damaged());
     totals.set_unwanted(status.unwanted());
+    totals.set_over_budget(status.over_budget());
     put_steps(totals, now.steps);
 }
 
@@ -490,46 +496,6 @@ v1::LevelStatus Engine::take_level(const v1::GiveLevel& message, std::uint64_t c
     return level_.status(now).value_or(v1::LevelStatus());
 }
 
-bool Engine::check_memory() {
-    if (memory_checked_ || !started_ || pipeline_->status().published == 0) {
-        return false;
-    }
-    memory_checked_ = true;
-    const std::lock_guard lock(mutex_);
-    memory_notice_ = huge_page_notice(huge_pages());
-    return !memory_notice_.empty();
-}
-
-std::string Engine::check_load() {
-    const auto now = steady_clock::now();
-    if (!started_ || !newest_wins(config_, source().live) || !load_.is_due(now)) {
-        return {};  // a status adds up all histograms
-    }
-    const pipeline::PipelineStatus status = pipeline_->status();
-    // Damaged frames come and are not matched, which is no matter of load.
-    std::string line = load_.check(status.published + status.dropped, status.published, now);
-    if (!line.empty()) {
-        const std::lock_guard lock(mutex_);
-        load_notice_ = line;
-    }
-    return line;
-}
-
-bool Engine::check_cores() {
-    if (!started_ || stopped_) {
-        return false;
-    }
-    if (pipeline_->wait_until_ended(std::chrono::milliseconds(0))) {
-        workers_.give_cores_back();
-        return false;
-    }
-    return workers_.claim_cores();
-}
-
-std::string Engine::check_near() {
-    return started_ ? measured_->near_line() : std::string();
-}
-
 std::string Engine::work() {
     workers_.claim_cores();
     pipeline::FrameSlot slot(*matcher_, {.depth = config_.match.depth, .depth_error = subpixel_error(config_)}, {}, 0);
@@ -539,26 +505,38 @@ std::string Engine::work() {
     }
     constexpr int frames = 3;  // the first has memory and caches to fill
     auto least = steady_clock::duration::max();
+    auto least_used = std::chrono::nanoseconds::max();
     for (int frame = 0; frame < frames; ++frame) {
         const auto begin = steady_clock::now();
+        const auto used = pipeline::processor_time();
         for (std::size_t stage = 1; stage < matcher_->stages().size(); ++stage) {
             std::vector<std::chrono::nanoseconds> times(matcher_->stages()[stage].steps.size());
             matcher_->run(static_cast<int>(stage), slot.view, workers_, times);
         }
         least = std::min(least, steady_clock::now() - begin);
+        least_used = std::min(least_used, pipeline::processor_time() - used);
     }
-    const double seconds = std::chrono::duration<double>(least).count();
+    const double budget = config_.pipeline.cores.value_or(0);
+    const double affordable = budget > 0 ? std::chrono::duration<double>(least_used).count() / budget : 0;
+    const double seconds = std::max(std::chrono::duration<double>(least).count(), affordable);
     const double rate = source().rate;
     if (rate <= 0 || seconds * rate <= 1 || !newest_wins(config_, source().live)) {
         return fmt::format("matching takes {:.1f} ms a frame of noise here", 1000 * seconds);
     }
     return slower_than_the_source(rate, 1 / seconds, static_cast<int>(layout_.geometry.width),
-                                  static_cast<int>(layout_.geometry.height), config_.match.options.range.count);
+                                  static_cast<int>(layout_.geometry.height), config_.match.options.range.count,
+                                  seconds == affordable ? budget : 0);
 }
 
 std::string Engine::workers() const {
     const int count = workers_.workers();
-    return fmt::format("{}, {}", base::counted(static_cast<std::uint64_t>(count), "worker"), workers_.placement().text);
+    return fmt::format("{}{}, {}", base::counted(static_cast<std::uint64_t>(count), "worker"),
+                       budget_ ? fmt::format(" with a budget of {} cores", budget_->cores()) : "",
+                       workers_.placement().text);
+}
+
+std::string Engine::core_share() const {
+    return core_share_note(config_, workers_.workers(), newest_wins(config_, source().live));
 }
 
 std::string Engine::distances() const {

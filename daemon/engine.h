@@ -25,6 +25,7 @@
 #include "daemon/trust_watch.h"
 #include "kernels/matcher.h"
 #include "pipeline/calibrating_schedule.h"
+#include "pipeline/core_budget.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
 #include "pipeline/worker_pool.h"
@@ -64,7 +65,7 @@ public:
 
     const capture::SourceInfo& source() const { return source_->info(); }
     const StreamLayout& layout() const { return layout_; }
-    /// Returns the workers for people: "2 workers, pinned, each to one of cores 0-1".
+    /// Returns the workers for people: "2 workers, pinned, each to one of cores 0-1", and their budget.
     std::string workers() const;
 
     enum class State { waiting, running, idle, ended };
@@ -94,6 +95,9 @@ public:
 
     /// Returns a line for people where [pipeline] on_demand is set and has no effect; else an empty text.
     std::string on_demand_note() const;
+
+    /// Returns a line for people: what [pipeline] cores means for this source; empty where it is "all".
+    std::string core_share() const;
 
     /// Returns what the user should know, such as workers without cores of their own, or small pages.
     std::vector<std::string> notices() const;
@@ -155,6 +159,7 @@ private:
     std::unique_ptr<Matcher> matcher_;
     std::string backend_;
     CoreLocks core_locks_;
+    std::optional<pipeline::CoreBudget> budget_;
     pipeline::WorkerPool workers_;
     LevelWatch level_;
     std::vector<ConfiguredStage> stages_;

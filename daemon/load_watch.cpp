@@ -20,35 +20,40 @@ bool LoadWatch::is_due(Time now) const {
     return !told_ && (!window_ || now >= window_->begin + window_length);
 }
 
-std::string LoadWatch::check(std::uint64_t came, std::uint64_t matched, Time now) {
+std::string LoadWatch::check(std::uint64_t came, std::uint64_t matched, std::uint64_t over_budget, Time now) {
     if (!is_due(now)) {
         return {};
     }
     if (!window_) {
-        window_ = {now, came, matched};
+        window_ = {now, came, matched, over_budget};
         return {};
     }
     const double seconds = std::chrono::duration<double>(now - window_->begin).count();
     const double came_rate = static_cast<double>(came - window_->came) / seconds;
     const double matched_rate = static_cast<double>(matched - window_->matched) / seconds;
-    window_ = {now, came, matched};
+    // Most of the frames that are missing tell why.
+    const bool for_budget =
+        2 * (over_budget - window_->over_budget) > came - window_->came - (matched - window_->matched);
+    window_ = {now, came, matched, over_budget};
     constexpr double kept = 0.95;
     overloaded_ = matched_rate > 0 && matched_rate < kept * came_rate ? overloaded_ + 1 : 0;
     if (overloaded_ < windows_in_a_row) {
         return {};
     }
     told_ = true;
-    return slower_than_the_source(came_rate, matched_rate, width_, height_, disparities_);
+    return slower_than_the_source(came_rate, matched_rate, width_, height_, disparities_, for_budget ? budget_ : 0);
 }
 
-std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities) {
+std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities,
+                                   double budget) {
     constexpr double spare = 0.9;  // nobody's work is the same for each frame
     const double share = spare * matched_rate / came_rate;
     constexpr int step = 16;
     constexpr int min_side = 64;
-    std::string line = fmt::format(
-        "matching is slower than the source: {:.1f} frames/s come, {:.1f} are matched, the others are dropped",
-        came_rate, matched_rate);
+    const std::string why = budget > 0 ? fmt::format("[pipeline] cores = {} is less than matching needs", budget)
+                                       : "matching is slower than the source";
+    std::string line = fmt::format("{}: {:.1f} frames/s come, {:.1f} are matched, the others are dropped", why,
+                                   came_rate, matched_rate);
     const int fewer = static_cast<int>(share * disparities) / step * step;
     const auto side = [&](int length) { return static_cast<int>(std::sqrt(share) * length) / 8 * 8; };
     const std::string smaller = std::min(side(width), side(height)) >= min_side

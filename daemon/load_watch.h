@@ -9,36 +9,40 @@
 namespace disparityd::daemon {
 
 /// Returns a line for people: so many frames per second come and are matched, and about which number of disparities or
-/// size (of these as configured) would fit.
-std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities);
+/// size (of these as configured) would fit. `budget`: of [pipeline] cores, which is why; 0: matching takes too long.
+std::string slower_than_the_source(double came_rate, double matched_rate, int width, int height, int disparities,
+                                   double budget = 0);
 
-/// Notices when matching takes longer than the source's frames are apart, so that frames are dropped all the time. One
-/// thread.
+/// Notices when matching takes longer than the source's frames are apart, or more processor time than it may have, so
+/// that frames are dropped all the time. One thread.
 class LoadWatch {
 public:
     using Time = std::chrono::steady_clock::time_point;
 
-    /// As configured: the size of the frames, and how many disparities are searched.
-    LoadWatch(int width, int height, int disparities) : width_(width), height_(height), disparities_(disparities) {}
+    /// As configured: the size of the frames, how many disparities are searched, and [pipeline] cores (0 = all).
+    LoadWatch(int width, int height, int disparities, double budget = 0)
+        : width_(width), height_(height), disparities_(disparities), budget_(budget) {}
 
     /// Returns whether check() would look at the numbers now: it does so at intervals, and no more once it has told.
     bool is_due(Time now) const;
 
-    /// Takes the numbers of frames since the start: those that came to be matched, and those that were. Returns, once,
-    /// a line for people with the number of disparities or the size that would fit, when more than one of twenty frames
-    /// is dropped for 30 s; else an empty text.
-    std::string check(std::uint64_t came, std::uint64_t matched, Time now);
+    /// Takes the numbers of frames since the start: those that came to be matched, those that were, and those of the
+    /// others that were left out to keep the budget. Returns, once, a line for people with the number of disparities or
+    /// the size that would fit, when more than one of twenty frames is dropped for 30 s; else an empty text.
+    std::string check(std::uint64_t came, std::uint64_t matched, std::uint64_t over_budget, Time now);
 
 private:
     struct Window {
         Time begin;
         std::uint64_t came = 0;
         std::uint64_t matched = 0;
+        std::uint64_t over_budget = 0;
     };
 
     const int width_;
     const int height_;
     const int disparities_;
+    const double budget_;
     std::optional<Window> window_;
     int overloaded_ = 0;  ///< windows in a row
     bool told_ = false;

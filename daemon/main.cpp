@@ -54,6 +54,9 @@ int run(int argc, char** argv) {
         if (const std::string note = would_run.on_demand_note(); !note.empty()) {
             print_notes({note});
         }
+        if (const std::string note = would_run.core_share(); !note.empty()) {
+            print_notes({note});
+        }
         const disparityd::daemon::MemoryBounds memory = would_run.memory();
         print_notes({work});
         std::printf("disparityd: %s\n", memory.text().c_str());

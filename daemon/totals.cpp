@@ -43,6 +43,7 @@ void add_totals(v1::Totals& totals, const v1::Totals& before) {
     totals.set_lost(totals.lost() + before.lost());
     totals.set_damaged(totals.damaged() + before.damaged());
     totals.set_unwanted(totals.unwanted() + before.unwanted());
+    totals.set_over_budget(totals.over_budget() + before.over_budget());
     if (totals.bounds_us_size() == 0) {
         *totals.mutable_bounds_us() = before.bounds_us();
     }

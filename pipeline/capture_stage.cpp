@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/capture_stage.h"
 
+#include <algorithm>
+#include <thread>
 #include <utility>
 
 #include "pipeline/frame_slot.h"
@@ -11,7 +13,8 @@ using std::chrono::steady_clock;
 
 CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
                            RectificationSchedule& rectifications, Pipeline::RawTap raw_tap,
-                           std::function<bool()> wanted, TraceTrack& trace, std::uint16_t trace_name)
+                           std::function<bool()> wanted, CoreBudget* budget, TraceTrack& trace,
+                           std::uint16_t trace_name)
     : policy_(policy),
       source_(source),
       free_slots_(free_slots),
@@ -19,6 +22,7 @@ CaptureStage::CaptureStage(Policy policy, capture::FrameSource& source, FreeSlot
       rectifications_(rectifications),
       raw_tap_(std::move(raw_tap)),
       wanted_(std::move(wanted)),
+      budget_(budget),
       trace_(trace),
       trace_name_(trace_name) {}
 
@@ -36,6 +40,10 @@ void CaptureStage::run(Heartbeat& heartbeat, Histogram& time, const std::atomic<
         }
         if (wanted_ && !wanted_()) {
             give_back(pending.frame, counters_.unwanted);
+            continue;
+        }
+        if (!is_within_budget(heartbeat, stopping)) {
+            give_back(pending.frame, counters_.over_budget);
             continue;
         }
         TraceSpan work(trace_, TraceKind::work, trace_name_);
@@ -84,6 +92,23 @@ CaptureStage::CaptureResult CaptureStage::next_frame(PendingFrame& pending, stea
 capture::FrameSource::Next CaptureStage::next_of_source(capture::RawFrame& frame, steady_clock::time_point deadline) {
     const TraceSpan span(trace_, TraceKind::wait_source, trace_name_);
     return source_.next(frame, deadline);
+}
+
+/// Returns whether the frame may begin. Of a replay every frame does, after a while.
+bool CaptureStage::is_within_budget(Heartbeat& heartbeat, const std::atomic<bool>& stopping) {
+    if (budget_ == nullptr || budget_->admits()) {
+        return true;
+    }
+    if (policy_ == Policy::live) {
+        return false;
+    }
+    const TraceSpan span(trace_, TraceKind::wait_room, trace_name_);
+    constexpr std::chrono::milliseconds shortest{1};
+    do {
+        std::this_thread::sleep_for(std::clamp<CoreBudget::Seconds>(budget_->to_wait(), shortest, heartbeat_interval));
+        heartbeat.beat();
+    } while (!stopping.load(std::memory_order_relaxed) && !budget_->admits());
+    return true;
 }
 
 FrameSlot* CaptureStage::slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "capture/frame_source.h"
+#include "pipeline/core_budget.h"
 #include "pipeline/gravity_filter.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rectification_schedule.h"
@@ -26,11 +27,12 @@ public:
         std::atomic<std::uint64_t> lost{0};
         std::atomic<std::uint64_t> damaged{0};
         std::atomic<std::uint64_t> unwanted{0};
+        std::atomic<std::uint64_t> over_budget{0};
     };
 
     CaptureStage(Policy policy, capture::FrameSource& source, FreeSlots& free_slots, StageQueue& first_stage,
                  RectificationSchedule& rectifications, Pipeline::RawTap raw_tap, std::function<bool()> wanted,
-                 TraceTrack& trace, std::uint16_t trace_name);
+                 CoreBudget* budget, TraceTrack& trace, std::uint16_t trace_name);
 
     /// Runs until the source ends or is interrupted, or `stopping` is set. Lets the source's exception through.
     void run(Heartbeat& heartbeat, Histogram& time, const std::atomic<bool>& stopping);
@@ -49,6 +51,7 @@ private:
 
     CaptureResult next_frame(PendingFrame& pending, std::chrono::steady_clock::time_point deadline);
     capture::FrameSource::Next next_of_source(capture::RawFrame& frame, std::chrono::steady_clock::time_point deadline);
+    bool is_within_budget(Heartbeat& heartbeat, const std::atomic<bool>& stopping);
     FrameSlot* slot_for_replay(Heartbeat& heartbeat, const std::atomic<bool>& stopping);
     FrameSlot* slot_for_newest(PendingFrame& pending, Heartbeat& heartbeat, const std::atomic<bool>& stopping,
                                bool& ended);
@@ -63,6 +66,7 @@ private:
     RectificationSchedule& rectifications_;
     Pipeline::RawTap raw_tap_;
     const std::function<bool()> wanted_;
+    CoreBudget* const budget_;
     GravityFilter gravity_;  ///< gets the samples of all captured frames
     TraceTrack& trace_;
     const std::uint16_t trace_name_;

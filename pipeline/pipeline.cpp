@@ -119,9 +119,9 @@ Pipeline::Pipeline(const PipelineConfig& config, capture::FrameSource& source, M
         admission_ = std::make_unique<Admission>(stages + 1, any_after_matching(stages_) ? stages + 1 : stages,
                                                  static_cast<std::size_t>(config.slots), workers.workers());
     }
-    capture_stage_ =
-        std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
-                                       std::move(raw_tap), config.wanted, *traced_[0].track, traced_[0].name);
+    capture_stage_ = std::make_unique<CaptureStage>(config.policy, source, *free_slots_, *queues_[0], rectifications_,
+                                                    std::move(raw_tap), config.wanted, config.budget, *traced_[0].track,
+                                                    traced_[0].name);
 }
 
 Pipeline::~Pipeline() {
@@ -177,6 +177,7 @@ PipelineStatus Pipeline::status() const {
     status.dropped = abandoned_.load(std::memory_order_acquire) + counters.dropped.load(std::memory_order_acquire);
     status.damaged = counters.damaged.load(std::memory_order_acquire);
     status.unwanted = counters.unwanted.load(std::memory_order_acquire);
+    status.over_budget = counters.over_budget.load(std::memory_order_acquire);
     status.captured = counters.captured.load(std::memory_order_relaxed);
     status.lost = counters.lost.load(std::memory_order_relaxed);
     status.rate = rate_.per_second(steady_clock::now());

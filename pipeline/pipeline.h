@@ -32,6 +32,7 @@
 namespace disparityd::pipeline {
 
 class Admission;
+class CoreBudget;
 // Declared only: their header brings the library of the lock-free queues.
 class CaptureStage;
 class FreeSlots;
@@ -56,6 +57,9 @@ struct PipelineConfig {
     /// Asked in the capture thread for each frame that came: one that is not wanted is not processed. Must not block.
     /// Empty: all are wanted.
     std::function<bool()> wanted = {};
+    /// Asked for each frame that is wanted, in the capture thread; outlives the pipeline. A frame that it does not
+    /// admit is left out with Policy::live, and waits with Policy::replay. Null: all may begin.
+    CoreBudget* budget = nullptr;
 };
 
 /// Counters since the start.
@@ -66,6 +70,7 @@ struct PipelineStatus {
     std::uint64_t lost = 0;           ///< by the source: the sum of RawFrame::dropped_before
     std::uint64_t damaged = 0;        ///< frames that came flagged as damaged and were not processed
     std::uint64_t unwanted = 0;       ///< frames that PipelineConfig::wanted refused
+    std::uint64_t over_budget = 0;    ///< frames that PipelineConfig::budget did not admit
     bool ended = false;               ///< the source has ended and every frame was published
     std::string error;                ///< why the source, a stage or the sink ended early; empty = none did
     double rate = 0;                  ///< published frames per second over the last seconds

@@ -101,7 +101,8 @@ std::string number_text(double value, const std::string& unit) {
     if (unit == "mm") {
         return fmt::format("{:.{}f} m", value / 1000, value < 1000 ? 3 : 2);
     }
-    return unit == "ratio" ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.1f} {}", value, unit);
+    const int decimals = unit == "cores" ? 2 : 1;
+    return unit == "ratio" ? fmt::format("{:.1f} %", 100 * value) : fmt::format("{:.{}f} {}", value, decimals, unit);
 }
 
 std::string text_of(const Message& message, const FieldDescriptor& field) {

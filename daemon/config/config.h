@@ -80,7 +80,8 @@ struct Config {
 
     struct Pipeline {
         int slots = 4;
-        int workers = 0;  ///< 0 = one per core
+        int workers = 0;              ///< 0 = one per core, or as many as `cores`, rounded up
+        std::optional<double> cores;  ///< of processor time, at most; none = all
         bool pin_workers = true;
         bool on_demand = false;  ///< live sources only
     } pipeline;

@@ -8,12 +8,15 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/number_text.h"
 #include "capture/camera/camera_controls.h"
 #include "kernels/match_fields.h"
 #include "obstacles/gravity_ground.h"
 
 namespace disparityd::daemon {
 namespace {
+
+constexpr const char* all_cores = "all";
 
 std::string in_quotes(std::string_view text) {
     return '"' + std::string(text) + '"';
@@ -135,6 +138,39 @@ ConfigKey number_key(std::string_view section, std::string_view name, double lea
                 return true;
             },
             [field](const Config& config) -> ConfigValue { return field(const_cast<Config&>(config)); }};
+}
+
+/// Makes a key for a number of cores, or "all", for which the field is none. Text may be a number, too: the command
+/// line gives text.
+template <typename Field>
+ConfigKey cores_key(std::string_view section, std::string_view name, Field field) {
+    constexpr double least = 0.1, most = 256;
+    return {section,
+            name,
+            "\"all\" or a number of cores, " + number_text(least) + " .. " + number_text(most),
+            std::string(all_cores),
+            [field](Config& config, const ConfigValue& value) {
+                const auto* text = std::get_if<std::string>(&value);
+                const auto* whole = std::get_if<std::int64_t>(&value);
+                const auto* real = std::get_if<double>(&value);
+                if (text != nullptr && *text == all_cores) {
+                    field(config).reset();
+                    return true;
+                }
+                const auto cores = text != nullptr    ? base::parse_number(*text)
+                                   : whole != nullptr ? std::optional(static_cast<double>(*whole))
+                                   : real != nullptr  ? std::optional(*real)
+                                                      : std::nullopt;
+                if (!cores || !(*cores >= least && *cores <= most)) {
+                    return false;
+                }
+                field(config) = cores;
+                return true;
+            },
+            [field](const Config& config) -> ConfigValue {
+                const std::optional<double> cores = field(const_cast<Config&>(config));
+                return cores ? ConfigValue(*cores) : ConfigValue(std::string(all_cores));
+            }};
 }
 
 template <typename Enum>
@@ -370,6 +406,7 @@ void add_limit_keys(std::vector<ConfigKey>& keys) {
 void add_output_keys(std::vector<ConfigKey>& keys) {
     keys.push_back(range_key("pipeline", "slots", 2, 32, FIELD(pipeline.slots)));
     keys.push_back(range_key("pipeline", "workers", 0, 256, FIELD(pipeline.workers)));
+    keys.push_back(cores_key("pipeline", "cores", FIELD(pipeline.cores)));
     keys.push_back(bool_key("pipeline", "pin_workers", FIELD(pipeline.pin_workers)));
     keys.push_back(bool_key("pipeline", "on_demand", FIELD(pipeline.on_demand)));
     keys.push_back(bool_key("shared_memory", "enabled", FIELD(shared_memory.enabled)));

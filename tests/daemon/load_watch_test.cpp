@@ -10,21 +10,24 @@ using namespace std::chrono_literals;
 
 /// Frames of 60/s that come to a daemon which matches some of them.
 struct Load {
-    std::string pass(std::chrono::seconds time, double matched_rate) {
+    std::string pass(std::chrono::seconds time, double matched_rate, double over_budget_rate = 0) {
         std::string told;
         for (auto passed = 0s; passed < time; passed += 1s) {
             now += 1s;
             came += 60;
             matched += matched_rate;
-            told += watch.check(came, static_cast<std::uint64_t>(matched), now);
+            over_budget += over_budget_rate;
+            told +=
+                watch.check(came, static_cast<std::uint64_t>(matched), static_cast<std::uint64_t>(over_budget), now);
         }
         return told;
     }
 
-    LoadWatch watch{1280, 720, 128};
+    LoadWatch watch{1280, 720, 128, 1.5};
     LoadWatch::Time now{1h};
     std::uint64_t came = 0;
     double matched = 0;
+    double over_budget = 0;
 };
 
 TEST(LoadWatch, SaysOnceWhatWouldFit) {
@@ -34,6 +37,21 @@ TEST(LoadWatch, SaysOnceWhatWouldFit) {
               "matching is slower than the source: 60.0 frames/s come, 32.0 are matched, the others are dropped: about "
               "[match] disparities = 48 would fit, or [rectify] width = 880 and height = 496");
     EXPECT_EQ(load.pass(100s, 32), "");
+}
+
+TEST(LoadWatch, ABudgetThatIsTooSmallIsNamed) {
+    Load load;
+    load.pass(30s, 32, 27);
+    EXPECT_EQ(
+        load.pass(1s, 32, 27),
+        "[pipeline] cores = 1.5 is less than matching needs: 60.0 frames/s come, 32.0 are matched, the others are "
+        "dropped: about [match] disparities = 48 would fit, or [rectify] width = 880 and height = 496");
+}
+
+TEST(LoadWatch, AFrameThatTheBudgetCostsNowAndThenIsNotTheReason) {
+    Load load;
+    load.pass(30s, 32, 5);
+    EXPECT_EQ(load.pass(1s, 32, 5).find("matching is slower"), 0U);
 }
 
 TEST(LoadWatch, AShortTroubleIsNoMatter) {
@@ -52,7 +70,7 @@ TEST(LoadWatch, WhereNoNumberOfDisparitiesFitsTheSizeIsNamed) {
     LoadWatch watch(672, 376, 16);
     std::string told;
     for (int second = 0; second < 40; ++second) {
-        told += watch.check(static_cast<std::uint64_t>(100 * second), static_cast<std::uint64_t>(20 * second),
+        told += watch.check(static_cast<std::uint64_t>(100 * second), static_cast<std::uint64_t>(20 * second), 0,
                             LoadWatch::Time(1s * second));
     }
     EXPECT_EQ(

@@ -15,7 +15,7 @@ import check_house  # noqa: E402
 SPAN = re.compile(r"`([^`]+)`")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 SCRIPTS = ("tools/demo", "tools/test", "tools/benchmarks", "tools/release", "lab/measure-ages", "lab/measure-daemon",
-           "lab/measure-page", "lab/loop-cycles", "tests/kernels/instructions/instruction-counts")
+           "lab/measure-neighbours", "lab/measure-page", "lab/loop-cycles", "tests/kernels/instructions/instruction-counts")
 WITH_SUB_COMMANDS = {"disparityctl"}
 # What a shell would not hand to the program.
 END_OF_COMMAND = re.compile(r"\s(?:#|&&|\||;|&\s*$|>|2>).*$")

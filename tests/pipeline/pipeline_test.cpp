@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipeline/core_budget.h"
 #include "tests/pipeline/fakes.h"
 
 namespace disparityd::pipeline {
@@ -340,6 +341,60 @@ TEST(Pipeline, FramesThatNobodyWantsAreCapturedAndNotProcessed) {
     EXPECT_EQ(chain.pipeline.status().dropped, 0U);
     EXPECT_EQ(source.out(), 0U);
     EXPECT_EQ(source.wrong_returns(), 0);
+}
+
+/// A budget of one core. Each frame costs a second of processor time, and half a second passes with each question.
+struct MadeBudget {
+    std::atomic<int> worked{0};  ///< frames
+    CoreBudget::Time now{std::chrono::hours(1)};
+    int asked = 0;
+    CoreBudget budget{1.0, [this] {
+                          ++asked;
+                          now += std::chrono::milliseconds(500);
+                          return CoreBudget::Moment{now, std::chrono::seconds(worked.load())};
+                      }};
+    fakes::Matcher matcher{[this](int stage, const FrameView&) { worked += stage == 0 ? 1 : 0; }};
+};
+
+TEST(Pipeline, LiveFramesBeyondTheBudgetAreLeftOut) {
+    MadeBudget made;
+    fakes::Source source;
+    Chain chain({.policy = Policy::live, .slots = 2, .budget = &made.budget}, source, made.matcher, 1);
+    chain.pipeline.start();
+    constexpr std::uint64_t frames = 40;
+    for (std::uint64_t sequence = 0; sequence < frames; ++sequence) {
+        source.push(sequence);
+        PipelineStatus now = chain.pipeline.status();
+        while (now.published + now.over_budget <= sequence) {
+            std::this_thread::yield();
+            now = chain.pipeline.status();
+        }
+    }
+    source.end();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    const PipelineStatus status = chain.pipeline.status();
+    EXPECT_EQ(status.published + status.over_budget, frames);
+    EXPECT_GE(status.published, frames / 2 - 3);
+    EXPECT_LE(status.published, frames / 2 + 3);
+    std::uint64_t accounted = 0;
+    for (const Seen& seen : chain.sink.frames) {
+        accounted += 1 + seen.dropped_before;
+        EXPECT_EQ(accounted, seen.sequence + 1) << "clients learn of the gap";
+    }
+    EXPECT_EQ(source.out(), 0U);
+    EXPECT_EQ(source.wrong_returns(), 0);
+}
+
+TEST(Pipeline, AReplayWaitsForItsBudget) {
+    MadeBudget made;
+    constexpr int frames = 8;
+    fakes::Source source(frames);
+    Chain chain({.policy = Policy::replay, .slots = 2, .budget = &made.budget}, source, made.matcher, 1);
+    chain.pipeline.start();
+    ASSERT_TRUE(chain.pipeline.wait_until_ended(forever));
+    EXPECT_EQ(chain.pipeline.status().published, static_cast<std::uint64_t>(frames));
+    EXPECT_EQ(chain.pipeline.status().over_budget, 0U);
+    EXPECT_GT(made.asked, frames);
 }
 
 TEST(Pipeline, CorruptFramesAreCountedNotShown) {

@@ -110,11 +110,13 @@ void print(const v1::Status& status) {
                   status.method() + " on " + status.backend() + ", " + base::counted(status.workers(), "worker"));
         print_row("geometry", geometry_text(status.geometry()));
         print_row("rate", fixed(status.rate(), 1) + " frames/s");
-        print_row("frames", std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) +
-                                " published, " + std::to_string(status.dropped()) + " dropped, " +
-                                std::to_string(status.lost()) + " lost by the source, " +
-                                std::to_string(status.damaged()) + " damaged" +
-                                (status.unwanted() > 0 ? ", " + std::to_string(status.unwanted()) + " unwanted" : ""));
+        print_row(
+            "frames",
+            std::to_string(status.captured()) + " captured, " + std::to_string(status.published()) + " published, " +
+                std::to_string(status.dropped()) + " dropped, " + std::to_string(status.lost()) +
+                " lost by the source, " + std::to_string(status.damaged()) + " damaged" +
+                (status.unwanted() > 0 ? ", " + std::to_string(status.unwanted()) + " unwanted" : "") +
+                (status.over_budget() > 0 ? ", " + std::to_string(status.over_budget()) + " over the budget" : ""));
     }
     for (const json::Fact& fact : json::facts_of(status)) {
         print_row(fact.title, fact.text);

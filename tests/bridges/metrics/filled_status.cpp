@@ -20,6 +20,7 @@ void fill_totals(v1::Totals& totals) {
     totals.set_lost(12);
     totals.set_damaged(3);
     totals.set_unwanted(4);
+    totals.set_over_budget(6);
     for (const std::uint32_t bound : {100U, 20000U, 1000000U}) {
         totals.add_bounds_us(bound);
     }
@@ -100,6 +101,8 @@ v1::Status filled_status() {
     status.mutable_measured()->set_near_ratio(0.125);
     status.mutable_measured()->set_noise(2.5);
     status.mutable_measured()->set_noise_level(2);
+    status.mutable_budget()->set_cores(1.5);
+    status.mutable_budget()->set_used(1.25);
     status.set_uptime_s(3600.5);
     status.add_notices("no huge pages");
     // Of the engine in use; the totals count.

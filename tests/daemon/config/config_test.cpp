@@ -161,6 +161,20 @@ target = "journal"
     EXPECT_EQ(config.log.target, daemon::LogTarget::journal);
 }
 
+TEST(Config, CoresAreAllOrANumber) {
+    const auto cores = [](const std::string& value, const std::vector<daemon::Override>& overrides = {}) {
+        return daemon::parse_config("[pipeline]\ncores = " + value + "\n", "my.toml", overrides).pipeline.cores;
+    };
+    EXPECT_EQ(daemon::Config{}.pipeline.cores, std::nullopt);
+    EXPECT_EQ(cores("\"all\""), std::nullopt);
+    EXPECT_EQ(cores("2"), 2.0);
+    EXPECT_EQ(cores("1.5"), 1.5);
+    EXPECT_EQ(cores("\"0.1\""), 0.1);
+    EXPECT_EQ(cores("256"), 256.0);
+    EXPECT_EQ(cores("2", {daemon::parse_override("pipeline.cores=0.75")}), 0.75);
+    EXPECT_EQ(cores("2", {daemon::parse_override("pipeline.cores=all")}), std::nullopt);
+}
+
 TEST(Config, UnsetMatchKeysAreThoseOfTheMethod) {
     for (const Method method : {Method::sad, Method::census, Method::sgm}) {
         const DisparityRange range{-32, 96};
@@ -283,6 +297,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"float",
                 "[pipeline]\nslots = 4.0\n",
                 {"[pipeline] slots", "found 4.0, which is no whole number", "allowed: 2 .. 32"}},
+        BadCase{"cores_none",
+                "[pipeline]\ncores = 0\n",
+                {"my.toml:2:1:", "[pipeline] cores", "found 0", "\"all\" or a number of cores, 0.1 .. 256"}},
+        BadCase{"cores_negative", "[pipeline]\ncores = -1.5\n", {"[pipeline] cores", "found -1.5", "0.1 .. 256"}},
+        BadCase{"cores_too_many", "[pipeline]\ncores = 257\n", {"[pipeline] cores", "found 257", "0.1 .. 256"}},
+        BadCase{"cores_not_finite", "[pipeline]\ncores = nan\n", {"[pipeline] cores", "found nan", "0.1 .. 256"}},
+        BadCase{"cores_in_words", "[pipeline]\ncores = \"half\"\n", {"[pipeline] cores", "found \"half\"", "\"all\""}},
+        BadCase{"cores_in_percent", "[pipeline]\ncores = \"150%\"\n", {"[pipeline] cores", "found \"150%\""}},
+        BadCase{"cores_as_flag", "[pipeline]\ncores = true\n", {"[pipeline] cores", "found true", "\"all\""}},
         BadCase{"flag", "[source]\nloop = 1\n", {"[source] loop", "found 1", "true or false"}},
         BadCase{"negative_disparities", "[match]\ndisparities = -64\n", {"found -64", "16 .. 256"}},
         BadCase{"huge_disparities", "[match]\ndisparities = 4096\n", {"found 4096", "16 .. 256"}},

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/core_budget.h"
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+namespace disparityd::pipeline {
+namespace {
+
+/// After so long without a frame that asks, none is compared with what was spent: nobody wanted any.
+constexpr CoreBudget::Seconds pause = CoreBudget::window;
+
+constexpr CoreBudget::Seconds second{1};
+
+CoreBudget::Moment moment_of_process() {
+    return {std::chrono::steady_clock::now(), processor_time()};
+}
+
+}  // namespace
+
+std::chrono::nanoseconds processor_time() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
+}
+
+CoreBudget::CoreBudget(double cores, Clock clock)
+    : cores_(cores), clock_(clock ? std::move(clock) : Clock(moment_of_process)) {}
+
+bool CoreBudget::admits() {
+    look_at(clock_());
+    if (credit_ < cost_) {
+        return false;
+    }
+    credit_ -= cost_;
+    charged_ += cost_;
+    ++admitted_;
+    return true;
+}
+
+CoreBudget::Seconds CoreBudget::to_wait() const {
+    return Seconds(std::max(0.0, cost_ - credit_) / cores_);
+}
+
+/// Adds what the time since the last call brings.
+void CoreBudget::look_at(const Moment& now) {
+    if (!begun_ || now.time - last_ > pause) {
+        begun_ = true;
+        last_ = now.time;
+        second_ = now;
+        charged_ = 0;
+        admitted_ = 0;
+        unused_ = 0;
+        credit_ = cost_;
+        keep(now);
+        return;
+    }
+    const double earned = cores_ * Seconds(now.time - last_).count();
+    const double saved = std::min(excess_, earned / 2);
+    last_ = now.time;
+    excess_ -= saved;
+    credit_ += earned - saved;
+    if (now.time - second_.time >= second && admitted_ > 0) {
+        close_second(now);
+    }
+    // Two frames' worth at most: frames that come late are made up for, a pause is not.
+    const double beyond = std::max(0.0, credit_ - 2 * cost_);
+    credit_ -= beyond;
+    unused_ += beyond;
+}
+
+void CoreBudget::close_second(const Moment& now) {
+    const double spent = (now.used - second_.used).count();
+    const double of_frame = spent / admitted_;
+    constexpr double followed = 4;
+    cost_ = cost_ == 0 ? of_frame : cost_ + (of_frame - cost_) / followed;
+    const double uncharged = spent - charged_;
+    excess_ += uncharged > 0 ? std::max(0.0, uncharged - unused_) : uncharged;
+    if (excess_ < 0) {
+        credit_ -= excess_;
+        excess_ = 0;
+    }
+    // What lies further back than the average looks is forgotten.
+    excess_ = std::min(excess_, cores_ * Seconds(window).count());
+    second_ = now;
+    charged_ = 0;
+    admitted_ = 0;
+    unused_ = 0;
+    keep(now);
+}
+
+void CoreBudget::keep(const Moment& now) {
+    const std::lock_guard lock(mutex_);
+    moments_[count_ % kept] = now;
+    ++count_;
+}
+
+double CoreBudget::used() const {
+    const Moment now = clock_();
+    const std::lock_guard lock(mutex_);
+    if (count_ == 0) {
+        return 0;
+    }
+    Moment from = moments_[(count_ - 1) % kept];
+    for (std::size_t back = 2; back <= std::min(count_, kept); ++back) {
+        const Moment& earlier = moments_[(count_ - back) % kept];
+        if (now.time - earlier.time > window) {
+            break;
+        }
+        from = earlier;
+    }
+    const Seconds passed = now.time - from.time;
+    return passed.count() > 0 ? (now.used - from.used).count() / passed.count() : 0;
+}
+
+}  // namespace disparityd::pipeline
