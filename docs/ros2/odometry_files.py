@@ -31,6 +31,20 @@ def pose_of(status):
     return [rotation[0:3], rotation[3:6], rotation[6:9]], [mm / 1000 for mm in pose["translation_mm"]], inertial
 
 
+def note(text):
+    print(f"odometry_files.py: note: {text}", file=sys.stderr)
+
+
+def shift_of(inertial):
+    """In s: what a frame of the time t shows stands in the samples at t + shift. Says so where it is not known: then it is 0."""
+    offset = inertial.get("time_offset")
+    if offset is None:
+        note("the calibration does not say how frames and samples lie in time: timeshift_cam_imu is 0 as a guess, and orb_slam3.yaml "
+             "takes it for 0; Kalibr measures it: docs/calibration.md, section Inertial sensor")
+        return 0.0
+    return offset.get("seconds", 0.0)
+
+
 def real(number):
     """With a point in it, as every reader of YAML takes it for a number."""
     text = repr(float(number))
@@ -133,14 +147,17 @@ def files_of(status, options):
     if not (geometry.get("f") and geometry.get("baseline_mm")):
         raise Unknown("the daemon has no calibration of the cameras: docs/calibration.md")
     rotation, translation, inertial = pose_of(status)
-    shift = (inertial.get("time_offset") or {}).get("seconds", 0.0)
+    shift = shift_of(inertial)
     head = f"%YAML:1.0\n# The rectified pair of the daemon, calibration_id {geometry['calibration_id']}.\n"
     cameras = "".join(camera(geometry, rotation, translation, shift, right) for right in (False, True))
     files = {"kalibr_imucam_chain.yaml": cameras, "kalibr_imu_chain.yaml": imu_chain(inertial, options.imu_rate)}
     try:
         files["orb_slam3.yaml"] = orb_slam3(geometry, rotation, translation, inertial, options)
+        if round(shift * 1e6):
+            note(f"orb_slam3.yaml cannot tell the time offset of {shift:.6f} s: add {round(shift * 1e6)} to [source] time_offset_us "
+                 "of the daemon, which moves the stamps of frames, then write the files anew")
     except Unknown as reason:
-        print(f"odometry_files.py: note: no orb_slam3.yaml: {reason}", file=sys.stderr)
+        note(f"no orb_slam3.yaml: {reason}")
     return {name: head + text.replace("TOPICS", options.namespace) for name, text in files.items()}
 
 

@@ -7,6 +7,7 @@ import json
 import math
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -92,12 +93,34 @@ class YamlTest(unittest.TestCase):
                     wanted = costmap[name][source]
                     self.assertEqual(published()[wanted["topic"]][0], "sensor_msgs/msg/" + wanted["data_type"])
                     if wanted["data_type"] == "LaserScan":
-                        self.assertTrue(wanted["inf_is_valid"] and wanted["min_obstacle_height"] < 0)
-                        self.assertLess(costmap[name]["min_obstacle_height"], 0)
+                        self.assertTrue(wanted["inf_is_valid"] and 0 < wanted["expected_update_rate"] <= 1)
+                        for limits in (wanted, costmap[name]):  # the scan lies at the height of base_link in odom, which drifts
+                            self.assertTrue(limits["min_obstacle_height"] <= -5 and limits["max_obstacle_height"] >= 5)
+                if costmap[name]["plugin"].endswith("VoxelLayer"):
+                    # Of the 16 voxels of a column one ray leaves 15 unknown, which must not make it free.
+                    self.assertGreater(15, costmap[name]["unknown_threshold"] + 16 - costmap[name]["z_voxels"])
         self.assertEqual(layers, 4)
+
+    def test_the_slice_of_nvblox_leaves_the_floor_out(self):
+        tree = yaml.safe_load((FOLDER / "nvblox.yaml").read_text(encoding="utf-8"))
+        mapper = tree["/**"]["ros__parameters"]["static_mapper"]
+        self.assertTrue(0 < mapper["esdf_slice_min_height"] <= mapper["esdf_slice_height"] < mapper["esdf_slice_max_height"])
 
 
 class NamesTest(unittest.TestCase):
+    def test_commands_of_the_pages_are_understood(self):
+        commands = 0
+        for file in sorted(FOLDER.glob("*.md")):
+            for words in re.findall(r"^ {4}disparity-ros2 (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE):
+                commands += 1
+                with self.subTest(file.name):
+                    subprocess.run([PROGRAM, "--list-topics", *shlex.split(words, comments=True)], check=True, capture_output=True)
+        self.assertGreater(commands, 2)
+
+    def test_rtabmap_keeps_its_map(self):
+        for node in ElementTree.parse(FOLDER / "rtabmap.launch.xml").getroot().iter("node"):
+            self.assertFalse({"-d", "--delete_db_on_start"} & set((node.get("args") or "").split()))
+
     def test_every_topic_is_published(self):
         topics = published()
         for file in sorted(FOLDER.iterdir()):
@@ -149,7 +172,7 @@ class OdometryFilesTest(unittest.TestCase):
     @unittest.skipIf(yaml is None, "no PyYAML here (apt-get install python3-yaml)")
     def test_files_have_the_cameras_and_the_sensor(self):
         made, folder = self.make(STATUS)
-        self.assertEqual((made.returncode, made.stderr), (0, ""))
+        self.assertEqual(made.returncode, 0)
         chain = self.read(folder / "kalibr_imucam_chain.yaml")
         place = [1.0, 2.0, 0.5, 1.0]  # of a point, in the sensor's axes
         seen = []
@@ -177,6 +200,21 @@ class OdometryFilesTest(unittest.TestCase):
         self.assertEqual([back[3], back[7], back[11]], [-0.03, 0.01, -0.02])
         self.assertEqual(settings["Stereo.b"], 0.12)
         self.assertTrue(math.isclose(settings["IMU.NoiseGyro"], 0.0002))
+
+    def test_an_offset_in_time_that_orb_slam3_cannot_have_is_said(self):
+        for offset, told in (({"seconds": 0.0025}, "add 2500 to"), ({"seconds": -0.01}, "add -10000 to"), ({"seconds": 0}, ""), ({}, "")):
+            made, _ = self.make({**STATUS, "inertial_calibration": {**STATUS["inertial_calibration"], "time_offset": offset}})
+            self.assertEqual(made.returncode, 0)
+            self.assertIn(told, made.stderr)
+            self.assertEqual(made.stderr == "", told == "")
+
+    def test_an_offset_in_time_that_is_not_known_is_said(self):
+        without = {key: value for key, value in STATUS["inertial_calibration"].items() if key != "time_offset"}
+        for inertial in (without, {**without, "time_offset": None}):
+            made, folder = self.make({**STATUS, "inertial_calibration": inertial})
+            self.assertEqual(made.returncode, 0)
+            self.assertIn("timeshift_cam_imu is 0 as a guess", made.stderr)
+            self.assertIn("timeshift_cam_imu: 0.0\n", (folder / "kalibr_imucam_chain.yaml").read_text(encoding="utf-8"))
 
     def test_eyes_with_other_middles_are_not_for_orb_slam3(self):
         made, folder = self.make({**STATUS, "geometry": {**STATUS["geometry"], "disparity_offset": 1.5}})
