@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The frames of the robot description are those that disparity-ros2 publishes on /tf_static with the same words.
 
-Usage: description_test.py DESCRIPTION PROGRAM. PROGRAM is ros2_static_transforms. ROS's own xacro and urdfdom's check_urdf are asked,
+Usage: description_test.py ALONE PROGRAM. ALONE is disparity_camera_alone.urdf.xacro, PROGRAM ros2_static_transforms. ROS's own xacro and urdfdom's check_urdf are asked,
 too, where they are installed.
 """
 import json
@@ -16,10 +16,20 @@ import xml.etree.ElementTree as ElementTree
 
 import small_xacro
 
-DESCRIPTION, PROGRAM = sys.argv[1:3]
+ALONE, PROGRAM = sys.argv[1:3]
+PART = pathlib.Path(ALONE).resolve().with_name("disparity_camera.urdf.xacro")
 PLACE = {"parent": "base_link", "ahead_m": "0.25", "left_m": "-0.06", "height_m": "0.4", "roll_deg": "-3", "pitch_deg": "12.5",
          "yaw_deg": "100"}
 IMU = {"imu_xyz": "0.01 -0.02 0.003", "imu_rpy": "0.1 -0.2 1.5"}
+# Its own argument has a name that the macro has, too, and comes after the include.
+ROBOT = """<robot name="robot" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="{part}"/>
+  <xacro:arg name="parent" default="chassis"/>
+  <link name="$(arg parent)"/>
+  <xacro:disparity_camera name="front" parent="$(arg parent)" ahead_m="0.2"/>
+  <xacro:disparity_camera name="rear" parent="$(arg parent)" yaw_deg="180" footprint="false"/>
+</robot>
+"""
 CASES = {
     "a camera alone": {},
     "with a right eye": {"baseline_m": "0.12"},
@@ -90,28 +100,35 @@ class DescriptionTest(unittest.TestCase):
     def test_frames_are_those_of_the_bridge(self):
         for name, case in CASES.items():
             with self.subTest(name):
-                self.check(small_xacro.expand(DESCRIPTION, {"disparity_camera": "front", **case}), frames_of_bridge(case))
+                self.check(small_xacro.expand(ALONE, {"name": "front", **case}), frames_of_bridge(case))
 
     def test_a_robot_has_as_many_cameras_as_it_likes(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "robot.xacro"
-            own = pathlib.Path(DESCRIPTION).read_text(encoding="utf-8")
-            calls = ('<link name="base_link"/><xacro:disparity_camera name="front" parent="base_link" ahead_m="0.2"/>'
-                     '<xacro:disparity_camera name="rear" parent="base_link" yaw_deg="180" footprint="false"/></robot>')
-            file.write_text(own.replace("</robot>", calls), encoding="utf-8")
-            self.assertEqual({child for _, child in frames_of_robot(small_xacro.expand(file, {}))},
-                             {"front_link", "front_footprint", "front_left_optical_frame", "rear_link", "rear_left_optical_frame"})
+            file.write_text(ROBOT.format(part=PART), encoding="utf-8")
+            expanded = [small_xacro.expand(file, {})]
+            if shutil.which("xacro"):
+                text = subprocess.run(["xacro", file], check=True, capture_output=True, text=True).stdout
+                expanded.append(ElementTree.fromstring(text.encode()))
+            for robot in expanded:
+                self.assertEqual(frames_of_robot(robot).keys(),
+                                 {("chassis", "front_link"), ("chassis", "front_footprint"), ("front_link", "front_left_optical_frame"),
+                                  ("chassis", "rear_link"), ("rear_link", "rear_left_optical_frame")})
+
+    def test_the_part_has_no_arguments(self):
+        """They would be the robot's: the first default of a name counts."""
+        self.assertEqual(list(ElementTree.parse(PART).getroot().iter(small_xacro.XACRO + "arg")), [])
 
     def test_a_table_of_names_that_is_not_there_is_refused(self):
         with self.assertRaisesRegex(small_xacro.Fatal, "names: found zde"):
-            small_xacro.expand(DESCRIPTION, {"disparity_camera": "front", "names": "zde"})
+            small_xacro.expand(ALONE, {"name": "front", "names": "zde"})
 
     def test_ros_own_xacro_expands_the_same(self):
         if not shutil.which("xacro"):
             self.skipTest("no xacro of ROS 2 here")
         for name, case in CASES.items():
-            words = [f"{key}:={value}" for key, value in {"disparity_camera": "front", **case}.items()]
-            text = subprocess.run(["xacro", DESCRIPTION, *words], check=True, capture_output=True, text=True).stdout
+            words = [f"{key}:={value}" for key, value in {"name": "front", **case}.items()]
+            text = subprocess.run(["xacro", ALONE, *words], check=True, capture_output=True, text=True).stdout
             with self.subTest(name):
                 self.check(ElementTree.fromstring(text.encode()), frames_of_bridge(case))
 
@@ -119,7 +136,7 @@ class DescriptionTest(unittest.TestCase):
         if not shutil.which("check_urdf"):
             self.skipTest("no check_urdf here (apt-get install liburdfdom-tools)")
         for name, case in CASES.items():
-            robot = small_xacro.expand(DESCRIPTION, {"disparity_camera": "front", **case})
+            robot = small_xacro.expand(ALONE, {"name": "front", **case})
             with self.subTest(name), tempfile.NamedTemporaryFile(suffix=".urdf") as file:
                 file.write(ElementTree.tostring(robot))
                 file.flush()

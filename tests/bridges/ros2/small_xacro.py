@@ -5,6 +5,7 @@ expand(file, arguments) returns the robot as an element of xml.etree.
 """
 import ast
 import math
+import pathlib
 import re
 import xml.etree.ElementTree as ElementTree
 
@@ -36,7 +37,8 @@ def value_of(text):
 
 
 class Expander:
-    def __init__(self, arguments):
+    def __init__(self, folder, arguments):
+        self.folder = folder
         self.arguments = dict(arguments)
         self.macros = {}
 
@@ -78,7 +80,9 @@ class Expander:
             copy.extend(self.children(element, names))
             return [copy]
         if tag == "arg":
-            self.arguments.setdefault(element.get("name"), element.get("default"))
+            self.arguments.setdefault(element.get("name"), element.attrib["default"])
+        elif tag == "include":
+            return self.children(ElementTree.parse(self.folder / element.get("filename")).getroot(), names)
         elif tag == "property":
             names[element.get("name")] = value_of(self.text(element.get("value"), names))
         elif tag == "macro":
@@ -95,4 +99,4 @@ class Expander:
 
 
 def expand(file, arguments):
-    return Expander(arguments).element(ElementTree.parse(file).getroot(), {})[0]
+    return Expander(pathlib.Path(file).parent, arguments).element(ElementTree.parse(file).getroot(), {})[0]
