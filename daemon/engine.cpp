@@ -123,6 +123,7 @@ Engine::Engine(const Config& config, const CarryOver& carry_over, std::function<
       corrected_(dynamic_cast<pipeline::CorrectedRectification*>(rectifications_.get())),
       calibrating_(dynamic_cast<const pipeline::CalibratingSchedule*>(rectifications_.get())),
       backend_(backend(config.match.backend).name),
+      core_locks_(!config.pipeline.cores),
       workers_(configured_workers(config),
                config.pipeline.pin_workers ? pipeline::Pinning::where_allowed : pipeline::Pinning::never, &core_locks_),
       level_(config.scan.enabled ? std::optional(config.scan.options.ground) : std::nullopt, source_->info().live),

@@ -16,8 +16,8 @@ public:
     /// one that it had already. False where another one has it, even one that had been this object's.
     virtual bool claim(int core) = 0;
 
-    /// Lets others have the core. Does nothing where it is not this object's.
-    virtual void give_back(int core) = 0;
+    /// Lets others have all cores of this object, and counts for nothing among them until the next claim().
+    virtual void leave() = 0;
 
     /// Returns a line for people: why the last claim() that returned false did so.
     virtual std::string refusal() const = 0;

@@ -170,9 +170,11 @@ void WorkerPool::give_cores_back() {
     }
     for (const int core : claimed_) {
         cores_.withdraw(core);
-        claims_->give_back(core);
     }
     claimed_.clear();
+    if (claims_ != nullptr) {
+        claims_->leave();
+    }
     cores_.explain("");
 }
 

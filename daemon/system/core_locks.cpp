@@ -27,15 +27,28 @@ bool is_named(int descriptor, const std::string& path) {
 
 }  // namespace
 
-CoreLocks::CoreLocks(std::string folder) : folder_(std::move(folder)) {}
+CoreLocks::CoreLocks(bool takes_all, std::string folder) : takes_all_(takes_all), folder_(std::move(folder)) {}
 
 CoreLocks::~CoreLocks() {
-    for (const auto& [core, descriptor] : descriptors_) {
-        close(descriptor);
+    leave();
+}
+
+void CoreLocks::leave() {
+    while (!descriptors_.empty()) {
+        give_back(descriptors_.begin()->first);
+    }
+    if (takers_ >= 0) {
+        close(takers_);
+        takers_ = -1;
     }
 }
 
 bool CoreLocks::claim(int core) {
+    if (takes_all_ && has_rivals()) {
+        give_back(core);
+        refusal_ = "another daemon takes all cores, too ([pipeline] cores gives each its share)";
+        return false;
+    }
     const auto held = descriptors_.find(core);
     if (held != descriptors_.end() && is_named(held->second, path_of(core))) {
         return true;
@@ -61,8 +74,7 @@ std::string CoreLocks::path_of(int core) const {
 
 /// Returns the descriptor of the file, which is made where there is none; -1: refusal_ says why. Anybody may have put
 /// something else there: the call follows no link and waits for no pipe. A reader may lock, so nobody needs to write.
-int CoreLocks::open_file(int core) {
-    const std::string path = path_of(core);
+int CoreLocks::open_file(const std::string& path) {
     constexpr int careful = O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
     int descriptor = open(path.c_str(), careful);
     if (descriptor < 0 && errno == ENOENT) {
@@ -85,11 +97,32 @@ int CoreLocks::open_file(int core) {
     return descriptor;
 }
 
+/// Returns whether another one takes all cores, too. Where that cannot be known there is none: then no core has a lock
+/// either.
+bool CoreLocks::has_rivals() {
+    const std::string path = folder_ + "/disparityd-core-all";
+    if (takers_ >= 0 && !is_named(takers_, path)) {
+        close(takers_);
+        takers_ = -1;
+    }
+    struct flock lock {};
+    if (takers_ < 0) {
+        takers_ = open_file(path);
+        lock.l_type = F_RDLCK;
+        lock.l_whence = SEEK_SET;
+        fcntl(takers_, F_OFD_SETLK, &lock);
+    }
+    lock = {};
+    lock.l_type = F_WRLCK;
+    lock.l_whence = SEEK_SET;
+    return fcntl(takers_, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+}
+
 /// Returns the descriptor of the locked file; -1: refusal_ says why.
 int CoreLocks::lock_file(int core) {
     constexpr int attempts = 3;  // somebody may remove the file between the two calls, but not for ever
     for (int attempt = 0; attempt < attempts; ++attempt) {
-        const int descriptor = open_file(core);
+        const int descriptor = open_file(path_of(core));
         if (descriptor < 0) {
             return descriptor;
         }

@@ -16,26 +16,35 @@ inline constexpr const char* core_lock_folder = "/dev/shm";
 /// disparityd-core-N, and who has locked it (flock) has the core. The system takes the lock from a process that ends,
 /// however it ends. The files are empty, nobody may write to them, and they stay.
 ///
+/// Daemons that take all cores they can get would not degrade evenly, were one of them pinned and the others not: while
+/// two of them run, none of them has a core. Each has a lock on the file disparityd-core-all that excludes nobody, and
+/// sees whether others have one.
+///
 /// Whoever may read the folder can lock a core, as whoever may run a program can pin a thread of it to any core: the
 /// daemon is then not pinned there, which costs little.
 class CoreLocks final : public pipeline::CoreClaims {
 public:
-    explicit CoreLocks(std::string folder = core_lock_folder);
+    /// `takes_all`: whether this one takes all cores that it can get, not a share of its own.
+    explicit CoreLocks(bool takes_all, std::string folder = core_lock_folder);
     /// Gives all cores back.
     ~CoreLocks() override;
     CoreLocks(const CoreLocks&) = delete;
     CoreLocks& operator=(const CoreLocks&) = delete;
 
     bool claim(int core) override;
-    void give_back(int core) override;
+    void leave() override;
     std::string refusal() const override { return refusal_; }
 
 private:
     std::string path_of(int core) const;
-    int open_file(int core);
+    int open_file(const std::string& path);
     int lock_file(int core);
+    bool has_rivals();
+    void give_back(int core);
 
+    const bool takes_all_;
     const std::string folder_;
+    int takers_ = -1;                 ///< descriptor of the file of those that take all
     std::map<int, int> descriptors_;  ///< of the files that are locked, by core
     std::string refusal_;
 };

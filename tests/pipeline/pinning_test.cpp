@@ -158,12 +158,9 @@ public:
         refused_ = mine ? refused_ : core;
         return mine;
     }
-    void give_back(int core) override {
+    void leave() override {
         const std::lock_guard lock(computer_.mutex);
-        const auto held = computer_.holders.find(core);
-        if (held != computer_.holders.end() && held->second == this) {
-            computer_.holders.erase(held);
-        }
+        std::erase_if(computer_.holders, [this](const auto& held) { return held.second == this; });
     }
     std::string refusal() const override { return "core " + std::to_string(refused_) + " is somebody's"; }
 

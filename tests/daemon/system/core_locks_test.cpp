@@ -31,8 +31,8 @@ protected:
     fs::path file(int core) const { return fs::path(folder_.path()) / ("disparityd-core-" + std::to_string(core)); }
 
     const test::TemporaryFolder folder_;
-    CoreLocks locks_{folder_.path()};
-    CoreLocks others_{folder_.path()};
+    CoreLocks locks_{false, folder_.path()};
+    CoreLocks others_{false, folder_.path()};
 };
 
 TEST_F(CoreLocksTest, ACoreBelongsToOneAtATime) {
@@ -42,15 +42,14 @@ TEST_F(CoreLocksTest, ACoreBelongsToOneAtATime) {
     EXPECT_THAT(others_.refusal(), AllOf(HasSubstr("core 3 is held by another program"),
                                          HasSubstr("process " + std::to_string(getpid()))));
     EXPECT_TRUE(others_.claim(4));
-    locks_.give_back(4);
+    locks_.leave();
     EXPECT_FALSE(locks_.claim(4)) << "only who has it gives it back";
-    locks_.give_back(3);
     EXPECT_TRUE(others_.claim(3));
 }
 
 TEST_F(CoreLocksTest, AllAreGivenBackAtTheEnd) {
     {
-        CoreLocks engine(folder_.path());
+        CoreLocks engine(false, folder_.path());
         EXPECT_TRUE(engine.claim(0));
         EXPECT_TRUE(engine.claim(1));
     }
@@ -63,7 +62,7 @@ TEST_F(CoreLocksTest, AProcessThatIsKilledHasNoneAnyMore) {
     ASSERT_EQ(pipe(ends), 0);
     const pid_t child = fork();
     if (child == 0) {
-        CoreLocks held(folder_.path());
+        CoreLocks held(true, folder_.path());
         const char got = held.claim(0) ? 'y' : 'n';
         static_cast<void>(write(ends[1], &got, 1));
         for (;;) {
@@ -115,9 +114,11 @@ TEST_F(CoreLocksTest, APipeAndAFolderAreNoLocks) {
 }
 
 TEST_F(CoreLocksTest, AFolderThatIsMissingIsTold) {
-    CoreLocks lost(folder_.file("none"));
-    EXPECT_FALSE(lost.claim(0));
-    EXPECT_THAT(lost.refusal(), HasSubstr("No such file or directory"));
+    for (const bool takes_all : {false, true}) {
+        CoreLocks lost(takes_all, folder_.file("none"));
+        EXPECT_FALSE(lost.claim(0));
+        EXPECT_THAT(lost.refusal(), HasSubstr("No such file or directory"));
+    }
 }
 
 // logind removes what a user has in the folder when the user logs out.
@@ -130,8 +131,28 @@ TEST_F(CoreLocksTest, AFileThatWasRemovedIsLockedAnew) {
     fs::remove(file(0));
     EXPECT_TRUE(others_.claim(0)) << "nobody can know of the first lock any more";
     EXPECT_FALSE(locks_.claim(0)) << "and who had it learns that it is gone";
-    others_.give_back(0);
+    others_.leave();
     EXPECT_TRUE(locks_.claim(0));
+}
+
+// Were one of them pinned and the others not, they would not drop frames evenly.
+TEST_F(CoreLocksTest, OfSeveralThatTakeAllNoneHasACore) {
+    CoreLocks first(true, folder_.path());
+    EXPECT_TRUE(first.claim(0));
+    EXPECT_TRUE(locks_.claim(1)) << "who has a share takes it all the same";
+    EXPECT_TRUE(first.claim(0)) << "a share is no rival";
+    {
+        CoreLocks second(true, folder_.path());
+        EXPECT_FALSE(second.claim(2));
+        EXPECT_THAT(second.refusal(), HasSubstr("another daemon takes all cores, too"));
+        EXPECT_FALSE(first.claim(0)) << "it learns of the second";
+        EXPECT_TRUE(others_.claim(0)) << "and has given it back";
+        others_.leave();
+        EXPECT_FALSE(second.claim(0));
+        first.leave();
+        EXPECT_TRUE(second.claim(0)) << "who has left counts no more";
+    }
+    EXPECT_TRUE(first.claim(0)) << "nor does who has ended";
 }
 
 TEST(CoreLockFolder, UnitsLetTheDaemonWriteThere) {
