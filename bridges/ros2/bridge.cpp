@@ -163,6 +163,10 @@ void Bridge::read_frame(const ros::Wanted& wanted) {
 }
 
 void Bridge::publish_frame() {
+    {
+        const std::lock_guard lock(mutex_);
+        settings_.encoding.raw = raw_;
+    }
     for (const Output& output : outputs_) {
         if (output.publisher->readers() == 0 || !is_due(output.content)) {
             continue;
@@ -200,14 +204,17 @@ void Bridge::take_status(const std::string& bytes) {
     if (!status.ParseFromString(bytes)) {
         return;
     }
+    const std::optional<ros::RawCalibration> raw = ros::raw_calibration(status);
     {
         const std::lock_guard lock(mutex_);
         offer_ = ros::offer_of(status);
+        raw_ = raw ? std::make_shared<const ros::RawCalibration>(*raw) : nullptr;
         notes_.say("daemon", "the daemon answers: " + status.source(), Notes::Repeat::never);
     }
     const std::optional<disparity::InertialCalibration> inertial = disparity::inertial_calibration(bytes);
     const double baseline_m = status.geometry().baseline_mm() / 1000;
-    publish_transforms(ros::static_transforms(settings_.tree, baseline_m, inertial ? inertial->pose : std::nullopt));
+    publish_transforms(ros::static_transforms(settings_.tree, baseline_m, inertial ? inertial->pose : std::nullopt,
+                                              raw ? ros::left_turn(*raw) : std::nullopt));
     publish_diagnostics(ros::diagnostic_message(status, settings_.diagnostics, realtime_ns()));
 }
 

@@ -88,8 +88,9 @@ private:
 
     std::mutex mutex_;  ///< guards what follows
     bridges::Notes& notes_;
-    std::optional<ros::Offer> offer_;  ///< nothing: no daemon has told its status
-    bool frames_come_ = false;         ///< of a daemon that may tell no status
+    std::optional<ros::Offer> offer_;                      ///< nothing: no daemon has told its status
+    std::shared_ptr<const ros::RawCalibration> raw_ = {};  ///< as the last status had it
+    bool frames_come_ = false;                             ///< of a daemon that may tell no status
 
     std::unique_ptr<SideFeed> feed_;  ///< the last, as its thread uses the others
 };

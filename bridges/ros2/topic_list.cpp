@@ -11,6 +11,10 @@ using ros::Content;
 std::string frame_of(Content content, const ros::FrameNames& names) {
     switch (content) {
         case Content::scan: return names.scan;
+        case Content::raw_left_image:
+        case Content::raw_right_image:
+        case Content::raw_left_info:
+        case Content::raw_right_info: return names.raw;
         case Content::imu:
         case Content::magnetic_field:
         case Content::imu_temperature: return names.imu;

@@ -25,6 +25,8 @@ constexpr std::array disparities_or_depths{Product::disparity, Product::depth};
 constexpr std::array depth_errors{Product::depth_error};
 constexpr std::array confidences{Product::confidence};
 constexpr std::array scans{Product::scan};
+constexpr std::array raw_left{Product::raw_left};
+constexpr std::array raw_right{Product::raw_right};
 /// With the fewest bytes first, for what needs only what comes beside the planes.
 constexpr std::array any_product{Product::scan,      Product::confidence,  Product::left,       Product::depth,
                                  Product::disparity, Product::depth_error, Product::left_colour};
@@ -56,7 +58,8 @@ Offer offer_of(const v1::Status& status) {
     const bool prepared = geometry.width() > 0;  // else the daemon does not know its source yet
     return {.products = std::move(products),
             .calibrated = geometry.f() > 0 && geometry.baseline_mm() > 0,
-            .sensors = status.has_sensors() || (prepared && !status.has_camera() && !status.synthetic())};
+            .sensors = status.has_sensors() || (prepared && !status.has_camera() && !status.synthetic()),
+            .lenses = status.has_raw_cameras()};
 }
 
 void Wanted::add(const Wanted& other) {
@@ -85,6 +88,10 @@ std::span<const Product> products_for(Content content) {
         case Content::confidence: return confidences;
         case Content::points: return disparities_or_depths;
         case Content::scan: return scans;
+        case Content::raw_left_image:
+        case Content::raw_left_info: return raw_left;
+        case Content::raw_right_image:
+        case Content::raw_right_info: return raw_right;
         case Content::left_info:
         case Content::right_info:
         case Content::transforms:
@@ -99,6 +106,9 @@ std::optional<Wanted> needs_of(Content content, const Offer& offer) {
         case Content::right_info: return offer.calibrated ? first_of(offer, any_product) : std::nullopt;
         case Content::depth: return first_of(offer, offer.calibrated ? products_for(content) : depths);
         case Content::points: return points_needs(offer);
+        case Content::raw_left_info:
+        case Content::raw_right_info:
+            return offer.calibrated && offer.lenses ? first_of(offer, products_for(content)) : std::nullopt;
         case Content::imu:
         case Content::magnetic_field:
         case Content::imu_temperature:

@@ -40,7 +40,11 @@ enum class Content : std::uint32_t {
     right_grey_image = 24,
     diagnostics = 25,
     clock = 26,
-    compressed_depth = 27
+    compressed_depth = 27,
+    raw_left_image = 28,
+    raw_right_image = 29,
+    raw_left_info = 30,
+    raw_right_info = 31
 };
 
 /// What the daemon has for its clients.
@@ -48,6 +52,7 @@ struct Offer {
     std::vector<disparity::Product> products = {};  ///< that can be subscribed to
     bool calibrated = false;                        ///< frames have a focal length and a baseline
     bool sensors = false;                           ///< there may be samples of the camera's sensors
+    bool lenses = false;                            ///< the eyes are described as they capture
 
     bool operator==(const Offer&) const = default;
 };

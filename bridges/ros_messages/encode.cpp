@@ -31,6 +31,10 @@ std::optional<std::string> scan_message(const Frame& frame, const Encoding& enco
     }
 }
 
+std::optional<std::string> raw_info(const Frame& frame, Camera camera, const Encoding& encoding) {
+    return encoding.raw ? raw_camera_info(frame, *encoding.raw, camera, encoding.names) : std::nullopt;
+}
+
 /// rosgraph_msgs/msg/Clock
 std::string clock_message(const Frame& frame) {
     CdrWriter cdr(8);
@@ -58,6 +62,10 @@ std::optional<std::string> encode(Content content, const Frame& frame, const Enc
         case Content::confidence: return confidence_image(frame, names);
         case Content::points: return point_cloud(frame, encoding.cloud, names);
         case Content::scan: return scan_message(frame, encoding);
+        case Content::raw_left_image: return raw_image(frame, Camera::left, names);
+        case Content::raw_right_image: return raw_image(frame, Camera::right, names);
+        case Content::raw_left_info: return raw_info(frame, Camera::left, encoding);
+        case Content::raw_right_info: return raw_info(frame, Camera::right, encoding);
         case Content::transforms: return optical_transform(frame, names);
         case Content::clock: return clock_message(frame);
         default: return std::nullopt;
@@ -87,11 +95,15 @@ std::string_view message_name(Content content) {
         case Content::depth:
         case Content::depth_mm:
         case Content::depth_error:
+        case Content::raw_left_image:
+        case Content::raw_right_image:
         case Content::confidence: return "sensor_msgs/Image";
         case Content::left_jpeg:
         case Content::compressed_depth: return "sensor_msgs/CompressedImage";
         case Content::left_info:
-        case Content::right_info: return "sensor_msgs/CameraInfo";
+        case Content::right_info:
+        case Content::raw_left_info:
+        case Content::raw_right_info: return "sensor_msgs/CameraInfo";
         case Content::disparity: return "stereo_msgs/DisparityImage";
         case Content::points: return "sensor_msgs/PointCloud2";
         case Content::scan: return "sensor_msgs/LaserScan";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "bridges/ros_messages/frame_names.h"
 #include "bridges/ros_messages/laser_scan_message.h"
 #include "bridges/ros_messages/point_cloud_message.h"
+#include "bridges/ros_messages/raw_messages.h"
 #include "clients/cpp/disparity_client.hpp"
 
 /// What the daemon's clients get, as the bytes of ROS 2 messages: CDR with its header of 4 bytes, as DDS, bags of ROS 2
@@ -21,7 +23,8 @@ struct Encoding {
     int jpeg_quality = 85;  ///< 1 .. 100
     DepthCodec depth_codec = DepthCodec::png;
     FrameNames names = {};
-    HiddenSpace hidden = HiddenSpace::ignored;  ///< of scans
+    HiddenSpace hidden = HiddenSpace::ignored;       ///< of scans
+    std::shared_ptr<const RawCalibration> raw = {};  ///< of the lenses; null: nothing is known
 };
 
 /// Returns the message about a frame, or nothing when the frame does not carry what it needs, and for contents that do

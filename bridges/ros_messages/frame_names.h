@@ -10,6 +10,8 @@ struct FrameNames {
     /// The rectified left camera, an optical frame: x right, y down, z ahead. Both cameras' information and images
     /// refer to it, as the image pipeline of ROS asks for.
     std::string left = "left_camera";
+    /// The left camera as it captures, before it is turned to be rectified: also an optical frame, at the same place.
+    std::string raw = "left_camera_raw";
     /// The same place with the robot's axes: x ahead, y left, z up. Viewers draw z upwards.
     std::string camera = "camera";
     /// The frame of obstacle scans: on the ground below the camera, or where the daemon's configuration has its origin.

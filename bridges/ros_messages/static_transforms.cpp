@@ -13,7 +13,8 @@ std::string yaw_of_scans_text(const TreeOfFrames& tree) {
 }
 
 std::vector<Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
-                                         const std::optional<disparity::InertialPose>& sensor) {
+                                         const std::optional<disparity::InertialPose>& sensor,
+                                         const std::optional<std::array<double, 9>>& raw_turn) {
     std::vector<Transform> transforms;
     if (!tree.parent.empty()) {
         const Place& place = tree.place;
@@ -35,6 +36,9 @@ std::vector<Transform> static_transforms(const TreeOfFrames& tree, double baseli
                               tree.names.imu,
                               {mm[0] / 1000, mm[1] / 1000, mm[2] / 1000},
                               quaternion(sensor->rotation)});
+    }
+    if (raw_turn) {
+        transforms.push_back({tree.names.left, tree.names.raw, {}, quaternion(*raw_turn)});
     }
     return transforms;
 }

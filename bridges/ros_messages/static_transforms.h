@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,9 +38,11 @@ struct TreeOfFrames {
 std::string yaw_of_scans_text(const TreeOfFrames& tree);
 
 /// Returns the transforms that do not change: from the parent to the camera and to the scan's frame, from the camera to
-/// both optical frames, from the left one to the inertial sensor. What is not known is left out: `baseline_m` <= 0,
-/// and the sensor's pose.
+/// both optical frames, from the left one to the inertial sensor and to itself as it captures. What is not known is
+/// left out: `baseline_m` <= 0, the sensor's pose, and `raw_turn`, how the left eye is turned to be rectified, row by
+/// row.
 std::vector<Transform> static_transforms(const TreeOfFrames& tree, double baseline_m,
-                                         const std::optional<disparity::InertialPose>& sensor);
+                                         const std::optional<disparity::InertialPose>& sensor,
+                                         const std::optional<std::array<double, 9>>& raw_turn = std::nullopt);
 
 }  // namespace disparityd::ros

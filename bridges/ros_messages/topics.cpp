@@ -26,6 +26,10 @@ constexpr std::array names{
     Names{Content::right_grey_image, "right/image_rect", "right/gray/rect/image"},
     Names{Content::left_image, "left/image_rect_color", "left/color/rect/image"},
     Names{Content::right_image, "right/image_rect_color", "right/color/rect/image"},
+    Names{Content::raw_left_image, "raw/left/image_raw", "left/gray/raw/image"},
+    Names{Content::raw_right_image, "raw/right/image_raw", "right/gray/raw/image"},
+    Names{Content::raw_left_info, "raw/left/camera_info", "left/gray/raw/camera_info"},
+    Names{Content::raw_right_info, "raw/right/camera_info", "right/gray/raw/camera_info"},
     Names{Content::left_jpeg, "left/image_rect_color/compressed", "left/color/rect/image/compressed"},
     Names{Content::depth, "depth/image_rect", "depth/depth_registered"},
     Names{Content::depth_mm, "depth/image_rect_raw", "depth/depth_registered_mm"},
@@ -103,11 +107,13 @@ std::vector<Topic> all_topics(Naming naming, const std::string& name_space, bool
 FrameNames frame_names(Naming naming, const std::string& camera_name) {
     if (naming == Naming::zed) {
         return {.left = camera_name + "_left_camera_frame_optical",
+                .raw = camera_name + "_left_camera_raw_frame_optical",
                 .camera = camera_name + "_left_camera_frame",
                 .scan = camera_name + "_footprint",
                 .imu = camera_name + "_imu_link"};
     }
     return {.left = camera_name + "_left_optical_frame",
+            .raw = camera_name + "_left_raw_optical_frame",
             .camera = camera_name + "_link",
             .scan = camera_name + "_footprint",
             .imu = camera_name + "_imu_link"};

@@ -51,16 +51,29 @@ TEST(Ros2TopicList, SaysHowEachIsSent) {
     EXPECT_FALSE(lines_of(settings_of(ros::Naming::image_pipeline, false)).contains("/tf_static"));
 }
 
+/// Returns lenses of which only that they are known counts.
+v1::RawCameras raw_cameras() {
+    v1::RawCameras cameras;
+    for (v1::RawCamera* eye : {cameras.mutable_left(), cameras.mutable_right()}) {
+        eye->mutable_rotation()->Resize(9, 0);
+    }
+    return cameras;
+}
+
 /// Returns the frame in the header of a message about this, or "-".
 std::string encoded_frame(ros::Content content, const ros::Encoding& encoding) {
     std::optional<std::string> message = ros::encode(content, test::sensor_batch().samples.front(), encoding.names);
     if (!message) {
         disparity::Frame frame = test::grey_frame();
-        for (const disparity::Product product : {disparity::Product::right, disparity::Product::left_colour}) {
-            const std::uint32_t bytes = product == disparity::Product::right ? 1 : 3;
+        using disparity::Product;
+        for (const Product product : {Product::right, Product::left_colour, Product::raw_left, Product::raw_right}) {
+            const std::uint32_t bytes = product == Product::left_colour ? 3 : 1;
             frame.planes.push_back(test::plane_of_bytes(product, bytes, std::vector<std::uint8_t>(32 * bytes)));
         }
-        message = ros::encode(content, frame, encoding);
+        ros::Encoding known = encoding;
+        known.raw =
+            std::make_shared<const ros::RawCalibration>(ros::RawCalibration{frame.calibration_id, raw_cameras()});
+        message = ros::encode(content, frame, known);
     }
     if (!message || content == ros::Content::clock) {
         return "-";

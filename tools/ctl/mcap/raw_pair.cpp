@@ -79,7 +79,8 @@ RawPair::RawPair(const capture::SourceInfo& source, const std::string& camera)
         images_[eye] = prefix + name + image;
         infos_[eye] = prefix + name + "/camera_info";
     }
-    frame_ = rectified_ ? ros::frame_names(mcap_naming, camera).left : camera + "_left_raw_optical_frame";
+    const ros::FrameNames names = ros::frame_names(mcap_naming, camera);
+    frame_ = rectified_ ? names.left : names.raw;
     describe({});
 }
 
