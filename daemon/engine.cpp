@@ -232,7 +232,7 @@ void Engine::publish(const pipeline::FrameSlot& slot) {
                          ? steady_clock::time_point(std::chrono::nanoseconds(slot.raw.monotonic_ns) - moved_on)
                          : slot.captured;
     frame.taken = slot.captured;
-    note_rectification(*slot.rectification);
+    note_rectification(slot);
     frame.info = geometry_;
     frame.info.publish_index = next_index_++;
     products::put_frame(frame.info, slot,
@@ -275,11 +275,13 @@ Plane<const std::uint8_t> Engine::record_plane(const pipeline::FrameSlot& slot, 
 }
 
 /// Called by the publish thread. Only it writes geometry_, so it reads it without the lock.
-void Engine::note_rectification(const calibration::Rectification& used) {
+void Engine::note_rectification(const pipeline::FrameSlot& slot) {
+    const calibration::Rectification& used = *slot.rectification;
     if (used.calibration_id != geometry_.calibration_id) {
         const std::lock_guard lock(mutex_);
         products::put_geometry(geometry_, used);
         to_rectified_ = {used.left_rotation, used.right_rotation};
+        correction_ = slot.raw.correction;
     }
 }
 
@@ -341,10 +343,12 @@ void Engine::fill(v1::Status& status) const {
     {
         const std::lock_guard lock(mutex_);
         *status.mutable_geometry() = to_message(geometry_);
-        if (auto raw = source().calibration ? raw_cameras(*source().calibration, to_rectified_) : std::nullopt) {
+        const auto& calibration = source().calibration;
+        // The focal length of the right eye is corrected, too.
+        if (auto raw = calibration ? raw_cameras(corrected(*calibration, correction_), to_rectified_) : std::nullopt) {
             *status.mutable_raw_cameras() = std::move(*raw);
         }
-        if (const auto& calibration = source().calibration; calibration && calibration->inertial.is_known()) {
+        if (calibration && calibration->inertial.is_known()) {
             *status.mutable_inertial_calibration() =
                 to_message(calibration->inertial, to_rectified_.left, source().time_offset_us);
         }

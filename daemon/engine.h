@@ -146,7 +146,7 @@ private:
     void publish(const pipeline::FrameSlot& slot);
     Plane<const std::uint8_t> record_plane(const pipeline::FrameSlot& slot, v1::Product product) const;
     void make_self_calibrator();
-    void note_rectification(const calibration::Rectification& used);
+    void note_rectification(const pipeline::FrameSlot& slot);
     void fill_self_calibration(v1::Status& status) const;
     void note_activity();
     bool wants_frame();
@@ -181,9 +181,10 @@ private:
     mutable std::mutex mutex_;     ///< the four below
     std::string memory_notice_;
     std::string load_notice_;
-    proto::FrameInfo geometry_{};                   ///< of the newest frame; the publish thread writes it
-    Turns to_rectified_;                            ///< of the same: how its images were turned; as geometry_
-    std::unique_ptr<pipeline::Pipeline> pipeline_;  ///< last: its threads use the rest
+    proto::FrameInfo geometry_{};                         ///< of the newest frame; the publish thread writes it
+    Turns to_rectified_;                                  ///< of the same: how its images were turned; as geometry_
+    calibration::CalibrationCorrection correction_ = {};  ///< of the same: what the calibration was corrected by
+    std::unique_ptr<pipeline::Pipeline> pipeline_;        ///< last: its threads use the rest
 };
 
 /// Returns "waiting", "running", "idle" or "ended".

@@ -20,18 +20,18 @@
 namespace disparityd::images {
 namespace {
 
-/// The name of the unfinished file; of this process alone.
+/// The name of the unfinished file; of this thread alone, as several write at once, and long names begin alike.
 std::string unfinished_name(const std::string& target) {
     const std::filesystem::path path(target);
     // The name itself may be as long as names can be.
-    return (path.parent_path() / ("." + path.filename().string().substr(0, 200) + '.' + std::to_string(getpid())))
+    return (path.parent_path() / ("." + path.filename().string().substr(0, 200) + '.' + std::to_string(gettid())))
         .string();
 }
 
 /// A new file beside the target; -1 where there can be none.
 int open_beside(const std::string& target) {
     const std::string name = unfinished_name(target);
-    unlink(name.c_str());  // of an earlier process with this number that was killed
+    unlink(name.c_str());  // of an earlier thread with this number, whose process was killed
     return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
 }
 

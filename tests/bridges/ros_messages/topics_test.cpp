@@ -112,7 +112,8 @@ TEST(Ros2StaticTransforms, TheSensorIsWhereTheCalibrationSays) {
               (Transform{"z_left_camera_frame_optical", "z_imu_link", {0.01, -0.02, 0.03}, {0.5, 0.5, 0.5, 0.5}}));
 }
 
-// A point p of the raw eye is turn p in the rectified one, which is what a transform from the latter to the former says.
+// A point p of the raw eye is turn p in the rectified one, which is what a transform from the latter to the former
+// says.
 TEST(Ros2StaticTransforms, TheRawEyeIsTurnedAsRectificationSays) {
     const TreeOfFrames tree{.names = frame_names(Naming::image_pipeline, "s")};
     const std::array<double, 9> turn{0, 0, 1, 1, 0, 0, 0, 1, 0};

@@ -456,9 +456,9 @@ void ProcessOutput::write(const pipeline::FrameSlot& slot, const trust::Verdict&
     listed_only_ = true;
     write_times(slot, frame);
     writers_.add(needed_planes(slot.view), slot.rectification, name, std::move(frame));
-    listed_only_ = false;
     lost_ += slot.dropped_before;
     note_correction(slot);
+    listed_only_ = false;
     ++frames_;
 }
 
