@@ -73,8 +73,7 @@ void CoreBudget::look_at(const Moment& now) {
 void CoreBudget::close_second(const Moment& now) {
     const double spent = (now.used - second_.used).count();
     const double of_frame = spent / admitted_;
-    constexpr double followed = 4;
-    cost_ = cost_ == 0 ? of_frame : cost_ + (of_frame - cost_) / followed;
+    cost_ = std::min(next_cost(of_frame), cores_ * Seconds(most_of_frame).count());
     const double uncharged = spent - charged_;
     excess_ += uncharged > 0 ? std::max(0.0, uncharged - unused_) : uncharged;
     if (excess_ < 0) {
@@ -88,6 +87,16 @@ void CoreBudget::close_second(const Moment& now) {
     admitted_ = 0;
     unused_ = 0;
     keep(now);
+}
+
+/// Returns the average after `of_frame`. Where the last frames cost less than half, other work has ended: the average
+/// follows faster, so that frames are soon as many as before. It does not jump: what is still in flight is not in it.
+double CoreBudget::next_cost(double of_frame) const {
+    if (cost_ == 0) {
+        return of_frame;
+    }
+    const double followed = of_frame < cost_ / 2 ? 2 : 4;
+    return cost_ + (of_frame - cost_) / followed;
 }
 
 void CoreBudget::keep(const Moment& now) {

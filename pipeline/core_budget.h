@@ -19,7 +19,8 @@ std::chrono::nanoseconds processor_time();
 /// A frame is charged when it begins, at the average of those before it, since its time is spent later. Each second
 /// what was charged is compared with what was spent: an excess is saved over the next seconds, by at most half of what
 /// they have, so that frames come more rarely then but do not stop. Nothing is saved up while fewer frames come than
-/// are allowed.
+/// are allowed. Where the rest of the process alone takes more than the budget, a frame begins now and then all the
+/// same (`most_of_frame`), and they are as many as before some seconds after that work has ended.
 ///
 /// admits() and to_wait() are for one thread, the rest for any. Allocates nothing after the constructor.
 class CoreBudget {
@@ -29,6 +30,11 @@ public:
 
     /// Over this time the average is told, and is at most the budget once the work is the same for so long.
     static constexpr std::chrono::seconds window{10};
+
+    /// No frame is charged more than the budget of so long, so that one begins at least each 2 * most_of_frame,
+    /// whatever else the process does. The budget is kept where a frame costs at most that; frames alone that cost up
+    /// to twice as much keep it, too.
+    static constexpr std::chrono::seconds most_of_frame{2};
 
     /// A moment, and the processor time that the process had used by then.
     struct Moment {
@@ -54,6 +60,7 @@ public:
 private:
     void look_at(const Moment& now);
     void close_second(const Moment& now);
+    double next_cost(double of_frame) const;
     void keep(const Moment& now);
 
     static constexpr std::size_t kept = 11;  ///< moments a second apart reach back a window
@@ -61,7 +68,7 @@ private:
     const double cores_;
     const Clock clock_;
     // Seconds of processor time, of the thread that admits.
-    double cost_ = 0;     ///< of a frame; 0 = not known yet
+    double cost_ = 0;     ///< of a frame, with its share of all else; 0 = not known yet
     double credit_ = 0;   ///< which a frame costs
     double excess_ = 0;   ///< spent and not charged: still to be saved
     double charged_ = 0;  ///< this and the next two since `second_`

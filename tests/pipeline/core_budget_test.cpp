@@ -106,6 +106,31 @@ TEST(CoreBudget, WhereTheRestTakesAllHardlyAFrameBegins) {
     EXPECT_LE(process.run(60, 0.05, 0.6).size(), 60U) << "of 1800";
 }
 
+// However much the rest of the process took meanwhile, a frame is charged the budget of 2 s at most.
+TEST(CoreBudget, FramesAreBackSoonAfterOtherWorkHasEnded) {
+    for (const auto& [cores, other] : {std::pair(1.0, 1.2), std::pair(0.5, 4.0), std::pair(2.0, 16.0)}) {
+        const double cost = 0.05 * cores;
+        Process process(cores, 30);
+        process.run(20, cost);
+        const std::vector<int> meanwhile = process.run(300, cost, other);
+        EXPECT_LE(gaps_of(meanwhile).second, 4.5 * 30) << "at least one in 4 s";
+        EXPECT_LE(meanwhile.size(), 300U) << "and no more than one a second";
+        const std::vector<int> after = process.run(15, cost);
+        ASSERT_FALSE(after.empty());
+        EXPECT_LE(after.front() - meanwhile.back(), 4.5 * 30);
+        EXPECT_GE(process.run(20, cost).size(), 340U) << "15 s later, of 400 that the budget allows";
+        EXPECT_NEAR(process.budget().used(), cores, 0.05 * cores);
+    }
+}
+
+TEST(CoreBudget, AFrameThatTakesTheBudgetOfSecondsIsRare) {
+    Process process(0.25, 30);
+    process.run(40, 0.5);
+    const double before = process.used();
+    process.run(120, 0.5);  // one in 2 s would be 0.25 cores
+    EXPECT_NEAR(process.used() - before, 120 * 0.25, 1.5);
+}
+
 // Frames that become more expensive are more than the budget for a moment, which is saved afterwards, not all at once.
 TEST(CoreBudget, AnExcessIsSavedAndFramesComeMeanwhile) {
     Process process(1.0, 30);
